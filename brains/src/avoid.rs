@@ -1,0 +1,191 @@
+//! Wandering without running into what the infra-red sensors see.
+//!
+//! The brain decides each time that new readings have come:
+//!
+//! - **Drive** straight on, more slowly the nearer something is in front.
+//! - **Escape**: if something is too near, turn on the spot away from the nearer side, and keep turning that
+//!   way until all is clear. A disc that turns on the spot touches nothing new. Turning back because the
+//!   other side has become the nearer one is what makes a robot dither in a corner for ever, so it is not
+//!   done.
+//! - **Stroll**: where all is clear, turn on the spot for a while now and then, at random, so that every
+//!   part of the room is visited.
+//!
+//! Whenever a sensor has had no new reading for too long (the cable is cut, or the run has just begun) the
+//! brain tells the motors to stand still.
+//!
+//! What no sensor sees is run into: ARSim's own pair, at 45° to the left and right, looks past a box that
+//! stands straight ahead.
+//!
+//! It sends a command only when it has decided something, and not before the last one is off the cable. So
+//! commands never queue, and a firmware that answers only when asked is asked once for each answer.
+
+use baudbot_client::{Action, Body, Brain, Turn};
+
+use crate::chance::Chance;
+
+mod parameters;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use parameters::PARAMETERS;
+pub use parameters::Parameters;
+
+/// A brain that wanders and avoids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Avoid {
+    parameters: Parameters,
+    chance: Chance,
+    eyes: Vec<Eye>,
+    /// Time that a command takes on the wire.
+    command_ns: u64,
+    state: State,
+    /// New readings have come since the last decision.
+    news: bool,
+    decided_ns: u64,
+    sent_ns: Option<u64>,
+}
+
+/// A sensor that counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Eye {
+    sensor: usize,
+    /// To the left of the robot's heading, in radians.
+    bearing_rad: f64,
+    /// When its last new reading came.
+    seen_ns: Option<u64>,
+    reading: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Drive,
+    Escape(Way),
+    Stroll(Way),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Left,
+    Right,
+}
+
+impl Avoid {
+    /// A brain at its start for a robot with this body; `None` if it has no infra-red sensor that looks ahead.
+    pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
+        let eyes: Vec<_> = eyes(body).filter(|eye| eye.bearing_rad.abs() <= parameters.field_rad).collect();
+        let (command_ns, state) = (body.command_ns(), State::Drive);
+        let brain =
+            Self { parameters, chance, eyes, command_ns, state, news: false, decided_ns: 0, sent_ns: None };
+        (!brain.eyes.is_empty()).then_some(brain)
+    }
+
+    /// Takes in what is new.
+    fn look(&mut self, turn: &Turn) {
+        for eye in &mut self.eyes {
+            let Some(reading) = turn.readings.get(eye.sensor).and_then(Option::as_ref) else { continue };
+            let Some(&value) = reading.values.first().filter(|_| reading.readable) else { continue };
+            eye.reading = value;
+            eye.seen_ns = Some(turn.at_ns);
+            self.news = true;
+        }
+    }
+
+    /// Whether any sensor has had nothing new to say for too long.
+    fn is_blind(&self, at_ns: u64) -> bool {
+        let stale_ns = (self.parameters.stale_s * 1e9) as u64;
+        self.eyes.iter().any(|eye| eye.seen_ns.is_none_or(|seen_ns| at_ns.saturating_sub(seen_ns) > stale_ns))
+    }
+
+    /// The next state, `seconds` after the last decision.
+    fn decide(&mut self, seconds: f64) -> State {
+        let nearest = self.nearest(|_| true);
+        let p = self.parameters;
+        match self.state {
+            State::Escape(way) if nearest >= p.clear_reading => State::Escape(way),
+            State::Stroll(way) if nearest >= p.turn_reading => State::Escape(way),
+            _ if nearest >= p.turn_reading => State::Escape(self.way_out()),
+            State::Stroll(way) if !self.chance.happens(p.stop_stroll_rate_hz * seconds) => State::Stroll(way),
+            State::Drive if self.chance.happens(p.stroll_rate_hz * seconds) => State::Stroll(self.any_way()),
+            _ => State::Drive,
+        }
+    }
+
+    /// Away from the nearer side.
+    fn way_out(&mut self) -> Way {
+        let left = self.nearest(|eye| eye.bearing_rad > 0.0);
+        let right = self.nearest(|eye| eye.bearing_rad < 0.0);
+        if left > right {
+            Way::Right
+        } else if right > left {
+            Way::Left
+        } else {
+            self.any_way()
+        }
+    }
+
+    fn any_way(&mut self) -> Way {
+        if self.chance.happens(0.5) { Way::Left } else { Way::Right }
+    }
+
+    /// The largest reading of some of the sensors.
+    fn nearest(&self, which: impl Fn(&Eye) -> bool) -> f64 {
+        self.eyes.iter().filter(|eye| which(eye)).map(|eye| eye.reading).fold(0.0, f64::max)
+    }
+
+    fn signals(&self) -> (f64, f64) {
+        let p = self.parameters;
+        match self.state {
+            State::Escape(Way::Left) | State::Stroll(Way::Left) => (-p.turn, p.turn),
+            State::Escape(Way::Right) | State::Stroll(Way::Right) => (p.turn, -p.turn),
+            State::Drive => {
+                let room = (p.turn_reading - p.slow_reading).max(1e-9);
+                let way = (self.nearest(|_| true) - p.slow_reading) / room;
+                let signal = p.forward + (p.creep - p.forward) * way.clamp(0.0, 1.0);
+                (signal, signal)
+            }
+        }
+    }
+}
+
+impl Brain for Avoid {
+    fn step(&mut self, turn: &Turn) -> Action {
+        self.look(turn);
+        let blind = self.is_blind(turn.at_ns);
+        // One command at a time: those that wait behind others on the cable come too late. A blind robot has
+        // nothing new to say, and repeats itself only because the cable may lose a command.
+        let pause_ns = if blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
+        let free = self.sent_ns.is_none_or(|sent_ns| turn.at_ns.saturating_sub(sent_ns) >= pause_ns);
+        if !free || !(blind || self.news) {
+            return Action::wait();
+        }
+        self.sent_ns = Some(turn.at_ns);
+        if blind {
+            self.state = State::Drive;
+            return Action::drive(0.0, 0.0);
+        }
+        let seconds = turn.at_ns.saturating_sub(self.decided_ns) as f64 * 1e-9;
+        self.state = self.decide(seconds);
+        self.decided_ns = turn.at_ns;
+        self.news = false;
+        let (left, right) = self.signals();
+        Action::drive(left, right)
+    }
+}
+
+/// All infra-red sensors, as nothing has been seen yet.
+fn eyes(body: &Body) -> impl Iterator<Item = Eye> {
+    let infrared = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == "ir");
+    infrared.map(|(sensor, described)| {
+        let heading_rad = described.mount.map_or(0.0, |mount| mount.heading_rad);
+        Eye { sensor, bearing_rad: wrap(heading_rad), seen_ns: None, reading: 0.0 }
+    })
+}
+
+/// The same angle in [-π, π).
+fn wrap(angle_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    (angle_rad + PI).rem_euclid(TAU) - PI
+}
+
+/// A blind robot says so often that it stands still, in nanoseconds.
+const REPEAT_NS: u64 = 100_000_000;

@@ -1,0 +1,51 @@
+//! A brain's random numbers.
+
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Random numbers that depend on a seed and a name only, so that two robots with the same brain and the same
+/// seed do not dance in step. The generator is PCG-64, the same on every machine and in every version.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chance(Pcg64);
+
+impl Chance {
+    /// The numbers called `name`, such as `alice/wander`, of the run with this `seed`.
+    pub fn new(seed: u64, name: &str) -> Self {
+        Self(Pcg64::seed_from_u64(seed ^ fnv1a(name.as_bytes())))
+    }
+
+    /// Uniform in [0, 1), with 53 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// True with this probability.
+    pub fn happens(&mut self, probability: f64) -> bool {
+        self.uniform() < probability
+    }
+}
+
+/// 64-bit FNV-1a.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Chance;
+
+    #[test]
+    fn numbers_depend_on_seed_and_name_only() {
+        let draw = |seed, name| Chance::new(seed, name).uniform();
+        assert_eq!(draw(1, "alice/wander"), draw(1, "alice/wander"));
+        assert_ne!(draw(1, "alice/wander"), draw(2, "alice/wander"));
+        assert_ne!(draw(1, "alice/wander"), draw(1, "bob/wander"));
+    }
+
+    #[test]
+    fn numbers_stay_the_same_between_versions() {
+        let mut chance = Chance::new(7, "alice/wander");
+        assert_eq!([chance.uniform(), chance.uniform()], [0.5728946248146071, 0.7520619467720493]);
+    }
+}

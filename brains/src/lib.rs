@@ -1,0 +1,42 @@
+//! Brains for baudbot's robots. A brain knows its robot's data sheet and what came over the cable, and no
+//! path leads from this crate to the simulator: what works here could work on a real robot.
+//!
+//! | brain | does | from |
+//! |---|---|---|
+//! | [`Constant`] | sends the same signals in every step | |
+//! | [`Wander`] | drives on and turns on the spot now and then, at random | Wahde 2016, §5.3.2 |
+//! | [`Navigate`] | drives a distance by its odometer and stops | Wahde 2016, §5.4 |
+//! | [`Avoid`] | wanders without running into what its infra-red sensors see | |
+//!
+//! Each is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
+//! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
+//! that the same turns give the same actions.
+//!
+//! [`catalogue`] makes any of them from a text such as `wander:turn=0.6`, for command lines; [`program`] is
+//! the rest of a program that runs one.
+//!
+//! ```
+//! use baudbot_brains::catalogue;
+//! # fn check(body: &baudbot_client::Body) -> Result<(), catalogue::CatalogueError> {
+//! let mut brain = catalogue::brain("avoid:forward=0.4", 7, body)?;
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod avoid;
+pub mod catalogue;
+pub mod constant;
+pub mod navigate;
+pub mod program;
+pub mod wander;
+
+mod chance;
+mod parameter;
+#[cfg(test)]
+mod test_body;
+
+pub use avoid::Avoid;
+pub use chance::Chance;
+pub use constant::Constant;
+pub use navigate::Navigate;
+pub use wander::Wander;

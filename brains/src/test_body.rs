@@ -1,0 +1,48 @@
+//! Bodies and turns made up for tests.
+
+use std::sync::Arc;
+
+use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Reading, Sensor, Turn};
+
+/// A body with sensors of these names, kinds and headings.
+pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
+    let component = Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64 };
+    let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
+        name: name.to_owned(),
+        kind: kind.to_owned(),
+        components: vec![component.clone(); if kind == "odometer" { 3 } else { 1 }],
+        period_ns: 20_000_000,
+        phase_ns: 0,
+        mount: Some(Mount { heading_rad, ..Mount::default() }),
+        range_m: Some(1.0),
+        counts_per_turn: None,
+    };
+    Body {
+        name: "alice".to_owned(),
+        radius_m: 0.2,
+        half_track_m: 0.2,
+        wheel_radius_m: 0.1,
+        signal_limit: Some(1.0),
+        motor_encoding: Encoding::Signed { bits: 8, limit: 1.0 },
+        sensors: sensors.iter().map(sensor).collect(),
+        firmware: Firmware { protocol: Protocol::Framed { ages: true }, period_ns: Some(20_000_000) },
+        baud: Some(9600),
+        bits_per_character: Some(10),
+    }
+}
+
+/// A turn at this instant, with new readings of these values, sensor by sensor.
+pub(crate) fn turn(body: &Body, at_ns: u64, values: &[Option<&[f64]>]) -> Turn {
+    let reading = |values: &[f64]| Reading {
+        values: values.to_vec(),
+        sampled_at_ns: Some(at_ns),
+        sequence: 0,
+        readable: true,
+    };
+    Turn {
+        tick: at_ns / 10_000_000,
+        at_ns,
+        readings: values.iter().map(|values| values.map(reading)).collect(),
+        body: Arc::new(body.clone()),
+    }
+}

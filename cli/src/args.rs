@@ -1,0 +1,325 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+use baudbot_server::{Address, Pace, Watchdog, WatchdogPolicy};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use tracing_subscriber::filter::LevelFilter;
+
+use crate::error::Refused;
+
+/// A simulation server for mobile robots whose brains are elsewhere.
+///
+/// Without a command, `baudbot` lets a robot wander for 60 simulated seconds and says how it went.
+#[derive(Debug, Parser)]
+#[command(
+    name = "baudbot",
+    version,
+    after_help = "`baudbot help COMMAND` shows a command's options with examples."
+)]
+pub(crate) struct Cli {
+    /// What is logged to stderr: off, error, warn, info, debug or trace
+    #[arg(long, value_name = "LEVEL", default_value = "warn", global = true)]
+    pub(crate) log: LevelFilter,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Runs a scenario with its brains in this process and sums up
+    #[command(after_long_help = RUN_EXAMPLES)]
+    Run(RunArgs),
+    /// Serves worlds to brains in other processes until Ctrl-C
+    #[command(after_long_help = SERVE_EXAMPLES)]
+    Serve(ServeArgs),
+    /// Runs a brain against a server; without a name, lists the brains
+    #[command(after_long_help = BRAIN_EXAMPLES)]
+    Brain(BrainArgs),
+    /// Says what a scenario is, or what is wrong with it
+    #[command(after_long_help = CHECK_EXAMPLES)]
+    Check(CheckArgs),
+    /// Shows a world of a server as it moves
+    #[command(after_long_help = WATCH_EXAMPLES)]
+    Watch(WatchArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    pub(crate) scenario: Option<String>,
+    /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
+    ///
+    /// Without it every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
+    #[arg(long = "brain", value_name = "[ROBOT=]NAME[:K=V,…]")]
+    pub(crate) brains: Vec<String>,
+    /// End after this much simulated time
+    #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
+    pub(crate) seconds: Option<f64>,
+    /// End after this many ticks
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) ticks: Option<u64>,
+    /// Write the state at every tick as a table; `-` is stdout, and the summary then goes to stderr
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write the summary as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress bar, no notes, no summary (JSON is still written)
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// When a tick ends: lockstep, real-time, scaled:X or free
+    #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP)]
+    pub(crate) pace: PaceName,
+    #[command(flatten)]
+    pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+    #[command(flatten)]
+    pub(crate) listen: ListenArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Scenario files, or parts of the program: arsim, khepera, wander [default: wander]
+    ///
+    /// Each becomes a world with the scenario's name, or the file's if it has none.
+    pub(crate) scenarios: Vec<String>,
+    /// Leave the worlds standing until an operator starts them (ControlService.StartWorld)
+    #[arg(long)]
+    pub(crate) paused: bool,
+    /// When a tick ends: lockstep, real-time, scaled:X or free
+    #[arg(long, value_name = "PACE", default_value = "real-time", long_help = PACE_HELP)]
+    pub(crate) pace: PaceName,
+    #[command(flatten)]
+    pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+    #[command(flatten)]
+    pub(crate) listen: ListenArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BrainArgs {
+    /// Name of a brain, with parameters if need be
+    #[arg(value_name = "NAME[:K=V,…]")]
+    pub(crate) brain: Option<String>,
+    /// List the brains and their parameters
+    #[arg(long)]
+    pub(crate) list: bool,
+    #[command(flatten)]
+    pub(crate) server: ConnectArgs,
+    /// A robot to drive; may be given several times [default: the world's only robot]
+    #[arg(long = "robot", value_name = "ROBOT")]
+    pub(crate) robots: Vec<String>,
+    /// Seed of the brain's own chance
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    pub(crate) scenario: String,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct WatchArgs {
+    #[command(flatten)]
+    pub(crate) server: ConnectArgs,
+    /// Print one frame and stop
+    #[arg(long)]
+    pub(crate) once: bool,
+}
+
+/// Changes of a scenario.
+#[derive(Debug, Args)]
+pub(crate) struct ChangeArgs {
+    /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// Seed of all that is left to chance in the world, and of brains that run here
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    /// Sensors without noise
+    #[arg(long)]
+    pub(crate) no_noise: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ListenArgs {
+    /// Take brains, observers and operators here: IP:PORT (port 0 takes a free one) or unix:/PATH
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) listen: Vec<Address>,
+    /// Allow addresses that other machines reach; whoever reaches them may do anything here
+    #[arg(long)]
+    pub(crate) insecure: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConnectArgs {
+    /// The server: HOST:PORT or unix:/PATH
+    #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS)]
+    pub(crate) connect: String,
+    /// Name of the world [default: the server's only world]
+    #[arg(long)]
+    pub(crate) world: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct WatchdogArgs {
+    /// In lockstep: how long a brain may take to answer, by the wall clock [default: 10000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) watchdog_ms: Option<u32>,
+    /// In lockstep: what happens to a brain that took longer [default: wait]
+    #[arg(long, value_name = "POLICY")]
+    pub(crate) on_timeout: Option<OnTimeout>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum OnTimeout {
+    /// The world waits on
+    Wait,
+    /// The world goes on, and waits for the brain again once it has answered
+    GoOn,
+    /// The brain is cut off
+    Detach,
+}
+
+/// A pace as the command line has it, its watchdog apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PaceName {
+    Lockstep,
+    Timed(f64),
+    Free,
+}
+
+impl FromStr for PaceName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "lockstep" => Ok(Self::Lockstep),
+            None if text == "real-time" => Ok(Self::Timed(1.0)),
+            None if text == "free" => Ok(Self::Free),
+            Some(("scaled", factor)) => match factor.parse() {
+                Ok(factor) if f64::is_finite(factor) && factor > 0.0 => Ok(Self::Timed(factor)),
+                _ => Err(format!("the factor must be a positive number, is `{factor}`")),
+            },
+            _ => Err("a pace is lockstep, real-time, scaled:X (such as scaled:2.5) or free".to_owned()),
+        }
+    }
+}
+
+impl PaceName {
+    /// The pace with its watchdog; other paces than lockstep have none.
+    pub(crate) fn with(self, args: &WatchdogArgs) -> anyhow::Result<Pace> {
+        if self != Self::Lockstep && (args.watchdog_ms.is_some() || args.on_timeout.is_some()) {
+            return Err(Refused::error(
+                "--watchdog-ms and --on-timeout need --pace lockstep: else nobody is waited for",
+            ));
+        }
+        let defaults = Watchdog::default();
+        let policy = args.on_timeout.map(|policy| match policy {
+            OnTimeout::Wait => WatchdogPolicy::Wait,
+            OnTimeout::GoOn => WatchdogPolicy::GoOn,
+            OnTimeout::Detach => WatchdogPolicy::Detach,
+        });
+        let timeout = args.watchdog_ms.map(|ms| Duration::from_millis(ms.into()));
+        Ok(match self {
+            Self::Lockstep => Pace::Lockstep(Watchdog {
+                timeout: timeout.unwrap_or(defaults.timeout),
+                policy: policy.unwrap_or(defaults.policy),
+            }),
+            Self::Timed(factor) => Pace::Timed { factor },
+            Self::Free => Pace::Free,
+        })
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|number| f64::is_finite(*number)).ok_or_else(|| "must be a number".to_owned())
+}
+
+impl Cli {
+    /// What `baudbot` alone does: what `baudbot run` does.
+    pub(crate) fn into_command(self) -> Command {
+        self.command.unwrap_or_else(|| {
+            let run = Self::parse_from(["baudbot", "run"]).command;
+            run.expect("a command line with a command has one")
+        })
+    }
+}
+
+/// Where a server listens, and where one is looked for.
+pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:7400";
+
+const PACE_HELP: &str = "\
+When a tick ends:
+  lockstep   when every brain has answered: the same run on any machine
+  real-time  by the wall clock, brains or not
+  scaled:X   by the wall clock, X simulated seconds a second
+  free       at once; a brain that has not answered yet is silent";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  baudbot run                                    the default: wander, brain avoid, 60 s
+  baudbot run wander --pace real-time --seconds 10
+  baudbot run khepera --set robots.khepera.link.baud=9600
+  baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
+  baudbot run wander --json --quiet | python3 -m json.tool";
+
+const SERVE_EXAMPLES: &str = "\
+Examples:
+  baudbot serve                                  wander at 127.0.0.1:7400, in real time
+  baudbot serve wander khepera --pace lockstep
+  baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0";
+
+const BRAIN_EXAMPLES: &str = "\
+Examples:
+  baudbot brain --list
+  baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
+  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot";
+
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  baudbot check wander
+  baudbot check my.toml --set robots.alice.link.baud=4800";
+
+const WATCH_EXAMPLES: &str = "\
+Examples:
+  baudbot watch                                  the only world at 127.0.0.1:7400
+  baudbot watch --world wander --once";
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+        assert!(matches!(Cli::parse_from(["baudbot"]).into_command(), Command::Run(_)));
+    }
+
+    #[test]
+    fn paces() {
+        assert_eq!("scaled:2.5".parse(), Ok(PaceName::Timed(2.5)));
+        for bad in ["", "scaled", "scaled:", "scaled:0", "scaled:inf", "scaled:-1", "fast", "free:1"] {
+            assert!(bad.parse::<PaceName>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_watchdog_belongs_to_lockstep() {
+        let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout: Some(OnTimeout::Detach) };
+        let watchdog = Watchdog { timeout: Duration::from_millis(5), policy: WatchdogPolicy::Detach };
+        assert_eq!(PaceName::Lockstep.with(&args).unwrap(), Pace::Lockstep(watchdog));
+        assert!(PaceName::Free.with(&args).is_err());
+    }
+}

@@ -1,0 +1,272 @@
+//! `baudbot check`: what a scenario is.
+
+use std::fmt::Write;
+
+use baudbot_geometry::{Bounds, Circle, Segment};
+use baudbot_sim::Scenario;
+use baudbot_sim::arena::Arena;
+use baudbot_sim::collision::CollisionPolicy;
+use baudbot_sim::firmware::{Mode, Protocol};
+use baudbot_sim::link::Link;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::Sensor;
+use baudbot_wire::{Encoding, frame};
+
+use crate::args::CheckArgs;
+use crate::run::overrides;
+use crate::scenarios::Source;
+use crate::summary::bytes_per_second;
+use crate::text::{self, count, duration, handy, pairs, percent, table};
+
+pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    text::print(&describe(&source, &scenario))
+}
+
+fn describe(source: &Source, scenario: &Scenario) -> String {
+    let mut text = format!("{}: sound\n", source.label());
+    text += &pairs("  ", &facts(scenario));
+    for robot in scenario.robots() {
+        text.push('\n');
+        text += &describe_robot(robot);
+    }
+    text
+}
+
+fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let substeps = count(scenario.substeps() as usize, "substep");
+    let collision = match scenario.collision() {
+        CollisionPolicy::StopRun => "ends the run",
+        CollisionPolicy::StopRobot => "stops the robot",
+    };
+    vec![
+        ("name", scenario.name().to_owned()),
+        ("description", scenario.description().to_owned()),
+        ("step", format!("{} in {substeps}", duration(scenario.step_ns() as f64))),
+        (
+            "seed",
+            format!("{}, sensor noise {}", scenario.seed(), if scenario.noise() { "on" } else { "off" }),
+        ),
+        ("arena", arena(scenario.arena())),
+        ("collision", collision.to_owned()),
+        ("end", end(scenario)),
+        ("robots", scenario.robots().len().to_string()),
+    ]
+    .into_iter()
+    .filter(|(_, value)| !value.is_empty())
+    .collect()
+}
+
+fn arena(arena: &Arena) -> String {
+    let (solid, hollow): (Vec<_>, Vec<_>) = arena.polygons().iter().partition(|polygon| polygon.solid);
+    let shapes =
+        [(solid.len(), "solid polygon"), (hollow.len(), "hollow polygon"), (arena.pillars().len(), "circle")];
+    let shapes: Vec<_> = shapes.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+    let corners = arena.polygons().iter().flat_map(|polygon| &polygon.points);
+    let corners = corners.map(|&point| Bounds::of_segment(&Segment { start: point, end: point }));
+    let pillars = arena.pillars().iter().map(|pillar| Bounds::of_circle(&pillar.circle));
+    match corners.chain(pillars).reduce(|a, b| a.union(&b)) {
+        None => "empty".to_owned(),
+        Some(Bounds { min, max }) => {
+            format!("{}; x from {} to {} m, y from {} to {} m", shapes.join(", "), min.x, max.x, min.y, max.y)
+        }
+    }
+}
+
+fn end(scenario: &Scenario) -> String {
+    let mut ends = Vec::new();
+    if let Some(after) = scenario.end().after {
+        ends.push(format!("after {} s", handy(after.as_seconds())));
+    }
+    if let Some(Circle { center, radius }) = scenario.end().goal {
+        ends.push(format!("when a robot is within {radius} m of ({}, {}) m", center.x, center.y));
+    }
+    if ends.is_empty() { "none; `baudbot run` ends it after 60 s".to_owned() } else { ends.join(", or ") }
+}
+
+fn describe_robot(robot: &RobotSpec) -> String {
+    let drive = &robot.drive;
+    let position = robot.start.pose.position;
+    let body = format!(
+        "radius {} m, {} kg, wheels of radius {} m, {} m apart",
+        drive.radius_m,
+        drive.mass_kg,
+        drive.wheel_radius_m,
+        handy(2.0 * drive.half_track_m)
+    );
+    let mut facts = vec![
+        (
+            "start",
+            format!("x {} m, y {} m, heading {} rad", position.x, position.y, robot.start.pose.heading),
+        ),
+        ("body", body),
+        ("motors", format!("signals of {}", encoding(robot.firmware.motor_encoding()))),
+        ("firmware", firmware(robot)),
+        ("link", link(&robot.link)),
+        ("readings", message(robot, frame_bytes(robot), "with all sensors")),
+        ("command", message(robot, command_bytes(robot), "each")),
+    ];
+    let load = load(robot);
+    if let Some((bytes, used)) = load {
+        facts.push(("up line", format!("{} bytes/s, {} of its capacity", handy(bytes), percent(used))));
+    }
+    let mut text = format!("robot {}\n{}", robot.name, pairs("  ", &facts));
+    if load.is_some_and(|(_, used)| used > 1.0) {
+        let _ = writeln!(text, "  warning: the up line cannot carry that much; frames will be left out");
+    }
+    if !robot.sensors.is_empty() {
+        text += "  sensors\n";
+        text += &table("    ", &sensors(&robot.sensors));
+    }
+    text
+}
+
+fn firmware(robot: &RobotSpec) -> String {
+    let protocol = match robot.firmware.protocol {
+        Protocol::Framed { ages: true } => "framed, with ages".to_owned(),
+        Protocol::Framed { ages: false } => "framed, without ages".to_owned(),
+        Protocol::Bare { gap_ns } => format!("bare, a gap of {} ends a message", duration(gap_ns as f64)),
+    };
+    match robot.firmware.mode {
+        Mode::Poll => format!("{protocol}; answers when asked"),
+        Mode::Stream(schedule) => {
+            let [period, phase] = [schedule.period_ns(), schedule.phase_ns()].map(|ns| duration(ns as f64));
+            format!("{protocol}; streams every {period} from {phase} on")
+        }
+    }
+}
+
+fn link(link: &Link) -> String {
+    match link {
+        Link::Ideal => "ideal: no time, no loss".to_owned(),
+        Link::Uart(uart) => {
+            let rate = handy(f64::from(uart.baud) / f64::from(uart.bits_per_character));
+            let errors = match uart.byte_error_rate {
+                0.0 => String::new(),
+                rate => format!(", a byte is wrong with probability {rate}"),
+            };
+            format!(
+                "{} baud, {} bits a character: {rate} bytes/s{errors}",
+                uart.baud, uart.bits_per_character
+            )
+        }
+    }
+}
+
+fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
+    let bytes_text = count(bytes, "byte");
+    match bytes_per_second(&robot.link) {
+        None => format!("{bytes_text} {which}"),
+        Some(rate) => format!("{bytes_text} {which}, {} on the link", duration(bytes as f64 / rate * 1e9)),
+    }
+}
+
+/// Bytes on the wire of a message with all readings.
+fn frame_bytes(robot: &RobotSpec) -> usize {
+    let layout = robot.firmware.layout();
+    match robot.firmware.protocol {
+        Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
+        Protocol::Bare { .. } => layout.bare_readings_len(),
+    }
+}
+
+fn command_bytes(robot: &RobotSpec) -> usize {
+    let layout = robot.firmware.layout();
+    match robot.firmware.protocol {
+        Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
+        Protocol::Bare { .. } => layout.bare_command_len(),
+    }
+}
+
+/// Bytes that a streaming firmware wants to send in a second, and which share of the line's capacity that is.
+/// A sensor is in a frame only if it has a new sample.
+fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
+    let Mode::Stream(schedule) = robot.firmware.mode else { return None };
+    let frames = 1e9 / schedule.period_ns() as f64;
+    let mut bytes = frame_bytes(robot) as f64 * frames;
+    if let Protocol::Framed { ages } = robot.firmware.protocol {
+        for sensor in &robot.sensors {
+            let entry = sample_bytes(sensor) + usize::from(ages);
+            let samples = 1e9 / sensor.schedule.period_ns() as f64;
+            bytes -= entry as f64 * (frames - samples).max(0.0);
+        }
+    }
+    Some((bytes, bytes / bytes_per_second(&robot.link)?))
+}
+
+fn sample_bytes(sensor: &Sensor) -> usize {
+    sensor.encodings.iter().map(|encoding| encoding.len()).sum()
+}
+
+fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
+    let row = |sensor: &Sensor| {
+        let encodings = match sensor.encodings.as_slice() {
+            [] => String::new(),
+            [one] => encoding(*one),
+            several => format!("{} × {}", several.len(), encoding(several[0])),
+        };
+        [
+            sensor.name.clone(),
+            sensor.device.kind().to_owned(),
+            duration(sensor.schedule.period_ns() as f64),
+            duration(sensor.schedule.phase_ns() as f64),
+            encodings,
+            sample_bytes(sensor).to_string(),
+        ]
+    };
+    let head = ["", "kind", "period", "phase", "values", "bytes"];
+    let mut rows = vec![head.map(str::to_owned)];
+    rows.extend(sensors.iter().map(row));
+    rows
+}
+
+fn encoding(encoding: Encoding) -> String {
+    match encoding {
+        Encoding::Float64 => "64 bits, exact".to_owned(),
+        Encoding::Level { bits, .. } | Encoding::Counter { bits } | Encoding::Signed { bits, .. } => {
+            format!("{bits} bits")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scenario(name: &str, sets: &[&str]) -> Scenario {
+        let sets: Vec<_> = sets.iter().map(|set| baudbot_sim::Override::parse(set).unwrap()).collect();
+        Source::find(name).unwrap().parse(&sets).unwrap()
+    }
+
+    #[test]
+    fn wanders_cable_just_keeps_up() {
+        // A frame of five 8-bit readings is 8 + 1 + 5 · 2 = 19 bytes, 50 times a second.
+        let wander = scenario("wander", &[]);
+        let (bytes, used) = load(&wander.robots()[0]).unwrap();
+        assert_eq!((frame_bytes(&wander.robots()[0]), bytes), (19, 950.0));
+        assert!((used - 950.0 / 960.0).abs() < 1e-12);
+        assert!(!describe(&Source::find("wander").unwrap(), &wander).contains("warning"));
+    }
+
+    #[test]
+    fn a_slow_cable_is_warned_of() {
+        let slow = scenario("wander", &["robots.robot.link.baud=4800"]);
+        assert!(describe_robot(&slow.robots()[0]).contains("warning: the up line cannot carry"));
+    }
+
+    #[test]
+    fn a_sensor_without_news_is_in_no_frame() {
+        // 100 frames a second of 4 + 4 + 2 bytes; 8 sensors of 1 + 2 bytes at 50 Hz; encoders of 1 + 4.
+        let khepera = scenario("khepera", &[]);
+        let (bytes, _) = load(&khepera.robots()[0]).unwrap();
+        assert!((bytes - (100.0 * 10.0 + 50.0 * 8.0 * 3.0 + 100.0 * 5.0)).abs() < 1e-9, "{bytes}");
+    }
+
+    #[test]
+    fn an_ideal_link_has_no_load_and_a_polled_firmware_none_either() {
+        assert!(load(&scenario("arsim", &[]).robots()[0]).is_none());
+        let polled = "robots.robot.firmware={mode=\"poll\"}";
+        assert!(load(&scenario("wander", &[polled]).robots()[0]).is_none());
+    }
+}

@@ -1,0 +1,210 @@
+//! The state of a world at every tick, as a table of comma-separated values.
+//!
+//! Names have no commas in them (scenario files see to that), so nothing is quoted. Numbers have 17
+//! significant digits: read back, they are the same bits. What a robot does not have, or not yet, is an
+//! empty cell.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use baudbot_server::sensor_columns;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::{RobotView, World};
+use tokio::sync::oneshot;
+
+/// A table that is being written, on its world's thread.
+pub(crate) struct Table {
+    out: BufWriter<Box<dyn Write + Send>>,
+    /// For each robot and each sensor column, which of the robot's values stands there.
+    cells: Vec<Vec<Option<usize>>>,
+    /// Taken when the first write fails; otherwise told when the table is done.
+    outcome: Option<oneshot::Sender<io::Result<()>>>,
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// Opens a file, or stdout for `-`.
+    pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
+        if path == Path::new("-") {
+            return Ok(Box::new(io::stdout()));
+        }
+        Ok(Box::new(File::create(path)?))
+    }
+
+    /// A table with its header, and how it went: an error as soon as one occurs, or else the end, when the
+    /// table is dropped.
+    pub(crate) fn new(
+        out: Box<dyn Write + Send>,
+        robots: &[RobotSpec],
+    ) -> (Self, oneshot::Receiver<io::Result<()>>) {
+        let own: Vec<Vec<String>> = robots.iter().map(sensor_columns).collect();
+        let mut union: Vec<&str> = Vec::new();
+        for column in own.iter().flatten() {
+            if !union.contains(&column.as_str()) {
+                union.push(column);
+            }
+        }
+        let place = |own: &Vec<String>, column: &str| own.iter().position(|name| name == column);
+        let cells = own.iter().map(|own| union.iter().map(|column| place(own, column)).collect()).collect();
+        let (outcome, receiver) = oneshot::channel();
+        let out = BufWriter::with_capacity(BUFFER, out);
+        let mut table = Self { out, cells, outcome: Some(outcome), values: Vec::new() };
+        let header = table.header(&union);
+        table.note(header);
+        (table, receiver)
+    }
+
+    /// One row a robot: the state at the start of a tick, with the readings that were taken at it.
+    pub(crate) fn write(&mut self, world: &World) {
+        if self.outcome.is_some() {
+            let written = self.rows(world);
+            self.note(written);
+        }
+    }
+
+    fn header(&mut self, sensors: &[&str]) -> io::Result<()> {
+        self.out.write_all(b"t_s,robot,x_m,y_m,heading_rad,speed_m_s,turn_rate_rad_s")?;
+        for column in sensors {
+            write!(self.out, ",{column}")?;
+        }
+        self.out.write_all(b",left_signal,right_signal,collided\n")
+    }
+
+    fn rows(&mut self, world: &World) -> io::Result<()> {
+        for (i, robot) in world.robots().enumerate() {
+            write!(self.out, "{:.16e},{}", world.time().as_seconds(), robot.spec().name)?;
+            let motion = robot.motion();
+            let (position, heading) = (motion.pose.position, motion.pose.heading);
+            for number in [position.x, position.y, heading, motion.speed_m_s, motion.turn_rate_rad_s] {
+                number_cell(&mut self.out, Some(number))?;
+            }
+            collect(&robot, &mut self.values);
+            for cell in &self.cells[i] {
+                number_cell(&mut self.out, cell.map(|value| self.values[value]))?;
+            }
+            number_cell(&mut self.out, Some(robot.signals().left))?;
+            number_cell(&mut self.out, Some(robot.signals().right))?;
+            writeln!(self.out, ",{}", u8::from(robot.collided()))?;
+        }
+        Ok(())
+    }
+
+    /// The first failure is told at once, and is the last thing that this table does.
+    fn note(&mut self, result: io::Result<()>) {
+        if let Err(error) = result
+            && let Some(outcome) = self.outcome.take()
+        {
+            let _ = outcome.send(Err(error));
+        }
+    }
+}
+
+impl Drop for Table {
+    fn drop(&mut self) {
+        if let Some(outcome) = self.outcome.take() {
+            let _ = outcome.send(self.out.flush());
+        }
+    }
+}
+
+/// The last samples of all of a robot's sensors, NaN before the first.
+fn collect(robot: &RobotView<'_>, values: &mut Vec<f64>) {
+    values.clear();
+    for (sensor, spec) in robot.sensors().zip(&robot.spec().sensors) {
+        let missing = spec.encodings.len() - sensor.sample.len();
+        values.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
+    }
+}
+
+fn number_cell(out: &mut impl Write, number: Option<f64>) -> io::Result<()> {
+    match number {
+        Some(number) if !number.is_nan() => write!(out, ",{number:.16e}"),
+        _ => out.write_all(b","),
+    }
+}
+
+const BUFFER: usize = 1 << 16;
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use baudbot_sim::{Override, Scenario};
+
+    use super::*;
+
+    #[derive(Clone, Default)]
+    struct Shared(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    struct Full;
+
+    impl Write for Full {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::StorageFull.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    const TWO_ROBOTS: &str = r#"
+        [[robots]]
+        name = "b"
+        body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }
+        sensors.heading = { kind = "compass" }
+
+        [[robots]]
+        name = "a"
+        start.x_m = 0.3
+        body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }
+        sensors.odometer = { kind = "odometer", sigma_m = 0.0, phase_ms = 1.0 }
+    "#;
+
+    #[test]
+    fn robots_with_other_sensors_share_a_table() {
+        let shared = Shared::default();
+        let start = Override::parse("robots.a.start.heading_rad=0.1").unwrap();
+        let mut world = World::new(Scenario::parse_with(TWO_ROBOTS, &[start]).unwrap().into());
+        let (mut table, mut outcome) = Table::new(Box::new(shared.clone()), world.scenario().robots());
+        world.begin();
+        table.write(&world);
+        assert!(outcome.try_recv().is_err(), "nothing to tell yet");
+        drop(table);
+        assert!(outcome.try_recv().unwrap().is_ok());
+        let text = String::from_utf8(shared.0.lock().unwrap().clone()).unwrap();
+        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let sensors = ["odometer.x_m", "odometer.y_m", "odometer.heading_rad", "heading"];
+        assert_eq!(rows[0][7..11], sensors);
+        assert_eq!((rows[1][1], rows[2][1]), ("a", "b"));
+        assert_eq!(rows[1][2].parse(), Ok(0.3));
+        assert_eq!(rows[1][4], "1.0000000000000001e-1", "17 digits");
+        assert_eq!(rows[2][7..11], ["", "", "", "0.0000000000000000e0"]);
+        assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    }
+
+    #[test]
+    fn a_failure_is_told_at_once_and_once() {
+        let mut world = World::new(Scenario::parse(TWO_ROBOTS).unwrap().into());
+        let (mut table, mut outcome) = Table::new(Box::new(Full), world.scenario().robots());
+        world.begin();
+        // The buffer holds the first rows.
+        for _ in 0..BUFFER / 100 {
+            table.write(&world);
+        }
+        assert_eq!(outcome.try_recv().unwrap().unwrap_err().kind(), io::ErrorKind::StorageFull);
+        table.write(&world);
+        drop(table);
+    }
+}

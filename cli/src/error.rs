@@ -1,0 +1,62 @@
+//! Errors as this program prints them: one line, and an exit code.
+
+use std::error::Error;
+use std::fmt;
+use std::process::ExitCode;
+
+/// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,
+/// as for options that do not exist; anything that goes wrong later is exit code 1.
+#[derive(Debug)]
+pub(crate) struct Refused(String);
+
+impl Refused {
+    pub(crate) fn error(text: impl Into<String>) -> anyhow::Error {
+        Self(text.into()).into()
+    }
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Refused {}
+
+/// The exit code of an error.
+pub(crate) fn exit_code(error: &anyhow::Error) -> ExitCode {
+    ExitCode::from(if error.is::<Refused>() { 2 } else { 1 })
+}
+
+/// The error with its causes. A cause that the text before it already tells is left out.
+pub(crate) fn text(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text.trim_end().to_owned()
+}
+
+/// What the server refused, in its own words, or that there was no answer of its own.
+pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
+    // A status that the server sent has no cause here; one that stands for a broken connection has.
+    match status.source() {
+        Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", status.message()),
+        None => anyhow::anyhow!("the server says: {}", status.message()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::anyhow;
+
+    use super::text;
+
+    #[test]
+    fn causes_are_told_once() {
+        let error = anyhow!("refused").context("cannot listen: refused").context("no server");
+        assert_eq!(text(&error), "no server: cannot listen: refused");
+    }
+}

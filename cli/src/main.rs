@@ -1,0 +1,60 @@
+//! The program `baudbot`: runs, serves, watches and checks worlds of mobile robots.
+//!
+//! From the command line inwards:
+//!
+//! 1. `args` is the command line; `error` is how a command fails, in one line.
+//! 2. `run`, `serve`, `brain`, `check` and `watch` are the commands, one a file.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
+//! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
+//!    `map` an arena in characters, and `text` lays out columns.
+//!
+//! Worlds have threads of their own, in `baudbot-server`; all else shares one thread.
+
+mod args;
+mod brain;
+mod check;
+mod connect;
+mod crew;
+mod csv;
+mod error;
+mod map;
+mod report;
+mod run;
+mod scenarios;
+mod serve;
+mod signals;
+mod summary;
+mod text;
+mod watch;
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    tracing_subscriber::fmt().with_max_level(cli.log).with_writer(std::io::stderr).init();
+    match execute(cli.into_command()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", error::text(&error));
+            error::exit_code(&error)
+        }
+    }
+}
+
+fn execute(command: Command) -> anyhow::Result<()> {
+    // A brain and the server next to it talk in turn: a second thread would only pass their messages on.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.context("cannot start the runtime")?;
+    match command {
+        Command::Run(args) => runtime.block_on(run::run(&args)),
+        Command::Serve(args) => runtime.block_on(serve::serve(&args)),
+        Command::Brain(args) => runtime.block_on(brain::brain(args)),
+        Command::Check(args) => check::check(&args),
+        Command::Watch(args) => runtime.block_on(watch::watch(&args)),
+    }
+}

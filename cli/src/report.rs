@@ -1,0 +1,168 @@
+//! The summary of a run as people read it.
+
+use std::fmt::Write;
+
+use crate::summary::{Clock, Lateness, Line, Robot, Sensor, Summary};
+use crate::text::{NOTHING, count, duration, handy, pairs, percent, table};
+
+/// The whole summary.
+pub(crate) fn text(summary: &Summary) -> String {
+    let mut text = pairs("", &head(summary));
+    if let Some(clock) = &summary.clock {
+        text += "lateness of ticks\n";
+        text += &histogram(clock);
+    }
+    for robot in &summary.robots {
+        text.push('\n');
+        text += &of_robot(robot, summary.simulated_s);
+    }
+    text
+}
+
+fn head(summary: &Summary) -> Vec<(&'static str, String)> {
+    let name = if summary.scenario.is_empty() { &summary.world } else { &summary.scenario };
+    let time = format!(
+        "{} s simulated in {:.3} s by the wall clock, {} times real time",
+        handy(summary.simulated_s),
+        summary.wall_s,
+        handy(summary.simulated_per_wall)
+    );
+    let mut head = vec![
+        ("scenario", format!("{name}, seed {}", summary.seed)),
+        ("pace", summary.pace.clone()),
+        ("ticks", format!("{} of {}", summary.ticks, duration(summary.step_ns as f64))),
+        ("time", time),
+        ("ended", format!("because {}", summary.ending)),
+        ("state hash", summary.state_hash.clone()),
+    ];
+    if let Some(lockstep) = &summary.lockstep {
+        let share = percent(lockstep.waiting_s / summary.wall_s);
+        let timeouts = lockstep.watchdog_timeouts;
+        let text =
+            format!("{:.3} s for brains, {share} of the wall clock; {timeouts} timeouts", lockstep.waiting_s);
+        head.push(("waited", text));
+    }
+    if let Some(clock) = &summary.clock {
+        let late = duration(clock.lateness_max_ms * 1e6);
+        let text =
+            format!("{} overruns, at most {late} late, drift {:+.4} %", clock.overruns, clock.drift_percent);
+        head.push(("clock", text));
+    }
+    head
+}
+
+/// A bar for each power of two of microseconds, from the first that occurred to the last.
+fn histogram(clock: &Clock) -> String {
+    let used = |entry: &Lateness| entry.ticks > 0;
+    let first = clock.lateness.iter().position(used).unwrap_or(0);
+    let last = clock.lateness.iter().rposition(used).map_or(0, |last| last + 1);
+    let shown = &clock.lateness[first.min(last)..last];
+    let most = shown.iter().map(|entry| entry.ticks).max().unwrap_or(1);
+    let row = |entry: &Lateness| {
+        let length = (entry.ticks * BAR).div_ceil(most) as usize;
+        [
+            format!("< {}", duration(entry.below_us as f64 * 1e3)),
+            entry.ticks.to_string(),
+            format!("{:<40}", "█".repeat(length)),
+        ]
+    };
+    table("  ", &shown.iter().map(row).collect::<Vec<_>>())
+}
+
+fn of_robot(robot: &Robot, simulated_s: f64) -> String {
+    let brain = if robot.brain.is_empty() { "none" } else { &robot.brain };
+    let mut text = format!("robot {}\n", robot.robot);
+    let collisions = usize::try_from(robot.collisions).unwrap_or(usize::MAX);
+    let mut facts = vec![
+        ("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands)),
+        (
+            "driven",
+            format!(
+                "{} m, {} m/s on average, {}",
+                handy(robot.distance_m),
+                handy(robot.distance_m / simulated_s),
+                count(collisions, "collision")
+            ),
+        ),
+        ("link", link(robot)),
+    ];
+    if robot.lost_deliveries > 0 {
+        facts.push((
+            "slow brain",
+            format!("{} turns came too late for a brain that did not read", robot.lost_deliveries),
+        ));
+    }
+    if robot.frames_missed > 0 {
+        facts.push(("busy", format!("{} frames left out by the microcontroller", robot.frames_missed)));
+    }
+    text += &pairs("  ", &facts);
+    text += &table("    ", &lines(robot));
+    if !robot.sensors.is_empty() {
+        let _ = writeln!(text, "  sensors, and how old their readings were when the brain got them");
+        text += &table("    ", &sensors(robot));
+    }
+    text
+}
+
+fn link(robot: &Robot) -> String {
+    match (robot.baud, robot.bits_per_character) {
+        (Some(baud), Some(bits)) => format!("{baud} baud, {bits} bits a character"),
+        _ => "ideal".to_owned(),
+    }
+}
+
+fn lines(robot: &Robot) -> Vec<[String; 8]> {
+    let row = |name: &str, line: &Line| {
+        let counts = [line.bytes, line.messages];
+        let losses = [
+            line.overrun_bytes + line.refused_bytes,
+            line.corrupted_bytes,
+            line.bad_frames,
+            line.bad_messages,
+        ];
+        let [bytes, messages] = counts.map(|n| n.to_string());
+        let [lost, corrupted, frames, content] = losses.map(|n| n.to_string());
+        let used = line.used_percent.map_or_else(|| NOTHING.to_owned(), |used| percent(used / 100.0));
+        [name.to_owned(), bytes, messages, used, lost, corrupted, frames, content]
+    };
+    let head = ["", "bytes", "messages", "used", "lost", "corrupted", "bad frames", "bad messages"];
+    vec![head.map(str::to_owned), row("up", &robot.uplink), row("down", &robot.downlink)]
+}
+
+fn sensors(robot: &Robot) -> Vec<[String; 7]> {
+    let age = |age: Option<f64>| age.map_or_else(|| NOTHING.to_owned(), |ms| format!("{ms:.3} ms"));
+    let row = |sensor: &Sensor| {
+        let share = percent(sensor.readable as f64 / robot.turns as f64);
+        let counts = [sensor.samples, sensor.missed, sensor.readable];
+        let [samples, missed, readable] = counts.map(|n| n.to_string());
+        let (mean, max) = (age(sensor.age_mean_ms), age(sensor.age_max_ms));
+        [sensor.sensor.clone(), samples, missed, readable, share, mean, max]
+    };
+    let head = ["", "samples", "missed", "readable", "of turns", "mean age", "max age"];
+    let mut rows = vec![head.map(str::to_owned)];
+    rows.extend(robot.sensors.iter().map(row));
+    rows
+}
+
+/// Characters of the longest bar.
+const BAR: u64 = 40;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bars_are_in_proportion_and_none_that_is_used_is_empty() {
+        let entry = |below_us, ticks| Lateness { below_us, ticks };
+        let lateness = vec![entry(1, 0), entry(2, 4000), entry(4, 0), entry(8, 1), entry(16, 0)];
+        let clock = Clock { overruns: 0, lateness_max_ms: 0.007, drift_percent: 0.0, lateness };
+        let expected = format!("  < 2 µs  4000  {}\n  < 4 µs     0\n  < 8 µs     1  █\n", "█".repeat(40));
+        assert_eq!(histogram(&clock), expected);
+    }
+
+    #[test]
+    fn no_ticks_no_bars() {
+        let clock = Clock { overruns: 0, lateness_max_ms: 0.0, drift_percent: f64::NAN, lateness: vec![] };
+        assert_eq!(histogram(&clock), "");
+    }
+}

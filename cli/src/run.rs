@@ -1,0 +1,317 @@
+//! `baudbot run`: a world and its brains in one process, until the run ends.
+
+use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use anyhow::{Context, anyhow};
+use baudbot_client::Client;
+use baudbot_proto::v1;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_server::{OnTick, Pace, Server, WorldConfig};
+use baudbot_sim::{Override, Scenario, World};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use tokio::sync::{Notify, oneshot};
+use tokio::task::JoinSet;
+use tonic::transport::Channel;
+
+use crate::args::{ChangeArgs, RunArgs};
+use crate::crew::{self, Crew, Job};
+use crate::csv::Table;
+use crate::error::{Refused, from_server};
+use crate::scenarios::{self, Source};
+use crate::signals::Stop;
+use crate::summary::Summary;
+use crate::{report, text};
+
+/// What is going to be run.
+struct Plan {
+    world: String,
+    scenario: Arc<Scenario>,
+    jobs: Vec<Job>,
+    pace: Pace,
+    /// Seed of the brains.
+    seed: u64,
+    note: Option<String>,
+}
+
+pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<()> {
+    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    let plan = Plan::new(args)?;
+    let quiet = args.quiet;
+    if let Some(note) = plan.note.as_ref().filter(|_| !quiet) {
+        eprintln!("{note}");
+    }
+    let monitor = Arc::new(Monitor::default());
+    let (on_tick, table) = hook(args.csv.as_deref(), &plan.scenario, Arc::clone(&monitor))?;
+    let server = serve(args, &plan, on_tick).await?;
+    let mut run = Running { plan: &plan, server: &server, monitor, table, interrupted: false };
+    let status = run.until_over(&mut stop, quiet).await;
+    let (interrupted, table) = (run.interrupted, run.table);
+    if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
+        eprintln!("note: somebody kept a connection open; it was cut");
+    }
+    let status = match table {
+        // The world's thread has closed the table, or will at once.
+        Some(table) => table.finish().await.and(status),
+        None => status,
+    }?;
+    let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
+    show(args, &summary)
+}
+
+fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
+    if args.json {
+        let json = serde_json::to_string_pretty(summary).context("cannot write the summary")?;
+        return text::print(&format!("{json}\n"));
+    }
+    match &args.csv {
+        _ if args.quiet => Ok(()),
+        Some(path) if path == Path::new(STDOUT) => {
+            eprint!("{}", report::text(summary));
+            Ok(())
+        }
+        _ => text::print(&report::text(summary)),
+    }
+}
+
+impl Plan {
+    fn new(args: &RunArgs) -> anyhow::Result<Self> {
+        if args.json && args.csv.as_deref() == Some(Path::new(STDOUT)) {
+            return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
+        }
+        let pace = args.pace.with(&args.watchdog)?;
+        let source = Source::find(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT))?;
+        let mut overrides = overrides(&args.changes)?;
+        let mut scenario = source.parse(&overrides)?;
+        let mut note = None;
+        let end = scenario.end();
+        if let Some(after_s) = args.seconds.or_else(|| args.ticks.map(|n| after_s(n, scenario.step_ns()))) {
+            overrides.push(scenarios::set("end.after_s", format_args!("{after_s:?}")));
+            scenario = source.parse(&overrides)?;
+        } else if end.after.is_none() && end.goal.is_none() {
+            overrides.push(scenarios::set("end.after_s", format_args!("{DEFAULT_SECONDS:?}")));
+            scenario = source.parse(&overrides)?;
+            let text =
+                || format!("note: {} sets no end; this run ends after {DEFAULT_SECONDS} s", source.label());
+            note = args.scenario.is_some().then(text);
+        }
+        let jobs = crew::share_out(&args.brains, scenario.robots())?;
+        jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
+        let (world, seed) = (source.world_name(&scenario), scenario.seed());
+        Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, note })
+    }
+
+    /// How many ticks the run has, if its time is limited.
+    fn ticks(&self) -> Option<u64> {
+        let after = self.scenario.end().after?;
+        Some(after.as_ns().div_ceil(self.scenario.step_ns()).max(1))
+    }
+}
+
+/// The overrides that the arguments ask for.
+pub(crate) fn overrides(changes: &ChangeArgs) -> anyhow::Result<Vec<Override>> {
+    let mut overrides = scenarios::parse_sets(&changes.sets)?;
+    overrides.extend(changes.seed.map(|seed| scenarios::set("seed", seed)));
+    overrides.extend(changes.no_noise.then(|| scenarios::set("noise", false)));
+    Ok(overrides)
+}
+
+/// A run ends at the first tick that is not before `end.after_s`. Half a tick early is after exactly `ticks`
+/// of them, however the number is rounded on its way.
+fn after_s(ticks: u64, step_ns: u64) -> f64 {
+    (ticks as f64 - 0.5) * step_ns as f64 * 1e-9
+}
+
+async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<Server> {
+    // It stands until its brains are there.
+    let world = WorldConfig::new(plan.world.clone(), Arc::clone(&plan.scenario)).pace(plan.pace).paused(true);
+    let mut builder = Server::builder().world(world.on_tick(on_tick)).insecure(args.listen.insecure);
+    for address in &args.listen.listen {
+        builder = builder.listen(address.clone());
+    }
+    let server = builder.serve().await?;
+    for address in server.addresses().iter().filter(|_| !args.quiet) {
+        eprintln!("listening on {address}");
+    }
+    Ok(server)
+}
+
+/// What the world's thread tells the rest of the program.
+#[derive(Default)]
+struct Monitor {
+    tick: AtomicU64,
+    ended: Notify,
+}
+
+/// The world's thread's end of a monitor. When that thread is over, because an operator deleted the world,
+/// so is the run.
+struct Telling(Arc<Monitor>);
+
+impl Drop for Telling {
+    fn drop(&mut self) {
+        self.0.ended.notify_one();
+    }
+}
+
+/// A table that is being written, seen from outside.
+struct TableWatch {
+    name: String,
+    outcome: oneshot::Receiver<std::io::Result<()>>,
+}
+
+impl TableWatch {
+    /// Waits for the table's end, or its failure.
+    async fn finish(self) -> anyhow::Result<()> {
+        match self.outcome.await {
+            Ok(result) => result.with_context(|| format!("cannot write {}", self.name)),
+            // It has failed before, and that was reported.
+            Err(_) => Ok(()),
+        }
+    }
+}
+
+fn hook(
+    csv: Option<&Path>,
+    scenario: &Scenario,
+    monitor: Arc<Monitor>,
+) -> anyhow::Result<(OnTick, Option<TableWatch>)> {
+    let (mut table, watch) = match csv {
+        None => (None, None),
+        Some(path) => {
+            let name = if path == Path::new(STDOUT) {
+                "the table to stdout".into()
+            } else {
+                path.display().to_string()
+            };
+            let out = Table::open(path).with_context(|| format!("cannot write {name}"))?;
+            let (table, outcome) = Table::new(out, scenario.robots());
+            (Some(table), Some(TableWatch { name, outcome }))
+        }
+    };
+    let monitor = Telling(monitor);
+    let on_tick = move |world: &World| {
+        if let Some(table) = &mut table {
+            table.write(world);
+        }
+        monitor.0.tick.store(world.tick(), Ordering::Relaxed);
+        if world.ending().is_some() {
+            monitor.0.ended.notify_one();
+        }
+    };
+    Ok((Box::new(on_tick), watch))
+}
+
+struct Running<'a> {
+    plan: &'a Plan,
+    server: &'a Server,
+    monitor: Arc<Monitor>,
+    table: Option<TableWatch>,
+    interrupted: bool,
+}
+
+impl Running<'_> {
+    /// Lets the brains drive until the run is over, and says how the world then is.
+    async fn until_over(&mut self, stop: &mut Stop, quiet: bool) -> anyhow::Result<v1::WorldStatus> {
+        let channel = self.server.channel().await?;
+        let mut control = ControlServiceClient::new(channel.clone());
+        let mut brains = JoinSet::new();
+        for job in &self.plan.jobs {
+            let client = Client::from_channel(channel.clone());
+            let mut crew = Crew::attach(client, &self.plan.world, job.clone(), self.plan.seed).await?;
+            // The crew holds its robots until all is over.
+            brains.spawn(async move { crew.run().await.map(|_| crew) });
+        }
+        let world = self.plan.world.clone();
+        control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
+        let bar = progress(self.plan.ticks(), quiet);
+        let waited = self.wait(stop, &mut brains, &bar).await;
+        bar.finish_and_clear();
+        waited?;
+        self.pause(control).await
+    }
+
+    /// The world's last state; a run that has ended is not changed by a pause.
+    async fn pause(&self, mut control: ControlServiceClient<Channel>) -> anyhow::Result<v1::WorldStatus> {
+        let request = v1::PauseWorldRequest { world: self.plan.world.clone() };
+        let answer = control.pause_world(request).await.map_err(|status| from_server(&status))?;
+        answer.into_inner().status.ok_or_else(|| anyhow!("the server answered without a status"))
+    }
+
+    async fn wait(
+        &mut self,
+        stop: &mut Stop,
+        brains: &mut JoinSet<anyhow::Result<Crew>>,
+        bar: &ProgressBar,
+    ) -> anyhow::Result<()> {
+        let mut redraw = tokio::time::interval(REDRAW);
+        let mut done = Vec::new();
+        loop {
+            tokio::select! {
+                () = self.monitor.ended.notified() => return Ok(()),
+                () = stop.wait() => {
+                    self.interrupted = true;
+                    return Ok(());
+                }
+                error = table_failure(&mut self.table) => return Err(error),
+                Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
+                _ = redraw.tick() => bar.set_position(self.monitor.tick.load(Ordering::Relaxed)),
+            }
+        }
+    }
+}
+
+/// Waits for the table to fail; forever if there is none.
+async fn table_failure(table: &mut Option<TableWatch>) -> anyhow::Error {
+    if let Some(watch) = table {
+        let outcome = (&mut watch.outcome).await;
+        let context = format!("cannot write {}", watch.name);
+        *table = None;
+        if let Ok(Err(error)) = outcome {
+            return anyhow::Error::from(error).context(context);
+        }
+    }
+    std::future::pending().await
+}
+
+fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(ticks, ProgressDrawTarget::stderr());
+    let template = match ticks {
+        Some(_) => "{bar:40} {pos}/{len} ticks, {eta} to go",
+        None => "{spinner} {pos} ticks in {elapsed}",
+    };
+    bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// How long a run is whose scenario does not say.
+const DEFAULT_SECONDS: f64 = 60.0;
+
+const REDRAW: Duration = Duration::from_millis(100);
+
+/// How long connections have to close.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// The file name that means stdout.
+const STDOUT: &str = "-";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn so_many_ticks_are_so_many_ticks_whatever_the_step() {
+        for step in [10.0, 0.01, 0.07, 3.3, 1000.0] {
+            for ticks in [1, 2, 3, 7, 1_000_003] {
+                let step_ns = Scenario::parse(&format!("step_ms = {step:?}")).unwrap().step_ns();
+                let toml = format!("step_ms = {step:?}\nend.after_s = {:?}", after_s(ticks, step_ns));
+                let after = Scenario::parse(&toml).unwrap().end().after.unwrap();
+                assert_eq!(after.as_ns().div_ceil(step_ns), ticks, "{ticks} of {step} ms");
+            }
+        }
+    }
+}

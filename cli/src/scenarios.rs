@@ -1,0 +1,115 @@
+//! Scenarios: files, and those that are part of this program.
+
+use std::fs;
+use std::path::Path;
+
+use baudbot_sim::scenario::MAX_BYTES;
+use baudbot_sim::{Override, Scenario};
+
+use crate::error::Refused;
+
+/// The scenarios that the program can run anywhere.
+pub(crate) const EMBEDDED: [(&str, &str); 3] = [
+    ("arsim", include_str!("../../scenarios/arsim.toml")),
+    ("khepera", include_str!("../../scenarios/khepera.toml")),
+    ("wander", include_str!("../../scenarios/wander.toml")),
+];
+
+/// The scenario of a command that names none.
+pub(crate) const DEFAULT: &str = "wander";
+
+/// The text of a scenario, not yet parsed.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// What the command calls it: a path, or the name of an embedded scenario.
+    label: String,
+    text: String,
+}
+
+impl Source {
+    /// Finds an embedded scenario of this name, or reads a file.
+    pub(crate) fn find(name: &str) -> anyhow::Result<Self> {
+        let text = match EMBEDDED.iter().find(|(embedded, _)| *embedded == name) {
+            Some((_, text)) => (*text).to_owned(),
+            None => read(name)?,
+        };
+        Ok(Self { label: name.to_owned(), text })
+    }
+
+    /// Parses it, some of its fields changed.
+    pub(crate) fn parse(&self, overrides: &[Override]) -> anyhow::Result<Scenario> {
+        let parsed = Scenario::parse_with(&self.text, overrides);
+        parsed.map_err(|error| Refused::error(format!("{}: {error}", self.label)))
+    }
+
+    pub(crate) fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// A name for the scenario's world on a server: its own name, or else that of the file. What a world's
+    /// name cannot have becomes `-`.
+    pub(crate) fn world_name(&self, scenario: &Scenario) -> String {
+        let stem = Path::new(&self.label).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let name = if scenario.name().is_empty() { stem } else { scenario.name() };
+        let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        let name: String = name.chars().take(64).map(|c| if fits(c) { c } else { '-' }).collect();
+        if name.is_empty() { "world".to_owned() } else { name }
+    }
+}
+
+/// Parses `--set` arguments.
+pub(crate) fn parse_sets(sets: &[String]) -> anyhow::Result<Vec<Override>> {
+    let parse =
+        |text: &String| Override::parse(text).map_err(|error| Refused::error(format!("--set: {error}")));
+    sets.iter().map(parse).collect()
+}
+
+/// An override of this program's own making.
+pub(crate) fn set(path: &str, value: impl std::fmt::Display) -> Override {
+    Override::parse(&format!("{path}={value}")).expect("a path of our own has no empty part")
+}
+
+fn read(path: &str) -> anyhow::Result<String> {
+    let unreadable = |error: std::io::Error| Refused::error(unreadable(path, &error));
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    if metadata.is_dir() {
+        return Err(Refused::error(format!("{path}: is a directory, not a scenario file")));
+    }
+    if metadata.len() > MAX_BYTES as u64 {
+        let problem = format!("{path}: has {} bytes, a scenario has at most {MAX_BYTES}", metadata.len());
+        return Err(Refused::error(problem));
+    }
+    fs::read_to_string(path).map_err(unreadable)
+}
+
+fn unreadable(path: &str, error: &std::io::Error) -> String {
+    let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
+    match error.kind() {
+        std::io::ErrorKind::NotFound => {
+            format!("{path}: there is no such file; part of the program are: {}", names.join(", "))
+        }
+        std::io::ErrorKind::InvalidData => format!("{path}: is not text in UTF-8"),
+        _ => format!("{path}: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn worlds_are_named_after_the_scenario_or_its_file() {
+        let source = |label: &str, text: &str| Source { label: label.into(), text: text.into() };
+        let name = |source: Source| source.world_name(&source.parse(&[]).unwrap());
+        assert_eq!(name(source("dir/two robots.toml", "")), "two-robots");
+        assert_eq!(name(source("a.toml", "name = \"maze 1\"")), "maze-1");
+        assert_eq!(name(source("", "")), "world");
+    }
+
+    #[test]
+    fn every_embedded_scenario_is_sound() {
+        for (name, _) in EMBEDDED {
+            assert_eq!(Source::find(name).unwrap().parse(&[]).unwrap().name(), name);
+        }
+    }
+}

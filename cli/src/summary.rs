@@ -1,0 +1,287 @@
+//! What is told about a run: the server's counters, with what the scenario knows about them.
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::pace::Kind;
+use baudbot_sim::Scenario;
+use baudbot_sim::link::Link;
+use baudbot_sim::robot::RobotSpec;
+use serde::Serialize;
+
+use crate::crew::Job;
+
+/// A run.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    pub(crate) scenario: String,
+    pub(crate) world: String,
+    pub(crate) pace: String,
+    pub(crate) seed: u64,
+    pub(crate) ticks: u64,
+    pub(crate) step_ns: u64,
+    pub(crate) simulated_s: f64,
+    pub(crate) wall_s: f64,
+    /// How many times as fast as real time it was.
+    pub(crate) simulated_per_wall: f64,
+    pub(crate) ending: String,
+    /// Somebody ended it before its end.
+    pub(crate) interrupted: bool,
+    /// Hexadecimal, as JSON's numbers have too few bits.
+    pub(crate) state_hash: String,
+    /// In real and scaled time.
+    pub(crate) clock: Option<Clock>,
+    /// In lockstep.
+    pub(crate) lockstep: Option<Lockstep>,
+    pub(crate) robots: Vec<Robot>,
+}
+
+/// How well simulated time followed the wall clock.
+#[derive(Debug, Serialize)]
+pub(crate) struct Clock {
+    pub(crate) overruns: u64,
+    pub(crate) lateness_max_ms: f64,
+    /// Simulated time beyond that of the scaled wall clock.
+    pub(crate) drift_percent: f64,
+    pub(crate) lateness: Vec<Lateness>,
+}
+
+/// Ticks that were less than so late, and not less than the entry before.
+#[derive(Debug, Serialize)]
+pub(crate) struct Lateness {
+    pub(crate) below_us: u64,
+    pub(crate) ticks: u64,
+}
+
+/// How long the world waited.
+#[derive(Debug, Serialize)]
+pub(crate) struct Lockstep {
+    pub(crate) waiting_s: f64,
+    pub(crate) watchdog_timeouts: u64,
+}
+
+/// What happened to a robot.
+#[derive(Debug, Serialize)]
+pub(crate) struct Robot {
+    pub(crate) robot: String,
+    /// Empty if it had none.
+    pub(crate) brain: String,
+    pub(crate) distance_m: f64,
+    pub(crate) collisions: u64,
+    pub(crate) turns: u64,
+    pub(crate) commands: u64,
+    pub(crate) lost_deliveries: u64,
+    pub(crate) frames_missed: u64,
+    /// Absent if the link is ideal.
+    pub(crate) baud: Option<u32>,
+    pub(crate) bits_per_character: Option<u8>,
+    pub(crate) uplink: Line,
+    pub(crate) downlink: Line,
+    pub(crate) sensors: Vec<Sensor>,
+}
+
+/// One direction of a link.
+#[derive(Debug, Serialize)]
+pub(crate) struct Line {
+    pub(crate) bytes: u64,
+    pub(crate) messages: u64,
+    /// Of the characters that the line could have carried; absent if it is ideal.
+    pub(crate) used_percent: Option<f64>,
+    pub(crate) overrun_bytes: u64,
+    pub(crate) refused_bytes: u64,
+    pub(crate) corrupted_bytes: u64,
+    pub(crate) bad_frames: u64,
+    pub(crate) bad_messages: u64,
+}
+
+/// A sensor and the freshness of its readings.
+#[derive(Debug, Serialize)]
+pub(crate) struct Sensor {
+    pub(crate) sensor: String,
+    pub(crate) samples: u64,
+    pub(crate) missed: u64,
+    /// Turns in which it was readable.
+    pub(crate) readable: u64,
+    /// Absent if the protocol does not tell ages.
+    pub(crate) age_mean_ms: Option<f64>,
+    pub(crate) age_max_ms: Option<f64>,
+}
+
+impl Summary {
+    /// The summary of a world that was run with these brains.
+    pub(crate) fn new(
+        scenario: &Scenario,
+        status: &v1::WorldStatus,
+        interrupted: bool,
+        jobs: &[Job],
+    ) -> Self {
+        let (simulated_s, wall_s) = (seconds(status.time_ns), seconds(status.running_wall_ns));
+        let pacing = status.pacing.clone().unwrap_or_default();
+        let kind = status.pace.and_then(|pace| pace.kind);
+        let interrupted = interrupted && status.ending.is_empty();
+        let robots = scenario.robots().iter().zip(&status.robots);
+        Self {
+            scenario: status.scenario.clone(),
+            world: status.world.clone(),
+            pace: kind.as_ref().map_or_else(String::new, pace_name),
+            seed: scenario.seed(),
+            ticks: status.tick,
+            step_ns: status.step_ns,
+            simulated_s,
+            wall_s,
+            simulated_per_wall: simulated_s / wall_s,
+            ending: if interrupted { "it was interrupted".to_owned() } else { status.ending.clone() },
+            interrupted,
+            state_hash: format!("{:016x}", status.state_hash),
+            clock: kind.as_ref().and_then(factor).map(|factor| clock(&pacing, simulated_s, wall_s * factor)),
+            lockstep: matches!(kind, Some(Kind::Lockstep(_))).then(|| Lockstep {
+                waiting_s: seconds(pacing.waiting_wall_ns),
+                watchdog_timeouts: pacing.watchdog_timeouts,
+            }),
+            robots: robots.map(|(spec, status)| Robot::new(spec, status, simulated_s, jobs)).collect(),
+        }
+    }
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+/// A pace as the command line has it.
+pub(crate) fn pace_name(kind: &Kind) -> String {
+    match kind {
+        Kind::RealTime(_) => "real-time".to_owned(),
+        Kind::Scaled(scaled) => format!("scaled:{}", scaled.factor),
+        Kind::Lockstep(_) => "lockstep".to_owned(),
+        Kind::Stepped(_) => "stepped".to_owned(),
+        Kind::Free(_) => "free".to_owned(),
+    }
+}
+
+fn factor(kind: &Kind) -> Option<f64> {
+    match kind {
+        Kind::RealTime(_) => Some(1.0),
+        Kind::Scaled(scaled) => Some(scaled.factor),
+        Kind::Lockstep(_) | Kind::Stepped(_) | Kind::Free(_) => None,
+    }
+}
+
+fn clock(pacing: &v1::PaceStatus, simulated_s: f64, due_s: f64) -> Clock {
+    let lateness = pacing.lateness_us_log2.iter().enumerate();
+    Clock {
+        overruns: pacing.late_ticks,
+        lateness_max_ms: pacing.lateness_max_wall_ns as f64 / 1e6,
+        drift_percent: (simulated_s / due_s - 1.0) * 100.0,
+        lateness: lateness.map(|(i, &ticks)| Lateness { below_us: 1 << i, ticks }).collect(),
+    }
+}
+
+impl Robot {
+    fn new(spec: &RobotSpec, status: &v1::RobotStatus, simulated_s: f64, jobs: &[Job]) -> Self {
+        let (baud, bits_per_character) = match &spec.link {
+            Link::Ideal => (None, None),
+            Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character)),
+        };
+        let capacity = bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
+        let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
+        Self {
+            robot: status.robot.clone(),
+            brain: job.map_or_else(|| status.brain.clone(), |job| job.brain.clone()),
+            distance_m: status.distance_m,
+            collisions: status.collisions,
+            turns: status.turns,
+            commands: status.commands,
+            lost_deliveries: status.lost_deliveries,
+            frames_missed: status.frames_missed,
+            baud,
+            bits_per_character,
+            uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
+            downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
+            sensors: status.sensors.iter().map(Sensor::new).collect(),
+        }
+    }
+}
+
+/// What a line can carry; `None` if it is ideal.
+pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
+    match link {
+        Link::Ideal => None,
+        Link::Uart(uart) => Some(f64::from(uart.baud) / f64::from(uart.bits_per_character)),
+    }
+}
+
+impl Line {
+    fn new(status: &v1::LineStatus, capacity: Option<f64>) -> Self {
+        Self {
+            bytes: status.bytes,
+            messages: status.messages,
+            used_percent: capacity.map(|capacity| status.bytes as f64 / capacity * 100.0),
+            overrun_bytes: status.overrun_bytes,
+            refused_bytes: status.refused_bytes,
+            corrupted_bytes: status.corrupted_bytes,
+            bad_frames: status.bad_frames,
+            bad_messages: status.bad_messages,
+        }
+    }
+}
+
+impl Sensor {
+    fn new(status: &v1::SensorStatus) -> Self {
+        Self {
+            sensor: status.sensor.clone(),
+            samples: status.samples,
+            missed: status.missed,
+            readable: status.readable,
+            age_mean_ms: status.age_mean_ns.map(|ns| ns as f64 / 1e6),
+            age_max_ms: status.age_max_ns.map(|ns| ns as f64 / 1e6),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(kind: Kind) -> v1::WorldStatus {
+        v1::WorldStatus {
+            pace: Some(v1::Pace { kind: Some(kind) }),
+            time_ns: 3_000_000_000,
+            running_wall_ns: 2_000_000_000,
+            robots: vec![v1::RobotStatus {
+                uplink: Some(v1::LineStatus { bytes: 288, ..Default::default() }),
+                ..Default::default()
+            }],
+            pacing: Some(v1::PaceStatus { lateness_us_log2: vec![0, 2], ..Default::default() }),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn shares_of_time_and_of_the_line() {
+        let toml = r#"
+            [[robots]]
+            name = "alice"
+            body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }
+            link = { kind = "uart", baud = 9600 }
+        "#;
+        let scenario = Scenario::parse(toml).unwrap();
+        let jobs = [Job { brain: "wander".into(), robots: vec!["alice".into()] }];
+        let scaled = Kind::Scaled(v1::Scaled { factor: 1.5 });
+        let summary = Summary::new(&scenario, &status(scaled), true, &jobs);
+        assert_eq!(summary.simulated_per_wall, 1.5);
+        assert!(summary.interrupted && summary.lockstep.is_none());
+        let clock = summary.clock.unwrap();
+        assert!(clock.drift_percent.abs() < 1e-12);
+        assert_eq!((clock.lateness[1].below_us, clock.lateness[1].ticks), (2, 2));
+        // 288 of the 2880 characters that fit into 3 s.
+        assert_eq!(summary.robots[0].uplink.used_percent, Some(10.0));
+        assert_eq!(summary.robots[0].brain, "wander");
+    }
+
+    #[test]
+    fn a_run_that_has_ended_was_not_interrupted() {
+        let scenario = Scenario::parse("").unwrap();
+        let free = v1::WorldStatus { ending: "time".into(), ..status(Kind::Free(v1::Free {})) };
+        let summary = Summary::new(&scenario, &free, true, &[]);
+        assert_eq!((summary.ending.as_str(), summary.interrupted), ("time", false));
+        assert!(summary.clock.is_none());
+    }
+}

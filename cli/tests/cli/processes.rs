@@ -1,0 +1,142 @@
+//! Servers, brains and observers in processes of their own, and `baudbot check`.
+
+use baudbot_proto::v1;
+
+use crate::{Running, baudbot, good, place};
+
+/// A server on a free port and a Unix socket, and both addresses.
+fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {
+    let socket = format!("unix:{}", place(socket).display());
+    let listen = ["serve", "--listen", "127.0.0.1:0", "--listen", &socket];
+    let mut server = Running::start(&[&listen, args].concat());
+    let lines = server.lines_until("Ctrl-C");
+    let address = |i: usize| lines[i].strip_prefix("listening on ").expect("an address").to_owned();
+    assert_eq!(address(1), socket);
+    assert!(!address(0).ends_with(":0"));
+    let paste = format!("  baudbot brain avoid --connect {} --world wander --robot robot", address(0));
+    assert!(lines.contains(&paste), "{lines:?}");
+    (server, address(0), socket)
+}
+
+#[test]
+fn a_brain_in_another_process_drives_a_world_in_lockstep_to_its_end() {
+    let lockstep = ["wander", "--pace", "lockstep", "--set", "end.after_s=1.0"];
+    let (server, tcp, unix) = serve("lockstep.sock", &lockstep);
+    let (code, _, err) = baudbot(&["watch", "--once", "--connect", &tcp]);
+    assert_eq!(code, 1);
+    assert!(err.ends_with("world `wander` waits for brains for: robot\n"), "{err}");
+    let (code, out, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
+    assert_eq!((code, err.as_str()), (0, DRIVING));
+    assert_eq!(out, "the run is over after 100 turns\n");
+    server.signal("-TERM");
+    assert_eq!(server.end().0, 0);
+    assert!(!std::path::Path::new(unix.strip_prefix("unix:").unwrap()).exists());
+}
+
+#[test]
+fn an_observer_sees_a_world_in_real_time() {
+    let (server, tcp, _) = serve("watch.sock", &["wander", "khepera"]);
+    let frame = good(&["watch", "--once", "--connect", &tcp, "--world", "khepera"]);
+    assert!(frame.starts_with("world khepera  t = "), "{frame}");
+    assert!(frame.contains("##########") && frame.contains('→'), "{frame}");
+    assert!(frame.contains("khepera:  ir_0 0.") && frame.contains("encoders.right"), "{frame}");
+    assert!(frame.lines().all(|line| line.chars().count() <= 80));
+    let (code, _, err) = baudbot(&["watch", "--once", "--connect", &tcp]);
+    assert_eq!(code, 1);
+    assert!(err.ends_with("choose with --world: khepera, wander\n"), "{err}");
+    let (code, _, err) = baudbot(&["serve", "--listen", &tcp]);
+    assert_eq!(code, 1);
+    assert!(err.starts_with(&format!("error: cannot listen on {tcp}: ")), "{err}");
+    server.signal("-INT");
+    assert_eq!(server.end().0, 0);
+}
+
+#[test]
+fn a_brain_that_loses_its_server_says_so() {
+    let (server, tcp, _) = serve("lost.sock", &["wander"]);
+    let named = ["--world", "wander", "--robot", "robot"];
+    let mut brain = Running::start(&[&["brain", "constant", "--connect", &tcp], &named[..]].concat());
+    assert_eq!(brain.first_complaint(), DRIVING);
+    drop(server);
+    let (code, _, err) = brain.end();
+    assert_eq!(code, 1);
+    assert!(err.contains(&format!("error: the connection to the server at {tcp} is lost")), "{err}");
+}
+
+#[test]
+fn a_robot_has_one_brain() {
+    let (_server, tcp, unix) = serve("held.sock", &["wander", "--paused"]);
+    let mut first = Running::start(&["brain", "constant", "--connect", &tcp]);
+    assert_eq!(first.first_complaint(), DRIVING);
+    let (code, _, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
+    assert_eq!(code, 1, "{err}");
+    assert!(err.contains("robot `robot` of world `wander` is held by brain `constant`"), "{err}");
+    first.signal("-INT");
+    assert_eq!(first.end().0, 0);
+}
+
+#[test]
+fn an_operator_may_delete_the_world_of_a_run() {
+    let socket = format!("unix:{}", place("operator.sock").display());
+    let csv = place("deleted.csv");
+    let forever = ["run", "--pace", "real-time", "--seconds", "1000", "--listen", &socket];
+    for more in [&["--csv", csv.to_str().unwrap()][..], &["--brain", "none"]] {
+        let mut run = Running::start(&[&forever, more].concat());
+        assert_eq!(run.first_complaint(), format!("listening on {socket}\n"));
+        delete_world(&socket);
+        let (code, _, err) = run.end();
+        assert_eq!(code, 1);
+        assert!(err.contains("world"), "{err}");
+    }
+    assert!(std::fs::read_to_string(csv).unwrap().starts_with("t_s,"));
+}
+
+#[tokio::main(flavor = "current_thread")]
+async fn delete_world(address: &str) {
+    let server =
+        tonic::transport::Endpoint::from_shared(address.to_owned()).unwrap().connect().await.unwrap();
+    let request = v1::DeleteWorldRequest { world: "wander".to_owned() };
+    v1::control_service_client::ControlServiceClient::new(server).delete_world(request).await.unwrap();
+}
+
+#[test]
+fn brains_are_listed_with_their_parameters() {
+    let list = good(&["brain", "--list"]);
+    assert_eq!(list, good(&["brain"]));
+    for part in ["avoid: ", "constant: ", "navigate: ", "wander: ", "turn_probability=0.01"] {
+        assert!(list.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn every_embedded_scenario_is_explained() {
+    for name in ["arsim", "khepera", "wander"] {
+        let out = good(&["check", name]);
+        assert!(out.starts_with(&format!("{name}: sound\n  name         {name}\n")), "{out}");
+        assert!(!out.contains("warning"));
+    }
+    let wander = good(&["check", "wander"]);
+    for part in [
+        "6 solid polygons; x from -2 to 2 m, y from -2 to 2 m\n",
+        "9600 baud, 10 bits a character: 960 bytes/s\n",
+        "19 bytes with all sensors, 19.792 ms on the link\n",
+        "up line   950 bytes/s, 99.0 % of its capacity\n",
+    ] {
+        assert!(wander.contains(part), "`{part}` is not in:\n{wander}");
+    }
+    let slow = good(&["check", "wander", "--set", "robots.robot.link.baud=4800"]);
+    assert!(
+        slow.contains("197.9 % of its capacity\n  warning: the up line cannot carry that much"),
+        "{slow}"
+    );
+}
+
+#[test]
+fn help_has_examples() {
+    for command in ["run", "serve", "brain", "check", "watch"] {
+        assert!(good(&[command, "--help"]).contains(&format!("Examples:\n  baudbot {command}")), "{command}");
+    }
+    assert_eq!(good(&["--version"]), format!("baudbot {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+const DRIVING: &str = "driving robot of world wander\n";

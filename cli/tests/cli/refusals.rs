@@ -1,0 +1,104 @@
+//! What is refused, in which words, with which exit code.
+
+use std::fs::{self, File};
+
+use crate::{baudbot, place};
+
+/// The one line on stderr of a command that must fail with this code.
+fn refusal(code: i32, args: &[&str]) -> String {
+    let (found, out, err) = baudbot(args);
+    assert_eq!((found, out.as_str()), (code, ""), "{err}");
+    let line = err.strip_prefix("error: ").unwrap_or_else(|| panic!("no error: {err}"));
+    line.trim_end().to_owned()
+}
+
+#[test]
+fn a_wrong_field_is_named_with_its_file() {
+    let body = "body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }";
+    let mut toml = String::new();
+    for (i, range_m) in [1, 1, -1].iter().enumerate() {
+        toml += &format!(
+            "[[robots]]\nname = \"r{i}\"\nstart.x_m = {i}.0\n{body}\n[robots.sensors.front]\nkind = \"ir\"\n\
+             bearing_rad = 0.0\nrays = 3\nopening_rad = 0.5\nrange_m = {range_m}.0\nc1_m2 = 0.03\nc2 = 0.1\n"
+        );
+    }
+    let path = place("wrong.toml");
+    fs::write(&path, &toml).unwrap();
+    let path = path.to_str().unwrap();
+    let expected = format!("{path}: robots[2].sensors.front.range_m: must be positive, is -1");
+    for command in ["run", "check", "serve"] {
+        assert_eq!(refusal(2, &[command, path]), expected);
+    }
+}
+
+#[test]
+fn an_override_fails_as_the_file_would() {
+    let set = |set| refusal(2, &["check", "wander", "--set", set]);
+    assert_eq!(set("robots.robot.body.mass_kg=0"), "wander: robots[0].body.mass_kg: must be positive, is 0");
+    assert_eq!(
+        set("step_ms"),
+        "--set: step_ms: an override is PATH=VALUE, such as robots.alice.start.x_m=0.5"
+    );
+    assert!(refusal(2, &["run", "--seconds", "-1"]).starts_with("wander: end.after_s: must be"));
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named() {
+    let nowhere = refusal(2, &["run", "nowhere.toml"]);
+    assert_eq!(
+        nowhere,
+        "nowhere.toml: there is no such file; part of the program are: arsim, khepera, wander"
+    );
+    assert_eq!(refusal(2, &["check", "/"]), "/: is a directory, not a scenario file");
+    let binary = place("binary.toml");
+    fs::write(&binary, [0xff, 0xfe]).unwrap();
+    assert!(refusal(2, &["check", binary.to_str().unwrap()]).ends_with("is not text in UTF-8"));
+}
+
+#[test]
+fn a_file_that_is_too_long_is_not_read() {
+    let path = place("long.toml");
+    // No memory would hold it.
+    File::create(&path).unwrap().set_len(1 << 40).unwrap();
+    let refusal = refusal(2, &["check", path.to_str().unwrap()]);
+    fs::remove_file(&path).unwrap();
+    assert!(refusal.ends_with("has 1099511627776 bytes, a scenario has at most 16777216"), "{refusal}");
+}
+
+#[test]
+fn brains_that_do_not_fit_are_refused() {
+    let brain = |brain| refusal(2, &["run", "--seconds", "1", "--brain", brain]);
+    assert_eq!(brain("genius"), "there is no brain `genius`; there are: avoid, constant, navigate, wander");
+    assert_eq!(brain("bob=avoid"), "--brain: there is no robot `bob`; there are: robot");
+    assert!(brain("navigate").contains("needs a sensor `odometer`"));
+    assert!(brain("constant:left=fast").contains("left must be a number"));
+    let path = place("blind.toml");
+    let body = "{ radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }";
+    fs::write(&path, format!("[[robots]]\nname = \"bat\"\nbody = {body}\n")).unwrap();
+    let blind = refusal(2, &["run", path.to_str().unwrap()]);
+    assert!(
+        blind.starts_with("robot `bat` has no IR sensors") && blind.contains("--brain bat=NAME"),
+        "{blind}"
+    );
+}
+
+#[test]
+fn a_server_that_is_not_there_can_be_started() {
+    // Port 1 needs a privileged server, of which a test machine has none.
+    for command in [&["brain", "avoid"][..], &["watch"]] {
+        let missing = refusal(1, &[command, &["--connect", "127.0.0.1:1"]].concat());
+        assert!(missing.starts_with("no server answers at 127.0.0.1:1 ("), "{missing}");
+        assert!(missing.ends_with("start one with `baudbot serve --listen 127.0.0.1:1`"), "{missing}");
+    }
+}
+
+#[test]
+fn an_open_address_needs_leave() {
+    assert!(refusal(1, &["serve", "--listen", "0.0.0.0:0"]).contains("allow it with --insecure"));
+}
+
+#[test]
+fn options_that_contradict_are_refused() {
+    assert!(refusal(2, &["run", "--json", "--csv", "-"]).contains("both want stdout"));
+    assert!(refusal(2, &["serve", "--watchdog-ms", "5"]).contains("need --pace lockstep"));
+}

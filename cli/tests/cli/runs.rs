@@ -1,0 +1,168 @@
+//! `baudbot run`.
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::{Running, baudbot, good, place};
+
+fn json(args: &[&str]) -> Value {
+    let out = good(&[&["run", "--json", "--quiet"], args].concat());
+    serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}"))
+}
+
+#[test]
+fn a_run_is_summed_up() {
+    let out = good(&["run", "--seconds", "2"]);
+    for part in [
+        "scenario    wander, seed 1\n",
+        "pace        lockstep\n",
+        "ticks       200 of 10 ms\n",
+        "ended       because the scenario's time is over\n",
+        "robot robot\n  brain   avoid, 200 turns,",
+        "9600 baud, 10 bits a character\n",
+        "ir_front_right",
+    ] {
+        assert!(out.contains(part), "`{part}` is not in:\n{out}");
+    }
+}
+
+#[test]
+fn the_summary_as_json() {
+    let summary = json(&["--seconds", "2", "--set", "robots.robot.link.baud=19200"]);
+    assert_eq!(summary["ticks"], 200);
+    assert_eq!(summary["simulated_s"], 2.0);
+    assert_eq!(summary["pace"], "lockstep");
+    assert!(summary["clock"].is_null() && summary["lockstep"]["waiting_s"].as_f64().unwrap() > 0.0);
+    let robot = &summary["robots"][0];
+    assert_eq!(robot["brain"], "avoid");
+    assert_eq!(robot["baud"], 19200);
+    // 19 bytes every 20 ms on a line of 1920 bytes/s.
+    let used = robot["uplink"]["used_percent"].as_f64().unwrap();
+    assert!((used - 100.0 * 950.0 / 1920.0).abs() < 1.0, "{used}");
+    assert_eq!(robot["sensors"].as_array().unwrap().len(), 5);
+    assert!(robot["sensors"][0]["age_mean_ms"].as_f64().unwrap() > 9.9, "the frame's time on the line");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run_and_another_another() {
+    let hash = |seed| json(&["--seconds", "1", "--seed", seed])["state_hash"].as_str().unwrap().to_owned();
+    assert_eq!(hash("7"), hash("7"));
+    assert_ne!(hash("7"), hash("8"));
+}
+
+#[test]
+fn ticks_are_exact() {
+    assert_eq!(json(&["--ticks", "7"])["ticks"], 7);
+    assert_eq!(json(&["arsim", "--ticks", "1"])["ticks"], 1);
+}
+
+#[test]
+fn real_time_is_kept_and_told() {
+    let started = Instant::now();
+    let summary = json(&["--pace", "scaled:2", "--seconds", "1"]);
+    assert!(started.elapsed() >= Duration::from_millis(495));
+    let clock = &summary["clock"];
+    assert!(clock["drift_percent"].as_f64().unwrap().abs() < 20.0);
+    let ticks: u64 =
+        clock["lateness"].as_array().unwrap().iter().map(|bar| bar["ticks"].as_u64().unwrap()).sum();
+    assert_eq!(ticks, 100);
+    assert!(summary["lockstep"].is_null());
+}
+
+#[test]
+fn the_table_has_a_row_a_tick_and_numbers_that_read_back() {
+    let table = good(&["run", "khepera", "--ticks", "20", "--csv", "-", "--quiet"]);
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 21);
+    assert_eq!(rows[0][..7].join(","), "t_s,robot,x_m,y_m,heading_rad,speed_m_s,turn_rate_rad_s");
+    assert_eq!(rows[0][7], "ir_0");
+    assert_eq!(rows[0][15..].join(","), "encoders.left,encoders.right,left_signal,right_signal,collided");
+    for (tick, row) in rows[1..].iter().enumerate() {
+        assert_eq!(row.len(), rows[0].len());
+        assert_eq!(row[0].parse::<f64>().unwrap(), (tick as u64 * 10_000_000) as f64 / 1e9);
+        assert_eq!((row[1], row[19]), ("khepera", "0"));
+        // The fifth sensor is first read in the second tick.
+        assert_eq!(row[11].is_empty(), tick == 0, "{row:?}");
+        for number in row[..19].iter().enumerate().filter(|(i, cell)| *i != 1 && !cell.is_empty()) {
+            let digits = number.1.split('e').next().unwrap().chars().filter(char::is_ascii_digit).count();
+            assert_eq!(digits, 17, "{number:?}");
+        }
+    }
+}
+
+#[test]
+fn the_table_is_the_same_in_a_file() {
+    let path = place("same.csv");
+    good(&["run", "--ticks", "30", "--quiet", "--csv", path.to_str().unwrap()]);
+    let to_stdout = good(&["run", "--ticks", "30", "--quiet", "--csv", "-"]);
+    assert_eq!(std::fs::read_to_string(path).unwrap(), to_stdout);
+}
+
+#[test]
+fn a_collision_ends_the_run_and_is_no_error() {
+    let path = place("collision.csv");
+    let into_the_wall = "constant:left=0.5,right=0.5";
+    let path = path.to_str().unwrap();
+    let summary = json(&["--brain", into_the_wall, "--seconds", "60", "--csv", path]);
+    assert_eq!(summary["ending"], "`robot` ran into `wall_right`");
+    assert_eq!(summary["robots"][0]["collisions"], 1);
+    let table = std::fs::read_to_string(path).unwrap();
+    let collided: Vec<_> = table.lines().skip(1).map(|line| &line[line.len() - 2..]).collect();
+    assert_eq!(collided.len() as u64, summary["ticks"].as_u64().unwrap() + 1);
+    assert_eq!(
+        collided.iter().position(|flag| *flag == ",1"),
+        Some(collided.len() - 1),
+        "only the last state"
+    );
+}
+
+#[test]
+fn a_robot_without_a_brain_stands_still() {
+    let summary = json(&["--brain", "none", "--seconds", "1"]);
+    assert_eq!(summary["ticks"], 100);
+    assert_eq!(summary["robots"][0]["brain"], "");
+    assert_eq!(summary["robots"][0]["distance_m"], 0.0);
+}
+
+#[test]
+fn without_an_end_a_run_has_60_seconds_and_says_so() {
+    let (code, out, err) = baudbot(&["run", "wander", "--brain", "none", "--pace", "free", "--json"]);
+    assert_eq!(code, 0);
+    assert_eq!(err, "note: wander sets no end; this run ends after 60 s\n");
+    assert_eq!(serde_json::from_str::<Value>(&out).unwrap()["simulated_s"], 60.0);
+}
+
+#[test]
+fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
+    let path = place("interrupted.csv");
+    let csv = path.to_str().unwrap();
+    let args = ["run", "--pace", "real-time", "--seconds", "1000", "--json", "--quiet", "--csv", csv];
+    let run = Running::start(&args);
+    // The header is written before the world's start; by then signals are awaited.
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while !path.exists() && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    run.signal("-INT");
+    let (code, out, err) = run.end();
+    assert_eq!((code, err.as_str()), (0, ""));
+    let summary: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(summary["interrupted"], true);
+    let table = std::fs::read_to_string(&path).unwrap();
+    assert!(table.ends_with('\n'));
+    let columns = |line: &str| line.split(',').count();
+    assert!(table.lines().all(|line| columns(line) == columns(table.lines().next().unwrap())));
+    let ticks = summary["ticks"].as_u64().unwrap();
+    let rows = table.lines().count() as u64 - 1;
+    assert!(ticks > 0 && (rows == ticks || rows == ticks + 1), "{rows} rows for {ticks} ticks");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_once_and_is_an_error() {
+    let (code, out, err) = baudbot(&["run", "--seconds", "10", "--csv", "/dev/full"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert_eq!(err, "error: cannot write /dev/full: No space left on device (os error 28)\n");
+}

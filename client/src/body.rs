@@ -1,0 +1,135 @@
+//! What a brain may know of its robot's body: its maker's data sheet.
+
+use baudbot_wire::Encoding;
+
+use crate::brain::Action;
+use crate::wire::WireLayout;
+
+/// A robot as its data sheet has it. Nothing of it changes during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// The robot's name in its world.
+    pub name: String,
+    /// Radius of its disc, in metres.
+    pub radius_m: f64,
+    /// Half the distance between its wheels, in metres.
+    pub half_track_m: f64,
+    /// Radius of its wheels, in metres.
+    pub wheel_radius_m: f64,
+    /// Largest size of a motor signal; `None` if there is no limit.
+    pub signal_limit: Option<f64>,
+    /// How a motor signal crosses the wire.
+    pub motor_encoding: Encoding,
+    /// In the order of the wire.
+    pub sensors: Vec<Sensor>,
+    /// What the microcontroller says on its wire.
+    pub firmware: Firmware,
+    /// Bits a second of the cable; `None` if it is ideal.
+    pub baud: Option<u32>,
+    /// Bits a character; `None` if the cable is ideal.
+    pub bits_per_character: Option<u32>,
+}
+
+/// A sensor as its data sheet has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// Its name, unique on its robot.
+    pub name: String,
+    /// `ir`, `encoders`, `odometer` or `compass`; text, as a newer server may have others.
+    pub kind: String,
+    /// One for each value of a reading.
+    pub components: Vec<Component>,
+    /// Time between two samples, in nanoseconds.
+    pub period_ns: u64,
+    /// Instant of the first sample, in nanoseconds.
+    pub phase_ns: u64,
+    /// Where it sits and which way it looks, if that matters.
+    pub mount: Option<Mount>,
+    /// Range in metres, if it has one.
+    pub range_m: Option<f64>,
+    /// Counts a turn of the wheel, if it counts.
+    pub counts_per_turn: Option<u32>,
+}
+
+/// One value of a reading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Its name; empty if the sensor has only this one.
+    pub name: String,
+    /// SI unit; `1` for a ratio.
+    pub unit: String,
+    /// How it crosses the wire.
+    pub encoding: Encoding,
+}
+
+/// Robot from sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mount {
+    /// Forwards of the robot's centre, in metres.
+    pub x_m: f64,
+    /// To the left of the robot's centre, in metres.
+    pub y_m: f64,
+    /// Counter-clockwise of the robot's heading, in radians.
+    pub heading_rad: f64,
+}
+
+/// What a microcontroller says on its wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Firmware {
+    /// The form of its messages.
+    pub protocol: Protocol,
+    /// Nanoseconds between two messages of readings; `None` if it answers only when asked.
+    pub period_ns: Option<u64>,
+}
+
+/// The form of the messages on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Protocol {
+    /// Frames with sequence number, time and checksum.
+    Framed {
+        /// Whether each reading carries its age.
+        ages: bool,
+    },
+    /// One value after the other and nothing else.
+    Bare {
+        /// Silence after which a part of a message is given up, in nanoseconds.
+        gap_ns: u64,
+    },
+}
+
+impl Body {
+    /// The sensor of this name.
+    pub fn sensor(&self, name: &str) -> Option<&Sensor> {
+        self.sensors.iter().find(|sensor| sensor.name == name)
+    }
+
+    /// The place of the sensor of this name in [`sensors`](Self::sensors) and in
+    /// [`Turn::readings`](crate::Turn::readings).
+    pub fn sensor_index(&self, name: &str) -> Option<usize> {
+        self.sensors.iter().position(|sensor| sensor.name == name)
+    }
+
+    /// What a brain does that wants readings and no motion: a firmware that talks of its own accord is
+    /// waited for, one that answers only when asked is asked. The bare protocol has no other question than
+    /// a command, so there the motors are told to stand still.
+    pub fn request(&self) -> Action {
+        match self.firmware {
+            Firmware { period_ns: Some(_), .. } => Action::wait(),
+            Firmware { protocol: Protocol::Framed { .. }, .. } => Action::poll(),
+            Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
+        }
+    }
+
+    /// What both ends of the cable have agreed on, to be used with `baudbot-wire`.
+    pub fn layout(&self) -> WireLayout {
+        WireLayout::new(self)
+    }
+
+    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on an ideal cable. A brain that
+    /// commands more often than that fills the cable's buffer, and its commands come ever later.
+    pub fn command_ns(&self) -> u64 {
+        let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };
+        let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
+        bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
+    }
+}

@@ -1,0 +1,102 @@
+//! A brain, and what runs one.
+
+use std::time::Duration;
+
+use crate::error::Error;
+use crate::fleet::Fleet;
+use crate::robot::Robot;
+use crate::turn::{Signals, Turn};
+
+/// Turns what has arrived into what is done. A brain has no clock and does no input or output: whatever it
+/// knows it has from its turns, so the same turns give the same actions, and a test can make them up.
+pub trait Brain {
+    /// One step. It is called once a turn, in order.
+    fn step(&mut self, turn: &Turn) -> Action;
+}
+
+impl<B: Brain + ?Sized> Brain for Box<B> {
+    fn step(&mut self, turn: &Turn) -> Action {
+        (**self).step(turn)
+    }
+}
+
+/// What a brain does in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Action {
+    /// Signals for the motors; `None` leaves those in force.
+    pub signals: Option<Signals>,
+    /// How long the brain says it thought, in simulated time; `None`: what the scenario says.
+    pub thinking: Option<Duration>,
+    /// Asks a firmware that answers only when asked. Signals ask too, so this counts only without them.
+    pub poll: bool,
+}
+
+impl Action {
+    /// Sends signals.
+    pub const fn drive(left: f64, right: f64) -> Self {
+        Self { signals: Some(Signals { left, right }), thinking: None, poll: false }
+    }
+
+    /// Sends nothing.
+    pub const fn wait() -> Self {
+        Self { signals: None, thinking: None, poll: false }
+    }
+
+    /// Asks for readings.
+    pub const fn poll() -> Self {
+        Self { signals: None, thinking: None, poll: true }
+    }
+
+    /// The same after so much simulated time of thought.
+    #[must_use]
+    pub const fn after(self, thinking: Duration) -> Self {
+        Self { thinking: Some(thinking), ..self }
+    }
+}
+
+/// How a run went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// Turns that the brain, or all brains of a fleet together, had.
+    pub turns: u64,
+    /// Tick of the last of them.
+    pub last_tick: u64,
+}
+
+/// Lets `brain` drive `robot` until the run is over or the server closes the stream.
+///
+/// # Errors
+/// See [`Robot::turn`].
+pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result<Summary, Error> {
+    let mut summary = Summary::default();
+    while let Some(turn) = robot.turn().await? {
+        summary.turns += 1;
+        summary.last_tick = turn.tick;
+        robot.act(brain.step(&turn)).await?;
+    }
+    Ok(summary)
+}
+
+/// Lets each of `brains` drive the robot of `fleet` that stands in the same place, until the run is over or
+/// the server closes the stream. All answers to a tick go in one message.
+///
+/// # Errors
+/// [`Error::Brains`] if there are not as many brains as robots, otherwise as [`Fleet::turns`].
+pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<Summary, Error> {
+    if brains.len() != fleet.bodies().len() {
+        return Err(Error::Brains { robots: fleet.bodies().len(), brains: brains.len() });
+    }
+    let mut summary = Summary::default();
+    while let Some(turns) = fleet.turns().await? {
+        let mut actions = Vec::with_capacity(turns.len());
+        for (robot, turn) in &turns {
+            summary.turns += 1;
+            summary.last_tick = turn.tick;
+            if let Some(brain) = brains.get_mut(*robot) {
+                actions.push((*robot, brain.step(turn)));
+            }
+        }
+        fleet.act(&actions).await?;
+    }
+    Ok(summary)
+}

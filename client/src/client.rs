@@ -1,0 +1,76 @@
+//! A connection to a server, from which brains attach to robots.
+
+use tonic::transport::Channel;
+
+use crate::address;
+use crate::error::Error;
+use crate::fleet::Fleet;
+use crate::raw::RawRobot;
+use crate::robot::Robot;
+use crate::session::{Hello, Session};
+
+/// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
+///
+/// # Errors
+/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s.
+pub async fn connect(address: &str) -> Result<Client, Error> {
+    Ok(Client::from_channel(address::connect(address).await?))
+}
+
+/// A connection to a server. Clones share it.
+#[derive(Clone, Debug)]
+pub struct Client {
+    channel: Channel,
+    brain: String,
+}
+
+impl Client {
+    /// A client of the server at the other end of `channel`, such as one in the same process.
+    pub fn from_channel(channel: Channel) -> Self {
+        Self { channel, brain: "brain".to_owned() }
+    }
+
+    /// The connection, for clients of the server's other services.
+    pub fn channel(&self) -> Channel {
+        self.channel.clone()
+    }
+
+    /// The name, at most 64 characters, under which brains attach from now on; people see it, nothing else
+    /// depends on it.
+    #[must_use]
+    pub fn brain(self, name: impl Into<String>) -> Self {
+        Self { brain: name.into(), ..self }
+    }
+
+    /// Takes hold of a robot. It is let go when the [`Robot`] is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Status`] if there is no such world or robot (`NotFound`) or another brain holds it
+    /// (`AlreadyExists`); [`Error::Protocol`] if the server breaks the contract.
+    pub async fn attach(&self, world: &str, robot: &str) -> Result<Robot, Error> {
+        Ok(Robot::new(self.session(world, &[robot], false).await?))
+    }
+
+    /// Takes hold of several robots of a world with one stream: their turns come, and the answers go, in
+    /// one message a tick.
+    ///
+    /// # Errors
+    /// As [`attach`](Self::attach).
+    pub async fn attach_many(&self, world: &str, robots: &[&str]) -> Result<Fleet, Error> {
+        Ok(Fleet::new(self.session(world, robots, false).await?))
+    }
+
+    /// Takes hold of a robot whose brain reads and writes the bytes of the wire itself.
+    ///
+    /// # Errors
+    /// As [`attach`](Self::attach).
+    pub async fn attach_raw(&self, world: &str, robot: &str) -> Result<RawRobot, Error> {
+        Ok(RawRobot::new(self.session(world, &[robot], true).await?))
+    }
+
+    async fn session(&self, world: &str, robots: &[&str], raw: bool) -> Result<Session, Error> {
+        let robots = robots.iter().map(|&robot| robot.to_owned()).collect();
+        let hello = Hello { world: world.to_owned(), robots, raw, brain: self.brain.clone() };
+        Session::open(self.channel.clone(), &hello).await
+    }
+}

@@ -1,0 +1,133 @@
+//! What can go wrong between a brain and its server.
+
+use std::error::Error as StdError;
+
+use baudbot_wire::LayoutError;
+use thiserror::Error;
+use tonic::Code;
+
+/// Why a brain cannot go on.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The address is none.
+    #[error("`{address}` is no address of a server; write HOST:PORT, http://HOST:PORT or unix:/PATH")]
+    Address {
+        /// As it was given.
+        address: String,
+    },
+    /// No server answers.
+    #[error("no server answers at {address} ({}); is `baudbot serve` running there?", root(source))]
+    Connect {
+        /// As it was given.
+        address: String,
+        /// What the network said.
+        source: tonic::transport::Error,
+    },
+    /// The server refused, or ended the stream with an error.
+    #[error("the server says: {message} ({code:?})")]
+    Status {
+        /// The kind of error; the contract lists them.
+        code: Code,
+        /// The server's words.
+        message: String,
+    },
+    /// The connection broke.
+    #[error("the connection to the server is lost ({message})")]
+    Lost {
+        /// What the network said.
+        message: String,
+    },
+    /// The server does not keep to the contract.
+    #[error("the server breaks the contract `baudbot.v1`: {0}")]
+    Protocol(#[from] Breach),
+    /// A fleet was given too many or too few brains.
+    #[error("{brains} brains for {robots} robots; a fleet needs one each")]
+    Brains {
+        /// Robots of the fleet.
+        robots: usize,
+        /// Brains given.
+        brains: usize,
+    },
+}
+
+/// How a server breaks the contract.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Breach {
+    /// Something else than what comes now.
+    #[error("expected {expected}, got {found}")]
+    Expected {
+        /// What comes now.
+        expected: &'static str,
+        /// What came.
+        found: &'static str,
+    },
+    /// A field that must be there is not.
+    #[error("{message} without its `{field}`")]
+    Missing {
+        /// The message.
+        message: &'static str,
+        /// The field.
+        field: &'static str,
+    },
+    /// A Welcome with other robots than those asked for.
+    #[error("asked for robots {asked:?}, got {described:?}")]
+    Robots {
+        /// Names in the Hello.
+        asked: Vec<String>,
+        /// Names in the Welcome.
+        described: Vec<String>,
+    },
+    /// A place in a list that is not so long.
+    #[error("{what} {index}, but there are only {count}")]
+    Index {
+        /// What is in the list.
+        what: &'static str,
+        /// The place, from 0.
+        index: u32,
+        /// The length of the list.
+        count: usize,
+    },
+    /// A reading that does not fit its sensor.
+    #[error("{found} values from sensor `{sensor}`, which has {expected}")]
+    Values {
+        /// Name of the sensor.
+        sensor: String,
+        /// Values that the sensor has.
+        expected: usize,
+        /// Values that came.
+        found: usize,
+    },
+    /// A number of bits that no encoding has.
+    #[error("an encoding of {found} bits")]
+    Bits {
+        /// The number.
+        found: u32,
+    },
+    /// Encodings that no cable can have.
+    #[error("robot `{robot}`: {source}")]
+    Layout {
+        /// Name of the robot.
+        robot: String,
+        /// What is wrong with them.
+        source: LayoutError,
+    },
+}
+
+impl From<tonic::Status> for Error {
+    fn from(status: tonic::Status) -> Self {
+        // A status that the transport makes up says from what; one that the server sent has no source.
+        if let Some(source) = status.source() {
+            return Self::Lost { message: root(source).to_string() };
+        }
+        Self::Status { code: status.code(), message: status.message().to_owned() }
+    }
+}
+
+/// The innermost error says what happened ("connection refused"); those around it say only where.
+fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a dyn StdError {
+    let mut error = error;
+    while let Some(source) = error.source() {
+        error = source;
+    }
+    error
+}

@@ -1,0 +1,65 @@
+//! Several robots of a world on one stream.
+
+use std::sync::Arc;
+
+use crate::body::Body;
+use crate::brain::Action;
+use crate::error::Error;
+use crate::session::{Answer, Session};
+use crate::turn::Turn;
+
+/// Robots that this program holds together; a robot is known by its place in [`bodies`](Self::bodies).
+#[derive(Debug)]
+pub struct Fleet {
+    session: Session,
+}
+
+impl Fleet {
+    pub(crate) fn new(session: Session) -> Self {
+        Self { session }
+    }
+
+    /// Their data sheets, in the order in which they were asked for.
+    pub fn bodies(&self) -> &[Arc<Body>] {
+        &self.session.welcome().bodies
+    }
+
+    /// Length of the world's tick, in nanoseconds.
+    pub fn step_ns(&self) -> u64 {
+        self.session.welcome().step_ns
+    }
+
+    /// Whether the world waited for its brains when these attached.
+    pub fn lockstep(&self) -> bool {
+        self.session.welcome().lockstep
+    }
+
+    /// Whether the server has closed the stream, so that no turn will come.
+    pub fn is_closed(&self) -> bool {
+        self.session.is_closed()
+    }
+
+    /// Waits for the next tick in which any of the robots' brains can step, and gives the turns of those
+    /// that can, each with its robot's place. Otherwise as [`Robot::turn`](crate::Robot::turn).
+    ///
+    /// # Errors
+    /// As [`Robot::turn`](crate::Robot::turn).
+    pub async fn turns(&mut self) -> Result<Option<Vec<(usize, Turn)>>, Error> {
+        let Some((tick, parts)) = self.session.turn().await? else { return Ok(None) };
+        let bodies = self.bodies();
+        let turn = |part: crate::session::Part| {
+            let body = Arc::clone(&bodies[part.robot]);
+            (part.robot, Turn { tick, at_ns: part.at_ns, readings: part.readings, body })
+        };
+        Ok(Some(parts.into_iter().map(turn).collect()))
+    }
+
+    /// Answers all turns of the tick at once; a robot that is left out does nothing.
+    ///
+    /// # Errors
+    /// As [`Robot::drive`](crate::Robot::drive).
+    pub async fn act(&mut self, actions: &[(usize, Action)]) -> Result<(), Error> {
+        let answers: Vec<_> = actions.iter().map(|&(robot, action)| (robot, Answer::Act(action))).collect();
+        self.session.answer(&answers).await
+    }
+}

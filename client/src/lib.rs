@@ -1,0 +1,68 @@
+//! The laptop's end of a robot's serial cable, in Rust: a brain is twenty lines.
+//!
+//! A brain is a function from what has arrived to what is sent: it implements [`Brain`], knows no clock and
+//! no network, and can be tested without a server. The rest of this crate brings it to its robot, from the
+//! outside in:
+//!
+//! 1. [`connect`] finds the server and gives a [`Client`].
+//! 2. [`Client::attach`] takes hold of a [`Robot`] of a world, [`Client::attach_many`] of a [`Fleet`] of
+//!    them over one stream, [`Client::attach_raw`] of a [`RawRobot`], which speaks the bytes of the wire.
+//! 3. The robot's [`Body`] is its data sheet: which sensors, where, how often, in which units.
+//! 4. [`Robot::turn`] waits for the next [`Turn`]: each sensor's last [`Reading`], and whether it is new.
+//! 5. [`Robot::drive`] answers it with [`Signals`] for the motors; [`run`] does 4 and 5 with a [`Brain`]
+//!    until the run is over.
+//!
+//! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
+//! does what a brain of messages does.
+//!
+//! # Example
+//!
+//! ```no_run
+//! use baudbot_client::{Action, Brain, Error, Turn, connect, run};
+//!
+//! /// Drives on, and turns on the spot while something is near in front.
+//! struct Timid;
+//!
+//! impl Brain for Timid {
+//!     fn step(&mut self, turn: &Turn) -> Action {
+//!         match turn.value("ir_front") {
+//!             None => Action::wait(),
+//!             Some(nearness) if nearness > 0.25 => Action::drive(0.5, -0.5),
+//!             Some(_) => Action::drive(0.4, 0.4),
+//!         }
+//!     }
+//! }
+//!
+//! #[tokio::main(flavor = "current_thread")]
+//! async fn main() -> Result<(), Error> {
+//!     let mut robot = connect("127.0.0.1:7400").await?.attach("wander", "robot").await?;
+//!     run(&mut robot, &mut Timid).await?;
+//!     Ok(())
+//! }
+//! ```
+
+mod address;
+mod body;
+mod brain;
+mod client;
+mod convert;
+mod error;
+mod fleet;
+mod raw;
+mod robot;
+mod session;
+mod stream;
+mod turn;
+mod wire;
+
+pub use baudbot_wire::Encoding;
+
+pub use body::{Body, Component, Firmware, Mount, Protocol, Sensor};
+pub use brain::{Action, Brain, Summary, run, run_fleet};
+pub use client::{Client, connect};
+pub use error::{Breach, Error};
+pub use fleet::Fleet;
+pub use raw::{RawRobot, RawTurn};
+pub use robot::Robot;
+pub use turn::{Reading, Signals, Turn};
+pub use wire::{RawCommands, RawReadings, WireLayout};

@@ -1,0 +1,229 @@
+//! The codec of a brain that reads and writes the wire's bytes itself. With it such a brain sees the turns
+//! that a brain of messages sees.
+
+use std::sync::Arc;
+
+use baudbot_wire::{
+    BareDecoder, Decoder, Encoding, Layout, LayoutError, Message, Values, clock, frame, poll, write_command,
+    write_values,
+};
+
+use crate::body::{Body, Protocol};
+use crate::raw::RawTurn;
+use crate::turn::{Reading, Signals, Turn};
+
+/// Owns what a [`Layout`] borrows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WireLayout {
+    components: Vec<Encoding>,
+    counts: Vec<u8>,
+    motors: [Encoding; 2],
+    ages: bool,
+}
+
+impl WireLayout {
+    pub(crate) fn new(body: &Body) -> Self {
+        let counts =
+            body.sensors.iter().map(|sensor| u8::try_from(sensor.components.len()).unwrap_or(u8::MAX));
+        Self {
+            components: body
+                .sensors
+                .iter()
+                .flat_map(|sensor| &sensor.components)
+                .map(|part| part.encoding)
+                .collect(),
+            counts: counts.collect(),
+            motors: [body.motor_encoding; 2],
+            ages: matches!(body.firmware.protocol, Protocol::Framed { ages: true }),
+        }
+    }
+
+    /// The layout.
+    pub fn borrow(&self) -> Layout<'_> {
+        Layout { components: &self.components, counts: &self.counts, motors: &self.motors, ages: self.ages }
+    }
+
+    /// Bytes that a command takes on the wire.
+    pub(crate) fn command_wire_len(&self, protocol: Protocol) -> usize {
+        match protocol {
+            Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().command_len()),
+            Protocol::Bare { .. } => self.borrow().bare_command_len(),
+        }
+    }
+}
+
+/// Turns the bytes of [`RawTurn`]s into [`Turn`]s, by the rules by which the server does it for a brain of
+/// messages.
+///
+/// Both give the same turns, with one exception. The bare protocol marks a message that was cut short by
+/// silence, and a raw turn does not say when within the step each byte arrived. Only a silence that is
+/// certain counts here: longer than the protocol's gap even if the bytes on both sides of it arrived as
+/// near to each other as their turns permit. So if bytes were lost, this decoder may take longer to
+/// recover than the server's.
+#[derive(Clone, Debug)]
+pub struct RawReadings {
+    body: Arc<Body>,
+    layout: WireLayout,
+    port: Port,
+    readings: Vec<Option<Reading>>,
+    /// Whole messages of readings so far; the bare protocol has no other sequence number.
+    messages: u8,
+}
+
+#[derive(Clone, Debug)]
+enum Port {
+    Framed(Decoder),
+    Bare { decoder: BareDecoder, silence: Silence },
+}
+
+impl RawReadings {
+    /// A decoder for the robot with this body, to be given each of its turns in order. A run that is reset needs a
+    /// new one, as the wire is cut and the clock starts again.
+    ///
+    /// # Errors
+    /// If the body's encodings are such as no cable can have; those of an attached robot never are.
+    pub fn new(body: Arc<Body>) -> Result<Self, LayoutError> {
+        let layout = body.layout();
+        layout.borrow().check()?;
+        let port = match body.firmware.protocol {
+            Protocol::Framed { .. } => Port::Framed(Decoder::new()),
+            Protocol::Bare { gap_ns } => {
+                let decoder = BareDecoder::new(layout.borrow().bare_readings_len(), gap_ns)?;
+                Port::Bare { decoder, silence: Silence::default() }
+            }
+        };
+        let readings = vec![None; body.sensors.len()];
+        Ok(Self { body, layout, port, readings, messages: 0 })
+    }
+
+    /// The turn in messages.
+    pub fn turn(&mut self, raw: &RawTurn) -> Turn {
+        for reading in self.readings.iter_mut().flatten() {
+            reading.readable = false;
+        }
+        let Self { body, layout, port, readings, messages } = self;
+        let layout = layout.borrow();
+        match port {
+            Port::Framed(decoder) => {
+                for &byte in &raw.bytes {
+                    // A damaged frame is lost, and its readings stay what they were.
+                    if let Some(Ok(payload)) = decoder.push(byte) {
+                        note_frame(readings, &layout, payload, raw.at_ns);
+                    }
+                }
+            }
+            Port::Bare { decoder, silence } => {
+                let at_ns = silence.clock_ns(raw);
+                for &byte in &raw.bytes {
+                    if let Some(payload) = decoder.push(byte, at_ns) {
+                        *messages = messages.wrapping_add(1);
+                        note_bare(readings, &layout, payload, *messages);
+                    }
+                }
+            }
+        }
+        Turn { tick: raw.tick, at_ns: raw.at_ns, readings: readings.clone(), body: Arc::clone(body) }
+    }
+}
+
+/// Notes the readings of a frame; a message that makes no sense is lost.
+fn note_frame(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[u8], at_ns: u64) {
+    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return };
+    let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
+    for entry in message.entries() {
+        let age_ns = entry.age_100us.map(|age| u64::from(age) * clock::UNIT_NS);
+        let reading = Reading {
+            values: entry.values.collect(),
+            sampled_at_ns: age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns)),
+            sequence: message.sequence.into(),
+            readable: true,
+        };
+        readings[entry.sensor] = Some(reading);
+    }
+}
+
+/// Notes a bare message: it knows no readability, so every value that arrives is readable.
+fn note_bare(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[u8], sequence: u8) {
+    let mut values = Values::new(layout.components, payload);
+    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
+        let values = values.by_ref().take(components.len()).collect();
+        *reading = Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
+    }
+}
+
+/// A clock that goes on only while the wire is certainly silent.
+#[derive(Clone, Debug, Default)]
+struct Silence {
+    clock_ns: u64,
+    last_turn_ns: u64,
+    last_bytes_ns: u64,
+}
+
+impl Silence {
+    /// The reading of the clock for all bytes of this turn. They arrived after the turn before it, those
+    /// before them by their own turn at the latest: what lies between is silence.
+    fn clock_ns(&mut self, raw: &RawTurn) -> u64 {
+        if !raw.bytes.is_empty() {
+            let silence_ns = self.last_turn_ns.saturating_sub(self.last_bytes_ns);
+            self.clock_ns = self.clock_ns.saturating_add(silence_ns);
+            self.last_bytes_ns = raw.at_ns;
+        }
+        self.last_turn_ns = raw.at_ns;
+        self.clock_ns
+    }
+}
+
+/// Turns signals into the bytes of commands.
+#[derive(Clone, Debug)]
+pub struct RawCommands {
+    layout: WireLayout,
+    protocol: Protocol,
+    sequence: u8,
+}
+
+impl RawCommands {
+    /// An encoder for the robot with this body.
+    ///
+    /// # Errors
+    /// As [`RawReadings::new`].
+    pub fn new(body: &Body) -> Result<Self, LayoutError> {
+        let layout = body.layout();
+        layout.borrow().check()?;
+        Ok(Self { layout, protocol: body.firmware.protocol, sequence: 0 })
+    }
+
+    /// The bytes of a command.
+    pub fn command(&mut self, signals: Signals) -> Vec<u8> {
+        let signals = [signals.left, signals.right];
+        let mut bytes = [0; frame::MAX_PAYLOAD];
+        // Neither can fail: the layout was checked, has two motors and gets two values.
+        if let Protocol::Bare { .. } = self.protocol {
+            let len = write_values(self.layout.borrow().motors, signals, &mut bytes).unwrap_or(0);
+            return bytes[..len].to_vec();
+        }
+        let sequence = self.next_sequence();
+        let len = write_command(&self.layout.borrow(), sequence, signals, &mut bytes).unwrap_or(0);
+        framed(&bytes[..len])
+    }
+
+    /// The bytes of a request for readings; `None` in the bare protocol, which has none.
+    pub fn poll(&mut self) -> Option<Vec<u8>> {
+        match self.protocol {
+            Protocol::Bare { .. } => None,
+            Protocol::Framed { .. } => Some(framed(&poll(self.next_sequence()))),
+        }
+    }
+
+    fn next_sequence(&mut self) -> u8 {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        sequence
+    }
+}
+
+fn framed(payload: &[u8]) -> Vec<u8> {
+    let mut bytes = [0; frame::MAX_FRAME];
+    // Cannot fail: no payload is longer than the layout's check permits.
+    let len = frame::encode(payload, &mut bytes).unwrap_or(0);
+    bytes[..len].to_vec()
+}

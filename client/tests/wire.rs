@@ -1,0 +1,123 @@
+//! The codec of raw brains, against the bytes of a microcontroller.
+
+use std::sync::Arc;
+
+use baudbot_client::{
+    Body, Component, Encoding, Firmware, Protocol, RawCommands, RawReadings, RawTurn, Sensor, Signals,
+};
+use baudbot_wire::{Decoder, Message, Sample, frame, write_readings, write_values};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+fn body(protocol: Protocol) -> Arc<Body> {
+    let component =
+        Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Counter { bits: 16 } };
+    let sensor = |name: &str, count| Sensor {
+        name: name.to_owned(),
+        kind: "ir".to_owned(),
+        components: vec![component.clone(); count],
+        period_ns: 20_000_000,
+        phase_ns: 0,
+        mount: None,
+        range_m: None,
+        counts_per_turn: None,
+    };
+    Arc::new(Body {
+        name: "alice".to_owned(),
+        radius_m: 0.2,
+        half_track_m: 0.2,
+        wheel_radius_m: 0.1,
+        signal_limit: None,
+        motor_encoding: Encoding::Signed { bits: 8, limit: 1.0 },
+        sensors: vec![sensor("one", 1), sensor("two", 2)],
+        firmware: Firmware { protocol, period_ns: Some(20_000_000) },
+        baud: None,
+        bits_per_character: None,
+    })
+}
+
+fn raw(at_ns: u64, bytes: &[u8]) -> RawTurn {
+    RawTurn { tick: at_ns / 10_000_000, at_ns, bytes: bytes.to_vec() }
+}
+
+/// A frame closed at 7 s with a sample of the second sensor, 0.3 ms old.
+fn readings_frame(body: &Body) -> Vec<u8> {
+    let fresh = |sensor| (sensor == 1).then_some(Sample { age_100us: 3, values: &[5.0, -6.0] });
+    let (mut payload, mut bytes) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
+    let len = write_readings(&body.layout().borrow(), 9, 70_000_u32 as u16, fresh, &mut payload).unwrap();
+    let len = frame::encode(&payload[..len], &mut bytes).unwrap();
+    bytes[..len].to_vec()
+}
+
+#[test]
+fn a_framed_reading_tells_its_age_and_is_readable_once() {
+    let body = body(Protocol::Framed { ages: true });
+    let bytes = readings_frame(&body);
+    let mut readings = RawReadings::new(Arc::clone(&body)).unwrap();
+    let (head, tail) = bytes.split_at(5);
+    assert!(!readings.turn(&raw(7_000_000_000, head)).has_news());
+    let turn = readings.turn(&raw(7_010_000_000, tail));
+    let reading = turn.reading("two").unwrap();
+    assert_eq!(reading.values, [5.0, -6.0]);
+    assert_eq!((reading.sequence, reading.readable), (9, true));
+    assert_eq!(reading.sampled_at_ns, Some(6_999_700_000));
+    assert_eq!(reading.age_ns(turn.at_ns), Some(10_300_000));
+    assert_eq!(turn.reading("one"), None);
+    let turn = readings.turn(&raw(7_020_000_000, &[]));
+    assert_eq!((turn.value("two"), turn.has_news()), (Some(5.0), false));
+}
+
+#[test]
+fn a_bare_message_after_lost_bytes_is_found_by_the_silence_before_it() {
+    let body = body(Protocol::Bare { gap_ns: 15_000_000 });
+    let mut bytes = [0; 6];
+    write_values(body.layout().borrow().components, [1.0, 2.0, 3.0], &mut bytes).unwrap();
+    let mut readings = RawReadings::new(body).unwrap();
+    // Bytes of neighbouring turns may have come back to back; two turns without any are a pause.
+    readings.turn(&raw(10_000_000, &bytes[..1]));
+    let turn = readings.turn(&raw(20_000_000, &bytes[1..]));
+    assert_eq!(turn.reading("two").unwrap().values, [2.0, 3.0]);
+    assert_eq!(turn.reading("two").unwrap().sequence, 1);
+    assert_eq!(turn.reading("two").unwrap().sampled_at_ns, None);
+    readings.turn(&raw(30_000_000, &bytes[3..]));
+    readings.turn(&raw(40_000_000, &[]));
+    readings.turn(&raw(50_000_000, &[]));
+    let turn = readings.turn(&raw(60_000_000, &bytes));
+    assert_eq!((turn.value("one"), turn.reading("one").unwrap().sequence), (Some(1.0), 2));
+}
+
+#[test]
+fn commands_arrive_as_they_were_meant() {
+    let framed = body(Protocol::Framed { ages: false });
+    let mut commands = RawCommands::new(&framed).unwrap();
+    let layout = framed.layout();
+    let mut decoder = Decoder::new();
+    let mut payload_of = |bytes: Vec<u8>| {
+        let payload = bytes.iter().find_map(|&byte| decoder.push(byte).map(|frame| frame.unwrap().to_vec()));
+        payload.unwrap()
+    };
+    let payload = payload_of(commands.command(Signals { left: 1.0, right: -1.0 }));
+    let Ok(Message::Command(command)) = Message::parse(&payload, &layout.borrow()) else {
+        panic!("no command")
+    };
+    assert!(command.values().eq([1.0, -1.0]));
+    let payload = payload_of(commands.poll().unwrap());
+    assert_eq!(Message::parse(&payload, &layout.borrow()), Ok(Message::Poll { sequence: 1 }));
+
+    let mut commands = RawCommands::new(&body(Protocol::Bare { gap_ns: 1 })).unwrap();
+    assert_eq!(commands.command(Signals { left: 1.0, right: 0.0 }), [127, 0]);
+    assert_eq!(commands.poll(), None);
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_do_no_harm(turns in vec((vec(any::<u8>(), 0..40), any::<u64>()), 0..20), gap_ns: u64) {
+        for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }] {
+            let mut readings = RawReadings::new(body(protocol)).unwrap();
+            for (bytes, at_ns) in &turns {
+                let turn = readings.turn(&raw(*at_ns, bytes));
+                prop_assert_eq!(turn.readings.len(), 2);
+            }
+        }
+    }
+}

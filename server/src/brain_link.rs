@@ -1,0 +1,120 @@
+//! The brains' service: a stream that is the laptop's end of one or more serial cables.
+
+use std::pin::Pin;
+use std::sync::Arc;
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::attach_request::Request as Content;
+use baudbot_proto::v1::brain_link_service_server::BrainLinkService;
+use tokio::sync::{Semaphore, mpsc};
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_stream::{Stream, StreamExt};
+use tonic::{Request, Response, Status, Streaming};
+
+use crate::convert;
+use crate::endpoint::{Endpoint, Write};
+use crate::letter::{Attach, Attached, Delivery, Letter};
+use crate::registry::{Registry, WorldHandle};
+use crate::sessions::RESERVED;
+
+/// Turns that wait for a brain that does not read before it loses some.
+const TURNS_AHEAD: usize = 256;
+
+/// Steps of one stream that the world takes in a tick; further ones wait in the network.
+const STEPS_A_TICK: usize = 64;
+
+/// Longest name that a brain may give itself.
+const MAX_BRAIN_NAME: usize = 64;
+
+pub(crate) struct BrainLink {
+    pub(crate) registry: Registry,
+}
+
+#[tonic::async_trait]
+impl BrainLinkService for BrainLink {
+    type AttachStream = Pin<Box<dyn Stream<Item = Result<v1::AttachResponse, Status>> + Send>>;
+
+    async fn attach(
+        &self,
+        request: Request<Streaming<v1::AttachRequest>>,
+    ) -> Result<Response<Self::AttachStream>, Status> {
+        let mut requests = request.into_inner();
+        let hello = match requests.message().await?.and_then(|request| request.request) {
+            Some(Content::Hello(hello)) => check(hello)?,
+            Some(Content::Step(_)) => {
+                return Err(Status::failed_precondition("step: the first request must be a Hello"));
+            }
+            None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
+        };
+        let world = self.registry.find("hello.world", &hello.world)?;
+        let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
+        let raw = hello.mode() == v1::PortMode::Raw;
+        let attach = Attach { robots: hello.robots, brain: hello.brain, raw, deliveries: deliveries.clone() };
+        let attached = world.ask(|reply| Letter::Attach(attach, reply)).await??;
+        let welcome = convert::welcome(&attached);
+        tokio::spawn(listen(requests, world, attached, raw, deliveries));
+        let turns = ReceiverStream::new(stream).map(convert::delivery);
+        Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
+    }
+}
+
+fn check(hello: v1::Hello) -> Result<v1::Hello, Status> {
+    if hello.robots.is_empty() {
+        return Err(Status::invalid_argument("hello.robots: must name at least one robot"));
+    }
+    if hello.brain.len() > MAX_BRAIN_NAME {
+        let text = format!("hello.brain: has {} bytes, the limit is {MAX_BRAIN_NAME}", hello.brain.len());
+        return Err(Status::invalid_argument(text));
+    }
+    Ok(hello)
+}
+
+/// Takes a brain's steps until it is gone or says something that makes no sense; then its robots are free.
+async fn listen(
+    mut requests: Streaming<v1::AttachRequest>,
+    world: WorldHandle,
+    attached: Attached,
+    raw: bool,
+    deliveries: mpsc::Sender<Delivery>,
+) {
+    let session = attached.session;
+    let endpoint = Endpoint::new(attached.scenario, attached.robots, raw);
+    let room = Arc::new(Semaphore::new(STEPS_A_TICK));
+    loop {
+        // A stream that the world has closed, or whose reader is gone, has nothing more to say.
+        let request = tokio::select! {
+            request = requests.message() => request,
+            () = deliveries.closed() => break,
+        };
+        let Ok(Some(request)) = request else { break };
+        let step = match step_of(request, &endpoint) {
+            Ok((tick, writes)) => {
+                let Ok(permit) = Arc::clone(&room).acquire_owned().await else { break };
+                Letter::Step { session, tick, writes, permit }
+            }
+            Err(status) => {
+                tracing::debug!(world = world.name(), session, %status, "a brain's step was refused");
+                let _ = deliveries.try_send(Delivery::Close(status));
+                break;
+            }
+        };
+        if world.send(step).is_err() {
+            break;
+        }
+    }
+    let _ = world.send(Letter::Detach { session });
+}
+
+fn step_of(request: v1::AttachRequest, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
+    match request.request {
+        Some(Content::Step(step)) => {
+            let writes = convert::writes(step.robots);
+            endpoint.check(&writes)?;
+            Ok((step.tick, writes))
+        }
+        Some(Content::Hello(_)) => {
+            Err(Status::failed_precondition("hello: this stream is attached already; open another one"))
+        }
+        None => Err(Status::invalid_argument("request: must be a Step")),
+    }
+}

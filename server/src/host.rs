@@ -1,0 +1,465 @@
+//! A world's thread: it alone touches the world, and does one thing at a time.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use baudbot_sim::{Input, SimTime, World};
+use tokio::sync::{OwnedSemaphorePermit, oneshot};
+use tonic::Status;
+
+use crate::endpoint::{Write, encode};
+use crate::letter::{Activity, Attach, Attached, Letter, Order, Report, SeatReport};
+use crate::observers::Observers;
+use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
+use crate::sessions::{Answer, Sessions};
+
+/// Called at the start of every tick, when the sensors have been read, on the world's own thread.
+pub type OnTick = Box<dyn FnMut(&World) + Send>;
+
+/// States that are kept for one world; the oldest goes when there would be more.
+const MAX_SNAPSHOTS: usize = 64;
+
+/// A world and all that happens to it.
+pub(crate) struct Host {
+    name: Arc<str>,
+    world: World,
+    letters: Receiver<Letter>,
+    sessions: Sessions,
+    observers: Observers,
+    on_tick: Option<OnTick>,
+    pace: Pace,
+    pacing: Pacing,
+    paused: bool,
+    /// Ticks still to do in the stepped pace, and who waits for them.
+    credits: u64,
+    steppers: Vec<oneshot::Sender<Result<Report, Status>>>,
+    /// Between `begin` and `finish`.
+    begun: bool,
+    /// Set while simulated time follows the wall clock.
+    clock: Option<Clock>,
+    /// Since when the world waits for brains, in lockstep.
+    waiting_since: Instant,
+    running: Stopwatch,
+    inputs: Vec<Pending>,
+    /// Given back at the end of the tick: they bound how much one stream can have in a tick.
+    permits: Vec<OwnedSemaphorePermit>,
+    /// Of each robot's next message, where the server encodes for its brain. They are bytes on the wire, so
+    /// they go back in time with the world.
+    sequences: Vec<u8>,
+    snapshots: VecDeque<Snapshot>,
+    last_snapshot: u64,
+    deleted: bool,
+}
+
+/// A state that is kept.
+struct Snapshot {
+    number: u64,
+    world: World,
+    sequences: Vec<u8>,
+}
+
+/// What a brain wrote in this tick.
+struct Pending {
+    robot: usize,
+    at: SimTime,
+    bytes: Vec<u8>,
+}
+
+/// What the world does next.
+enum Next {
+    Begin,
+    Finish,
+    Watchdog,
+    Wait(Option<Instant>),
+}
+
+impl Host {
+    pub(crate) fn new(
+        name: Arc<str>,
+        world: World,
+        pace: Pace,
+        paused: bool,
+        on_tick: Option<OnTick>,
+        letters: Receiver<Letter>,
+    ) -> Self {
+        let robots = world.scenario().robots().len();
+        Self {
+            name,
+            sessions: Sessions::new(robots),
+            observers: Observers::default(),
+            world,
+            letters,
+            on_tick,
+            pace,
+            pacing: Pacing::default(),
+            paused,
+            credits: 0,
+            steppers: Vec::new(),
+            begun: false,
+            clock: None,
+            waiting_since: Instant::now(),
+            running: Stopwatch::default(),
+            inputs: Vec::new(),
+            permits: Vec::new(),
+            sequences: vec![0; robots],
+            snapshots: VecDeque::new(),
+            last_snapshot: 0,
+            deleted: false,
+        }
+    }
+
+    /// Runs the world until it is deleted or nobody can write to it any more.
+    pub(crate) fn run(mut self) {
+        loop {
+            // Letters go first, but a flood of them must not hold up the clock.
+            for _ in 0..MAX_LETTERS_AT_ONCE {
+                let Ok(letter) = self.letters.try_recv() else { break };
+                self.open(letter);
+            }
+            if self.deleted {
+                break;
+            }
+            let now = Instant::now();
+            self.running.set(self.activity() == Activity::Running, now);
+            match self.next(now) {
+                Next::Begin => self.begin(now),
+                Next::Finish => self.finish(now),
+                Next::Watchdog => self.bite(),
+                Next::Wait(until) => match self.wait(until, now) {
+                    Ok(letter) => self.open(letter),
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => break,
+                },
+            }
+        }
+        self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
+    }
+
+    fn wait(&self, until: Option<Instant>, now: Instant) -> Result<Letter, RecvTimeoutError> {
+        match until {
+            Some(until) => self.letters.recv_timeout(until.saturating_duration_since(now)),
+            None => self.letters.recv().map_err(|_| RecvTimeoutError::Disconnected),
+        }
+    }
+
+    fn next(&self, now: Instant) -> Next {
+        if !self.begun {
+            let go = self.activity() == Activity::Running;
+            return if go { Next::Begin } else { Next::Wait(None) };
+        }
+        if let Some(watchdog) = self.pace.watchdog() {
+            if self.sessions.has_unanswered_empty_seat() {
+                return Next::Wait(None);
+            }
+            let deadline = self.waiting_since + watchdog.timeout;
+            return match self.sessions.owing().next() {
+                None => Next::Finish,
+                Some(_) if now >= deadline => Next::Watchdog,
+                Some(_) => Next::Wait(Some(deadline)),
+            };
+        }
+        match &self.clock {
+            Some(clock) => {
+                let due = clock.instant(self.tick_end());
+                if now >= due { Next::Finish } else { Next::Wait(Some(due)) }
+            }
+            None => Next::Finish,
+        }
+    }
+
+    fn activity(&self) -> Activity {
+        let lockstep = self.pace.watchdog().is_some();
+        if self.world.ending().is_some() {
+            Activity::Ended
+        } else if self.paused || (matches!(self.pace, Pace::Stepped(_)) && self.credits == 0) {
+            Activity::Paused
+        } else if lockstep && self.is_held_up() {
+            Activity::WaitingForBrains
+        } else {
+            Activity::Running
+        }
+    }
+
+    /// In lockstep, a robot without a brain holds the world up.
+    fn is_held_up(&self) -> bool {
+        let sessions = &self.sessions;
+        if self.begun { sessions.has_unanswered_empty_seat() } else { sessions.has_awaited_empty_seat() }
+    }
+
+    fn begin(&mut self, now: Instant) {
+        if let (Pace::Timed { factor }, None) = (self.pace, &self.clock) {
+            self.clock = Some(Clock::new(now, self.world.time(), factor));
+        }
+        let lockstep = self.pace.watchdog().is_some();
+        let turns = self.world.begin().to_vec();
+        self.show();
+        self.sessions.deliver(&self.world, &turns, lockstep);
+        self.begun = true;
+        self.waiting_since = Instant::now();
+    }
+
+    /// The world at the start of a tick, for those who look.
+    fn show(&mut self) {
+        if let Some(on_tick) = &mut self.on_tick {
+            on_tick(&self.world);
+        }
+        self.observers.show(&self.world);
+    }
+
+    fn finish(&mut self, now: Instant) {
+        if let Some(clock) = &self.clock {
+            let late = now.saturating_duration_since(clock.instant(self.tick_end()));
+            let step = clock.instant(self.tick_end()) - clock.instant(self.world.time());
+            self.pacing.note_lateness(late, step);
+        } else if self.pace.watchdog().is_some() {
+            self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
+        }
+        let inputs: Vec<Input<'_>> =
+            self.inputs.iter().map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
+        self.world.finish(&inputs);
+        self.inputs.clear();
+        self.permits.clear();
+        self.begun = false;
+        self.credits = self.credits.saturating_sub(1);
+        if self.world.ending().is_some() {
+            self.end();
+        }
+        if self.credits == 0 {
+            self.answer_steppers();
+        }
+    }
+
+    /// The run is over: the sensors are read a last time, and everybody is told.
+    fn end(&mut self) {
+        self.credits = 0;
+        self.clock = None;
+        self.world.begin();
+        self.show();
+        self.sessions.tell_ended(self.world.tick());
+    }
+
+    /// The watchdog acts on every brain that has not answered.
+    fn bite(&mut self) {
+        let Some(watchdog) = self.pace.watchdog() else { return };
+        let timeout = watchdog.timeout;
+        self.pacing.waiting += self.waiting_since.elapsed();
+        self.waiting_since = Instant::now();
+        for number in self.sessions.owing().collect::<Vec<_>>() {
+            self.pacing.watchdog_timeouts += 1;
+            tracing::warn!(world = %self.name, session = number, ?timeout, policy = ?watchdog.policy,
+                "a brain has not answered in time");
+            match watchdog.policy {
+                WatchdogPolicy::Wait => {}
+                WatchdogPolicy::GoOn => self.sessions.mark_late(number),
+                WatchdogPolicy::Detach => {
+                    let status = Status::deadline_exceeded(format!("no answer to a Turn within {timeout:?}"));
+                    self.sessions.close(number, Some(watchdog.policy), status);
+                }
+            }
+        }
+    }
+
+    fn open(&mut self, letter: Letter) {
+        match letter {
+            Letter::Order(order, reply) => self.obey(order, reply),
+            Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
+            Letter::Watch { every_ticks, frames } => self.observers.add(every_ticks, frames, &self.world),
+            Letter::Attach(request, reply) => self.attach(request, reply),
+            Letter::Step { session, tick, writes, permit } => self.take_step(session, tick, writes, permit),
+            Letter::Detach { session } => self.sessions.detach(session, self.policy()),
+        }
+    }
+
+    fn attach(&mut self, request: Attach, reply: oneshot::Sender<Result<Attached, Status>>) {
+        let scenario = Arc::clone(self.world.scenario());
+        let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
+            Ok(attached) => attached,
+            Err(status) => return drop(reply.send(Err(status))),
+        };
+        for &robot in &robots {
+            self.sequences[robot] = 0;
+        }
+        let lockstep = self.pace.watchdog().is_some();
+        if reply.send(Ok(Attached { session, scenario, robots, lockstep })).is_err() {
+            // Nobody waits for the answer any more.
+            self.sessions.detach(session, self.policy());
+        } else if self.world.ending().is_some() {
+            self.sessions.tell_one_ended(session, self.world.tick());
+        } else if lockstep && self.begun {
+            self.sessions.deliver_unanswered(session, &self.world);
+        }
+    }
+
+    fn policy(&self) -> Option<WatchdogPolicy> {
+        self.pace.watchdog().map(|watchdog| watchdog.policy)
+    }
+
+    fn take_step(&mut self, session: u64, tick: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
+        let answer = self.sessions.answered(session, tick);
+        match (answer, self.pace.watchdog()) {
+            (Answer::Void, _) => return,
+            (Answer::Unasked, Some(_)) => {
+                let text = format!(
+                    "step.tick: no Turn of tick {tick} is open; in lockstep each Turn takes exactly one Step"
+                );
+                self.sessions.close(session, self.policy(), Status::failed_precondition(text));
+                return;
+            }
+            (Answer::Due, _) | (Answer::Unasked, None) => {}
+        }
+        for write in writes {
+            let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
+            let at = self.written_at(robot, write.thinking_ns);
+            let spec = &self.world.scenario().robots()[robot];
+            let bytes = encode(spec, &mut self.sequences[robot], write.output);
+            self.inputs.push(Pending { robot, at, bytes });
+        }
+        self.permits.push(permit);
+    }
+
+    /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
+    /// time where the world waits, and not before they came where time follows the wall clock.
+    fn written_at(&self, robot: usize, thinking_ns: Option<u64>) -> SimTime {
+        let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
+        let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
+        let thinking = thinking_ns.unwrap_or_else(|| self.world.robot(robot).spec().thinking_ns);
+        match &self.clock {
+            Some(clock) => clock.time(Instant::now()).max(step),
+            None => step + thinking,
+        }
+    }
+
+    fn obey(&mut self, order: Order, reply: oneshot::Sender<Result<Report, Status>>) {
+        let mut snapshot = 0;
+        match order {
+            Order::Report => {}
+            Order::Start => {
+                self.paused = false;
+                self.sessions.excuse_empty_seats();
+            }
+            Order::Pause => {
+                self.paused = true;
+                self.clock = None;
+            }
+            Order::Step { ticks } => return self.step(ticks, reply),
+            Order::SetPace(pace) => self.set_pace(pace),
+            Order::Reset => {
+                let world = World::new(Arc::clone(self.world.scenario()));
+                self.sequences.fill(0);
+                self.replace(world);
+            }
+            Order::Snapshot => snapshot = self.keep(),
+            Order::Restore { snapshot } => {
+                let Some(kept) = self.snapshots.iter().find(|kept| kept.number == snapshot) else {
+                    let text = format!("snapshot: world `{}` keeps no snapshot {snapshot}", self.name);
+                    return drop(reply.send(Err(Status::not_found(text))));
+                };
+                let world = kept.world.clone();
+                self.sequences.clone_from(&kept.sequences);
+                self.replace(world);
+            }
+            Order::Delete => self.deleted = true,
+        }
+        drop(reply.send(Ok(self.report(snapshot))));
+    }
+
+    fn step(&mut self, ticks: u64, reply: oneshot::Sender<Result<Report, Status>>) {
+        if !matches!(self.pace, Pace::Stepped(_)) {
+            let text = "the world's pace is not stepped; set it with SetPace";
+            return drop(reply.send(Err(Status::failed_precondition(text))));
+        }
+        if let Some(ending) = self.world.ending() {
+            let text = format!("the run has ended ({ending}); reset or restore the world");
+            return drop(reply.send(Err(Status::failed_precondition(text))));
+        }
+        self.paused = false;
+        self.credits = self.credits.saturating_add(ticks.max(1));
+        self.steppers.push(reply);
+    }
+
+    fn answer_steppers(&mut self) {
+        for reply in std::mem::take(&mut self.steppers) {
+            drop(reply.send(Ok(self.report(0))));
+        }
+    }
+
+    fn set_pace(&mut self, pace: Pace) {
+        self.sessions.change_pace(self.world.tick() + u64::from(self.begun));
+        self.pace = pace;
+        self.clock = None;
+        self.credits = 0;
+        self.answer_steppers();
+        self.waiting_since = Instant::now();
+    }
+
+    /// The world goes on from another state.
+    fn replace(&mut self, world: World) {
+        self.world = world;
+        self.begun = false;
+        self.clock = None;
+        self.inputs.clear();
+        self.permits.clear();
+        self.sessions.void_turns();
+        self.credits = 0;
+        self.answer_steppers();
+    }
+
+    fn keep(&mut self) -> u64 {
+        self.last_snapshot += 1;
+        if self.snapshots.len() == MAX_SNAPSHOTS {
+            self.snapshots.pop_front();
+        }
+        let (number, world, sequences) = (self.last_snapshot, self.world.clone(), self.sequences.clone());
+        self.snapshots.push_back(Snapshot { number, world, sequences });
+        number
+    }
+
+    fn report(&self, snapshot: u64) -> Report {
+        let seats = self.sessions.seats().map(|(seat, brain)| SeatReport {
+            brain: brain.map(str::to_owned),
+            lost_deliveries: seat.lost_deliveries,
+        });
+        Report {
+            name: Arc::clone(&self.name),
+            world: self.world.clone(),
+            pace: self.pace,
+            activity: self.activity(),
+            pacing: self.pacing.clone(),
+            running: self.running.elapsed(),
+            seats: seats.collect(),
+            snapshot,
+        }
+    }
+
+    fn tick_end(&self) -> SimTime {
+        self.world.time() + self.world.scenario().step_ns()
+    }
+}
+
+const MAX_LETTERS_AT_ONCE: usize = 1000;
+
+/// Adds up the time during which something is so.
+#[derive(Default)]
+struct Stopwatch {
+    since: Option<Instant>,
+    sum: Duration,
+}
+
+impl Stopwatch {
+    fn set(&mut self, running: bool, now: Instant) {
+        match (running, self.since) {
+            (true, None) => self.since = Some(now),
+            (false, Some(since)) => {
+                self.sum += now - since;
+                self.since = None;
+            }
+            _ => {}
+        }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.sum + self.since.map_or(Duration::ZERO, |since| since.elapsed())
+    }
+}

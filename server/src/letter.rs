@@ -1,0 +1,116 @@
+//! What services write to a world's thread, and what it writes back. Domain types only; `convert.rs` turns
+//! them into the contract's.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use baudbot_sim::collision::Collision;
+use baudbot_sim::drive::{Motion, Wheels};
+use baudbot_sim::{Reading, Scenario, SimTime, World};
+use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
+use tonic::Status;
+
+use crate::endpoint::Write;
+use crate::pace::{Pace, Pacing};
+
+/// A letter to a world.
+pub(crate) enum Letter {
+    Order(Order, oneshot::Sender<Result<Report, Status>>),
+    Describe(oneshot::Sender<Arc<Scenario>>),
+    Watch { every_ticks: u64, frames: mpsc::Sender<Frame> },
+    Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
+    Step { session: u64, tick: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit },
+    Detach { session: u64 },
+}
+
+/// What an operator orders.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Order {
+    Report,
+    Start,
+    Pause,
+    Step { ticks: u64 },
+    SetPace(Pace),
+    Reset,
+    Snapshot,
+    Restore { snapshot: u64 },
+    Delete,
+}
+
+/// A world as it stands, for the operator.
+pub(crate) struct Report {
+    pub(crate) name: Arc<str>,
+    pub(crate) world: World,
+    pub(crate) pace: Pace,
+    pub(crate) activity: Activity,
+    pub(crate) pacing: Pacing,
+    pub(crate) running: Duration,
+    pub(crate) seats: Vec<SeatReport>,
+    /// The number of the snapshot that was just taken.
+    pub(crate) snapshot: u64,
+}
+
+/// Who holds a robot.
+pub(crate) struct SeatReport {
+    pub(crate) brain: Option<String>,
+    pub(crate) lost_deliveries: u64,
+}
+
+/// What a world is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Activity {
+    WaitingForBrains,
+    Running,
+    Paused,
+    Ended,
+}
+
+/// The truth at the start of a tick, for an observer.
+pub(crate) struct Frame {
+    pub(crate) tick: u64,
+    pub(crate) time: SimTime,
+    pub(crate) robots: Vec<Truth>,
+    pub(crate) collisions: Vec<Collision>,
+    pub(crate) missed_frames: u64,
+    pub(crate) ending: Option<String>,
+}
+
+pub(crate) struct Truth {
+    pub(crate) motion: Motion,
+    pub(crate) signals: Wheels,
+    pub(crate) collided: bool,
+    pub(crate) samples: Vec<f64>,
+}
+
+/// A brain program asks for robots.
+pub(crate) struct Attach {
+    pub(crate) robots: Vec<String>,
+    pub(crate) brain: String,
+    pub(crate) raw: bool,
+    pub(crate) deliveries: mpsc::Sender<Delivery>,
+}
+
+/// It has them.
+pub(crate) struct Attached {
+    pub(crate) session: u64,
+    pub(crate) scenario: Arc<Scenario>,
+    /// Indices of the robots, in the order of the request.
+    pub(crate) robots: Vec<usize>,
+    pub(crate) lockstep: bool,
+}
+
+/// To a brain.
+pub(crate) enum Delivery {
+    Turn { tick: u64, robots: Vec<RobotDelivery> },
+    Ended { tick: u64 },
+    Close(Status),
+}
+
+/// One robot's part of a turn.
+pub(crate) struct RobotDelivery {
+    pub(crate) slot: usize,
+    pub(crate) at: SimTime,
+    pub(crate) raw: Vec<u8>,
+    /// With the place of the sensor on the wire.
+    pub(crate) readings: Vec<(usize, Reading)>,
+}

@@ -1,0 +1,74 @@
+//! Observers of one world. A slow one misses frames and never slows the world.
+
+use baudbot_sim::World;
+use baudbot_sim::collision::Collision;
+use tokio::sync::mpsc;
+use tokio::sync::mpsc::error::TrySendError;
+
+use crate::letter::{Frame, Truth};
+
+/// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
+const MAX_COLLISIONS: usize = 1000;
+
+#[derive(Default)]
+pub(crate) struct Observers(Vec<Observer>);
+
+struct Observer {
+    every_ticks: u64,
+    frames: mpsc::Sender<Frame>,
+    missed_frames: u64,
+    collisions: Vec<Collision>,
+}
+
+impl Observers {
+    /// A new observer, who gets a first frame at once, also of a world that stands.
+    pub(crate) fn add(&mut self, every_ticks: u64, frames: mpsc::Sender<Frame>, world: &World) {
+        let every_ticks = every_ticks.max(1);
+        let mut observer = Observer { every_ticks, frames, missed_frames: 0, collisions: Vec::new() };
+        if observer.show(world) {
+            self.0.push(observer);
+        }
+    }
+
+    /// Sends the truth at the start of a tick to those whose turn it is; at the end of a run, to all.
+    pub(crate) fn show(&mut self, world: &World) {
+        self.0.retain_mut(|observer| {
+            let room = MAX_COLLISIONS.saturating_sub(observer.collisions.len());
+            observer.collisions.extend(world.collisions().iter().take(room).cloned());
+            let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
+            !due || observer.show(world)
+        });
+    }
+}
+
+impl Observer {
+    /// `false` if the observer is gone.
+    fn show(&mut self, world: &World) -> bool {
+        let frame = Frame {
+            tick: world.tick(),
+            time: world.time(),
+            robots: world.robots().map(|robot| truth(&robot)).collect(),
+            collisions: std::mem::take(&mut self.collisions),
+            missed_frames: self.missed_frames,
+            ending: world.ending().map(ToString::to_string),
+        };
+        match self.frames.try_send(frame) {
+            Ok(()) => true,
+            Err(TrySendError::Closed(_)) => false,
+            Err(TrySendError::Full(frame)) => {
+                self.missed_frames += 1;
+                self.collisions = frame.collisions;
+                true
+            }
+        }
+    }
+}
+
+fn truth(robot: &baudbot_sim::RobotView<'_>) -> Truth {
+    let mut samples = Vec::new();
+    for (sensor, spec) in robot.sensors().zip(&robot.spec().sensors) {
+        let missing = spec.encodings.len() - sensor.sample.len();
+        samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
+    }
+    Truth { motion: *robot.motion(), signals: robot.signals(), collided: robot.collided(), samples }
+}

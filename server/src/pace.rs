@@ -1,0 +1,142 @@
+//! Pace: when a tick ends, that is, how long the world waits for its brains.
+
+use std::time::{Duration, Instant};
+
+use baudbot_sim::SimTime;
+
+/// The paces of `docs/timing.md`; they differ only in when a tick ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// Simulated time runs at this multiple of the wall clock; 1 is real time. Positive and finite.
+    Timed {
+        /// Simulated seconds a wall-clock second.
+        factor: f64,
+    },
+    /// The world waits for every brain.
+    Lockstep(Watchdog),
+    /// As lockstep, but only as many ticks as asked for.
+    Stepped(Watchdog),
+    /// As fast as it can; who has not answered is silent.
+    Free,
+}
+
+impl Pace {
+    /// Real time.
+    pub const REAL_TIME: Self = Self::Timed { factor: 1.0 };
+
+    /// The watchdog of the paces in which the world waits for brains.
+    pub(crate) fn watchdog(&self) -> Option<Watchdog> {
+        match self {
+            Self::Lockstep(watchdog) | Self::Stepped(watchdog) => Some(*watchdog),
+            Self::Timed { .. } | Self::Free => None,
+        }
+    }
+}
+
+/// What is done about a brain that does not answer in lockstep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Watchdog {
+    /// How long a brain may take, by the wall clock.
+    pub timeout: Duration,
+    /// What happens then.
+    pub policy: WatchdogPolicy,
+}
+
+impl Default for Watchdog {
+    /// 10 s are longer than any sound brain thinks, and short enough for a person to see that something
+    /// hangs; waiting on is the only policy that keeps the run the same on any machine.
+    fn default() -> Self {
+        Self { timeout: Duration::from_secs(10), policy: WatchdogPolicy::Wait }
+    }
+}
+
+/// What happens to a brain that did not answer in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WatchdogPolicy {
+    /// The world waits on, and for a brain that is gone until it attaches again.
+    Wait,
+    /// The world goes on and does not wait for this brain again until it answers.
+    GoOn,
+    /// The brain is detached; the world goes on without it until it attaches again.
+    Detach,
+}
+
+/// Simulated time on the wall clock.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clock {
+    start: Instant,
+    origin: SimTime,
+    factor: f64,
+}
+
+impl Clock {
+    /// It is `origin` at `start`, and goes on from there.
+    pub(crate) fn new(start: Instant, origin: SimTime, factor: f64) -> Self {
+        Self { start, origin, factor }
+    }
+
+    /// When it is `time`. The whole way since the start is scaled at once, so nothing drifts.
+    pub(crate) fn instant(&self, time: SimTime) -> Instant {
+        let seconds = time.since(self.origin) as f64 * 1e-9 / self.factor;
+        // A run slowed down a billion times would leave what `Instant` can hold; a year ahead is as good.
+        self.start + Duration::try_from_secs_f64(seconds).unwrap_or(YEAR).min(YEAR)
+    }
+
+    /// What time it is.
+    pub(crate) fn time(&self, now: Instant) -> SimTime {
+        let elapsed = now.saturating_duration_since(self.start).as_secs_f64();
+        self.origin + (elapsed * self.factor * 1e9) as u64
+    }
+}
+
+const YEAR: Duration = Duration::from_secs(365 * 24 * 3600);
+
+/// How well the clock was kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Pacing {
+    pub(crate) overruns: u64,
+    /// Ticks by lateness: entry 0 counts those less than 1 µs late, entry i those less than 2^i µs.
+    pub(crate) lateness_us_log2: [u64; 32],
+    pub(crate) lateness_max: Duration,
+    pub(crate) watchdog_timeouts: u64,
+    pub(crate) waiting: Duration,
+}
+
+impl Pacing {
+    /// A tick that takes `step` of the wall clock ended `late` after its instant.
+    pub(crate) fn note_lateness(&mut self, late: Duration, step: Duration) {
+        self.overruns += u64::from(late >= step);
+        let bits = u64::BITS - (late.as_micros() as u64).leading_zeros();
+        self.lateness_us_log2[(bits as usize).min(self.lateness_us_log2.len() - 1)] += 1;
+        self.lateness_max = self.lateness_max.max(late);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_clock_scales_the_way_from_its_start_and_back() {
+        let start = Instant::now();
+        let clock = Clock::new(start, SimTime::from_ns(5_000_000_000), 10.0);
+        let time = SimTime::from_ns(25_000_000_000);
+        assert_eq!(clock.instant(time), start + Duration::from_secs(2));
+        assert_eq!(clock.time(start + Duration::from_secs(2)), time);
+        assert_eq!(clock.time(start - Duration::from_secs(1)), SimTime::from_ns(5_000_000_000));
+        let crawling = Clock::new(start, SimTime::ZERO, 1e-300);
+        assert_eq!(crawling.instant(time), start + YEAR);
+    }
+
+    #[test]
+    fn lateness_is_counted_by_powers_of_two() {
+        let mut pacing = Pacing::default();
+        for us in [0, 1, 2, 3, 4, 1000, 20_000] {
+            pacing.note_lateness(Duration::from_micros(us), Duration::from_millis(10));
+        }
+        assert_eq!(pacing.lateness_us_log2[..4], [1, 1, 2, 1]);
+        assert_eq!(pacing.lateness_us_log2[10], 1);
+        assert_eq!(pacing.overruns, 1);
+        assert_eq!(pacing.lateness_max, Duration::from_millis(20));
+    }
+}

@@ -1,0 +1,137 @@
+//! The worlds of a server, by name.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use baudbot_sim::{Scenario, World};
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use crate::host::{Host, OnTick};
+use crate::letter::{Letter, Order, Report};
+use crate::pace::Pace;
+
+/// Most worlds of one server; each has a thread.
+const MAX_WORLDS: usize = 1024;
+
+/// All worlds of a server. Clones share them.
+#[derive(Clone, Default)]
+pub(crate) struct Registry(Arc<Mutex<Worlds>>);
+
+type Worlds = BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>;
+
+/// The way to one world.
+#[derive(Clone)]
+pub(crate) struct WorldHandle {
+    name: Arc<str>,
+    letters: Sender<Letter>,
+}
+
+/// A world to be.
+pub(crate) struct NewWorld {
+    pub(crate) name: String,
+    pub(crate) scenario: Arc<Scenario>,
+    pub(crate) pace: Pace,
+    pub(crate) paused: bool,
+    pub(crate) on_tick: Option<OnTick>,
+}
+
+impl Registry {
+    /// Makes a world and starts its thread.
+    pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
+        check_name(&new.name)?;
+        let mut worlds = self.lock();
+        if worlds.contains_key(new.name.as_str()) {
+            return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
+        }
+        if worlds.len() >= MAX_WORLDS {
+            return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
+        }
+        let name: Arc<str> = new.name.into();
+        let (letters, mailbox) = mpsc::channel();
+        let world = World::new(new.scenario);
+        let host = Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, mailbox);
+        let thread = thread::Builder::new().name(format!("world {name}"));
+        let thread = thread
+            .spawn(move || host.run())
+            .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
+        let handle = WorldHandle { name: Arc::clone(&name), letters };
+        worlds.insert(name, (handle.clone(), thread));
+        Ok(handle)
+    }
+
+    /// The world of this name.
+    pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
+        let worlds = self.lock();
+        worlds.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
+            let names: Vec<&str> = worlds.keys().map(AsRef::as_ref).collect();
+            let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            Status::not_found(format!("{field}: there is no world `{name}`; there are: {there}"))
+        })
+    }
+
+    /// All worlds in the order of their names.
+    pub(crate) fn all(&self) -> Vec<WorldHandle> {
+        self.lock().values().map(|(world, _)| world.clone()).collect()
+    }
+
+    /// Forgets a world.
+    pub(crate) fn remove(&self, name: &str) {
+        self.lock().remove(name);
+    }
+
+    /// Forgets all worlds, which must have been told to end, and waits until their threads are over.
+    pub(crate) fn join(&self) {
+        for (_, thread) in std::mem::take(&mut *self.lock()).into_values() {
+            // A panic of a world is on stderr already.
+            let _ = thread.join();
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Worlds> {
+        // The map is sound between any two of its calls, so a panic elsewhere does not spoil it.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl WorldHandle {
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Writes to the world.
+    pub(crate) fn send(&self, letter: Letter) -> Result<(), Status> {
+        self.letters.send(letter).map_err(|_| self.gone())
+    }
+
+    /// Writes to the world and waits for its answer.
+    pub(crate) async fn ask<T>(
+        &self,
+        letter: impl FnOnce(oneshot::Sender<T>) -> Letter,
+    ) -> Result<T, Status> {
+        let (reply, answer) = oneshot::channel();
+        self.send(letter(reply))?;
+        answer.await.map_err(|_| self.gone())
+    }
+
+    /// Gives an order.
+    pub(crate) async fn order(&self, order: Order) -> Result<Report, Status> {
+        self.ask(|reply| Letter::Order(order, reply)).await?
+    }
+
+    fn gone(&self) -> Status {
+        Status::aborted(format!("world `{}` was deleted", self.name))
+    }
+}
+
+fn check_name(name: &str) -> Result<(), Status> {
+    let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if name.is_empty() || name.len() > 64 || !name.chars().all(fits) {
+        let shown: String = name.chars().take(80).collect();
+        let text = format!("world: must be 1 to 64 letters, digits, `_` or `-`, is `{shown}`");
+        return Err(Status::invalid_argument(text));
+    }
+    Ok(())
+}

@@ -1,0 +1,321 @@
+//! The server: its builder, its listeners, and its end.
+
+use std::io;
+use std::os::unix::net::UnixStream as BlockingUnixStream;
+use std::path::Path;
+use std::sync::Arc;
+
+use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
+use baudbot_proto::v1::control_service_server::ControlServiceServer;
+use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
+use baudbot_sim::Scenario;
+use hyper_util::rt::TokioIo;
+use tokio::io::DuplexStream;
+use tokio::net::{TcpListener, UnixListener};
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinSet;
+use tokio_stream::Stream;
+use tokio_stream::wrappers::{UnboundedReceiverStream, UnixListenerStream};
+use tonic::Status;
+use tonic::transport::server::{Connected, Router, TcpIncoming};
+use tonic::transport::{Channel, Endpoint, Server as Transport};
+
+use crate::address::Address;
+use crate::brain_link::BrainLink;
+use crate::control::Control;
+use crate::host::OnTick;
+use crate::letter::{Letter, Order};
+use crate::observe::Observe;
+use crate::pace::Pace;
+use crate::registry::{NewWorld, Registry};
+
+/// Bytes in flight through an in-process pipe.
+const PIPE_BYTES: usize = 1 << 20;
+
+/// Why a server did not start.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServerError {
+    /// An address could not be listened on.
+    #[error("cannot listen on {address}")]
+    Bind {
+        /// The address.
+        address: Address,
+        /// Why.
+        source: io::Error,
+    },
+    /// An address that other machines reach, without leave.
+    #[error(
+        "{address} can be reached from other machines, and this server asks nobody who they are; listen on 127.0.0.1, or allow it with --insecure"
+    )]
+    NotLoopback {
+        /// The address.
+        address: Address,
+    },
+    /// A world could not be made.
+    #[error("{}", .0.message())]
+    World(Box<Status>),
+    /// The services could not be described for reflection.
+    #[error("reflection: {0}")]
+    Reflection(#[from] tonic_reflection::server::Error),
+    /// The in-process pipe does not connect.
+    #[error("in-process pipe: {0}")]
+    Pipe(#[from] tonic::transport::Error),
+}
+
+/// A world that a server starts with.
+pub struct WorldConfig {
+    new: NewWorld,
+}
+
+impl WorldConfig {
+    /// A world of this name, at real time.
+    pub fn new(name: impl Into<String>, scenario: impl Into<Arc<Scenario>>) -> Self {
+        let (name, scenario) = (name.into(), scenario.into());
+        Self { new: NewWorld { name, scenario, pace: Pace::REAL_TIME, paused: false, on_tick: None } }
+    }
+
+    /// Its pace.
+    #[must_use]
+    pub fn pace(mut self, pace: Pace) -> Self {
+        self.new.pace = pace;
+        self
+    }
+
+    /// Whether it stands until it is started.
+    #[must_use]
+    pub fn paused(mut self, paused: bool) -> Self {
+        self.new.paused = paused;
+        self
+    }
+
+    /// Called at the start of every tick, and at the end of the run, on the world's own thread: what it
+    /// takes, the world waits.
+    #[must_use]
+    pub fn on_tick(mut self, on_tick: OnTick) -> Self {
+        self.new.on_tick = Some(on_tick);
+        self
+    }
+}
+
+/// Collects what a server starts with.
+#[derive(Default)]
+pub struct Builder {
+    worlds: Vec<WorldConfig>,
+    addresses: Vec<Address>,
+    insecure: bool,
+}
+
+impl Builder {
+    /// Starts with this world.
+    #[must_use]
+    pub fn world(mut self, world: WorldConfig) -> Self {
+        self.worlds.push(world);
+        self
+    }
+
+    /// Listens here.
+    #[must_use]
+    pub fn listen(mut self, address: Address) -> Self {
+        self.addresses.push(address);
+        self
+    }
+
+    /// Allows addresses that other machines can reach.
+    #[must_use]
+    pub fn insecure(mut self, insecure: bool) -> Self {
+        self.insecure = insecure;
+        self
+    }
+
+    /// Starts the server without any port: it is reached through [`Server::channel`] only.
+    ///
+    /// # Errors
+    /// If a world cannot be made.
+    pub async fn in_process(self) -> Result<Server, ServerError> {
+        Self { addresses: Vec::new(), ..self }.serve().await
+    }
+
+    /// Starts the server on its addresses.
+    ///
+    /// # Errors
+    /// If an address cannot be listened on, or a world cannot be made.
+    pub async fn serve(self) -> Result<Server, ServerError> {
+        let mut listeners = Vec::new();
+        for address in self.addresses {
+            if !self.insecure && !address.is_local() {
+                return Err(ServerError::NotLoopback { address });
+            }
+            listeners.push(Listener::bind(address).await?);
+        }
+        let registry = Registry::default();
+        for world in self.worlds {
+            registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
+        }
+        Server::start(registry, listeners).await
+    }
+}
+
+/// A running server. Dropping it tells its worlds to end; [`shutdown`](Self::shutdown) also waits until they have.
+pub struct Server {
+    registry: Registry,
+    addresses: Vec<Address>,
+    pipes: mpsc::UnboundedSender<io::Result<DuplexStream>>,
+    stop: watch::Sender<bool>,
+    tasks: JoinSet<()>,
+}
+
+impl Server {
+    /// Begins a new server.
+    pub fn builder() -> Builder {
+        Builder::default()
+    }
+
+    async fn start(registry: Registry, listeners: Vec<Listener>) -> Result<Self, ServerError> {
+        let router = router(&registry).await?;
+        let (stop, stopped) = watch::channel(false);
+        let (pipes, incoming) = mpsc::unbounded_channel();
+        let mut tasks = JoinSet::new();
+        let mut addresses = Vec::new();
+        for listener in listeners {
+            addresses.push(listener.address().clone());
+            let (router, stopped) = (router.clone(), stopped.clone());
+            match listener {
+                Listener::Tcp(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
+                Listener::Unix(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
+            };
+        }
+        tasks.spawn(run(router, UnboundedReceiverStream::new(incoming), stopped));
+        Ok(Self { registry, addresses, pipes, stop, tasks })
+    }
+
+    /// Where it listens, free ports filled in.
+    pub fn addresses(&self) -> &[Address] {
+        &self.addresses
+    }
+
+    /// A new connection to it, through a pipe in memory.
+    ///
+    /// # Errors
+    /// If the server is stopping.
+    pub async fn channel(&self) -> Result<Channel, ServerError> {
+        let pipes = self.pipes.clone();
+        let connector = tower::service_fn(move |_| {
+            let (near, far) = tokio::io::duplex(PIPE_BYTES);
+            let sent = pipes.send(Ok(far));
+            std::future::ready(
+                sent.map(|()| TokioIo::new(near))
+                    .map_err(|_| io::Error::from(io::ErrorKind::ConnectionRefused)),
+            )
+        });
+        // The name is never looked up; it has to be some authority.
+        Ok(Endpoint::from_static("http://localhost").connect_with_connector(connector).await?)
+    }
+
+    /// Ends all worlds and streams, and waits until they are over.
+    pub async fn shutdown(mut self) {
+        self.end();
+        while self.tasks.join_next().await.is_some() {}
+        let registry = self.registry.clone();
+        let _ = tokio::task::spawn_blocking(move || registry.join()).await;
+    }
+
+    fn end(&self) {
+        for world in self.registry.all() {
+            let (reply, _) = oneshot::channel();
+            let _ = world.send(Letter::Order(Order::Delete, reply));
+        }
+        let _ = self.stop.send(true);
+        for address in &self.addresses {
+            if let Address::Unix(path) = address {
+                let _ = std::fs::remove_file(path);
+            }
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+async fn run<I, IO>(router: Router, incoming: I, mut stopped: watch::Receiver<bool>)
+where
+    I: Stream<Item = io::Result<IO>>,
+    IO: tokio::io::AsyncRead + tokio::io::AsyncWrite + Connected + Unpin + Send + 'static,
+{
+    let stop = async move {
+        let _ = stopped.wait_for(|stopped| *stopped).await;
+    };
+    if let Err(error) = router.serve_with_incoming_shutdown(incoming, stop).await {
+        tracing::error!(%error, "a listener stopped");
+    }
+}
+
+async fn router(registry: &Registry) -> Result<Router, ServerError> {
+    let (health, health_service) = tonic_health::server::health_reporter();
+    health.set_serving::<ControlServiceServer<Control>>().await;
+    health.set_serving::<BrainLinkServiceServer<BrainLink>>().await;
+    health.set_serving::<ObserveServiceServer<Observe>>().await;
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(baudbot_proto::DESCRIPTORS)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    let control = Control { registry: registry.clone() };
+    let observe = Observe { registry: registry.clone() };
+    let brain_link = BrainLink { registry: registry.clone() };
+    Ok(Transport::builder()
+        .add_service(health_service)
+        // Python's reflection client speaks only v1alpha.
+        .add_service(reflection().build_v1()?)
+        .add_service(reflection().build_v1alpha()?)
+        .add_service(
+            // A scenario may have 16 MiB, and a little is around it.
+            ControlServiceServer::new(control)
+                .max_decoding_message_size(baudbot_sim::scenario::MAX_BYTES + (1 << 16)),
+        )
+        .add_service(ObserveServiceServer::new(observe))
+        .add_service(BrainLinkServiceServer::new(brain_link)))
+}
+
+enum Listener {
+    Tcp(Address, TcpIncoming),
+    Unix(Address, UnixListenerStream),
+}
+
+impl Listener {
+    async fn bind(address: Address) -> Result<Self, ServerError> {
+        let failed = |source| ServerError::Bind { address: address.clone(), source };
+        match &address {
+            Address::Tcp(socket) => {
+                let listener = TcpListener::bind(socket).await.map_err(failed)?;
+                let bound = listener.local_addr().map_err(failed)?;
+                // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
+                Ok(Self::Tcp(Address::Tcp(bound), TcpIncoming::from(listener).with_nodelay(Some(true))))
+            }
+            Address::Unix(path) => {
+                remove_stale(path).map_err(failed)?;
+                let listener = UnixListener::bind(path).map_err(failed)?;
+                Ok(Self::Unix(address, UnixListenerStream::new(listener)))
+            }
+        }
+    }
+
+    fn address(&self) -> &Address {
+        match self {
+            Self::Tcp(address, _) | Self::Unix(address, _) => address,
+        }
+    }
+}
+
+/// A socket that nobody answers on is what a killed server left behind.
+fn remove_stale(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::FileTypeExt;
+    let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    if metadata.file_type().is_socket() && BlockingUnixStream::connect(path).is_err() {
+        return std::fs::remove_file(path);
+    }
+    Ok(())
+}

@@ -1,0 +1,298 @@
+//! Who is attached to a world, and for whom the world waits.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use baudbot_sim::{Scenario, SimTime, Turn, World};
+use tokio::sync::mpsc;
+use tonic::Status;
+
+use crate::letter::{Attach, Delivery, RobotDelivery};
+use crate::pace::WatchdogPolicy;
+
+/// Places in a brain's stream that turns leave free, so that the news of an end always finds room.
+pub(crate) const RESERVED: usize = 8;
+
+/// The brain programs of a world and the robots' seats that they hold.
+pub(crate) struct Sessions {
+    by_number: BTreeMap<u64, Session>,
+    next_number: u64,
+    /// One for each robot of the world.
+    seats: Vec<Seat>,
+    /// The first tick of the lockstep: answers to earlier Turns are thrown away.
+    lockstep_since: u64,
+}
+
+/// A brain program's stream.
+struct Session {
+    brain: String,
+    raw: bool,
+    /// Indices of its robots in the world.
+    robots: Vec<usize>,
+    deliveries: mpsc::Sender<Delivery>,
+    /// In lockstep, the ticks of the Turns that it has not answered, oldest first.
+    open: VecDeque<u64>,
+    /// Turns that a reset made void before they were answered; as many answers are thrown away.
+    void_turns: usize,
+    /// The watchdog gave up on it; it is not waited for until it has answered its last Turn.
+    late: bool,
+}
+
+/// A robot's place for a brain.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Seat {
+    pub(crate) session: Option<u64>,
+    /// In lockstep the world stands still while this is so and nobody holds the robot.
+    pub(crate) awaited: bool,
+    pub(crate) lost_deliveries: u64,
+    /// Its brain is gone without having answered the Turn of this tick.
+    unanswered: bool,
+}
+
+/// How an answer stands to the Turn that a brain was given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// To a Turn of before a reset, or of before the lockstep.
+    Void,
+    /// To the oldest Turn that is open.
+    Due,
+    /// Not to any Turn.
+    Unasked,
+}
+
+impl Sessions {
+    pub(crate) fn new(robots: usize) -> Self {
+        let seat = Seat { awaited: true, ..Seat::default() };
+        Self { by_number: BTreeMap::new(), next_number: 1, seats: vec![seat; robots], lockstep_since: 0 }
+    }
+
+    /// Gives a brain program the robots that it asks for, or none of them.
+    pub(crate) fn attach(
+        &mut self,
+        world: &str,
+        scenario: &Scenario,
+        request: Attach,
+    ) -> Result<(u64, Vec<usize>), Status> {
+        let mut robots = Vec::new();
+        for (i, name) in request.robots.iter().enumerate() {
+            let Some(robot) = scenario.robots().iter().position(|spec| spec.name == *name) else {
+                let names: Vec<_> = scenario.robots().iter().map(|spec| spec.name.as_str()).collect();
+                return Err(Status::not_found(format!(
+                    "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {}",
+                    names.join(", ")
+                )));
+            };
+            if robots.contains(&robot) {
+                return Err(Status::invalid_argument(format!("hello.robots[{i}]: `{name}` is named twice")));
+            }
+            if let Some(session) = self.seats[robot].session {
+                return Err(Status::already_exists(format!(
+                    "hello.robots[{i}]: robot `{name}` of world `{world}` is held by brain `{}`",
+                    self.by_number[&session].brain
+                )));
+            }
+            robots.push(robot);
+        }
+        let number = self.next_number;
+        self.next_number += 1;
+        for &robot in &robots {
+            self.seats[robot].session = Some(number);
+            self.seats[robot].awaited = true;
+        }
+        let Attach { brain, raw, deliveries, .. } = request;
+        let session = Session {
+            brain,
+            raw,
+            robots: robots.clone(),
+            deliveries,
+            open: VecDeque::new(),
+            void_turns: 0,
+            late: false,
+        };
+        self.by_number.insert(number, session);
+        Ok((number, robots))
+    }
+
+    /// A brain program is gone. Whether the world waits for its return depends on the watchdog's policy.
+    pub(crate) fn detach(&mut self, number: u64, policy: Option<WatchdogPolicy>) {
+        let Some(session) = self.by_number.remove(&number) else { return };
+        let awaited = policy == Some(WatchdogPolicy::Wait);
+        for robot in session.robots {
+            let seat = &mut self.seats[robot];
+            (seat.session, seat.awaited) = (None, awaited);
+            seat.unanswered = awaited && !session.open.is_empty();
+        }
+    }
+
+    /// Ends a brain program's stream and frees its robots.
+    pub(crate) fn close(&mut self, number: u64, policy: Option<WatchdogPolicy>, status: Status) {
+        if let Some(session) = self.by_number.get(&number) {
+            let _ = session.deliveries.try_send(Delivery::Close(status));
+        }
+        self.detach(number, policy);
+    }
+
+    /// Ends all streams.
+    pub(crate) fn close_all(&mut self, status: &Status) {
+        for number in self.by_number.keys().copied().collect::<Vec<_>>() {
+            self.close(number, None, status.clone());
+        }
+    }
+
+    /// The operator starts the world: robots that nobody holds are not waited for.
+    pub(crate) fn excuse_empty_seats(&mut self) {
+        for seat in self.seats.iter_mut().filter(|seat| seat.session.is_none()) {
+            (seat.awaited, seat.unanswered) = (false, false);
+        }
+    }
+
+    /// Whether the world must stand still for want of a brain.
+    pub(crate) fn has_awaited_empty_seat(&self) -> bool {
+        self.seats.iter().any(|seat| seat.awaited && seat.session.is_none())
+    }
+
+    /// Whether the world must stand still within a tick, because a brain is gone that it waits for.
+    pub(crate) fn has_unanswered_empty_seat(&self) -> bool {
+        self.seats.iter().any(|seat| seat.unanswered && seat.session.is_none())
+    }
+
+    /// The brains that have yet to answer the Turn of this tick.
+    pub(crate) fn owing(&self) -> impl Iterator<Item = u64> {
+        self.by_number
+            .iter()
+            .filter(|(_, session)| !session.open.is_empty() && !session.late)
+            .map(|(n, _)| *n)
+    }
+
+    /// The watchdog gives up on a brain until it answers.
+    pub(crate) fn mark_late(&mut self, number: u64) {
+        if let Some(session) = self.by_number.get_mut(&number) {
+            session.late = true;
+        }
+    }
+
+    /// The robot behind a slot of a stream.
+    pub(crate) fn robot(&self, number: u64, slot: usize) -> Option<usize> {
+        self.by_number.get(&number)?.robots.get(slot).copied()
+    }
+
+    /// Notes an answer to the Turn of `tick`.
+    pub(crate) fn answered(&mut self, number: u64, tick: u64) -> Answer {
+        let Some(session) = self.by_number.get_mut(&number) else { return Answer::Unasked };
+        if session.void_turns > 0 {
+            session.void_turns -= 1;
+            return Answer::Void;
+        }
+        if session.open.front() == Some(&tick) {
+            session.open.pop_front();
+            session.late &= !session.open.is_empty();
+            return Answer::Due;
+        }
+        if tick < self.lockstep_since { Answer::Void } else { Answer::Unasked }
+    }
+
+    /// The world is at another time now: Turns that are open are void.
+    pub(crate) fn void_turns(&mut self) {
+        self.lockstep_since = 0;
+        self.forget_unanswered();
+        for session in self.by_number.values_mut() {
+            session.void_turns += session.open.len();
+            session.open.clear();
+            session.late = false;
+        }
+    }
+
+    /// The pace changes: no answer is owed any more, and answers to Turns before `tick` are not expected.
+    pub(crate) fn change_pace(&mut self, tick: u64) {
+        self.lockstep_since = tick;
+        self.forget_unanswered();
+        for session in self.by_number.values_mut() {
+            session.open.clear();
+            session.late = false;
+        }
+    }
+
+    /// Tells the brains whose step it is.
+    pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], lockstep: bool) {
+        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
+        for turn in turns {
+            at[turn.robot] = Some(turn.at);
+        }
+        self.forget_unanswered();
+        for session in self.by_number.values_mut() {
+            session.deliver(world, &at, lockstep, &mut self.seats);
+        }
+    }
+
+    fn forget_unanswered(&mut self) {
+        for seat in &mut self.seats {
+            seat.unanswered = false;
+        }
+    }
+
+    /// Gives a brain that took over a robot in the middle of a tick the Turn that its predecessor left open.
+    pub(crate) fn deliver_unanswered(&mut self, number: u64, world: &World) {
+        let Some(session) = self.by_number.get_mut(&number) else { return };
+        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
+        for turn in world.turns() {
+            at[turn.robot] = std::mem::take(&mut self.seats[turn.robot].unanswered).then_some(turn.at);
+        }
+        session.deliver(world, &at, true, &mut self.seats);
+    }
+
+    /// Tells the brains that the run is over.
+    pub(crate) fn tell_ended(&self, tick: u64) {
+        for number in self.by_number.keys() {
+            self.tell_one_ended(*number, tick);
+        }
+    }
+
+    /// Tells one brain that the run is over.
+    pub(crate) fn tell_one_ended(&self, number: u64, tick: u64) {
+        if let Some(session) = self.by_number.get(&number) {
+            let _ = session.deliveries.try_send(Delivery::Ended { tick });
+        }
+    }
+
+    /// Each seat with the name of the brain that holds it.
+    pub(crate) fn seats(&self) -> impl Iterator<Item = (&Seat, Option<&str>)> {
+        self.seats.iter().map(|seat| {
+            let brain = seat.session.and_then(|number| self.by_number.get(&number));
+            (seat, brain.map(|session| session.brain.as_str()))
+        })
+    }
+}
+
+impl Session {
+    /// Sends the Turns of its robots that have one. A stream that is full, because its brain does not read,
+    /// loses the delivery; that is counted, and the world does not wait for an answer to it.
+    fn deliver(&mut self, world: &World, at: &[Option<SimTime>], lockstep: bool, seats: &mut [Seat]) {
+        let slots = self.robots.iter().enumerate();
+        let robots: Vec<RobotDelivery> = slots
+            .filter_map(|(slot, &robot)| Some(delivery(world, robot, slot, at[robot]?, self.raw)))
+            .collect();
+        if robots.is_empty() {
+            return;
+        }
+        let delivery = Delivery::Turn { tick: world.tick(), robots };
+        let room = self.deliveries.capacity() > RESERVED;
+        if room && self.deliveries.try_send(delivery).is_ok() {
+            self.open.extend(lockstep.then(|| world.tick()));
+        } else {
+            for &robot in &self.robots {
+                seats[robot].lost_deliveries += 1;
+            }
+        }
+    }
+}
+
+fn delivery(world: &World, robot: usize, slot: usize, at: SimTime, raw: bool) -> RobotDelivery {
+    let view = world.robot(robot);
+    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), readings: Vec::new() };
+    if raw {
+        delivery.raw = view.unread().to_vec();
+    } else {
+        let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
+        delivery.readings = arrived.map(|(i, reading)| (i, reading.clone())).collect();
+    }
+    delivery
+}

@@ -1,0 +1,45 @@
+//! The world of baudbot: an arena, the robots in it, and the cables to their brains.
+//!
+//! One tick is Fig. 3.1 of Wahde's "Introduction to Autonomous Robots" (2016) in two halves, with the brains
+//! between them:
+//!
+//! 1. sensors sample the frozen scene ([`sensor`]), the microcontroller reads and sends ([`microcontroller`],
+//!    [`firmware`]), bytes travel the cable ([`link`]): [`World::begin`]
+//! 2. the brain processes what has arrived: a program elsewhere, never here
+//! 3. its bytes travel back and are obeyed: [`World::finish`], which also does the rest
+//! 4. motors push and bodies move ([`motor`], [`drive`])
+//! 5. the arena changes (nothing in it moves by itself yet) and contacts are found ([`collision`], [`arena`])
+//! 6. the run ends, or goes on
+//!
+//! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
+//! bytes and seeds come in, bytes and instants go out. The same scenario, seed and inputs give the same bits
+//! on every machine ([`World::hash`]).
+
+#![no_std]
+
+extern crate alloc;
+
+pub mod arena;
+pub mod collision;
+pub mod drive;
+pub mod firmware;
+mod hash;
+mod laptop;
+pub mod link;
+pub mod microcontroller;
+pub mod motor;
+pub mod random;
+pub mod robot;
+pub mod scenario;
+mod scene;
+pub mod schedule;
+pub mod sensor;
+pub mod time;
+mod view;
+mod world;
+
+pub use laptop::{Freshness, Reading};
+pub use scenario::{Override, Scenario};
+pub use time::SimTime;
+pub use view::{RobotView, SensorView};
+pub use world::{Ending, Input, Turn, World};

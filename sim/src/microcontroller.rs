@@ -1,0 +1,291 @@
+//! The microcontroller: one processor with a timeline.
+//!
+//! It does one thing at a time, each to its end, in the order in which they fell due: read a sensor, frame
+//! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
+//! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
+
+use alloc::collections::VecDeque;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use baudbot_wire::{Message, Sample, clock, frame, message, write_values};
+use serde::{Deserialize, Serialize};
+
+use crate::drive::Wheels;
+use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
+use crate::link::{Line, LineCounters};
+use crate::random::Stream;
+use crate::robot::RobotSpec;
+use crate::schedule::Due;
+use crate::sensor::{Measurement, Memory, Sensor};
+use crate::time::SimTime;
+
+/// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Processor {
+    /// To frame readings, for each byte that goes on the wire.
+    pub framing_ns_per_byte: u64,
+    /// To take a byte from the receiver.
+    pub receiving_ns_per_byte: u64,
+    /// To obey a command, once its last byte is taken.
+    pub obeying_ns: u64,
+}
+
+/// State of the microcontroller.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Microcontroller {
+    free_at: SimTime,
+    channels: Vec<Channel>,
+    /// When the next frame of readings is due; never in poll mode until somebody asks.
+    frame: Due,
+    sequence: u8,
+    decoder: Decoder,
+    orders: VecDeque<Order>,
+    pub(crate) commands: u64,
+}
+
+/// State of one sensor: its device, and the sample that it holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Channel {
+    due: Due,
+    memory: Memory,
+    stream: Stream,
+    /// The last sample, one value a component; empty before the first.
+    pub(crate) values: Vec<f64>,
+    pub(crate) sampled_at: SimTime,
+    /// In no frame yet: the readability state of §3.2.1.
+    fresh: bool,
+    pub(crate) samples: u64,
+}
+
+/// A command that was obeyed at an instant.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Order {
+    at: SimTime,
+    signals: Wheels,
+}
+
+/// What the processor turns to next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Task {
+    Acquire(usize),
+    SendReadings,
+    Receive,
+}
+
+impl Microcontroller {
+    pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
+        let frame = match spec.firmware.mode {
+            Mode::Stream(schedule) => schedule.start(),
+            Mode::Poll => Due { next: SimTime::NEVER, missed: 0 },
+        };
+        Self {
+            free_at: SimTime::ZERO,
+            channels: spec.sensors.iter().map(|sensor| Channel::new(spec, sensor, seed)).collect(),
+            frame,
+            sequence: 0,
+            decoder: spec.firmware.command_decoder(),
+            orders: VecDeque::new(),
+            commands: 0,
+        }
+    }
+
+    /// The task that comes next and when it starts: of those that fall due first, sensors in their order,
+    /// then sending, then receiving.
+    pub(crate) fn next(&self, downlink: &Line) -> (SimTime, Task) {
+        let mut due = downlink.arrival();
+        let mut task = Task::Receive;
+        if self.frame.next <= due {
+            (due, task) = (self.frame.next, Task::SendReadings);
+        }
+        for (i, channel) in self.channels.iter().enumerate().rev() {
+            if channel.due.next <= due {
+                (due, task) = (channel.due.next, Task::Acquire(i));
+            }
+        }
+        (due.max(self.free_at), task)
+    }
+
+    /// Reads sensor `i` at `now`.
+    pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, now: SimTime, at: &Measurement<'_>) {
+        let channel = &mut self.channels[i];
+        channel.due.serve(&sensor.schedule, now);
+        channel.values.resize(sensor.encodings.len(), 0.0);
+        sensor.device.read(at, &mut channel.memory, &mut channel.stream, &mut channel.values);
+        channel.sampled_at = now;
+        channel.fresh = true;
+        channel.samples += 1;
+        self.free_at = now + sensor.acquisition_ns;
+    }
+
+    /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
+    pub(crate) fn send_readings(&mut self, spec: &RobotSpec, now: SimTime, uplink: &mut Line) {
+        match spec.firmware.mode {
+            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
+            Mode::Poll => self.frame.next = SimTime::NEVER,
+        }
+        let mut bytes = [0; frame::MAX_FRAME];
+        let n = match spec.firmware.protocol {
+            Protocol::Bare { .. } => self.write_bare(&spec.firmware, &mut bytes),
+            Protocol::Framed { .. } => self.write_frame(spec, now, &mut bytes),
+        };
+        for channel in &mut self.channels {
+            channel.fresh = false;
+        }
+        self.sequence = self.sequence.wrapping_add(1);
+        let closed = now + n as u64 * spec.processor.framing_ns_per_byte;
+        uplink.send(&spec.link, closed, &bytes[..n]);
+        self.free_at = closed.max(uplink.drained_to(spec.link.transmit_depth()));
+    }
+
+    /// The last sample of every sensor, zeros before the first.
+    fn write_bare(&self, firmware: &Firmware, out: &mut [u8]) -> usize {
+        let layout = firmware.layout();
+        let values = self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
+            (0..components.len()).map(|i| channel.values.get(i).copied().unwrap_or(0.0))
+        });
+        write_values(layout.components, values, out).expect(FITS)
+    }
+
+    /// The frame's time is that of its last byte's framing, which depends on its length; so the payload is
+    /// laid out once to learn the length, which the time does not change.
+    fn write_frame(&self, spec: &RobotSpec, now: SimTime, out: &mut [u8]) -> usize {
+        let mut payload = [0; frame::MAX_PAYLOAD];
+        let n = self.write_payload(&spec.firmware, now, &mut payload);
+        let closed = now + frame::encoded_len_max(n) as u64 * spec.processor.framing_ns_per_byte;
+        let n = self.write_payload(&spec.firmware, closed, &mut payload);
+        frame::encode(&payload[..n], out).expect(FITS)
+    }
+
+    fn write_payload(&self, firmware: &Firmware, closed: SimTime, out: &mut [u8]) -> usize {
+        let time_100us = clock::wrap_time(closed.as_ns());
+        let sample = |i: usize| {
+            let channel = &self.channels[i];
+            let age_100us = clock::age_100us(closed.since(channel.sampled_at));
+            channel.fresh.then_some(Sample { age_100us, values: &channel.values })
+        };
+        message::write_readings(&firmware.layout(), self.sequence, time_100us, sample, out).expect(FITS)
+    }
+
+    /// Takes what the receiver holds at `now` and obeys it.
+    pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
+        let depth = spec.link.receive_depth();
+        let mut held = 0;
+        self.free_at = now;
+        while let Some((arrived, byte)) = downlink.take(now) {
+            if held == depth {
+                downlink.counters.overrun_bytes += 1;
+                continue;
+            }
+            held += 1;
+            self.free_at = self.free_at + spec.processor.receiving_ns_per_byte;
+            self.receive_byte(spec, arrived, byte, &mut downlink.counters);
+        }
+    }
+
+    fn receive_byte(&mut self, spec: &RobotSpec, arrived: SimTime, byte: u8, counters: &mut LineCounters) {
+        let before = self.decoder.cut_short();
+        let request = match self.decoder.push(byte, arrived) {
+            Found::Nothing => None,
+            Found::BadFrame => {
+                counters.bad_frames += 1;
+                None
+            }
+            Found::Payload(payload) => {
+                let request = Request::parse(&spec.firmware, payload);
+                match request {
+                    Some(_) => counters.messages += 1,
+                    None => counters.bad_messages += 1,
+                }
+                request
+            }
+        };
+        counters.bad_messages += self.decoder.cut_short() - before;
+        if let Some(request) = request {
+            self.obey(spec, request);
+        }
+    }
+
+    fn obey(&mut self, spec: &RobotSpec, request: Request) {
+        if let Request::Drive(signals) = request {
+            self.free_at = self.free_at + spec.processor.obeying_ns;
+            self.orders.push_back(Order { at: self.free_at, signals });
+            self.commands += 1;
+        }
+        if spec.firmware.mode == Mode::Poll {
+            self.frame.next = self.frame.next.min(self.free_at);
+        }
+    }
+
+    /// The motor signals in force at `now`, if a command came since they were last asked for.
+    pub(crate) fn signals_at(&mut self, now: SimTime) -> Option<Wheels> {
+        let mut signals = None;
+        while let Some(order) = self.orders.front().filter(|order| order.at <= now) {
+            signals = Some(order.signals);
+            self.orders.pop_front();
+        }
+        signals
+    }
+
+    pub(crate) fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Frames that fell due while the processor was busy and were left out.
+    pub(crate) fn frames_missed(&self) -> u64 {
+        self.frame.missed
+    }
+}
+
+impl Channel {
+    fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64) -> Self {
+        let name = alloc::format!("{}/{}", spec.name, sensor.name);
+        Self {
+            due: sensor.schedule.start(),
+            memory: sensor.device.remember(&spec.start.pose),
+            stream: Stream::new(seed, &name),
+            values: vec![],
+            sampled_at: SimTime::ZERO,
+            fresh: false,
+            samples: 0,
+        }
+    }
+
+    /// Reads that fell due while the processor was busy and were left out.
+    pub(crate) fn missed(&self) -> u64 {
+        self.due.missed
+    }
+}
+
+/// What the laptop asks of the microcontroller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Request {
+    Drive(Wheels),
+    Poll,
+}
+
+impl Request {
+    /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
+    fn parse(firmware: &Firmware, payload: &[u8]) -> Option<Self> {
+        if let Protocol::Bare { .. } = firmware.protocol {
+            let encoding = firmware.motor_encoding();
+            let (left, right) = payload.split_at_checked(encoding.len())?;
+            return Self::drive(encoding.take(left)?, encoding.take(right)?);
+        }
+        match Message::parse(payload, &firmware.layout()).ok()? {
+            Message::Readings(_) => None,
+            Message::Poll { .. } => Some(Self::Poll),
+            Message::Command(command) => {
+                let mut signals = command.values();
+                Self::drive(signals.next()?, signals.next()?)
+            }
+        }
+    }
+
+    fn drive(left: f64, right: f64) -> Option<Self> {
+        (left.is_finite() && right.is_finite()).then_some(Self::Drive(Wheels { left, right }))
+    }
+}
+
+/// Why framing cannot fail.
+const FITS: &str = "scenario files refuse robots whose messages are too long";

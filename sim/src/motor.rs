@@ -1,0 +1,95 @@
+//! DC motor with a gear box: Wahde 2016, Eqs. (1.8)–(1.10), §3.2.4.
+//!
+//! Deviations. The gear box has an efficiency, as ARSim's has; the notes' ideal one has 1. Eq. (1.9) leaves
+//! sgn(0) open: at standstill Coulomb friction opposes the torque and holds the motor up to its own size,
+//! as in ARSim. The output torque is limited to ±τ_max, which §3.2.4 allows for.
+
+/// What a motor and its gear box are. Shaft side unless said.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motor {
+    /// Voltage at motor signal 1, in volts.
+    pub voltage_v: f64,
+    /// Torque per current c_t, in N m / A.
+    pub torque_constant_nm_a: f64,
+    /// Back-EMF per shaft speed c_e, in V s / rad.
+    pub emf_constant_v_s: f64,
+    /// Resistance R of the armature, in ohms.
+    pub resistance_ohm: f64,
+    /// Coulomb friction c_C, in N m.
+    pub coulomb_friction_nm: f64,
+    /// Viscous friction c_v, in N m s / rad.
+    pub viscous_friction_nm_s: f64,
+    /// Gear ratio G (1.10): turns of the shaft a turn of the wheel.
+    pub gear_ratio: f64,
+    /// Share of the torque that passes the gear box, in (0, 1].
+    pub gear_efficiency: f64,
+    /// Largest torque on the wheel τ_max, in N m.
+    pub max_torque_nm: f64,
+}
+
+impl Motor {
+    /// Torque on the wheel, in N m, at motor signal `signal` (1 is full voltage forwards) and the wheel's
+    /// speed in rad/s: (1.8), then friction (1.9), then gears (1.10), then the limit.
+    pub fn torque_nm(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
+        let shaft_speed = self.gear_ratio * wheel_speed_rad_s;
+        let voltage = self.voltage_v * signal;
+        let generated =
+            self.torque_constant_nm_a * (voltage - self.emf_constant_v_s * shaft_speed) / self.resistance_ohm;
+        let shaft_torque = self.after_friction(generated, shaft_speed);
+        let output = self.gear_efficiency * self.gear_ratio * shaft_torque;
+        output.clamp(-self.max_torque_nm, self.max_torque_nm)
+    }
+
+    fn after_friction(&self, generated: f64, shaft_speed: f64) -> f64 {
+        if shaft_speed.abs() >= STANDSTILL {
+            let coulomb = self.coulomb_friction_nm.copysign(shaft_speed);
+            return generated - coulomb - self.viscous_friction_nm_s * shaft_speed;
+        }
+        if generated.abs() <= STANDSTILL {
+            return generated;
+        }
+        (generated.abs() - self.coulomb_friction_nm).max(0.0).copysign(generated)
+    }
+}
+
+/// Below this shaft speed (rad/s), or torque (N m), a motor counts as standing still, or unpowered; ARSim's
+/// figure.
+const STANDSTILL: f64 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::Motor;
+
+    fn arsim() -> Motor {
+        Motor {
+            voltage_v: 12.0,
+            torque_constant_nm_a: 0.0333,
+            emf_constant_v_s: 0.0333,
+            resistance_ohm: 0.62,
+            coulomb_friction_nm: 0.008,
+            viscous_friction_nm_s: 0.02,
+            gear_ratio: 2.0,
+            gear_efficiency: 1.0,
+            max_torque_nm: 1.0,
+        }
+    }
+
+    #[test]
+    fn dead_zone_and_torque_limit_at_standstill_are_arsims() {
+        let motor = arsim();
+        assert_eq!(motor.torque_nm(0.0124, 0.0), 0.0);
+        assert!(motor.torque_nm(0.01242, 0.0) > 0.0);
+        assert!(motor.torque_nm(0.787, 0.0) < 1.0);
+        assert_eq!(motor.torque_nm(0.789, 0.0), 1.0);
+        assert_eq!(motor.torque_nm(-0.789, 0.0), -1.0);
+    }
+
+    #[test]
+    fn a_turning_motor_loses_both_frictions_and_the_back_emf() {
+        let motor = arsim();
+        // Shaft at 10 rad/s, half voltage: (0.0333/0.62)(6 - 0.333) - 0.008 - 0.2, doubled by the gears.
+        let expected = 2.0 * (0.0333 / 0.62 * (6.0 - 0.0333 * 10.0) - 0.008 - 0.2);
+        assert!((motor.torque_nm(0.5, 5.0) - expected).abs() < 1e-15);
+        assert!((motor.torque_nm(-0.5, -5.0) + expected).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,152 @@
+//! Named streams of random numbers.
+//!
+//! Every noisy part owns the stream that is named after it (`"alice/ir_left"`), seeded from the scenario's
+//! seed and that name. So adding a sensor changes no other sensor's noise, and the order in which parts are
+//! read changes nothing. The generator is PCG-64, named explicitly because `rand`'s standard generator may
+//! change between versions; the normal deviate is our own on `libm`, because a platform's `ln` and `cos`
+//! differ in the last bits.
+
+use baudbot_geometry::math;
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+/// A stream of random numbers that belongs to one part of the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Place", into = "Place")]
+pub struct Stream {
+    generator: Pcg64,
+    place: Place,
+}
+
+/// What a stream is and how far it is: all that a snapshot needs, since the generator can be wound forward.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Place {
+    key: u64,
+    drawn: u64,
+}
+
+impl From<Stream> for Place {
+    fn from(stream: Stream) -> Self {
+        stream.place
+    }
+}
+
+impl From<Place> for Stream {
+    fn from(place: Place) -> Self {
+        let mut mixer = SplitMix(place.key);
+        let mut seed = [0; 32];
+        for chunk in seed.chunks_exact_mut(8) {
+            chunk.copy_from_slice(&mixer.next().to_le_bytes());
+        }
+        let mut generator = Pcg64::from_seed(seed);
+        generator.advance(place.drawn.into());
+        Self { generator, place }
+    }
+}
+
+impl Stream {
+    /// The stream called `name` of the run with this `seed`.
+    pub fn new(seed: u64, name: &str) -> Self {
+        Place { key: seed ^ fnv1a(name.as_bytes()), drawn: 0 }.into()
+    }
+
+    fn draw(&mut self) -> u64 {
+        self.place.drawn += 1;
+        self.generator.next_u64()
+    }
+
+    /// Uniform in [0, 1), with 53 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        (self.draw() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    }
+
+    /// Normal with mean 0 and standard deviation 1 (Box and Muller's method, one of its two values).
+    pub fn normal(&mut self) -> f64 {
+        // 1 - u lies in (0, 1], so the logarithm is finite.
+        let radius = math::sqrt(-2.0 * math::ln(1.0 - self.uniform()));
+        radius * math::cos(core::f64::consts::TAU * self.uniform())
+    }
+
+    /// An integer in `0..n`; `n` must not be 0. The bias of the multiply-shift is below 2^-32 for small `n`.
+    pub fn below(&mut self, n: u32) -> u32 {
+        (((self.draw() >> 32) * u64::from(n)) >> 32) as u32
+    }
+}
+
+/// Vigna's SplitMix64: spreads one 64-bit seed over the generator's 256 bits.
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+/// 64-bit FNV-1a of some bytes.
+pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(FNV_OFFSET, |hash, &byte| fnv1a_step(hash, byte))
+}
+
+pub(crate) const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+
+pub(crate) const fn fnv1a_step(hash: u64, byte: u8) -> u64 {
+    (hash ^ byte as u64).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Stream;
+
+    #[test]
+    fn a_stream_depends_on_seed_and_name_only() {
+        let draw = |seed, name| Stream::new(seed, name).uniform();
+        assert_eq!(draw(1, "alice/ir"), draw(1, "alice/ir"));
+        assert_ne!(draw(1, "alice/ir"), draw(2, "alice/ir"));
+        assert_ne!(draw(1, "alice/ir"), draw(1, "bob/ir"));
+    }
+
+    #[test]
+    fn a_stream_goes_on_where_a_snapshot_left_it() {
+        let mut stream = Stream::new(3, "alice/ir");
+        for _ in 0..17 {
+            stream.normal();
+        }
+        let saved = postcard::to_allocvec(&stream).unwrap();
+        assert!(saved.len() < 16, "a place, not the generator: {} bytes", saved.len());
+        let mut restored: Stream = postcard::from_bytes(&saved).unwrap();
+        assert_eq!(stream, restored);
+        assert_eq!(stream.uniform(), restored.uniform());
+    }
+
+    #[test]
+    fn normal_deviates_have_mean_0_and_variance_1() {
+        let mut stream = Stream::new(7, "test");
+        let n = 100_000;
+        let (mut sum, mut squares, mut beyond_two) = (0.0, 0.0, 0);
+        for _ in 0..n {
+            let x = stream.normal();
+            sum += x;
+            squares += x * x;
+            beyond_two += usize::from(x.abs() > 2.0);
+        }
+        let n = f64::from(n);
+        assert!((sum / n).abs() < 0.01, "mean {}", sum / n);
+        assert!((squares / n - 1.0).abs() < 0.02, "variance {}", squares / n);
+        assert!((beyond_two as f64 / n - 0.0455).abs() < 0.003, "tail {beyond_two}");
+    }
+
+    #[test]
+    fn integers_cover_their_range_evenly() {
+        let mut stream = Stream::new(7, "test");
+        let mut counts = [0_i32; 8];
+        for _ in 0..80_000 {
+            counts[stream.below(8) as usize] += 1;
+        }
+        assert!(counts.iter().all(|&n| (n - 10_000).abs() < 500), "{counts:?}");
+    }
+}

@@ -1,0 +1,136 @@
+//! Scenario files: TOML in, a [`Scenario`] out in which nothing can be wrong.
+//!
+//! [`raw`] says what a file may contain, [`build`] turns that into the world's own types and refuses what
+//! makes no sense, [`check`] has the rules for single numbers, [`overrides`] changes a file's fields by
+//! path, [`order`] finds the order that sensors stand in. `docs/scenario.md` describes the format to its users.
+
+mod build;
+mod check;
+mod error;
+mod order;
+mod overrides;
+mod raw;
+mod sensors;
+
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use baudbot_geometry::Circle;
+
+pub use error::ScenarioError;
+pub use overrides::Override;
+
+use crate::arena::Arena;
+use crate::collision::CollisionPolicy;
+use crate::robot::RobotSpec;
+use crate::time::SimTime;
+
+/// Longest scenario that is read, in bytes.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// A scenario: an arena, robots, and the rules of the run. Made by parsing only, so it is always sound.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    pub(crate) name: String,
+    pub(crate) description: String,
+    pub(crate) seed: u64,
+    pub(crate) step_ns: u64,
+    pub(crate) substeps: u32,
+    pub(crate) noise: bool,
+    pub(crate) collision: CollisionPolicy,
+    pub(crate) end: End,
+    pub(crate) arena: Arena,
+    robots: Vec<RobotSpec>,
+}
+
+/// When a run ends, collisions aside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct End {
+    /// After this time.
+    pub after: Option<SimTime>,
+    /// When the centre of any robot is in this disc.
+    pub goal: Option<Circle>,
+}
+
+impl Scenario {
+    /// Reads a scenario.
+    ///
+    /// # Errors
+    /// Says where the text is not TOML, or which field is wrong, and how.
+    pub fn parse(toml: &str) -> Result<Self, ScenarioError> {
+        Self::parse_with(toml, &[])
+    }
+
+    /// Reads a scenario with some of its fields changed.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); also if an override's path leads nowhere.
+    pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        if toml.len() > MAX_BYTES {
+            return Err(ScenarioError::TooLong { bytes: toml.len() as u64 });
+        }
+        let mut table: toml::Table = toml.parse().map_err(|e: toml::de::Error| syntax(&e))?;
+        for change in overrides {
+            change.apply(&mut table)?;
+        }
+        let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
+        for (robot, names) in raw.robots.iter_mut().zip(order::sensors(toml)) {
+            robot.sensors.arrange(&names);
+        }
+        build::scenario(raw)
+    }
+
+    /// A short name; empty if the file gives none.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the scenario is about, for people.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// Seed of all random streams.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Length of a tick Δt, in nanoseconds.
+    pub fn step_ns(&self) -> u64 {
+        self.step_ns
+    }
+
+    /// Euler steps of the bodies in a tick.
+    pub fn substeps(&self) -> u32 {
+        self.substeps
+    }
+
+    /// Whether sensors are noisy; byte errors on the link are not noise in this sense and stay.
+    pub fn noise(&self) -> bool {
+        self.noise
+    }
+
+    /// What a collision does.
+    pub fn collision(&self) -> CollisionPolicy {
+        self.collision
+    }
+
+    /// When the run ends.
+    pub fn end(&self) -> &End {
+        &self.end
+    }
+
+    /// All that stands still.
+    pub fn arena(&self) -> &Arena {
+        &self.arena
+    }
+
+    /// The robots in the order of their names, whatever their order in the file.
+    pub fn robots(&self) -> &[RobotSpec] {
+        &self.robots
+    }
+}
+
+fn syntax(error: &toml::de::Error) -> ScenarioError {
+    ScenarioError::Syntax(error.to_string())
+}

@@ -1,0 +1,88 @@
+//! Changing fields of a scenario by path: `robots.alice.start.x_m=0.5`.
+
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use toml::{Table, Value};
+
+use super::ScenarioError;
+
+/// A change of one field. In the path, an element of a list goes by its name or by its index:
+/// `robots.alice.link.baud`, `robots.0.link.baud`, `robots[0].link.baud`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Override {
+    path: Vec<String>,
+    value: Value,
+}
+
+impl Override {
+    /// Parses `PATH=VALUE`. The value is TOML; what is not, is taken as a string, so that
+    /// `collision=stop-run` needs no quotes.
+    ///
+    /// # Errors
+    /// If there is no `=` or a part of the path is empty.
+    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
+        let (path, value) = text.split_once('=').ok_or_else(|| {
+            ScenarioError::field(
+                format!("`{text}`"),
+                "an override is PATH=VALUE, such as robots.alice.start.x_m=0.5",
+            )
+        })?;
+        let parts: Vec<String> =
+            path.trim().replace('[', ".").replace(']', "").split('.').map(str::to_owned).collect();
+        if parts.iter().any(String::is_empty) {
+            return Err(ScenarioError::field(path, "the path has an empty part"));
+        }
+        let value = value.trim();
+        let parsed =
+            format!("value = {value}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
+        Ok(Self { path: parts, value: parsed.unwrap_or_else(|| Value::String(value.to_string())) })
+    }
+
+    /// Puts the value into the file's table. Whether such a field exists is found out when the whole is
+    /// deserialised, with the same errors as for the file.
+    pub(super) fn apply(&self, table: &mut Table) -> Result<(), ScenarioError> {
+        let (last, parents) = self.path.split_last().expect("split gives at least one part");
+        let mut here = table;
+        let mut parts = parents.iter().enumerate();
+        while let Some((depth, part)) = parts.next() {
+            let path = || self.path[..=depth].join(".");
+            let child = here.entry(part.as_str()).or_insert_with(|| Value::Table(Table::new()));
+            here = match child {
+                Value::Table(table) => table,
+                Value::Array(list) => {
+                    let (_, key) = parts
+                        .next()
+                        .ok_or_else(|| ScenarioError::field(path(), "is a list; add a name or an index"))?;
+                    element(list, key, &path())?
+                }
+                other => {
+                    let problem =
+                        format!("is a {}, it has no field `{}`", other.type_str(), self.path[depth + 1]);
+                    return Err(ScenarioError::field(path(), problem));
+                }
+            };
+        }
+        here.insert(last.clone(), self.value.clone());
+        Ok(())
+    }
+}
+
+fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut Table, ScenarioError> {
+    let names: Vec<String> = list.iter().map(|value| name_of(value).unwrap_or("?").to_owned()).collect();
+    let by_name = names.iter().position(|name| name == key);
+    let index = by_name.or_else(|| key.parse().ok().filter(|&i: &usize| i < names.len()));
+    let tables = index.map(|i| &mut list[i]).and_then(Value::as_table_mut);
+    tables.ok_or_else(|| {
+        ScenarioError::field(
+            format!("{path}.{key}"),
+            format!("there is no such element; there are: {}", names.join(", ")),
+        )
+    })
+}
+
+fn name_of(value: &Value) -> Option<&str> {
+    value.get("name").and_then(Value::as_str)
+}

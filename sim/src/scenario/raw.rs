@@ -1,0 +1,272 @@
+//! What a scenario file may contain, as it stands there. `docs/scenario.md` is its description; the two are
+//! kept equal by a test.
+
+use alloc::collections::BTreeMap;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Scenario {
+    #[serde(default)]
+    pub(super) name: String,
+    #[serde(default)]
+    pub(super) description: String,
+    #[serde(default = "default::seed")]
+    pub(super) seed: u64,
+    #[serde(default = "default::step_ms")]
+    pub(super) step_ms: f64,
+    #[serde(default = "default::substeps")]
+    pub(super) substeps: u32,
+    #[serde(default = "default::yes")]
+    pub(super) noise: bool,
+    #[serde(default)]
+    pub(super) collision: Collision,
+    #[serde(default)]
+    pub(super) end: End,
+    #[serde(default)]
+    pub(super) arena: Arena,
+    #[serde(default)]
+    pub(super) robots: Vec<Robot>,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Collision {
+    #[default]
+    StopRobot,
+    StopRun,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct End {
+    pub(super) after_s: Option<f64>,
+    pub(super) goal: Option<Goal>,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Goal {
+    pub(super) x_m: f64,
+    pub(super) y_m: f64,
+    pub(super) radius_m: f64,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Arena {
+    #[serde(default)]
+    pub(super) polygons: Vec<Polygon>,
+    #[serde(default)]
+    pub(super) circles: Vec<Circle>,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Polygon {
+    pub(super) name: String,
+    pub(super) points_m: Vec<[f64; 2]>,
+    #[serde(default = "default::yes")]
+    pub(super) solid: bool,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Circle {
+    pub(super) name: String,
+    pub(super) x_m: f64,
+    pub(super) y_m: f64,
+    pub(super) radius_m: f64,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Robot {
+    pub(super) name: String,
+    #[serde(default)]
+    pub(super) start: Start,
+    pub(super) body: Body,
+    #[serde(default)]
+    pub(super) motors: Motors,
+    #[serde(default)]
+    pub(super) sensors: Sensors,
+    #[serde(default)]
+    pub(super) microcontroller: Microcontroller,
+    #[serde(default)]
+    pub(super) firmware: Firmware,
+    #[serde(default)]
+    pub(super) link: Link,
+    #[serde(default)]
+    pub(super) brain: Brain,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Start {
+    #[serde(default)]
+    pub(super) x_m: f64,
+    #[serde(default)]
+    pub(super) y_m: f64,
+    #[serde(default)]
+    pub(super) heading_rad: f64,
+    #[serde(default)]
+    pub(super) speed_m_s: f64,
+    #[serde(default)]
+    pub(super) turn_rate_rad_s: f64,
+    #[serde(default)]
+    pub(super) wheels_at_rest: bool,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Body {
+    pub(super) radius_m: f64,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: f64,
+    pub(super) wheel_radius_m: f64,
+    pub(super) half_track_m: Option<f64>,
+    #[serde(default)]
+    pub(super) wheel_mass_kg: f64,
+    #[serde(default)]
+    pub(super) wheel_inertia_kg_m2: f64,
+    #[serde(default)]
+    pub(super) damping_n_s_m: f64,
+    #[serde(default)]
+    pub(super) turn_damping_nm_s: f64,
+}
+
+/// The defaults are ARSim's motor, made for a robot of a few kg.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Motors {
+    pub(super) voltage_v: f64,
+    pub(super) torque_constant_nm_a: f64,
+    pub(super) emf_constant_v_s: f64,
+    pub(super) resistance_ohm: f64,
+    pub(super) coulomb_friction_nm: f64,
+    pub(super) viscous_friction_nm_s: f64,
+    pub(super) gear_ratio: f64,
+    pub(super) gear_efficiency: f64,
+    pub(super) max_torque_nm: f64,
+    pub(super) signal_bits: Option<u64>,
+    pub(super) unlimited_signals: bool,
+    pub(super) track_factor: f64,
+}
+
+impl Default for Motors {
+    fn default() -> Self {
+        Self {
+            voltage_v: 12.0,
+            torque_constant_nm_a: 0.0333,
+            emf_constant_v_s: 0.0333,
+            resistance_ohm: 0.62,
+            coulomb_friction_nm: 0.008,
+            viscous_friction_nm_s: 0.02,
+            gear_ratio: 2.0,
+            gear_efficiency: 1.0,
+            max_torque_nm: 1.0,
+            signal_bits: None,
+            unlimited_signals: false,
+            track_factor: 1.0,
+        }
+    }
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Microcontroller {
+    pub(super) framing_us_per_byte: f64,
+    pub(super) receiving_us_per_byte: f64,
+    pub(super) obeying_us: f64,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Firmware {
+    pub(super) protocol: Protocol,
+    pub(super) mode: Mode,
+    pub(super) period_ms: Option<f64>,
+    pub(super) phase_ms: Option<f64>,
+    pub(super) ages: Option<bool>,
+    pub(super) gap_ms: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Protocol {
+    #[default]
+    Framed,
+    Bare,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Mode {
+    #[default]
+    Stream,
+    Poll,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Link {
+    pub(super) kind: LinkKind,
+    pub(super) baud: Option<u64>,
+    pub(super) bits_per_character: Option<u64>,
+    pub(super) receive_depth: Option<u64>,
+    pub(super) transmit_depth: Option<u64>,
+    pub(super) laptop_buffer_bytes: Option<u64>,
+    pub(super) byte_error_rate: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum LinkKind {
+    #[default]
+    Ideal,
+    Uart,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Brain {
+    pub(super) thinking_us: f64,
+}
+
+/// A robot's sensors by name. What a sensor may contain depends on its kind, so each is kept as a table until
+/// its kind is known.
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(from = "BTreeMap<String, toml::Table>")]
+pub(super) struct Sensors(pub(super) Vec<(String, toml::Table)>);
+
+impl From<BTreeMap<String, toml::Table>> for Sensors {
+    fn from(sensors: BTreeMap<String, toml::Table>) -> Self {
+        Self(sensors.into_iter().collect())
+    }
+}
+
+impl Sensors {
+    /// Puts the sensors into the order of `names`; those that an override added come last.
+    pub(super) fn arrange(&mut self, names: &[String]) {
+        self.0.sort_by_key(|(name, _)| names.iter().position(|other| other == name).unwrap_or(names.len()));
+    }
+}
+
+mod default {
+    pub(super) fn seed() -> u64 {
+        1
+    }
+
+    pub(super) fn step_ms() -> f64 {
+        10.0
+    }
+
+    pub(super) fn substeps() -> u32 {
+        1
+    }
+
+    pub(super) fn yes() -> bool {
+        true
+    }
+}

@@ -1,0 +1,63 @@
+//! Scenarios and brains for the tests of the world.
+#![allow(dead_code, missing_docs, unreachable_pub, reason = "each test uses some of it")]
+
+use baudbot_sim::firmware::Protocol;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::{Input, Override, Scenario, World};
+use baudbot_wire::{frame, write_command, write_values};
+
+pub const ARSIM: &str = include_str!("../../../scenarios/arsim.toml");
+pub const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+pub const KHEPERA: &str = include_str!("../../../scenarios/khepera.toml");
+
+/// ARSim's body, for robots of test scenarios.
+pub const BODY: &str = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1, \
+                        damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }";
+
+pub fn world(toml: &str) -> World {
+    World::new(Scenario::parse(toml).unwrap_or_else(|error| panic!("{error}")).into())
+}
+
+pub fn world_with(toml: &str, overrides: &[&str]) -> World {
+    let overrides: Vec<_> = overrides.iter().map(|text| Override::parse(text).unwrap()).collect();
+    World::new(Scenario::parse_with(toml, &overrides).unwrap_or_else(|error| panic!("{error}")).into())
+}
+
+/// The error that a scenario is refused with.
+pub fn refusal(toml: &str) -> String {
+    Scenario::parse(toml).expect_err("the scenario should be refused").to_string()
+}
+
+/// A command as it goes over the robot's wire.
+pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
+    let layout = spec.firmware.layout();
+    let mut payload = [0; frame::MAX_PAYLOAD];
+    if let Protocol::Bare { .. } = spec.firmware.protocol {
+        let n = write_values(layout.motors, [left, right], &mut payload).unwrap();
+        return payload[..n].to_vec();
+    }
+    let n = write_command(&layout, 0, [left, right], &mut payload).unwrap();
+    let mut bytes = [0; frame::MAX_FRAME];
+    let n = frame::encode(&payload[..n], &mut bytes).unwrap();
+    bytes[..n].to_vec()
+}
+
+/// One tick in which every brain that steps sends these signals at once.
+pub fn tick(world: &mut World, left: f64, right: f64) {
+    let turns = world.begin().to_vec();
+    let bytes: Vec<_> =
+        turns.iter().map(|turn| command(world.robot(turn.robot).spec(), left, right)).collect();
+    let inputs: Vec<_> = turns
+        .iter()
+        .zip(&bytes)
+        .map(|(turn, bytes)| Input { robot: turn.robot, at: turn.at, bytes })
+        .collect();
+    world.finish(&inputs);
+}
+
+/// As many ticks.
+pub fn run(world: &mut World, ticks: u64, left: f64, right: f64) {
+    for _ in 0..ticks {
+        tick(world, left, right);
+    }
+}

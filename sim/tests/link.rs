@@ -1,0 +1,114 @@
+//! What goes wrong on a cable: noise, floods, garbage, busy processors.
+
+mod common;
+
+use baudbot_sim::Input;
+use common::{BODY, WANDER, command, run, world, world_with};
+
+fn robot(link: &str, more: &str) -> String {
+    format!("[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\nlink = {link}\n{more}\n")
+}
+
+const UART: &str = "{ kind = \"uart\", baud = 9600, receive_depth = 10, laptop_buffer_bytes = 256 }";
+
+#[test]
+fn a_flood_is_refused_beyond_the_laptops_buffer_and_harms_nothing() {
+    let mut world = world(&robot(UART, ""));
+    for _ in 0..100 {
+        let at = world.begin()[0].at;
+        world.finish(&[Input { robot: 0, at, bytes: &[0x55; 10_000] }]);
+    }
+    let downlink = world.robot(0).downlink();
+    // 9600 baud 8N1 take 960 bytes a second, and 256 wait at the end.
+    assert!(downlink.bytes <= 960 + 256, "{downlink:?}");
+    assert_eq!(downlink.bytes + downlink.refused_bytes, 100 * 10_000);
+    assert_eq!(downlink.messages, 0);
+    // Resynchronisation: the garbage ends with the next delimiter, and the command after it is obeyed.
+    let bytes = [&[0][..], &command(world.robot(0).spec(), 0.5, 0.5)].concat();
+    for tick in 0..100 {
+        let at = world.begin()[0].at;
+        let bytes = if tick == 60 { &bytes[..] } else { &[] };
+        world.finish(&[Input { robot: 0, at, bytes }]);
+    }
+    assert_eq!(world.robot(0).commands(), 1);
+    assert_eq!(world.robot(0).downlink().bad_frames, 1);
+    assert!(world.robot(0).motion().speed_m_s > 0.1);
+}
+
+#[test]
+fn a_busy_processor_loses_bytes_beyond_its_receiver_and_says_so() {
+    // A compass read takes 50 ms, in which 48 characters come; the receiver holds 10.
+    let sensor = "[robots.sensors.slow]\nkind = \"compass\"\nperiod_ms = 60.0\nacquisition_us = 50000.0";
+    let mut world = world(&robot(UART, sensor));
+    run(&mut world, 300, 0.1, 0.1);
+    let downlink = *world.robot(0).downlink();
+    assert!(downlink.overrun_bytes > 100, "{downlink:?}");
+    assert!(downlink.bad_frames > 0, "{downlink:?}");
+    assert!(world.robot(0).commands() > 10, "some commands still get through: {downlink:?}");
+}
+
+#[test]
+fn readings_that_come_faster_than_the_processor_are_missed_and_counted() {
+    let sensor = "[robots.sensors.slow]\nkind = \"compass\"\nperiod_ms = 10.0\nacquisition_us = 25000.0";
+    let mut world = world(&robot("{ kind = \"ideal\" }", sensor));
+    run(&mut world, 300, 0.0, 0.0);
+    let sensor = world.robot(0).sensors().next().unwrap();
+    assert!(sensor.samples.abs_diff(120) < 10, "{sensor:?}");
+    assert!((sensor.samples + sensor.missed).abs_diff(300) < 4, "{sensor:?}");
+}
+
+#[test]
+fn more_frames_than_the_line_can_carry_wait_for_it_and_are_missed() {
+    let mut world = world_with(WANDER, &["robots.robot.link.baud=4800"]);
+    run(&mut world, 1000, 0.0, 0.0);
+    let robot = world.robot(0);
+    // A frame of 19 bytes takes 39.6 ms at 4800 baud, twice its period.
+    assert!(robot.uplink().messages.abs_diff(252) < 6, "{:?}", robot.uplink());
+    assert!(robot.frames_missed().abs_diff(248) < 10, "{}", robot.frames_missed());
+    assert_eq!(robot.uplink().bad_frames, 0);
+}
+
+#[test]
+fn byte_errors_are_caught_by_the_checksum() {
+    let mut world = world_with(WANDER, &["robots.robot.link.byte_error_rate=0.02"]);
+    run(&mut world, 3000, 0.0, 0.0);
+    let uplink = world.robot(0).uplink();
+    assert!(uplink.corrupted_bytes > 400, "{uplink:?}");
+    // 1500 frames of 19 bytes: a share of 0.98^19 = 0.68 is sound.
+    assert!((0.64..0.72).contains(&(uplink.messages as f64 / 1500.0)), "{uplink:?}");
+    assert!(uplink.bad_frames > 300, "{uplink:?}");
+}
+
+#[test]
+fn a_command_that_is_no_number_is_not_obeyed() {
+    let toml = robot("{ kind = \"ideal\" }", "").replace("motors = { signal_bits = 8 }", "");
+    let mut world = world(&toml);
+    for value in [f64::NAN, f64::INFINITY] {
+        let bytes = command(world.robot(0).spec(), value, 0.5);
+        let at = world.begin()[0].at;
+        world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+    }
+    assert_eq!(world.robot(0).commands(), 0);
+    assert_eq!(world.robot(0).downlink().bad_messages, 2);
+    assert_eq!(world.robot(0).motion().speed_m_s, 0.0);
+}
+
+#[test]
+fn silence_ends_a_bare_message_that_was_cut_short() {
+    let firmware = "firmware = { protocol = \"bare\", mode = \"poll\", gap_ms = 20.0 }";
+    let mut world = world(&robot(UART, firmware));
+    let both = command(world.robot(0).spec(), 0.5, 0.5);
+    for tick in 0..20 {
+        let at = world.begin()[0].at;
+        // Half a message, then a pause of 50 ms, then a whole one.
+        let bytes = match tick {
+            0 => &both[..1],
+            5 => &both[..],
+            _ => &[],
+        };
+        world.finish(&[Input { robot: 0, at, bytes }]);
+    }
+    assert_eq!(world.robot(0).commands(), 1);
+    assert_eq!(world.robot(0).downlink().bad_messages, 1);
+    assert_eq!(world.robot(0).signals().left, world.robot(0).signals().right);
+}

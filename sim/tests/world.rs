@@ -1,0 +1,226 @@
+//! What a world promises: the same bits for the same run, and bodies that stay out of walls.
+
+mod common;
+
+use std::fmt::Write;
+
+use baudbot_sim::{Ending, SimTime, World};
+use common::{ARSIM, BODY, WANDER, run, tick, world, world_with};
+use proptest::prelude::*;
+
+/// Robots on a grid, each with two noisy IR sensors and encoders.
+fn crowd(names: &[&str]) -> String {
+    let mut toml = String::from(
+        "step_ms = 10.0\nsubsteps = 2\n[[arena.polygons]]\nname = \"border\"\nsolid = false\npoints_m = [[-3, -3], [9, -3], [9, 3], [-3, 3]]\n",
+    );
+    for name in names {
+        // The place depends on the name alone, so that the order in the file does not matter.
+        let i = f64::from(name.as_bytes()[0] - b'a');
+        write!(
+            toml,
+            "[[robots]]\nname = \"{name}\"\nstart = {{ x_m = {}, heading_rad = {} }}\n{BODY}\n\
+             link = {{ kind = \"uart\", baud = 9600, byte_error_rate = 0.01 }}\n",
+            i * 0.9 - 2.0,
+            i * 0.7
+        )
+        .unwrap();
+        for (side, bearing) in [("left", 0.8), ("right", -0.8)] {
+            write!(toml, "[robots.sensors.{side}]\nkind = \"ir\"\nbearing_rad = {bearing}\nrays = 3\nopening_rad = 0.5\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1\nsigma = 0.05\nbits = 8\n").unwrap();
+        }
+        toml += "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\nbits = 16\n";
+    }
+    toml
+}
+
+#[test]
+fn the_order_of_robots_in_the_file_changes_nothing() {
+    let hash = |names: &[&str]| {
+        let mut world = world(&crowd(names));
+        run(&mut world, 500, 0.6, 0.5);
+        world.hash()
+    };
+    let sorted = hash(&["a", "b", "c", "d", "e"]);
+    assert_eq!(sorted, hash(&["e", "b", "d", "a", "c"]));
+    assert_ne!(sorted, hash(&["a", "b", "c", "d", "f"]));
+}
+
+#[test]
+fn a_robot_out_of_reach_changes_no_other() {
+    let trace = |names: &[&str]| {
+        let mut world = world(&crowd(names));
+        run(&mut world, 300, 0.3, -0.3);
+        let robot = world.robots().find(|robot| robot.spec().name == "a").unwrap();
+        (*robot.motion(), robot.readings().to_vec(), *robot.uplink())
+    };
+    assert_eq!(trace(&["a"]), trace(&["a", "k"]));
+}
+
+#[test]
+fn a_snapshot_is_a_clone_with_the_same_hash_and_the_same_future() {
+    let mut one = world(WANDER);
+    run(&mut one, 123, 0.5, 0.4);
+    let mut two = one.clone();
+    assert_eq!(one.hash(), two.hash());
+    run(&mut one, 200, 0.4, 0.5);
+    run(&mut two, 200, 0.4, 0.5);
+    assert_eq!(one.hash(), two.hash());
+    run(&mut two, 1, 0.4, 0.5);
+    assert_ne!(one.hash(), two.hash());
+}
+
+#[test]
+fn the_seed_matters_only_where_there_is_noise() {
+    let hash = |overrides: &[&str]| {
+        let mut world = world_with(WANDER, overrides);
+        run(&mut world, 100, 0.5, 0.5);
+        let robot = world.robot(0);
+        (world.hash(), robot.sensors().map(|sensor| sensor.sample[0]).collect::<Vec<_>>())
+    };
+    assert_ne!(hash(&["seed=1"]).1, hash(&["seed=2"]).1);
+    assert_eq!(hash(&["seed=1", "noise=false"]).1, hash(&["seed=2", "noise=false"]).1);
+}
+
+#[test]
+fn begin_twice_is_begin_once_and_finish_needs_begin() {
+    let mut world = world(ARSIM);
+    let turns = world.begin().to_vec();
+    let hash = world.hash();
+    assert_eq!(world.begin(), turns);
+    assert_eq!(world.hash(), hash);
+    world.finish(&[]);
+    assert_eq!(world.tick(), 1);
+    world.finish(&[]);
+    assert_eq!(world.tick(), 1);
+}
+
+#[test]
+fn a_run_ends_after_its_time_and_stays_ended() {
+    let mut world = world_with(ARSIM, &["end.after_s=0.5"]);
+    run(&mut world, 60, 0.0, 0.0);
+    assert_eq!(world.ending(), Some(&Ending::TimeIsOver));
+    assert_eq!((world.tick(), world.time()), (50, SimTime::from_ns(500_000_000)));
+    assert!(world.begin().is_empty());
+}
+
+#[test]
+fn a_run_ends_at_its_goal() {
+    let mut world = world_with(ARSIM, &["end.goal={ x_m = 0.5, y_m = 0.0, radius_m = 0.05 }"]);
+    run(&mut world, 1000, 0.5, 0.5);
+    assert_eq!(world.ending(), Some(&Ending::GoalReached("robot".into())));
+    let x = world.robot(0).motion().pose.position.x;
+    assert!((0.45..0.46).contains(&x), "{x}");
+}
+
+fn two_facing(policy: &str) -> World {
+    let robot = |name: &str, x: f64, heading: f64| {
+        format!("[[robots]]\nname = \"{name}\"\nstart = {{ x_m = {x}, heading_rad = {heading} }}\n{BODY}\n")
+    };
+    world(&format!(
+        "collision = \"{policy}\"\n{}{}",
+        robot("a", 0.0, 0.0),
+        robot("b", 1.0, core::f64::consts::PI)
+    ))
+}
+
+#[test]
+fn robots_that_run_into_each_other_end_the_run_or_stand_still() {
+    let mut ended = two_facing("stop-run");
+    run(&mut ended, 500, 0.5, 0.5);
+    let ending = ended.ending().unwrap().to_string();
+    assert_eq!(ending, "`a` ran into `b`");
+
+    let mut stopped = two_facing("stop-robot");
+    run(&mut stopped, 500, 0.5, 0.5);
+    assert_eq!(stopped.ending(), None);
+    let gap = stopped.robot(1).motion().pose.position.x - stopped.robot(0).motion().pose.position.x;
+    assert!((0.4..0.41).contains(&gap), "{gap}");
+    assert_eq!(stopped.robot(0).counters().collisions, 1, "a contact that lasts is one collision");
+    assert!(stopped.robot(0).collided());
+    // It can drive away again.
+    run(&mut stopped, 100, -0.5, -0.5);
+    assert!(!stopped.robot(0).collided());
+    assert!(stopped.robot(0).motion().pose.position.x < 0.2);
+}
+
+#[test]
+fn other_robots_are_seen_and_the_own_body_is_not() {
+    let sensor = "[robots.sensors.front]\nkind = \"ir\"\nbearing_rad = 0.0\nrays = 1\nopening_rad = 0.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1\n";
+    let toml = format!(
+        "[[robots]]\nname = \"a\"\n{BODY}\n{sensor}[[robots]]\nname = \"b\"\nstart = {{ x_m = 1.0 }}\n{BODY}\n"
+    );
+    let mut world = world(&toml);
+    world.begin();
+    // From rim to rim 0.6 m: 0.03/0.36 + 0.1.
+    let sample = world.robot(0).sensors().next().unwrap().sample[0];
+    assert!((sample - (0.03 / 0.36 + 0.1)).abs() < 1e-12, "{sample}");
+}
+
+#[test]
+fn arsims_steady_speeds_and_spins_come_out() {
+    for (signal, speed) in [(0.5, 0.3876), (1.0, 0.7851)] {
+        let mut world = world_with(ARSIM, &["robots.robot.start.x_m=-1.5", "arena={}"]);
+        run(&mut world, 200, signal, signal);
+        let v = world.robot(0).motion().speed_m_s;
+        assert!((v - speed).abs() < 1e-4, "{v} at {signal}");
+    }
+    // Half the track in the motors' eyes makes the spin faster; with the whole track it is (2.2)'s 2.40.
+    for (overrides, rate) in [(&["noise=false"], 3.1413), (&["robots.robot.motors.track_factor=1.0"], 2.40)] {
+        let mut world = world_with(ARSIM, overrides);
+        run(&mut world, 400, -0.7, 0.7);
+        let omega = world.robot(0).motion().turn_rate_rad_s;
+        assert!((omega - rate).abs() < 5e-3, "{omega}");
+    }
+}
+
+#[test]
+fn odometer_noise_grows_as_the_square_root_of_the_steps() {
+    // σ √(2n) / (2R): 0.0112 rad after 10 s at 1e-4 m.
+    let mut squares = 0.0;
+    for seed in 0..40 {
+        let mut world = world_with(ARSIM, &[&format!("seed={seed}")]);
+        run(&mut world, 1000, 0.0, 0.0);
+        world.begin();
+        let heading = world.robot(0).sensors().nth(2).unwrap().sample[2];
+        squares += heading * heading;
+    }
+    let spread = (squares / 40.0_f64).sqrt();
+    assert!((0.008..0.0145).contains(&spread), "{spread}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever the signals, with the policy that stops robots no robot ever is in a wall or in another.
+    #[test]
+    fn robots_never_end_up_in_walls_or_in_each_other(signals in prop::collection::vec((-1.0..1.0, -1.0..1.0), 1..20)) {
+        let mut world = world(&crowd(&["a", "b", "c", "d"]));
+        for (left, right) in signals {
+            for _ in 0..20 {
+                tick(&mut world, left, right);
+                let discs: Vec<_> = world.robots().map(|robot| (robot.motion().pose.position, robot.spec().drive.radius_m)).collect();
+                for (i, (center, radius)) in discs.iter().enumerate() {
+                    let disc = baudbot_geometry::Circle { center: *center, radius: *radius };
+                    prop_assert_eq!(world.scenario().arena().obstacle_at(&disc), None);
+                    for (other, other_radius) in &discs[..i] {
+                        prop_assert!((other - center).norm() >= radius + other_radius - 1e-12);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Any bytes at any time: nothing panics, and the run is the same again.
+    #[test]
+    fn arbitrary_bytes_do_no_harm_and_repeat(inputs in prop::collection::vec((0_u64..30_000_000, prop::collection::vec(any::<u8>(), 0..40)), 0..30)) {
+        let play = || {
+            let mut world = world(WANDER);
+            for (late, bytes) in &inputs {
+                world.begin();
+                let at = world.time() + *late;
+                world.finish(&[baudbot_sim::Input { robot: 0, at, bytes }, baudbot_sim::Input { robot: 9, at, bytes }]);
+            }
+            world.hash()
+        };
+        prop_assert_eq!(play(), play());
+    }
+}
