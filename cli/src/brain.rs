@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use baudbot_brains::catalogue::catalogue;
 use baudbot_client::Client;
 use baudbot_proto::v1;
@@ -32,24 +32,12 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let job = Job { brain, robots };
     let mut crew = Crew::attach(Client::from_channel(channel), &world.world, job, args.seed).await?;
     eprintln!("driving {names} of world {}", world.world);
-    let summary = match crew.run().await {
-        Ok(summary) => summary,
-        Err(error) => return Err(reason(error, &args.server.connect).await),
-    };
+    let summary = crew.run().await?;
     if crew.is_closed() {
         bail!("the server closed the connection before the run was over");
     }
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
     text::print(&format!("the run is over after {}\n", text::count(turns, "turn")))
-}
-
-/// A server that is gone leaves an error of the network's behind; what it means is found out by asking.
-async fn reason(error: anyhow::Error, address: &str) -> anyhow::Error {
-    let answer = async { connect::worlds(connect::channel(address).await?).await };
-    match answer.await {
-        Ok(_) => error,
-        Err(_) => anyhow!("the connection to the server at {address} is lost: it does not answer any more"),
-    }
 }
 
 fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {

@@ -9,7 +9,7 @@ use crate::error::Error;
 /// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
 pub(crate) async fn connect(address: &str) -> Result<Channel, Error> {
     let endpoint = endpoint(address).ok_or_else(|| Error::Address { address: address.to_owned() })?;
-    endpoint.connect().await.map_err(|source| Error::Connect { address: address.to_owned(), source })
+    endpoint.connect().await.map_err(|error| Error::connect(address, &error))
 }
 
 fn endpoint(address: &str) -> Option<Endpoint> {

@@ -16,12 +16,12 @@ pub enum Error {
         address: String,
     },
     /// No server answers.
-    #[error("no server answers at {address} ({}); is `baudbot serve` running there?", root(source))]
+    #[error("no server answers at {address} ({cause}); is `baudbot serve` running there?")]
     Connect {
         /// As it was given.
         address: String,
         /// What the network said.
-        source: tonic::transport::Error,
+        cause: String,
     },
     /// The server refused, or ended the stream with an error.
     #[error("the server says: {message} ({code:?})")]
@@ -120,6 +120,12 @@ impl From<tonic::Status> for Error {
             return Self::Lost { message: root(source).to_string() };
         }
         Self::Status { code: status.code(), message: status.message().to_owned() }
+    }
+}
+
+impl Error {
+    pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
+        Self::Connect { address: address.to_owned(), cause: root(error).to_string() }
     }
 }
 

@@ -22,9 +22,8 @@ fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {
 fn a_brain_in_another_process_drives_a_world_in_lockstep_to_its_end() {
     let lockstep = ["wander", "--pace", "lockstep", "--set", "end.after_s=1.0"];
     let (server, tcp, unix) = serve("lockstep.sock", &lockstep);
-    let (code, _, err) = baudbot(&["watch", "--once", "--connect", &tcp]);
-    assert_eq!(code, 1);
-    assert!(err.ends_with("world `wander` waits for brains for: robot\n"), "{err}");
+    let frame = good(&["watch", "--once", "--connect", &tcp]);
+    assert!(frame.starts_with("world wander  t = 0.0"), "{frame}");
     let (code, out, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
     assert_eq!((code, err.as_str()), (0, DRIVING));
     assert_eq!(out, "the run is over after 100 turns\n");
@@ -60,7 +59,7 @@ fn a_brain_that_loses_its_server_says_so() {
     drop(server);
     let (code, _, err) = brain.end();
     assert_eq!(code, 1);
-    assert!(err.contains(&format!("error: the connection to the server at {tcp} is lost")), "{err}");
+    assert!(err.contains("the connection to the server is lost"), "{err}");
 }
 
 #[test]

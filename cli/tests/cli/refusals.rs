@@ -37,7 +37,7 @@ fn an_override_fails_as_the_file_would() {
     assert_eq!(set("robots.robot.body.mass_kg=0"), "wander: robots[0].body.mass_kg: must be positive, is 0");
     assert_eq!(
         set("step_ms"),
-        "--set: step_ms: an override is PATH=VALUE, such as robots.alice.start.x_m=0.5"
+        "--set: `step_ms`: an override is PATH=VALUE, such as robots.alice.start.x_m=0.5"
     );
     assert!(refusal(2, &["run", "--seconds", "-1"]).starts_with("wander: end.after_s: must be"));
 }
@@ -88,7 +88,7 @@ fn a_server_that_is_not_there_can_be_started() {
     for command in [&["brain", "avoid"][..], &["watch"]] {
         let missing = refusal(1, &[command, &["--connect", "127.0.0.1:1"]].concat());
         assert!(missing.starts_with("no server answers at 127.0.0.1:1 ("), "{missing}");
-        assert!(missing.ends_with("start one with `baudbot serve --listen 127.0.0.1:1`"), "{missing}");
+        assert!(missing.ends_with("is `baudbot serve` running there?"), "{missing}");
     }
 }
 

@@ -1,0 +1,335 @@
+//! Bad input over the network: each gets a clear error, nothing else is harmed, and the world goes on.
+
+use std::time::{Duration, Instant};
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::attach_request::Request;
+use baudbot_proto::v1::attach_response::Response;
+use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
+use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
+use baudbot_proto::v1::robot_step::Output;
+use baudbot_server::{Pace, Server, ServerError};
+use baudbot_tests::system::{client, drive, lockstep, operator, serve, serve_on_ports, status};
+use baudbot_tests::{WANDER, crowd, scenario};
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Code, Status, Streaming};
+
+/// A brain's stream, message by message.
+struct Stream {
+    requests: mpsc::Sender<v1::AttachRequest>,
+    responses: Streaming<v1::AttachResponse>,
+}
+
+impl Stream {
+    async fn open(server: &Server, first: Request) -> Result<Self, Status> {
+        let (requests, stream) = mpsc::channel(1000);
+        requests.send(v1::AttachRequest { request: Some(first) }).await.unwrap();
+        let channel = server.channel().await.unwrap();
+        let response = BrainLinkServiceClient::new(channel).attach(ReceiverStream::new(stream)).await?;
+        Ok(Self { requests, responses: response.into_inner() })
+    }
+
+    async fn send(&self, request: Request) {
+        self.requests.send(v1::AttachRequest { request: Some(request) }).await.unwrap();
+    }
+
+    /// The error that the stream ends with.
+    async fn end(&mut self) -> Status {
+        loop {
+            match self.responses.message().await {
+                Err(status) => return status,
+                Ok(Some(_)) => {}
+                Ok(None) => panic!("the stream should end with an error"),
+            }
+        }
+    }
+
+    async fn turn(&mut self) -> v1::Turn {
+        loop {
+            let message = self.responses.message().await.unwrap().expect("a stream that goes on");
+            if let Some(Response::Turn(turn)) = message.response {
+                return turn;
+            }
+        }
+    }
+}
+
+fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
+    let robots = robots.iter().map(|&name| name.to_owned()).collect();
+    Request::Hello(v1::Hello { world: "w".into(), robots, mode: mode.into(), brain: "test".into() })
+}
+
+fn messages() -> Request {
+    hello(&["robot"], v1::PortMode::Messages)
+}
+
+fn step(tick: u64, robot: u32, output: Output) -> Request {
+    let robots = vec![v1::RobotStep { robot, thinking_ns: None, output: Some(output) }];
+    Request::Step(v1::Step { tick, robots })
+}
+
+fn command(left_signal: f64, right_signal: f64) -> Output {
+    Output::Command(v1::Command { left_signal, right_signal })
+}
+
+#[track_caller]
+fn assert_status(status: &Status, code: Code, text: &str) {
+    assert_eq!(status.code(), code, "{status:?}");
+    assert!(status.message().contains(text), "expected `{text}` in: {}", status.message());
+}
+
+#[tokio::test]
+async fn a_step_that_makes_no_sense_ends_its_stream_with_the_field_and_the_robot_is_free_again() {
+    let too_long = Output::Raw(vec![0; 70_000]);
+    let cases = [
+        (
+            messages(),
+            step(0, 0, command(f64::NAN, 0.0)),
+            "step.robots[0].command.left_signal: must be a finite number, is NaN",
+        ),
+        (
+            messages(),
+            step(0, 0, command(0.0, f64::INFINITY)),
+            "step.robots[0].command.right_signal: must be a finite number",
+        ),
+        (
+            messages(),
+            step(0, 0, command(0.0, 1.5)),
+            "step.robots[0].command.right_signal: must be within -1 and 1, is 1.5",
+        ),
+        (
+            messages(),
+            step(0, 7, command(0.0, 0.0)),
+            "step.robots[0].robot: is 7, but this stream has 1 robots",
+        ),
+        (messages(), step(0, 0, Output::Raw(vec![1])), "step.robots[0].raw: the stream is in MESSAGES mode"),
+        (
+            hello(&["robot"], v1::PortMode::Raw),
+            step(0, 0, command(0.0, 0.0)),
+            "step.robots[0].output: the stream is in RAW mode",
+        ),
+        (
+            hello(&["robot"], v1::PortMode::Raw),
+            step(0, 0, too_long),
+            "step.robots[0].raw: has 70000 bytes, the limit is 65536",
+        ),
+    ];
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    for (hello, bad, text) in cases {
+        let mut stream = Stream::open(&server, hello).await.unwrap();
+        stream.send(bad).await;
+        assert_status(&stream.end().await, Code::InvalidArgument, text);
+        // The robot is free, the world goes on, and nothing was obeyed.
+        drop(stream);
+    }
+    let status = status(&server).await;
+    assert_eq!(status.state(), v1::WorldState::Running);
+    assert_eq!(status.robots[0].commands, 0);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_stream_attaches_once_and_says_hello_first() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut twice = Stream::open(&server, messages()).await.unwrap();
+    twice.send(messages()).await;
+    assert_status(&twice.end().await, Code::FailedPrecondition, "hello: this stream is attached already");
+    let early = Stream::open(&server, step(0, 0, command(0.0, 0.0))).await.err().unwrap();
+    assert_status(&early, Code::FailedPrecondition, "the first request must be a Hello");
+    let nobody = Stream::open(&server, hello(&[], v1::PortMode::Raw)).await.err().unwrap();
+    assert_status(&nobody, Code::InvalidArgument, "hello.robots: must name at least one");
+    let same = Stream::open(&server, hello(&["robot", "robot"], v1::PortMode::Raw)).await.err().unwrap();
+    assert_status(&same, Code::InvalidArgument, "hello.robots[1]: `robot` is named twice");
+    let unknown = Stream::open(&server, hello(&["bob"], v1::PortMode::Raw)).await.err().unwrap();
+    assert_status(
+        &unknown,
+        Code::NotFound,
+        "hello.robots[0]: there is no robot `bob` in world `w`; there are: robot",
+    );
+    let world =
+        Request::Hello(v1::Hello { world: "x".into(), robots: vec!["robot".into()], ..Default::default() });
+    let unknown = Stream::open(&server, world).await.err().unwrap();
+    assert_status(&unknown, Code::NotFound, "hello.world: there is no world `x`; there are: w");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_robot_that_another_brain_holds_is_not_given_away() {
+    let server = serve(scenario(&crowd(&["r0".into(), "r1".into()]), &[]), Pace::REAL_TIME).await;
+    let mut holder = Stream::open(&server, hello(&["r0"], v1::PortMode::Messages)).await.unwrap();
+    // Nor are the others that the same Hello asks for taken.
+    let refused = Stream::open(&server, hello(&["r1", "r0"], v1::PortMode::Messages)).await.err().unwrap();
+    assert_status(
+        &refused,
+        Code::AlreadyExists,
+        "hello.robots[1]: robot `r0` of world `w` is held by brain `test`",
+    );
+    let other = Stream::open(&server, hello(&["r1"], v1::PortMode::Messages)).await;
+    assert!(other.is_ok());
+    holder.turn().await;
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn in_lockstep_each_turn_takes_exactly_one_step() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    let mut stream = Stream::open(&server, messages()).await.unwrap();
+    let tick = stream.turn().await.tick;
+    stream.send(step(tick, 0, command(0.1, 0.1))).await;
+    stream.send(step(tick, 0, command(0.2, 0.2))).await;
+    assert_status(&stream.end().await, Code::FailedPrecondition, "no Turn of tick 0 is open");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_flood_faster_than_any_uart_is_counted_and_the_clock_is_kept() {
+    let names: Vec<String> = vec!["r0".into(), "r1".into()];
+    let server = serve(scenario(&crowd(&names), &["end.after_s=2.0"]), Pace::REAL_TIME).await;
+    let neighbour = client(&server).await;
+    let neighbour = tokio::spawn(async move { drive(&neighbour, "r1", "avoid", 1).await });
+    let flood = Stream::open(&server, hello(&["r0"], v1::PortMode::Raw)).await.unwrap();
+    let started = Instant::now();
+    let mut sent = 0_u64;
+    while started.elapsed() < Duration::from_millis(1500) {
+        let request = step(0, 0, Output::Raw(vec![0x55; 10_000]));
+        // The network pushes back when the server takes no more; that is what a flood should meet.
+        let sending = flood.requests.send(v1::AttachRequest { request: Some(request) });
+        if tokio::time::timeout(Duration::from_millis(50), sending).await.is_ok() {
+            sent += 10_000;
+        }
+    }
+    neighbour.await.unwrap();
+    let status = status(&server).await;
+    let (r0, r1) = (&status.robots[0], &status.robots[1]);
+    let downlink = r0.downlink.as_ref().unwrap();
+    assert!(sent > 1_000_000, "{sent}");
+    assert!(downlink.refused_bytes > 100_000, "{downlink:?}");
+    assert!(downlink.bytes < 960 * 2 + 4096 + 100, "{downlink:?}");
+    assert_eq!((r0.commands, r0.distance_m), (0, 0.0));
+    assert!(r1.commands > 50 && r1.distance_m > 0.1, "the neighbour drives on: {r1:?}");
+    assert_eq!(status.tick, 200);
+    let wall = status.running_wall_ns as f64 * 1e-9;
+    assert!((wall - 2.0).abs() < 0.1, "{wall}");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_client_that_never_reads_loses_its_turns_and_slows_nobody() {
+    let names: Vec<String> = vec!["r0".into(), "r1".into()];
+    let pace = Pace::Timed { factor: 100.0 };
+    let server = serve(scenario(&crowd(&names), &["end.after_s=300.0"]), pace).await;
+    let mute = Stream::open(&server, hello(&["r0"], v1::PortMode::Messages)).await.unwrap();
+    let watcher = ObserveServiceClient::new(server.channel().await.unwrap())
+        .watch(v1::WatchRequest { world: "w".into(), every_ticks: 1 })
+        .await
+        .unwrap();
+    drive(&client(&server).await, "r1", "avoid", 1).await;
+    let status = status(&server).await;
+    assert_eq!(status.tick, 30_000);
+    let wall = status.running_wall_ns as f64 * 1e-9;
+    assert!(wall < 4.0, "300 s at 100 times real time took {wall} s");
+    assert!(status.robots[0].lost_deliveries > 1000, "{}", status.robots[0].lost_deliveries);
+    // The observer that did not read either gets the end, and how much it missed.
+    let mut frames = watcher.into_inner();
+    let mut last = frames.message().await.unwrap().unwrap();
+    while let Ok(Ok(Some(frame))) = tokio::time::timeout(Duration::from_millis(500), frames.message()).await {
+        last = frame;
+    }
+    assert!(last.missed_frames > 1000, "{}", last.missed_frames);
+    drop(mute);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn scenarios_that_make_no_sense_are_refused_with_the_field() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut operator = operator(&server).await;
+    let mut create = async |world: &str, toml: &str, overrides: &[&str]| {
+        let request = v1::CreateWorldRequest {
+            world: world.into(),
+            scenario_toml: toml.into(),
+            overrides: overrides.iter().map(|&text| text.to_owned()).collect(),
+            pace: None,
+            paused: true,
+        };
+        operator.create_world(request).await.map(|response| response.into_inner().status.unwrap())
+    };
+    let refused = create("x", "step = 1", &[]).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "scenario_toml: step: unknown field `step`");
+    let refused = create("x", WANDER, &["robots.robot.body.radius_m=-1"]).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "robots[0].body.radius_m: must be positive, is -1");
+    let refused = create("x", WANDER, &["seed"]).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "overrides[0]: `seed`: an override is PATH=VALUE");
+    let refused = create("w", WANDER, &[]).await.unwrap_err();
+    assert_status(&refused, Code::AlreadyExists, "there is a world `w` already");
+    let refused = create("a/b", WANDER, &[]).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "world: must be 1 to 64 letters");
+    let refused = create("x", &"#".repeat((16 << 20) + 1), &[]).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "the limit is 16777216");
+    let refused = create("x", &"#".repeat(20 << 20), &[]).await.unwrap_err();
+    assert_eq!(refused.code(), Code::OutOfRange, "{refused:?}");
+    assert_eq!(create("", WANDER, &[]).await.unwrap().world, "wander");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn paces_and_orders_that_make_no_sense_are_refused() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut operator = operator(&server).await;
+    let w = || "w".to_owned();
+    let set = |pace| v1::SetPaceRequest { world: "w".into(), pace };
+    let refused = operator.set_pace(set(None)).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "pace: must be set");
+    let refused = operator.set_pace(set(Some(v1::Pace { kind: None }))).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "pace.kind: must be set");
+    for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let kind = Some(v1::pace::Kind::Scaled(v1::Scaled { factor }));
+        let refused = operator.set_pace(set(Some(v1::Pace { kind }))).await.unwrap_err();
+        assert_status(&refused, Code::InvalidArgument, "pace.scaled.factor: must be positive");
+    }
+    let refused = operator.step_world(v1::StepWorldRequest { world: w(), ticks: 1 }).await.unwrap_err();
+    assert_status(&refused, Code::FailedPrecondition, "pace is not stepped");
+    let refused =
+        operator.restore_world(v1::RestoreWorldRequest { world: w(), snapshot: 9 }).await.unwrap_err();
+    assert_status(&refused, Code::NotFound, "keeps no snapshot 9");
+    let refused = operator.get_world(v1::GetWorldRequest { world: "x".into() }).await.unwrap_err();
+    assert_status(&refused, Code::NotFound, "there is no world `x`; there are: w");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn addresses_that_others_reach_need_leave_and_a_taken_port_says_so() {
+    let open = Server::builder().listen("0.0.0.0:0".parse().unwrap()).serve().await;
+    let Err(error @ ServerError::NotLoopback { .. }) = open else { panic!("it should be refused") };
+    assert!(error.to_string().contains("0.0.0.0:0 can be reached from other machines"), "{error}");
+    let allowed =
+        Server::builder().listen("0.0.0.0:0".parse().unwrap()).insecure(true).serve().await.unwrap();
+    allowed.shutdown().await;
+
+    let server = serve_on_ports(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    for taken in server.addresses() {
+        let again = Server::builder().listen(taken.clone()).serve().await;
+        let Err(error @ ServerError::Bind { .. }) = again else { panic!("{taken} should be taken") };
+        assert!(error.to_string().contains(&format!("cannot listen on {taken}")), "{error}");
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn what_ended_a_run_is_not_a_brains_to_know() {
+    let wall = ["robots.robot.start.x_m=1.5"];
+    let server = serve(scenario(WANDER, &wall), lockstep()).await;
+    let mut stream = Stream::open(&server, messages()).await.unwrap();
+    let ended = loop {
+        match stream.responses.message().await.unwrap().unwrap().response.unwrap() {
+            Response::Turn(turn) => stream.send(step(turn.tick, 0, command(0.5, 0.5))).await,
+            Response::Ended(ended) => break ended,
+            Response::Welcome(_) => {}
+        }
+    };
+    let status = status(&server).await;
+    assert_eq!(status.ending, "`robot` ran into `wall_right`");
+    assert_eq!(ended, v1::Ended { tick: status.tick });
+    server.shutdown().await;
+}
