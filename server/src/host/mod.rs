@@ -1,25 +1,28 @@
 //! A world's thread: it alone touches the world, and does one thing at a time.
+//!
+//! This file is its loop; what operators order is in [`orders`].
+
+mod orders;
+mod stopwatch;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use baudbot_sim::{Input, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
 use crate::endpoint::{Write, encode};
-use crate::letter::{Activity, Attach, Attached, Letter, Order, Report, SeatReport};
+use crate::letter::{Activity, Attach, Attached, Letter, Report};
 use crate::observers::Observers;
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
 use crate::sessions::{Answer, Sessions};
+use stopwatch::Stopwatch;
 
 /// Called at the start of every tick, when the sensors have been read, on the world's own thread.
 pub type OnTick = Box<dyn FnMut(&World) + Send>;
-
-/// States that are kept for one world; the oldest goes when there would be more.
-const MAX_SNAPSHOTS: usize = 64;
 
 /// A world and all that happens to it.
 pub(crate) struct Host {
@@ -331,135 +334,9 @@ impl Host {
         }
     }
 
-    fn obey(&mut self, order: Order, reply: oneshot::Sender<Result<Report, Status>>) {
-        let mut snapshot = 0;
-        match order {
-            Order::Report => {}
-            Order::Start => {
-                self.paused = false;
-                self.sessions.excuse_empty_seats();
-            }
-            Order::Pause => {
-                self.paused = true;
-                self.clock = None;
-            }
-            Order::Step { ticks } => return self.step(ticks, reply),
-            Order::SetPace(pace) => self.set_pace(pace),
-            Order::Reset => {
-                let world = World::new(Arc::clone(self.world.scenario()));
-                self.sequences.fill(0);
-                self.replace(world);
-            }
-            Order::Snapshot => snapshot = self.keep(),
-            Order::Restore { snapshot } => {
-                let Some(kept) = self.snapshots.iter().find(|kept| kept.number == snapshot) else {
-                    let text = format!("snapshot: world `{}` keeps no snapshot {snapshot}", self.name);
-                    return drop(reply.send(Err(Status::not_found(text))));
-                };
-                let world = kept.world.clone();
-                self.sequences.clone_from(&kept.sequences);
-                self.replace(world);
-            }
-            Order::Delete => self.deleted = true,
-        }
-        drop(reply.send(Ok(self.report(snapshot))));
-    }
-
-    fn step(&mut self, ticks: u64, reply: oneshot::Sender<Result<Report, Status>>) {
-        if !matches!(self.pace, Pace::Stepped(_)) {
-            let text = "the world's pace is not stepped; set it with SetPace";
-            return drop(reply.send(Err(Status::failed_precondition(text))));
-        }
-        if let Some(ending) = self.world.ending() {
-            let text = format!("the run has ended ({ending}); reset or restore the world");
-            return drop(reply.send(Err(Status::failed_precondition(text))));
-        }
-        self.paused = false;
-        self.credits = self.credits.saturating_add(ticks.max(1));
-        self.steppers.push(reply);
-    }
-
-    fn answer_steppers(&mut self) {
-        for reply in std::mem::take(&mut self.steppers) {
-            drop(reply.send(Ok(self.report(0))));
-        }
-    }
-
-    fn set_pace(&mut self, pace: Pace) {
-        self.sessions.change_pace(self.world.tick() + u64::from(self.begun));
-        self.pace = pace;
-        self.clock = None;
-        self.credits = 0;
-        self.answer_steppers();
-        self.waiting_since = Instant::now();
-    }
-
-    /// The world goes on from another state.
-    fn replace(&mut self, world: World) {
-        self.world = world;
-        self.begun = false;
-        self.clock = None;
-        self.inputs.clear();
-        self.permits.clear();
-        self.sessions.void_turns();
-        self.credits = 0;
-        self.answer_steppers();
-    }
-
-    fn keep(&mut self) -> u64 {
-        self.last_snapshot += 1;
-        if self.snapshots.len() == MAX_SNAPSHOTS {
-            self.snapshots.pop_front();
-        }
-        let (number, world, sequences) = (self.last_snapshot, self.world.clone(), self.sequences.clone());
-        self.snapshots.push_back(Snapshot { number, world, sequences });
-        number
-    }
-
-    fn report(&self, snapshot: u64) -> Report {
-        let seats = self.sessions.seats().map(|(seat, brain)| SeatReport {
-            brain: brain.map(str::to_owned),
-            lost_deliveries: seat.lost_deliveries,
-        });
-        Report {
-            name: Arc::clone(&self.name),
-            world: self.world.clone(),
-            pace: self.pace,
-            activity: self.activity(),
-            pacing: self.pacing.clone(),
-            running: self.running.elapsed(),
-            seats: seats.collect(),
-            snapshot,
-        }
-    }
-
     fn tick_end(&self) -> SimTime {
         self.world.time() + self.world.scenario().step_ns()
     }
 }
 
 const MAX_LETTERS_AT_ONCE: usize = 1000;
-
-/// Adds up the time during which something is so.
-#[derive(Default)]
-struct Stopwatch {
-    since: Option<Instant>,
-    sum: Duration,
-}
-
-impl Stopwatch {
-    fn set(&mut self, running: bool, now: Instant) {
-        match (running, self.since) {
-            (true, None) => self.since = Some(now),
-            (false, Some(since)) => {
-                self.sum += now - since;
-                self.since = None;
-            }
-            _ => {}
-        }
-    }
-
-    fn elapsed(&self) -> Duration {
-        self.sum + self.since.map_or(Duration::ZERO, |since| since.elapsed())
-    }
-}
