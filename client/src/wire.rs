@@ -131,7 +131,9 @@ fn note_frame(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[
     let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return };
     let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
     for entry in message.entries() {
-        let age_ns = entry.age_100us.map(|age| u64::from(age) * clock::UNIT_NS);
+        // The largest age on the wire stands for any from there on, so it tells nothing.
+        let age = entry.age_100us.filter(|&age| age < u8::MAX);
+        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
         let reading = Reading {
             values: entry.values.collect(),
             sampled_at_ns: age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns)),

@@ -128,11 +128,22 @@ impl Drive {
         next
     }
 
-    /// Brings a robot to a stand where it is.
+    /// Takes a robot's speed away; it goes on turning.
     pub fn halt(&self, motion: &mut Motion) {
         motion.speed_m_s = 0.0;
-        motion.turn_rate_rad_s = 0.0;
-        motion.wheel_speed_rad_s = Wheels::default();
+        motion.wheel_speed_rad_s = self.wheel_speeds(motion);
+    }
+
+    /// How far Euler steps of `dt` seconds are from blowing up, forwards and in turning: each must stay
+    /// below 2, and below 1 to approach the steady speed without swinging. The motor's back-EMF and viscous
+    /// friction damp the motion as α and β do.
+    pub fn stiffness(&self, dt: f64) -> [f64; 2] {
+        let slope = self.motor.slope_nm_s() / self.wheel_radius_m;
+        let lever = self.motor_track_factor * self.half_track_m;
+        [
+            (self.damping_n_s_m + 2.0 * self.forward_gain * slope) * dt / self.mass_kg,
+            (self.turn_damping_nm_s + 2.0 * self.turn_gain * slope * lever) * dt / self.inertia_kg_m2,
+        ]
     }
 
     /// (2.2), (2.3) divided by the wheel's radius (2.1).

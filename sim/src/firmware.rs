@@ -39,7 +39,8 @@ pub enum Protocol {
 pub enum Mode {
     /// On a schedule of the microcontroller's.
     Stream(Schedule),
-    /// In answer to each command, and to each poll in the framed protocol.
+    /// In answer to a command, and to a poll in the framed protocol. Those that come while an answer waits to
+    /// be sent share it.
     Poll,
 }
 

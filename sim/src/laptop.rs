@@ -6,7 +6,8 @@ use baudbot_wire::{Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
-use crate::link::LineCounters;
+use crate::link::Line;
+use crate::robot::RobotSpec;
 use crate::time::SimTime;
 
 /// The last reading of one sensor that reached the laptop.
@@ -14,8 +15,9 @@ use crate::time::SimTime;
 pub struct Reading {
     /// One value a component, in SI units, as the wire's quantisation left them; empty if none came yet.
     pub values: Vec<f64>,
-    /// When it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms);
-    /// `None` if the protocol does not say.
+    /// When it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms); `None`
+    /// if the protocol does not say, or the sample was 25.5 ms old or more when its frame was closed. A
+    /// sample within a tick is of the scene at the tick's start.
     pub sampled_at: Option<SimTime>,
     /// Sequence number of the frame that brought it.
     pub sequence: u8,
@@ -35,6 +37,8 @@ pub(crate) struct Laptop {
     /// Until when the brain thinks.
     pub(crate) busy_until: SimTime,
     pub(crate) freshness: Vec<Freshness>,
+    /// When the readings that are readable were truly sampled.
+    sampled: Vec<Option<SimTime>>,
 }
 
 /// How old one sensor's readings were when the brain got them.
@@ -42,7 +46,7 @@ pub(crate) struct Laptop {
 pub struct Freshness {
     /// Steps of the brain in which the sensor was readable.
     pub readable: u64,
-    /// Readings among them that told their age.
+    /// Readings among them whose age is known: all but those of a bare message that bytes were lost around.
     pub aged: u64,
     /// Sum of those ages, in nanoseconds.
     pub age_sum_ns: u64,
@@ -60,36 +64,38 @@ impl Laptop {
             has_message: false,
             busy_until: SimTime::ZERO,
             freshness: alloc::vec![Freshness::default(); sensors],
+            sampled: alloc::vec![None; sensors],
         }
     }
 
-    /// A byte arrives. Those that a brain leaves unread beyond `buffer` are lost, as in any driver.
-    pub(crate) fn receive(
-        &mut self,
-        firmware: &Firmware,
-        buffer: usize,
-        (at, byte): (SimTime, u8),
-        counters: &mut LineCounters,
-    ) {
-        if self.unread.len() >= buffer {
-            counters.overrun_bytes += 1;
+    /// A byte arrives. Those that a brain leaves unread beyond the driver's buffer are lost.
+    pub(crate) fn receive(&mut self, spec: &RobotSpec, (at, byte): (SimTime, u8), uplink: &mut Line) {
+        if self.unread.len() >= spec.link.laptop_buffer() {
+            uplink.counters.overrun_bytes += 1;
             return;
         }
         self.unread.push(byte);
         let before = self.decoder.cut_short();
-        match self.decoder.push(byte, at) {
-            Found::Nothing => {}
-            Found::BadFrame => counters.bad_frames += 1,
-            Found::Payload(payload) => {
-                if note(&mut self.readings, firmware, payload, at) {
-                    counters.messages += 1;
-                    self.has_message = true;
-                } else {
-                    counters.bad_messages += 1;
+        let found = match self.decoder.push(byte, at) {
+            Found::Nothing => None,
+            Found::BadFrame => {
+                uplink.counters.bad_frames += 1;
+                None
+            }
+            Found::Payload(payload) => Some(note(&mut self.readings, &spec.firmware, payload, at)),
+        };
+        uplink.counters.bad_messages += self.decoder.cut_short() - before;
+        match found {
+            None => {}
+            Some(false) => uplink.counters.bad_messages += 1,
+            Some(true) => {
+                uplink.counters.messages += 1;
+                self.has_message = true;
+                for (i, sampled_at) in uplink.sampled() {
+                    self.sampled[i] = Some(sampled_at);
                 }
             }
         }
-        counters.bad_messages += self.decoder.cut_short() - before;
     }
 
     /// The brain steps at `at`: it has now been given all that arrived.
@@ -97,12 +103,13 @@ impl Laptop {
         self.unread.clear();
         self.has_message = false;
         self.busy_until = at;
-        for (reading, freshness) in self.readings.iter_mut().zip(&mut self.freshness) {
+        for (i, reading) in self.readings.iter_mut().enumerate() {
             if !core::mem::take(&mut reading.readable) {
                 continue;
             }
+            let freshness = &mut self.freshness[i];
             freshness.readable += 1;
-            if let Some(sampled_at) = reading.sampled_at {
+            if let Some(sampled_at) = self.sampled[i].take() {
                 let age = at.since(sampled_at);
                 freshness.aged += 1;
                 freshness.age_sum_ns += age;
@@ -124,7 +131,9 @@ fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTi
         let reading = &mut readings[entry.sensor];
         reading.values.clear();
         reading.values.extend(entry.values);
-        let age_ns = entry.age_100us.map(|age| u64::from(age) * clock::UNIT_NS);
+        // The largest age on the wire stands for any from there on, so it tells nothing.
+        let age = entry.age_100us.filter(|&age| age < u8::MAX);
+        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
         reading.sampled_at = age_ns.map(|age_ns| SimTime::from_ns(closed_ns.saturating_sub(age_ns)));
         reading.sequence = message.sequence;
         reading.readable = true;

@@ -9,6 +9,7 @@
 //! number of bytes in no time and loses none.
 
 use alloc::collections::VecDeque;
+use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,8 @@ pub struct Uart {
     /// Characters that the microcontroller can hold unsent, the one being sent included; when all are taken
     /// it waits.
     pub transmit_depth: usize,
-    /// Bytes that wait in the laptop's driver to be sent; more are refused.
+    /// Bytes that the laptop's driver holds each way: more to be sent are refused, and more that a brain
+    /// leaves unread are lost.
     pub laptop_buffer_bytes: usize,
     /// Probability that a byte arrives with one bit wrong.
     pub byte_error_rate: f64,
@@ -44,7 +46,7 @@ pub struct Uart {
 
 impl Link {
     /// Nanoseconds from the start of a burst to the arrival of its `n`-th character (from 1).
-    fn burst_ns(&self, n: u64) -> u64 {
+    pub(crate) fn burst_ns(&self, n: u64) -> u64 {
         match self {
             Self::Ideal => 0,
             Self::Uart(uart) => {
@@ -74,7 +76,7 @@ impl Link {
     /// See [`Uart::laptop_buffer_bytes`].
     pub(crate) fn laptop_buffer(&self) -> usize {
         match self {
-            Self::Ideal => usize::MAX,
+            Self::Ideal => IDEAL_BUFFER,
             Self::Uart(uart) => uart.laptop_buffer_bytes,
         }
     }
@@ -87,15 +89,31 @@ impl Link {
     }
 }
 
+/// Bytes that the driver of an ideal link holds: enough for any brain, and yet an end for one that never reads.
+const IDEAL_BUFFER: usize = 1 << 20;
+
 /// One direction of a link: the bytes on their way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Line {
     /// Each byte with the instant at which it has arrived whole.
     in_flight: VecDeque<(SimTime, u8)>,
+    /// The messages on their way, so that it can be told how old a reading truly is when it arrives.
+    messages: VecDeque<Sent>,
+    /// Bytes that have arrived, lost ones included.
+    arrived: u64,
     burst_start: SimTime,
     burst_characters: u64,
     errors: Stream,
     pub(crate) counters: LineCounters,
+}
+
+/// A message of readings on its way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Sent {
+    /// How many bytes will have arrived when it has.
+    end: u64,
+    /// When each of its fresh readings was sampled.
+    sampled: Vec<(usize, SimTime)>,
 }
 
 /// What went over one direction of a link.
@@ -121,6 +139,8 @@ impl Line {
     pub(crate) fn new(errors: Stream) -> Self {
         Self {
             in_flight: VecDeque::new(),
+            messages: VecDeque::new(),
+            arrived: 0,
             burst_start: SimTime::ZERO,
             burst_characters: 0,
             errors,
@@ -142,6 +162,41 @@ impl Line {
         self.counters.bytes += bytes.len() as u64;
     }
 
+    /// Puts a message of readings on the line.
+    pub(crate) fn send_message(
+        &mut self,
+        link: &Link,
+        now: SimTime,
+        bytes: &[u8],
+        sampled: Vec<(usize, SimTime)>,
+    ) {
+        self.send(link, now, bytes);
+        self.messages.push_back(Sent { end: self.counters.bytes, sampled });
+    }
+
+    /// When the readings of the message whose last byte has just arrived were sampled: the truth, which is
+    /// for statistics and not for the brain.
+    pub(crate) fn sampled(&mut self) -> Vec<(usize, SimTime)> {
+        let mut sampled = Vec::new();
+        while let Some(sent) = self.messages.front().filter(|sent| sent.end <= self.arrived) {
+            // What ended earlier was lost.
+            let whole = sent.end == self.arrived;
+            let sent = self.messages.pop_front();
+            sampled = sent.filter(|_| whole).map_or_else(Vec::new, |sent| sent.sampled);
+        }
+        sampled
+    }
+
+    /// A receiver that holds `depth` bytes loses those that arrived by `now` beyond them.
+    pub(crate) fn overrun(&mut self, now: SimTime, depth: usize) {
+        let here = self.in_flight.partition_point(|(at, _)| *at <= now);
+        if here > depth {
+            self.in_flight.drain(depth..here);
+            self.counters.overrun_bytes += (here - depth) as u64;
+            self.arrived += (here - depth) as u64;
+        }
+    }
+
     /// When the first byte on the way arrives.
     pub(crate) fn arrival(&self) -> SimTime {
         self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at)
@@ -149,7 +204,11 @@ impl Line {
 
     /// Takes the first byte, if it has arrived by `now`.
     pub(crate) fn take(&mut self, now: SimTime) -> Option<(SimTime, u8)> {
-        if self.arrival() <= now { self.in_flight.pop_front() } else { None }
+        if self.arrival() > now {
+            return None;
+        }
+        self.arrived += 1;
+        self.in_flight.pop_front()
     }
 
     /// How many bytes are still on the way, or waiting for it, at `now`.
@@ -219,8 +278,7 @@ mod tests {
         line.send(&link, SimTime::ZERO, &[1, 2]);
         line.send(&link, SimTime::from_ns(1_500_000), &[3]);
         line.send(&link, SimTime::from_ns(9_000_000), &[4]);
-        let arrivals: alloc::vec::Vec<_> =
-            line.in_flight.iter().map(|(at, _)| at.as_ns() / 1_000_000).collect();
+        let arrivals: Vec<_> = line.in_flight.iter().map(|(at, _)| at.as_ns() / 1_000_000).collect();
         assert_eq!(arrivals, [1, 2, 3, 10]);
         assert_eq!(line.waiting(SimTime::from_ns(2_000_000)), 2);
         assert_eq!(line.drained_to(1), SimTime::from_ns(3_000_000));

@@ -125,16 +125,24 @@ impl Microcontroller {
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
         let mut bytes = [0; frame::MAX_FRAME];
-        let n = match spec.firmware.protocol {
-            Protocol::Bare { .. } => self.write_bare(&spec.firmware, &mut bytes),
-            Protocol::Framed { .. } => self.write_frame(spec, now, &mut bytes),
+        let cost = spec.processor.framing_ns_per_byte;
+        let (n, closed) = match spec.firmware.protocol {
+            Protocol::Bare { .. } => {
+                let n = self.write_bare(&spec.firmware, &mut bytes);
+                (n, now + n as u64 * cost)
+            }
+            Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
         };
-        for channel in &mut self.channels {
-            channel.fresh = false;
+        // A bare message repeats what is not fresh.
+        let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. });
+        let mut sampled = Vec::new();
+        for (i, channel) in self.channels.iter_mut().enumerate() {
+            if core::mem::take(&mut channel.fresh) || (repeats && channel.samples > 0) {
+                sampled.push((i, channel.sampled_at));
+            }
         }
         self.sequence = self.sequence.wrapping_add(1);
-        let closed = now + n as u64 * spec.processor.framing_ns_per_byte;
-        uplink.send(&spec.link, closed, &bytes[..n]);
+        uplink.send_message(&spec.link, closed, &bytes[..n], sampled);
         self.free_at = closed.max(uplink.drained_to(spec.link.transmit_depth()));
     }
 
@@ -147,14 +155,14 @@ impl Microcontroller {
         write_values(layout.components, values, out).expect(FITS)
     }
 
-    /// The frame's time is that of its last byte's framing, which depends on its length; so the payload is
-    /// laid out once to learn the length, which the time does not change.
-    fn write_frame(&self, spec: &RobotSpec, now: SimTime, out: &mut [u8]) -> usize {
+    /// A frame and the instant at which it is closed, which is the time that stands in it. That depends on
+    /// the frame's length, so the payload is laid out once to learn it.
+    fn write_frame(&self, firmware: &Firmware, now: SimTime, cost: u64, out: &mut [u8]) -> (usize, SimTime) {
         let mut payload = [0; frame::MAX_PAYLOAD];
-        let n = self.write_payload(&spec.firmware, now, &mut payload);
-        let closed = now + frame::encoded_len_max(n) as u64 * spec.processor.framing_ns_per_byte;
-        let n = self.write_payload(&spec.firmware, closed, &mut payload);
-        frame::encode(&payload[..n], out).expect(FITS)
+        let n = self.write_payload(firmware, now, &mut payload);
+        let closed = now + frame::encoded_len_max(n) as u64 * cost;
+        let n = self.write_payload(firmware, closed, &mut payload);
+        (frame::encode(&payload[..n], out).expect(FITS), closed)
     }
 
     fn write_payload(&self, firmware: &Firmware, closed: SimTime, out: &mut [u8]) -> usize {
@@ -167,18 +175,12 @@ impl Microcontroller {
         message::write_readings(&firmware.layout(), self.sequence, time_100us, sample, out).expect(FITS)
     }
 
-    /// Takes what the receiver holds at `now` and obeys it.
+    /// Takes the oldest byte that the receiver holds at `now`. What arrived while the receiver was full is
+    /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
-        let depth = spec.link.receive_depth();
-        let mut held = 0;
-        self.free_at = now;
-        while let Some((arrived, byte)) = downlink.take(now) {
-            if held == depth {
-                downlink.counters.overrun_bytes += 1;
-                continue;
-            }
-            held += 1;
-            self.free_at = self.free_at + spec.processor.receiving_ns_per_byte;
+        downlink.overrun(now, spec.link.receive_depth());
+        self.free_at = now + spec.processor.receiving_ns_per_byte;
+        if let Some((arrived, byte)) = downlink.take(now) {
             self.receive_byte(spec, arrived, byte, &mut downlink.counters);
         }
     }
@@ -192,7 +194,7 @@ impl Microcontroller {
                 None
             }
             Found::Payload(payload) => {
-                let request = Request::parse(&spec.firmware, payload);
+                let request = Request::parse(spec, payload);
                 match request {
                     Some(_) => counters.messages += 1,
                     None => counters.bad_messages += 1,
@@ -210,7 +212,6 @@ impl Microcontroller {
         if let Request::Drive(signals) = request {
             self.free_at = self.free_at + spec.processor.obeying_ns;
             self.orders.push_back(Order { at: self.free_at, signals });
-            self.commands += 1;
         }
         if spec.firmware.mode == Mode::Poll {
             self.frame.next = self.frame.next.min(self.free_at);
@@ -223,6 +224,7 @@ impl Microcontroller {
         while let Some(order) = self.orders.front().filter(|order| order.at <= now) {
             signals = Some(order.signals);
             self.orders.pop_front();
+            self.commands += 1;
         }
         signals
     }
@@ -266,24 +268,27 @@ enum Request {
 
 impl Request {
     /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
-    fn parse(firmware: &Firmware, payload: &[u8]) -> Option<Self> {
+    fn parse(spec: &RobotSpec, payload: &[u8]) -> Option<Self> {
+        let firmware = &spec.firmware;
         if let Protocol::Bare { .. } = firmware.protocol {
             let encoding = firmware.motor_encoding();
             let (left, right) = payload.split_at_checked(encoding.len())?;
-            return Self::drive(encoding.take(left)?, encoding.take(right)?);
+            return Self::drive(spec, encoding.take(left)?, encoding.take(right)?);
         }
         match Message::parse(payload, &firmware.layout()).ok()? {
             Message::Readings(_) => None,
             Message::Poll { .. } => Some(Self::Poll),
             Message::Command(command) => {
                 let mut signals = command.values();
-                Self::drive(signals.next()?, signals.next()?)
+                Self::drive(spec, signals.next()?, signals.next()?)
             }
         }
     }
 
-    fn drive(left: f64, right: f64) -> Option<Self> {
-        (left.is_finite() && right.is_finite()).then_some(Self::Drive(Wheels { left, right }))
+    fn drive(spec: &RobotSpec, left: f64, right: f64) -> Option<Self> {
+        let limit = spec.signal_limit.unwrap_or(f64::MAX);
+        let sound = |signal: f64| signal.is_finite() && signal.abs() <= limit;
+        (sound(left) && sound(right)).then_some(Self::Drive(Wheels { left, right }))
     }
 }
 

@@ -40,6 +40,13 @@ impl Motor {
         output.clamp(-self.max_torque_nm, self.max_torque_nm)
     }
 
+    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s.
+    pub(crate) fn slope_nm_s(&self) -> f64 {
+        let back_emf = self.torque_constant_nm_a * self.emf_constant_v_s / self.resistance_ohm;
+        let shaft = back_emf + self.viscous_friction_nm_s;
+        self.gear_efficiency * self.gear_ratio * self.gear_ratio * shaft
+    }
+
     fn after_friction(&self, generated: f64, shaft_speed: f64) -> f64 {
         if shaft_speed.abs() >= STANDSTILL {
             let coulomb = self.coulomb_friction_nm.copysign(shaft_speed);

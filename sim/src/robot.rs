@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Circle, Pose};
 use serde::{Deserialize, Serialize};
 
+use crate::collision::Partner;
 use crate::drive::{Drive, Motion, Wheels};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
@@ -58,10 +59,10 @@ pub(crate) struct Robot {
     pub(crate) motion: Motion,
     /// The motor signals in force.
     pub(crate) signals: Wheels,
-    /// Ran into something, or kept running into it, in the last tick.
+    /// Ran into something in the last tick.
     pub(crate) collided: bool,
-    /// The same for the last substep: a contact that lasts is one collision.
-    pub(crate) touching: bool,
+    /// What it ran into since there was last some room around it.
+    pub(crate) contacts: Vec<Partner>,
     pub(crate) microcontroller: Microcontroller,
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
@@ -92,7 +93,7 @@ impl Robot {
             motion,
             signals: Wheels::default(),
             collided: false,
-            touching: false,
+            contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed),
             uplink: line("link:up"),
             downlink: line("link:down"),
@@ -149,8 +150,7 @@ impl Robot {
 
     fn hear(&mut self, spec: &RobotSpec, now: SimTime) {
         while let Some(arrival) = self.uplink.take(now) {
-            let buffer = spec.link.laptop_buffer();
-            self.laptop.receive(&spec.firmware, buffer, arrival, &mut self.uplink.counters);
+            self.laptop.receive(spec, arrival, &mut self.uplink);
         }
     }
 

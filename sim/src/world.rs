@@ -8,8 +8,7 @@ use core::fmt;
 use baudbot_geometry::Circle;
 use serde::{Deserialize, Serialize};
 
-use crate::collision::{Collision, CollisionPolicy, Partner, held_back, partner};
-use crate::drive::Motion;
+use crate::collision::{Collision, CollisionPolicy, Partner, Step};
 use crate::hash;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
@@ -196,67 +195,73 @@ impl World {
 
     fn substep(&mut self, now: SimTime, dt: f64) {
         let before = self.discs();
-        let motions: Vec<_> = self.state.robots.iter().map(|robot| robot.motion).collect();
         for (robot, spec) in self.state.robots.iter_mut().zip(self.scenario.robots()) {
             if let Some(signals) = robot.microcontroller.signals_at(now) {
                 robot.signals = signals;
             }
             robot.motion = spec.drive.step(&robot.motion, robot.signals, dt);
         }
-        let after = self.discs();
         match self.scenario.collision {
-            CollisionPolicy::StopRun => self.stop_run(&after),
-            CollisionPolicy::StopRobot => self.stop_robots(&before, &after, &motions),
+            CollisionPolicy::StopRun => self.stop_run(&before),
+            CollisionPolicy::StopRobot => self.stop_robots(&before),
         }
         for robot in &mut self.state.robots {
             robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
         }
     }
 
-    fn stop_run(&mut self, discs: &[Circle]) {
-        for own in 0..discs.len() {
-            let partner = partner(&self.scenario.arena, discs, own);
-            self.note_contact(own, partner);
+    fn stop_run(&mut self, before: &[Circle]) {
+        let scenario = Arc::clone(&self.scenario);
+        let step = Step { arena: &scenario.arena, before, after: self.discs() };
+        for own in 0..before.len() {
+            self.note_contact(own, step.partner(own));
         }
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    fn stop_robots(&mut self, before: &[Circle], after: &[Circle], motions: &[Motion]) {
-        let held = held_back(&self.scenario.arena, before, after);
+    /// A robot that is held back keeps its turning: a disc cannot run into anything by it.
+    fn stop_robots(&mut self, before: &[Circle]) {
+        let scenario = Arc::clone(&self.scenario);
+        let held = Step { arena: &scenario.arena, before, after: self.discs() }.held_back();
         for (own, partner) in held.into_iter().enumerate() {
             if partner.is_some() {
-                let robot = &mut self.state.robots[own];
-                robot.motion = motions[own];
-                self.scenario.robots()[own].drive.halt(&mut robot.motion);
+                let motion = &mut self.state.robots[own].motion;
+                motion.pose.position = before[own].center;
+                scenario.robots()[own].drive.halt(motion);
             }
             self.note_contact(own, partner);
         }
     }
 
-    /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching
-    /// at once, so a contact lasts until there is some room around the robot.
+    /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
+    /// once, so its contacts last until there is some room around it.
     fn note_contact(&mut self, own: usize, partner: Option<Partner>) {
-        let lasts = self.state.robots[own].touching && self.is_hemmed_in(own);
+        let Some(partner) = partner else {
+            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own) {
+                self.state.robots[own].contacts.clear();
+            }
+            return;
+        };
         let robot = &mut self.state.robots[own];
-        let began = partner.is_some() && !robot.touching;
-        robot.touching = partner.is_some() || lasts;
-        robot.collided |= robot.touching;
-        if !began {
+        robot.collided = true;
+        if robot.contacts.contains(&partner) {
             return;
         }
         robot.counters.collisions += 1;
+        robot.contacts.push(partner.clone());
         let robots = self.scenario.robots();
-        let with = partner.map_or_else(String::new, |partner| match partner {
+        let with = match partner {
             Partner::Shape(name) => name,
             Partner::Robot(i) => robots[i].name.clone(),
-        });
+        };
         self.state.collisions.push(Collision { robot: robots[own].name.clone(), with });
     }
 
     fn is_hemmed_in(&self, own: usize) -> bool {
-        let mut discs = self.discs();
-        discs[own].radius *= CONTACT_ENDS_AT;
-        partner(&self.scenario.arena, &discs, own).is_some()
+        let discs = self.discs();
+        let room = Circle { radius: discs[own].radius * CONTACT_ENDS_AT, ..discs[own] };
+        let meets = |(i, other): (usize, &Circle)| i != own && room.overlaps_circle(other);
+        self.scenario.arena.obstacle_at(&room).is_some() || discs.iter().enumerate().any(meets)
     }
 
     fn look_for_the_end(&mut self) {

@@ -189,3 +189,54 @@ fn overrides_reach_any_field_by_name_and_by_index() {
     assert!(Override::parse("noise").unwrap_err().to_string().contains("an override is PATH=VALUE"));
     assert!(Override::parse("robots..x=1").unwrap_err().to_string().contains("empty part"));
 }
+
+#[test]
+fn an_override_with_an_endless_path_is_refused() {
+    let path = vec!["a"; 200_000].join(".");
+    let message = Override::parse(&format!("{path}=1")).unwrap_err().to_string();
+    assert!(message.contains("the path has 200000 parts"), "{message}");
+}
+
+#[test]
+fn places_and_sizes_beyond_any_arena_are_refused() {
+    let circle =
+        |radius: &str| format!("[[arena.circles]]\nname = \"c\"\nx_m = 0\ny_m = 0\nradius_m = {radius}");
+    refused(&circle("1e308"), "arena.circles[0].radius_m", "must be within");
+    let wall = "[[arena.polygons]]\nname = \"w\"\nsolid = false\npoints_m = [[0, 0], [1e155, 0]]";
+    refused(wall, "arena.polygons[0].points_m[1].x", "must be within");
+    let far = "[robots.sensors.s]\nkind = \"ir\"\nmount = { x_m = 5.0, y_m = 0.0, heading_rad = 0.0 }\n\
+               rays = 1\nopening_rad = 0.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1";
+    refused(&robot(far), "robots[0].sensors.s.mount.x_m", "must be within -0.4 and 0.4, is 5");
+    let noisy = "[robots.sensors.o]\nkind = \"odometer\"\nsigma_m = 1e308";
+    refused(&robot(noisy), "robots[0].sensors.o.sigma_m", "must be within 0 and 1000");
+}
+
+#[test]
+fn steps_that_would_blow_up_are_refused_with_the_substeps_that_would_not() {
+    let long = format!("step_ms = 1000.0\n{}", robot(""));
+    refused(&long, "robots[0].body", "set substeps to 11 or more");
+    Scenario::parse(&format!("step_ms = 1000.0\nsubsteps = 20\n{}", robot(""))).unwrap();
+    let light = robot("").replace("inertia_kg_m2 = 0.2", "inertia_kg_m2 = 1e-5");
+    refused(&light, "robots[0].body", "would blow up");
+}
+
+#[test]
+fn a_sensor_that_would_take_for_ever_is_refused() {
+    let sensor = "[robots.sensors.s]\nkind = \"ir\"\nbearing_rad = 0\nperiod_ms = 0.01\nrays = 10000\n\
+                  opening_rad = 1.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1";
+    refused(&robot(sensor), "robots[0].sensors.s.rays", "casts 10000000 rays a tick, the limit is 100000");
+}
+
+#[test]
+fn a_cable_that_no_message_gets_through_is_refused() {
+    let link = |more: &str| {
+        format!("link = {{ kind = \"uart\", baud = 9600{more} }}\n[robots.sensors.c]\nkind = \"compass\"")
+    };
+    refused(
+        &robot(&link(", laptop_buffer_bytes = 8")),
+        "robots[0].link.laptop_buffer_bytes",
+        "must hold the longest message",
+    );
+    let bare = format!("firmware = {{ protocol = \"bare\", gap_ms = 1.0 }}\n{}", link(""));
+    refused(&robot(&bare), "robots[0].firmware.gap_ms", "must be longer than a character on this link");
+}

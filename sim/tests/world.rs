@@ -142,6 +142,74 @@ fn robots_that_run_into_each_other_end_the_run_or_stand_still() {
     assert!(stopped.robot(0).motion().pose.position.x < 0.2);
 }
 
+/// Robots on the x axis, all heading along it, of which each gets its own signals.
+fn drive_apart(world: &mut World, ticks: u64, signals: &[(f64, f64)]) {
+    for _ in 0..ticks {
+        let turns = world.begin().to_vec();
+        let bytes: Vec<_> = turns
+            .iter()
+            .map(|turn| {
+                let (left, right) = signals[turn.robot];
+                common::command(world.robot(turn.robot).spec(), left, right)
+            })
+            .collect();
+        let inputs: Vec<_> = turns
+            .iter()
+            .zip(&bytes)
+            .map(|(turn, bytes)| baudbot_sim::Input { robot: turn.robot, at: turn.at, bytes })
+            .collect();
+        world.finish(&inputs);
+    }
+}
+
+fn in_a_row(policy: &str, gap: f64) -> World {
+    world(&format!(
+        "collision = \"{policy}\"\n[[robots]]\nname = \"a\"\n{BODY}\n\
+         [[robots]]\nname = \"b\"\nstart = {{ x_m = {gap} }}\n{BODY}\n"
+    ))
+}
+
+#[test]
+fn a_robot_that_is_pushed_from_behind_can_drive_away_and_has_not_collided() {
+    let mut world = in_a_row("stop-robot", 0.5);
+    drive_apart(&mut world, 200, &[(1.0, 1.0), (0.0, 0.0)]);
+    assert_eq!((world.robot(0).counters().collisions, world.robot(1).counters().collisions), (1, 0));
+    drive_apart(&mut world, 200, &[(1.0, 1.0), (0.5, 0.5)]);
+    assert!(world.robot(1).motion().pose.position.x > 1.0, "it drives away");
+    // The other way about in a run that ends: it is the moving robot that ran into the one that stood.
+    let mut world = in_a_row("stop-run", 0.5);
+    drive_apart(&mut world, 200, &[(0.0, 0.0), (-0.5, -0.5)]);
+    assert_eq!(world.ending().unwrap().to_string(), "`b` ran into `a`");
+}
+
+#[test]
+fn a_robot_at_a_wall_can_turn_and_drive_along_and_away() {
+    let wall = "[[arena.polygons]]\nname = \"wall\"\npoints_m = [[0.5, -9], [0.6, -9], [0.6, 9], [0.5, 9]]";
+    let mut world = world(&format!("{wall}\n[[robots]]\nname = \"a\"\n{BODY}\n"));
+    run(&mut world, 200, 0.5, 0.5);
+    assert!(world.robot(0).motion().pose.position.x <= 0.3);
+    // A curve to the left turns it on the spot until it faces along the wall, and then away from it.
+    run(&mut world, 1000, 0.3, 0.5);
+    assert!(world.robot(0).motion().pose.position.x < 0.2, "{:?}", world.robot(0).motion());
+    assert_eq!(world.robot(0).counters().collisions, 1);
+}
+
+#[test]
+fn a_new_partner_is_a_new_collision_even_in_a_narrow_place() {
+    let corridor = "[[arena.polygons]]\nname = \"corridor\"\nsolid = false\npoints_m = [[-0.25, -0.21], [4, -0.21], [4, 0.21], [-0.25, 0.21]]\n";
+    let robots = format!(
+        "[[robots]]\nname = \"a\"\n{BODY}\n[[robots]]\nname = \"b\"\nstart = {{ x_m = 2.0 }}\n{BODY}\n"
+    );
+    let mut world = world(&format!("{corridor}{robots}"));
+    drive_apart(&mut world, 200, &[(-0.5, -0.5), (0.0, 0.0)]);
+    assert_eq!(world.robot(0).counters().collisions, 1);
+    drive_apart(&mut world, 800, &[(0.5, 0.5), (0.0, 0.0)]);
+    assert_eq!(world.robot(0).counters().collisions, 2);
+    drive_apart(&mut world, 1, &[(-0.1, -0.1), (0.0, 0.0)]);
+    drive_apart(&mut world, 50, &[(-0.1, -0.1), (0.0, 0.0)]);
+    assert!(!world.robot(0).collided());
+}
+
 #[test]
 fn other_robots_are_seen_and_the_own_body_is_not() {
     let sensor = "[robots.sensors.front]\nkind = \"ir\"\nbearing_rad = 0.0\nrays = 1\nopening_rad = 0.0\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1\n";

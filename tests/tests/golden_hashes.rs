@@ -6,12 +6,12 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
-    ("arsim", "constant:left=0.7,right=-0.7", 0x801efdf8364c8705),
-    ("arsim", "navigate", 0x4d71ec81c3bc4eff),
-    ("wander", "avoid", 0x2cc0adf3313449df),
-    ("wander", "wander:forward=0.3", 0x6f99db9d198eed2c),
-    ("khepera", "avoid", 0xa673764bf50d309d),
-    ("crowd", "avoid", 0x965a77ad6def1811),
+    ("arsim", "constant:left=0.7,right=-0.7", 0x1115060b0e32043d),
+    ("arsim", "navigate", 0xc5efe0bda30a974f),
+    ("wander", "avoid", 0x929e99e76713d68f),
+    ("wander", "wander:forward=0.3", 0xb775d811633acd89),
+    ("khepera", "avoid", 0x9c06f7c0c0fe177d),
+    ("crowd", "avoid", 0x5eee2945c6285d77),
 ];
 
 #[test]

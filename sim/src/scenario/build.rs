@@ -5,20 +5,17 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, Pose, angle, polygon::is_simple};
-use baudbot_wire::{Encoding, frame};
+use baudbot_wire::Encoding;
 
 use super::check::{Names, Path};
-use super::{End, Scenario, ScenarioError, raw, sensors};
+use super::{End, Scenario, ScenarioError, cable, raw, sensors};
 use crate::arena::{Arena, Pillar, Polygon};
 use crate::collision::CollisionPolicy;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
-use crate::firmware::{Firmware, Mode, Protocol};
-use crate::link::{Link, Uart};
 use crate::microcontroller::Processor;
 use crate::motor::Motor;
 use crate::robot::{RobotSpec, Start};
-use crate::schedule::Schedule;
-use crate::sensor::Sensor;
+use crate::sensor::{Device, Sensor};
 use crate::time::{SECOND_NS, SimTime};
 
 /// Shortest period of anything that repeats: below it a run would do nothing else.
@@ -26,6 +23,12 @@ pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 
 /// Most corners of one polygon: whether it crosses itself is found by comparing all pairs of sides.
 const MAX_POINTS: usize = 4096;
+
+/// Most robots of one scenario.
+const MAX_ROBOTS: usize = 10_000;
+
+/// Most rays that one sensor casts in a tick.
+const MAX_RAYS_A_TICK: u64 = 100_000;
 
 type Result<T> = core::result::Result<T, ScenarioError>;
 
@@ -38,7 +41,8 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         return Err(path.field("substeps").error(problem));
     }
     let arena = arena(&path.field("arena"), raw.arena)?;
-    let robots = robots(&path.field("robots"), raw.robots, raw.step_ms, &arena)?;
+    let step = Step { step_ms: raw.step_ms, step_ns, substeps };
+    let robots = robots(&path.field("robots"), raw.robots, step, &arena)?;
     Ok(Scenario {
         name: raw.name,
         description: raw.description,
@@ -57,15 +61,15 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
 }
 
 fn end(path: &Path, raw: raw::End) -> Result<End> {
-    let after = raw.after_s.map(|s| path.within("after_s", s, 0.0, 1e8)).transpose()?;
+    let after = raw.after_s.map(|s| path.within("after_s", s, 1e-9, 1e8)).transpose()?;
     let goal =
         raw.goal.map(|goal| disc(&path.field("goal"), goal.x_m, goal.y_m, goal.radius_m)).transpose()?;
     Ok(End { after: after.map(|s| SimTime::from_ns((s * SECOND_NS as f64 + 0.5) as u64)), goal })
 }
 
 fn disc(path: &Path, x_m: f64, y_m: f64, radius_m: f64) -> Result<Circle> {
-    let center = Point::new(path.finite("x_m", x_m)?, path.finite("y_m", y_m)?);
-    Ok(Circle { center, radius: path.positive("radius_m", radius_m)? })
+    let center = Point::new(path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?);
+    Ok(Circle { center, radius: path.length("radius_m", radius_m)? })
 }
 
 fn arena(path: &Path, raw: raw::Arena) -> Result<Arena> {
@@ -89,7 +93,7 @@ fn polygon(path: &Path, raw: raw::Polygon, names: &mut Names) -> Result<Polygon>
     let mut points = Vec::new();
     for (i, [x, y]) in raw.points_m.iter().copied().enumerate() {
         let at = at.index(i);
-        points.push(Point::new(at.finite("x", x)?, at.finite("y", y)?));
+        points.push(Point::new(at.coordinate("x", x)?, at.coordinate("y", y)?));
     }
     if points.len() > MAX_POINTS {
         return Err(at.error(format!("a polygon has at most {MAX_POINTS} points, this one {}", points.len())));
@@ -106,18 +110,59 @@ fn polygon(path: &Path, raw: raw::Polygon, names: &mut Names) -> Result<Polygon>
     Ok(Polygon { name, points, solid: raw.solid })
 }
 
-fn robots(path: &Path, raw: Vec<raw::Robot>, step_ms: f64, arena: &Arena) -> Result<Vec<RobotSpec>> {
+fn robots(path: &Path, raw: Vec<raw::Robot>, step: Step, arena: &Arena) -> Result<Vec<RobotSpec>> {
+    if raw.len() > MAX_ROBOTS {
+        return Err(path.error(format!("there are {}, the limit is {MAX_ROBOTS}", raw.len())));
+    }
     let mut names = Names::default();
     let mut robots: Vec<(usize, RobotSpec)> = Vec::new();
     for (i, robot) in raw.into_iter().enumerate() {
         let path = path.index(i);
         let name = names.take(&path.field("name"), &robot.name)?;
-        let spec = robot_spec(&path, name, robot, step_ms)?;
+        let spec = robot_spec(&path, name, robot, step.step_ms)?;
+        is_stable(&path, &spec, step)?;
+        is_affordable(&path, &spec, step)?;
         stands_free(&path, &spec, arena, &robots)?;
         robots.push((i, spec));
     }
     robots.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
     Ok(robots.into_iter().map(|(_, spec)| spec).collect())
+}
+
+/// The length of a tick, which several checks need.
+#[derive(Clone, Copy)]
+struct Step {
+    step_ms: f64,
+    step_ns: u64,
+    substeps: u64,
+}
+
+/// Euler steps that are too long for a body blow up, and end in numbers that are none.
+fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+    let dt = step.step_ns as f64 / step.substeps as f64 / SECOND_NS as f64;
+    let worst = spec.drive.stiffness(dt).into_iter().fold(0.0, f64::max);
+    if worst < 2.0 {
+        return Ok(());
+    }
+    let needed = (step.substeps as f64 * worst) as u64 + 1;
+    let problem = format!(
+        "Euler steps of {} ms are too long for this body and would blow up; set substeps to {needed} or more",
+        dt * 1e3
+    );
+    Err(path.field("body").error(problem))
+}
+
+/// A scenario that nobody could wait for is a mistake in a unit.
+fn is_affordable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+    for sensor in &spec.sensors {
+        let Device::Infrared(infrared) = &sensor.device else { continue };
+        let rays = step.step_ns.div_ceil(sensor.schedule.period_ns()) * infrared.fan.len() as u64;
+        if rays > MAX_RAYS_A_TICK {
+            let problem = format!("casts {rays} rays a tick, the limit is {MAX_RAYS_A_TICK}");
+            return Err(path.field("sensors").field(&sensor.name).field("rays").error(problem));
+        }
+    }
+    Ok(())
 }
 
 fn stands_free(path: &Path, spec: &RobotSpec, arena: &Arena, others: &[(usize, RobotSpec)]) -> Result<()> {
@@ -142,15 +187,9 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, step_ms: f64) -> Resul
     let drive = drive(path, &raw.body, &raw.motors)?;
     let sensors = sensors(&path.field("sensors"), raw.sensors, step_ms, drive.radius_m)?;
     let motor = motor_encoding(&path.field("motors"), &raw.motors)?;
-    let firmware = firmware(&path.field("firmware"), &raw.firmware, &sensors, motor, step_ms)?;
-    if firmware.layout().readings_len_max() > frame::MAX_PAYLOAD {
-        let problem = format!(
-            "a frame of all readings has {} bytes, the limit is {}",
-            firmware.layout().readings_len_max(),
-            frame::MAX_PAYLOAD
-        );
-        return Err(path.field("sensors").error(problem));
-    }
+    let link = cable::link(&path.field("link"), &raw.link)?;
+    let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &sensors, motor, step_ms, &link)?;
+    cable::check_sizes(path, &firmware, &link)?;
     Ok(RobotSpec {
         name,
         start,
@@ -159,18 +198,18 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, step_ms: f64) -> Resul
         sensors,
         processor: processor(&path.field("microcontroller"), &raw.microcontroller)?,
         firmware,
-        link: link(&path.field("link"), &raw.link)?,
+        link,
         thinking_ns: path.field("brain").us("thinking_us", raw.brain.thinking_us, 1e9)?,
     })
 }
 
 fn start(path: &Path, raw: &raw::Start) -> Result<Start> {
-    let (x, y) = (path.finite("x_m", raw.x_m)?, path.finite("y_m", raw.y_m)?);
+    let (x, y) = (path.coordinate("x_m", raw.x_m)?, path.coordinate("y_m", raw.y_m)?);
     let heading = angle::wrap(path.within("heading_rad", raw.heading_rad, -1e3, 1e3)?);
     Ok(Start {
         pose: Pose::new(x, y, heading),
-        speed_m_s: path.finite("speed_m_s", raw.speed_m_s)?,
-        turn_rate_rad_s: path.finite("turn_rate_rad_s", raw.turn_rate_rad_s)?,
+        speed_m_s: path.within("speed_m_s", raw.speed_m_s, -1e3, 1e3)?,
+        turn_rate_rad_s: path.within("turn_rate_rad_s", raw.turn_rate_rad_s, -1e3, 1e3)?,
         wheels_at_rest: raw.wheels_at_rest,
     })
 }
@@ -179,9 +218,9 @@ fn drive(path: &Path, body: &raw::Body, motors: &raw::Motors) -> Result<Drive> {
     let motor = motor(&path.field("motors"), motors)?;
     let track_factor = path.field("motors").within("track_factor", motors.track_factor, 0.0, 1.0)?;
     let path = path.field("body");
-    let radius_m = path.positive("radius_m", body.radius_m)?;
-    let half_track_m = path.positive("half_track_m", body.half_track_m.unwrap_or(radius_m))?;
-    let wheel_radius_m = path.positive("wheel_radius_m", body.wheel_radius_m)?;
+    let radius_m = path.length("radius_m", body.radius_m)?;
+    let half_track_m = path.length("half_track_m", body.half_track_m.unwrap_or(radius_m))?;
+    let wheel_radius_m = path.length("wheel_radius_m", body.wheel_radius_m)?;
     let mass_kg = path.positive("mass_kg", body.mass_kg)?;
     let inertia_kg_m2 = path.positive("inertia_kg_m2", body.inertia_kg_m2)?;
     let wheel = Wheel {
@@ -246,77 +285,4 @@ fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
         receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
         obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
     })
-}
-
-fn firmware(
-    path: &Path,
-    raw: &raw::Firmware,
-    sensors: &[Sensor],
-    motor: Encoding,
-    step_ms: f64,
-) -> Result<Firmware> {
-    let protocol = match raw.protocol {
-        raw::Protocol::Framed => {
-            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
-            Protocol::Framed { ages: raw.ages.unwrap_or(true) }
-        }
-        raw::Protocol::Bare => {
-            refuse(path, "ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
-            Protocol::Bare { gap_ns: path.ms("gap_ms", raw.gap_ms.unwrap_or(20.0), MIN_PERIOD_MS, 1e6)? }
-        }
-    };
-    let mode = match raw.mode {
-        raw::Mode::Stream => {
-            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
-            Mode::Stream(Schedule::new(
-                period_ns,
-                path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
-            ))
-        }
-        raw::Mode::Poll => {
-            refuse(path, "period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
-            refuse(path, "phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
-            Mode::Poll
-        }
-    };
-    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
-    Ok(Firmware::new(protocol, mode, &encodings, motor))
-}
-
-fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
-    if raw.kind == raw::LinkKind::Ideal {
-        let given = [
-            ("baud", raw.baud.is_some()),
-            ("bits_per_character", raw.bits_per_character.is_some()),
-            ("receive_depth", raw.receive_depth.is_some()),
-            ("transmit_depth", raw.transmit_depth.is_some()),
-            ("laptop_buffer_bytes", raw.laptop_buffer_bytes.is_some()),
-            ("byte_error_rate", raw.byte_error_rate.is_some()),
-        ];
-        for (field, given) in given {
-            refuse(path, field, given, "an ideal link has none; did you mean kind = \"uart\"?")?;
-        }
-        return Ok(Link::Ideal);
-    }
-    let baud =
-        raw.baud.ok_or_else(|| path.field("baud").error("a uart needs its baud rate, such as 9600"))?;
-    let bits = raw.bits_per_character.unwrap_or(10);
-    if ![8, 10, 11].contains(&bits) {
-        let problem = format!("must be 8 (as the notes count), 10 (8N1) or 11, is {bits}");
-        return Err(path.field("bits_per_character").error(problem));
-    }
-    let depth =
-        |field, depth: Option<u64>, default| path.whole_within(field, depth.unwrap_or(default), 1, 1 << 20);
-    Ok(Link::Uart(Uart {
-        baud: path.whole_within("baud", baud, 50, 100_000_000)? as u32,
-        bits_per_character: bits as u8,
-        receive_depth: depth("receive_depth", raw.receive_depth, 64)? as usize,
-        transmit_depth: depth("transmit_depth", raw.transmit_depth, 64)? as usize,
-        laptop_buffer_bytes: depth("laptop_buffer_bytes", raw.laptop_buffer_bytes, 4096)? as usize,
-        byte_error_rate: path.within("byte_error_rate", raw.byte_error_rate.unwrap_or(0.0), 0.0, 1.0)?,
-    }))
-}
-
-fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
-    if given { Err(path.field(field).error(problem)) } else { Ok(()) }
 }

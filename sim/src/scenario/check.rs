@@ -39,6 +39,24 @@ impl Path {
         self.rule(field, value, value.is_finite() && value > 0.0, "must be positive")
     }
 
+    /// A coordinate in metres: no arena is a million metres wide.
+    pub(super) fn coordinate(&self, field: &str, value: f64) -> Result<f64, ScenarioError> {
+        self.finite(field, value)?;
+        self.within(field, value, -MAX_M, MAX_M)
+    }
+
+    /// A length in metres.
+    pub(super) fn length(&self, field: &str, value: f64) -> Result<f64, ScenarioError> {
+        self.positive(field, value)?;
+        self.within(field, value, MIN_M, MAX_M)
+    }
+
+    /// A standard deviation.
+    pub(super) fn sigma(&self, field: &str, value: f64) -> Result<f64, ScenarioError> {
+        self.not_negative(field, value)?;
+        self.within(field, value, 0.0, MAX_SIGMA)
+    }
+
     pub(super) fn not_negative(&self, field: &str, value: f64) -> Result<f64, ScenarioError> {
         self.rule(field, value, value.is_finite() && value >= 0.0, "must not be negative")
     }
@@ -74,6 +92,10 @@ impl Path {
         if sound { Ok(value) } else { Err(self.field(field).error(format!("{rule}, is {value}"))) }
     }
 }
+
+const MAX_M: f64 = 1e6;
+const MIN_M: f64 = 1e-6;
+const MAX_SIGMA: f64 = 1e3;
 
 fn to_ns(value: f64, factor: f64) -> u64 {
     (value * factor + 0.5) as u64

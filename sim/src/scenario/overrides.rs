@@ -9,6 +9,9 @@ use toml::{Table, Value};
 
 use super::ScenarioError;
 
+/// Most parts of a path; tables nested without end would exhaust the stack.
+const MAX_PARTS: usize = 16;
+
 /// A change of one field. In the path, an element of a list goes by its name or by its index:
 /// `robots.alice.link.baud`, `robots.0.link.baud`, `robots[0].link.baud`.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +38,10 @@ impl Override {
         if parts.iter().any(String::is_empty) {
             return Err(ScenarioError::field(path, "the path has an empty part"));
         }
+        if parts.len() > MAX_PARTS {
+            let problem = format!("the path has {} parts, no field is deeper than {MAX_PARTS}", parts.len());
+            return Err(ScenarioError::field("override", problem));
+        }
         let value = value.trim();
         let parsed =
             format!("value = {value}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
@@ -53,9 +60,9 @@ impl Override {
             here = match child {
                 Value::Table(table) => table,
                 Value::Array(list) => {
-                    let (_, key) = parts
-                        .next()
-                        .ok_or_else(|| ScenarioError::field(path(), "is a list; add a name or an index"))?;
+                    let (_, key) = parts.next().ok_or_else(|| {
+                        ScenarioError::field(path(), "is a list; name an element and a field of it")
+                    })?;
                     element(list, key, &path())?
                 }
                 other => {

@@ -126,7 +126,7 @@ fn device(
         }
         Kind::Compass => {
             let raw: RawCompass = deserialize(at, table)?;
-            let sigma_rad = path.not_negative("sigma_rad", raw.sigma_rad)?;
+            let sigma_rad = path.sigma("sigma_rad", raw.sigma_rad)?;
             (Device::Compass(Compass { sigma_rad }), vec![level(path, bits, -PI, PI)?])
         }
         Kind::Encoders => {
@@ -137,8 +137,8 @@ fn device(
         }
         Kind::Odometer => {
             let raw: RawOdometer = deserialize(at, table)?;
-            let sigma_m = path.not_negative("sigma_m", raw.sigma_m)?;
-            let range = path.positive("position_range_m", raw.position_range_m)?;
+            let sigma_m = path.sigma("sigma_m", raw.sigma_m)?;
+            let range = path.length("position_range_m", raw.position_range_m)?;
             let position = level(path, bits, -range, range)?;
             let encodings = vec![position, position, level(path, bits, -PI, PI)?];
             (Device::Odometer(Odometer { sigma_m }), encodings)
@@ -153,10 +153,10 @@ fn infrared(path: &Path, raw: RawInfrared, radius_m: f64) -> Result<Infrared, Sc
     Ok(Infrared {
         mount,
         fan: Fan::new(opening_rad, rays),
-        range_m: path.positive("range_m", raw.range_m)?,
+        range_m: path.length("range_m", raw.range_m)?,
         c1_m2: path.not_negative("c1_m2", raw.c1_m2)?,
         c2: path.not_negative("c2", raw.c2)?,
-        sigma: path.not_negative("sigma", raw.sigma)?,
+        sigma: path.sigma("sigma", raw.sigma)?,
     })
 }
 
@@ -176,7 +176,10 @@ fn mount(
         (None, Some(mount)) => {
             let path = path.field("mount");
             let heading = path.within("heading_rad", mount.heading_rad, -TAU, TAU)?;
-            Ok(Pose::new(path.finite("x_m", mount.x_m)?, path.finite("y_m", mount.y_m)?, heading))
+            // Farther out a sensor would look through walls that the body has not reached.
+            let reach = 2.0 * radius_m;
+            let x = path.within("x_m", mount.x_m, -reach, reach)?;
+            Ok(Pose::new(x, path.within("y_m", mount.y_m, -reach, reach)?, heading))
         }
         _ => Err(path.error("needs either `bearing_rad` (on the rim, looking outwards) or `mount`")),
     }

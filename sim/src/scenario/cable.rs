@@ -1,0 +1,125 @@
+//! From the raw link and firmware to the robot's cable and what is said on it.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use baudbot_wire::{Encoding, frame};
+
+use super::build::MIN_PERIOD_MS;
+use super::check::Path;
+use super::{ScenarioError, raw};
+use crate::firmware::{Firmware, Mode, Protocol};
+use crate::link::{Link, Uart};
+use crate::schedule::Schedule;
+use crate::sensor::Sensor;
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+pub(super) fn firmware(
+    path: &Path,
+    raw: &raw::Firmware,
+    sensors: &[Sensor],
+    motor: Encoding,
+    step_ms: f64,
+    link: &Link,
+) -> Result<Firmware> {
+    let protocol = match raw.protocol {
+        raw::Protocol::Framed => {
+            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            Protocol::Framed { ages: raw.ages.unwrap_or(true) }
+        }
+        raw::Protocol::Bare => {
+            refuse(path, "ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
+            Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
+        }
+    };
+    let mode = match raw.mode {
+        raw::Mode::Stream => {
+            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
+            Mode::Stream(Schedule::new(
+                period_ns,
+                path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
+            ))
+        }
+        raw::Mode::Poll => {
+            refuse(path, "period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
+            refuse(path, "phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
+            Mode::Poll
+        }
+    };
+    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
+    Ok(Firmware::new(protocol, mode, &encodings, motor))
+}
+
+/// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
+/// it must be longer than a character.
+fn gap_ns(path: &Path, gap_ms: Option<f64>, link: &Link) -> Result<u64> {
+    let character_ns = link.burst_ns(1);
+    let Some(gap_ms) = gap_ms else { return Ok(DEFAULT_GAP_NS.max(4 * character_ns)) };
+    let gap_ns = path.ms("gap_ms", gap_ms, MIN_PERIOD_MS, 1e6)?;
+    if gap_ns <= character_ns {
+        let character_ms = character_ns as f64 * 1e-6;
+        let problem = format!("must be longer than a character on this link, {character_ms} ms, is {gap_ms}");
+        return Err(path.field("gap_ms").error(problem));
+    }
+    Ok(gap_ns)
+}
+
+const DEFAULT_GAP_NS: u64 = 20_000_000;
+
+/// Whether the messages fit into frames, and into the laptop's driver.
+pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
+    let layout = firmware.layout();
+    let readings = layout.readings_len_max();
+    if readings > frame::MAX_PAYLOAD {
+        let limit = frame::MAX_PAYLOAD;
+        let problem = format!("a frame of all readings has {readings} bytes, the limit is {limit}");
+        return Err(path.field("sensors").error(problem));
+    }
+    layout.check().map_err(|error| path.field("sensors").error(format!("{error}")))?;
+    let longest = frame::encoded_len_max(readings.max(layout.command_len()));
+    if link.laptop_buffer() < longest {
+        let field = path.field("link").field("laptop_buffer_bytes");
+        let problem = format!("must hold the longest message, {longest} bytes, is {}", link.laptop_buffer());
+        return Err(field.error(problem));
+    }
+    Ok(())
+}
+
+pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
+    if raw.kind == raw::LinkKind::Ideal {
+        let given = [
+            ("baud", raw.baud.is_some()),
+            ("bits_per_character", raw.bits_per_character.is_some()),
+            ("receive_depth", raw.receive_depth.is_some()),
+            ("transmit_depth", raw.transmit_depth.is_some()),
+            ("laptop_buffer_bytes", raw.laptop_buffer_bytes.is_some()),
+            ("byte_error_rate", raw.byte_error_rate.is_some()),
+        ];
+        for (field, given) in given {
+            refuse(path, field, given, "an ideal link has none; did you mean kind = \"uart\"?")?;
+        }
+        return Ok(Link::Ideal);
+    }
+    let baud =
+        raw.baud.ok_or_else(|| path.field("baud").error("a uart needs its baud rate, such as 9600"))?;
+    let bits = raw.bits_per_character.unwrap_or(10);
+    if ![8, 10, 11].contains(&bits) {
+        let problem = format!("must be 8 (as the notes count), 10 (8N1) or 11, is {bits}");
+        return Err(path.field("bits_per_character").error(problem));
+    }
+    let depth =
+        |field, depth: Option<u64>, default| path.whole_within(field, depth.unwrap_or(default), 1, 1 << 20);
+    Ok(Link::Uart(Uart {
+        baud: path.whole_within("baud", baud, 50, 100_000_000)? as u32,
+        bits_per_character: bits as u8,
+        receive_depth: depth("receive_depth", raw.receive_depth, 64)? as usize,
+        transmit_depth: depth("transmit_depth", raw.transmit_depth, 64)? as usize,
+        laptop_buffer_bytes: depth("laptop_buffer_bytes", raw.laptop_buffer_bytes, 4096)? as usize,
+        byte_error_rate: path.within("byte_error_rate", raw.byte_error_rate.unwrap_or(0.0), 0.0, 1.0)?,
+    }))
+}
+
+fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
+    if given { Err(path.field(field).error(problem)) } else { Ok(()) }
+}
