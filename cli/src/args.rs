@@ -271,7 +271,10 @@ Examples:
   baudbot run wander --pace real-time --seconds 10
   baudbot run khepera --set robots.khepera.link.baud=9600
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
-  baudbot run wander --json --quiet | python3 -m json.tool";
+  baudbot run wander --json --quiet | python3 -m json.tool
+
+Ctrl-C (or SIGTERM) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends the
+program at once, without a summary.";
 
 const SERVE_EXAMPLES: &str = "\
 Examples:

@@ -3,6 +3,7 @@
 use anyhow::bail;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use tonic::transport::Channel;
 
 use crate::args::ConnectArgs;
@@ -13,27 +14,35 @@ pub(crate) async fn channel(address: &str) -> anyhow::Result<Channel> {
     Ok(baudbot_client::connect(address).await?.channel())
 }
 
-/// All worlds of the server.
-pub(crate) async fn worlds(channel: Channel) -> anyhow::Result<Vec<v1::WorldStatus>> {
-    let answer = ControlServiceClient::new(channel).list_worlds(v1::ListWorldsRequest {}).await;
-    Ok(answer.map_err(|status| from_server(&status))?.into_inner().worlds)
+/// A client of an operator's service.
+pub(crate) fn control(channel: Channel) -> ControlServiceClient<Channel> {
+    ControlServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE_BYTES)
+}
+
+/// A client of an observer's service.
+pub(crate) fn observe(channel: Channel) -> ObserveServiceClient<Channel> {
+    ObserveServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE_BYTES)
 }
 
 /// The world that the arguments name, or the only one that there is.
 pub(crate) async fn world(channel: Channel, args: &ConnectArgs) -> anyhow::Result<v1::WorldStatus> {
-    let mut worlds = worlds(channel).await?;
-    let names: Vec<_> = worlds.iter().map(|world| world.world.clone()).collect();
-    let names = names.join(", ");
-    match &args.world {
-        Some(name) => match worlds.iter().position(|world| world.world == *name) {
-            Some(i) => Ok(worlds.swap_remove(i)),
-            None if worlds.is_empty() => bail!("the server has no world `{name}`, nor any other"),
-            None => bail!("the server has no world `{name}`; it has: {names}"),
-        },
-        None => match worlds.len() {
-            0 => bail!("the server has no world"),
-            1 => Ok(worlds.swap_remove(0)),
-            _ => bail!("the server has several worlds, choose with --world: {names}"),
-        },
+    let mut control = control(channel);
+    if let Some(name) = &args.world {
+        let answer = control.get_world(v1::GetWorldRequest { world: name.clone() }).await;
+        let status = answer.map_err(|status| from_server(&status))?.into_inner().status;
+        return Ok(status.unwrap_or_default());
+    }
+    let answer = control.list_worlds(v1::ListWorldsRequest {}).await;
+    let mut worlds = answer.map_err(|status| from_server(&status))?.into_inner().worlds;
+    match worlds.len() {
+        0 => bail!("the server has no world"),
+        1 => Ok(worlds.swap_remove(0)),
+        _ => {
+            let names: Vec<_> = worlds.iter().map(|world| world.world.as_str()).collect();
+            bail!("the server has several worlds, choose with --world: {}", names.join(", "))
+        }
     }
 }
+
+/// Worlds are described in messages that are about as long as their scenarios, which may have 16 MiB.
+const MAX_MESSAGE_BYTES: usize = 64 << 20;

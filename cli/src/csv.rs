@@ -4,8 +4,9 @@
 //! significant digits: read back, they are the same bits. What a robot does not have, or not yet, is an
 //! empty cell.
 
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
+use std::os::fd::AsFd;
 use std::path::Path;
 
 use baudbot_server::sensor_columns;
@@ -21,18 +22,43 @@ pub(crate) struct Table {
     /// Taken when the first write fails; otherwise told when the table is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
     values: Vec<f64>,
+    /// What stands above the rows; taken with the first.
+    header: Option<String>,
+}
+
+/// A file that keeps what is in it until something new is written.
+struct Replaced {
+    file: File,
+    is_old: bool,
+}
+
+impl Write for Replaced {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if std::mem::replace(&mut self.is_old, false) {
+            self.file.set_len(0)?;
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 impl Table {
-    /// Opens a file, or stdout for `-`.
+    /// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written.
     pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
         if path == Path::new("-") {
-            return Ok(Box::new(io::stdout()));
+            // Not the standard library's stdout: what that holds back is written at the program's exit, which
+            // must not wait for a reader.
+            return Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)));
         }
-        Ok(Box::new(File::create(path)?))
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+        let is_old = file.metadata()?.is_file();
+        Ok(Box::new(Replaced { file, is_old }))
     }
 
-    /// A table with its header, and how it went: an error as soon as one occurs, or else the end, when the
+    /// A table, and how it went: an error as soon as one occurs, or else the end, when the
     /// table is dropped.
     pub(crate) fn new(
         out: Box<dyn Write + Send>,
@@ -49,10 +75,8 @@ impl Table {
         let cells = own.iter().map(|own| union.iter().map(|column| place(own, column)).collect()).collect();
         let (outcome, receiver) = oneshot::channel();
         let out = BufWriter::with_capacity(BUFFER, out);
-        let mut table = Self { out, cells, outcome: Some(outcome), values: Vec::new() };
-        let header = table.header(&union);
-        table.note(header);
-        (table, receiver)
+        let header = Some(header(&union));
+        (Self { out, cells, outcome: Some(outcome), values: Vec::new(), header }, receiver)
     }
 
     /// One row a robot: the state at the start of a tick, with the readings that were taken at it.
@@ -63,15 +87,10 @@ impl Table {
         }
     }
 
-    fn header(&mut self, sensors: &[&str]) -> io::Result<()> {
-        self.out.write_all(b"t_s,robot,x_m,y_m,heading_rad,speed_m_s,turn_rate_rad_s")?;
-        for column in sensors {
-            write!(self.out, ",{column}")?;
-        }
-        self.out.write_all(b",left_signal,right_signal,collided\n")
-    }
-
     fn rows(&mut self, world: &World) -> io::Result<()> {
+        if let Some(header) = self.header.take() {
+            self.out.write_all(header.as_bytes())?;
+        }
         for (i, robot) in world.robots().enumerate() {
             write!(self.out, "{:.16e},{}", world.time().as_seconds(), robot.spec().name)?;
             let motion = robot.motion();
@@ -106,6 +125,15 @@ impl Drop for Table {
             let _ = outcome.send(self.out.flush());
         }
     }
+}
+
+fn header(sensors: &[&str]) -> String {
+    let mut header = "t_s,robot,x_m,y_m,heading_rad,speed_m_s,turn_rate_rad_s".to_owned();
+    for column in sensors {
+        header.push(',');
+        header.push_str(column);
+    }
+    header + ",left_signal,right_signal,collided\n"
 }
 
 /// The last samples of all of a robot's sensors, NaN before the first.

@@ -4,6 +4,9 @@ use std::error::Error;
 use std::fmt;
 use std::process::ExitCode;
 
+use baudbot_server::ServerError;
+use tonic::Code;
+
 /// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,
 /// as for options that do not exist; anything that goes wrong later is exit code 1.
 #[derive(Debug)]
@@ -37,6 +40,16 @@ pub(crate) fn text(error: &anyhow::Error) -> String {
         }
     }
     text.trim_end().to_owned()
+}
+
+/// Why a server did not start: what the command asks for cannot be, or something went wrong.
+pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
+    let refused = match &error {
+        ServerError::NotLoopback { .. } => true,
+        ServerError::World(status) => matches!(status.code(), Code::AlreadyExists | Code::InvalidArgument),
+        _ => false,
+    };
+    if refused { Refused::error(error.to_string()) } else { error.into() }
 }
 
 /// What the server refused, in its own words, or that there was no answer of its own.

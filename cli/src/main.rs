@@ -8,7 +8,7 @@
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, and `text` lays out columns.
 //!
-//! Worlds have threads of their own, in `baudbot-server`; all else shares one thread.
+//! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
 mod args;
 mod brain;
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     tracing_subscriber::fmt().with_max_level(cli.log).with_writer(std::io::stderr).init();
     match execute(cli.into_command()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {}", error::text(&error));
             error::exit_code(&error)
@@ -46,15 +46,16 @@ fn main() -> ExitCode {
     }
 }
 
-fn execute(command: Command) -> anyhow::Result<()> {
+fn execute(command: Command) -> anyhow::Result<ExitCode> {
     // A brain and the server next to it talk in turn: a second thread would only pass their messages on.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.context("cannot start the runtime")?;
     match command {
-        Command::Run(args) => runtime.block_on(run::run(&args)),
+        Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Check(args) => check::check(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
-    }
+    }?;
+    Ok(ExitCode::SUCCESS)
 }

@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::path::Path;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -20,11 +21,11 @@ use tonic::transport::Channel;
 use crate::args::{ChangeArgs, RunArgs};
 use crate::crew::{self, Crew, Job};
 use crate::csv::Table;
-use crate::error::{Refused, from_server};
+use crate::error::{Refused, from_builder, from_server};
 use crate::scenarios::{self, Source};
-use crate::signals::Stop;
+use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
-use crate::{report, text};
+use crate::{connect, report, text};
 
 /// What is going to be run.
 struct Plan {
@@ -37,8 +38,7 @@ struct Plan {
     note: Option<String>,
 }
 
-pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<()> {
-    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let plan = Plan::new(args)?;
     let quiet = args.quiet;
     if let Some(note) = plan.note.as_ref().filter(|_| !quiet) {
@@ -46,6 +46,8 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<()> {
     }
     let monitor = Arc::new(Monitor::default());
     let (on_tick, table) = hook(args.csv.as_deref(), &plan.scenario, Arc::clone(&monitor))?;
+    // A FIFO may have kept us waiting until here; there a single signal is to end the program.
+    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let server = serve(args, &plan, on_tick).await?;
     let mut run = Running { plan: &plan, server: &server, monitor, table, interrupted: false };
     let status = run.until_over(&mut stop, quiet).await;
@@ -59,7 +61,8 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<()> {
         None => status,
     }?;
     let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
-    show(args, &summary)
+    show(args, &summary)?;
+    Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
 fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
@@ -88,9 +91,12 @@ impl Plan {
         let mut scenario = source.parse(&overrides)?;
         let mut note = None;
         let end = scenario.end();
-        if let Some(after_s) = args.seconds.or_else(|| args.ticks.map(|n| after_s(n, scenario.step_ns()))) {
+        let seconds = args.seconds.map(|seconds| ("--seconds", seconds));
+        let limit = seconds.or_else(|| args.ticks.map(|n| ("--ticks", after_s(n, scenario.step_ns()))));
+        if let Some((option, after_s)) = limit {
             overrides.push(scenarios::set("end.after_s", format_args!("{after_s:?}")));
-            scenario = source.parse(&overrides)?;
+            let limited = source.parse(&overrides);
+            scenario = limited.map_err(|error| Refused::error(format!("{option}: {error}")))?;
         } else if end.after.is_none() && end.goal.is_none() {
             overrides.push(scenarios::set("end.after_s", format_args!("{DEFAULT_SECONDS:?}")));
             scenario = source.parse(&overrides)?;
@@ -132,7 +138,7 @@ async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<S
     for address in &args.listen.listen {
         builder = builder.listen(address.clone());
     }
-    let server = builder.serve().await?;
+    let server = builder.serve().await.map_err(from_builder)?;
     for address in server.addresses().iter().filter(|_| !args.quiet) {
         eprintln!("listening on {address}");
     }
@@ -216,7 +222,7 @@ impl Running<'_> {
     /// Lets the brains drive until the run is over, and says how the world then is.
     async fn until_over(&mut self, stop: &mut Stop, quiet: bool) -> anyhow::Result<v1::WorldStatus> {
         let channel = self.server.channel().await?;
-        let mut control = ControlServiceClient::new(channel.clone());
+        let mut control = connect::control(channel.clone());
         let mut brains = JoinSet::new();
         for job in &self.plan.jobs {
             let client = Client::from_channel(channel.clone());

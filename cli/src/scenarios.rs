@@ -1,6 +1,7 @@
 //! Scenarios: files, and those that are part of this program.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::Path;
 
 use baudbot_sim::scenario::MAX_BYTES;
@@ -70,7 +71,7 @@ pub(crate) fn set(path: &str, value: impl std::fmt::Display) -> Override {
 }
 
 fn read(path: &str) -> anyhow::Result<String> {
-    let unreadable = |error: std::io::Error| Refused::error(unreadable(path, &error));
+    let unreadable = |error: io::Error| Refused::error(unreadable(path, &error));
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() {
         return Err(Refused::error(format!("{path}: is a directory, not a scenario file")));
@@ -79,16 +80,24 @@ fn read(path: &str) -> anyhow::Result<String> {
         let problem = format!("{path}: has {} bytes, a scenario has at most {MAX_BYTES}", metadata.len());
         return Err(Refused::error(problem));
     }
-    fs::read_to_string(path).map_err(unreadable)
+    // A device or a pipe has no length, and may have no end.
+    let mut bytes = Vec::new();
+    let mut file = File::open(path).map_err(unreadable)?.take(MAX_BYTES as u64 + 1);
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() > MAX_BYTES {
+        let problem = format!("{path}: has more than {MAX_BYTES} bytes, the most that a scenario may have");
+        return Err(Refused::error(problem));
+    }
+    String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
 }
 
-fn unreadable(path: &str, error: &std::io::Error) -> String {
+fn unreadable(path: &str, error: &io::Error) -> String {
     let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
     match error.kind() {
-        std::io::ErrorKind::NotFound => {
+        io::ErrorKind::NotFound => {
             format!("{path}: there is no such file; part of the program are: {}", names.join(", "))
         }
-        std::io::ErrorKind::InvalidData => format!("{path}: is not text in UTF-8"),
+        io::ErrorKind::InvalidData => format!("{path}: is not text in UTF-8"),
         _ => format!("{path}: {error}"),
     }
 }

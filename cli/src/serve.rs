@@ -9,13 +9,13 @@ use baudbot_sim::Scenario;
 
 use crate::args::{DEFAULT_ADDRESS, ServeArgs};
 use crate::crew;
+use crate::error::from_builder;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::signals::Stop;
 use crate::text;
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
-    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let pace = args.pace.with(&args.watchdog)?;
     let overrides = overrides(&args.changes)?;
     let default = [scenarios::DEFAULT.to_owned()];
@@ -36,14 +36,15 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     for address in addresses(args)? {
         builder = builder.listen(address);
     }
-    let server = builder.serve().await?;
+    // Scenarios may have come through FIFOs; there a single signal is to end the program.
+    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    let server = builder.serve().await.map_err(from_builder)?;
     text::print(&greeting(&server, &worlds))?;
     stop.wait().await;
     eprintln!("stopping");
     tokio::select! {
         () = server.shutdown() => {}
         () = tokio::time::sleep(PATIENCE) => eprintln!("note: somebody kept a connection open; it was cut"),
-        () = stop.wait() => {}
     }
     Ok(())
 }

@@ -6,8 +6,6 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use baudbot_proto::v1;
-use baudbot_proto::v1::control_service_client::ControlServiceClient;
-use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use tonic::Streaming;
 use tonic::transport::Channel;
 
@@ -34,7 +32,7 @@ pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
 async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
     let channel = connect::channel(&args.server.connect).await?;
     let world = connect::world(channel.clone(), &args.server).await?.world;
-    let mut observe = ObserveServiceClient::new(channel.clone());
+    let mut observe = connect::observe(channel.clone());
     let described = observe.describe_world(v1::DescribeWorldRequest { world: world.clone() }).await;
     let described = described.map_err(|status| from_server(&status))?.into_inner();
     let frames = observe.watch(v1::WatchRequest { world: world.clone(), every_ticks: 0 }).await;
@@ -68,7 +66,7 @@ async fn next(
             Ok(frame) => return frame.map_err(|status| from_server(&status)),
             Err(_) => {
                 let request = v1::GetWorldRequest { world: world.to_owned() };
-                let answer = ControlServiceClient::new(channel.clone()).get_world(request).await;
+                let answer = connect::control(channel.clone()).get_world(request).await;
                 let status = answer.map_err(|status| from_server(&status))?.into_inner().status;
                 let Some(why) = standstill(&status.unwrap_or_default()) else { continue };
                 if once {

@@ -28,9 +28,9 @@ pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
 }
 
 /// The answer to a turn.
-pub(crate) fn step(tick: u64, answers: &[(usize, Answer<'_>)]) -> v1::AttachRequest {
+pub(crate) fn step(turn: u64, answers: &[(usize, Answer<'_>)]) -> v1::AttachRequest {
     let robots = answers.iter().map(|(robot, answer)| robot_step(*robot, answer)).collect();
-    request(Request::Step(v1::Step { tick, robots }))
+    request(Request::Step(v1::Step { turn, robots }))
 }
 
 /// What came in answer to the Hello for `robots`.
@@ -51,7 +51,7 @@ pub(crate) fn event(response: v1::AttachResponse, bodies: &[Arc<Body>]) -> Resul
         Some(Response::Ended(_)) => Ok(Event::Ended),
         Some(Response::Turn(turn)) => {
             let parts = turn.robots.into_iter().map(|turn| part(turn, bodies));
-            Ok(Event::Turn { tick: turn.tick, parts: parts.collect::<Result<_, _>>()? })
+            Ok(Event::Turn { number: turn.turn, tick: turn.tick, parts: parts.collect::<Result<_, _>>()? })
         }
         other => Err(Breach::Expected { expected: "a Turn or Ended", found: name(other.as_ref()) }),
     }

@@ -32,7 +32,7 @@ pub(crate) struct Welcome {
 /// What the server says after that.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Event {
-    Turn { tick: u64, parts: Vec<Part> },
+    Turn { number: u64, tick: u64, parts: Vec<Part> },
     Ended,
 }
 
@@ -57,8 +57,8 @@ pub(crate) enum Answer<'a> {
 pub(crate) struct Session {
     stream: Stream,
     welcome: Welcome,
-    /// Tick of the last turn.
-    tick: u64,
+    /// Number of the last turn.
+    number: u64,
     /// Whether that turn still waits for its answer.
     owes_answer: bool,
 }
@@ -67,7 +67,7 @@ impl Session {
     pub(crate) async fn open(channel: Channel, hello: &Hello) -> Result<Self, Error> {
         let mut stream = Stream::open(channel, convert::hello(hello)).await?;
         let welcome = convert::welcome(stream.receive().await?, &hello.robots)?;
-        Ok(Self { stream, welcome, tick: 0, owes_answer: false })
+        Ok(Self { stream, welcome, number: 0, owes_answer: false })
     }
 
     pub(crate) fn welcome(&self) -> &Welcome {
@@ -88,8 +88,8 @@ impl Session {
         let Some(response) = self.stream.receive().await? else { return Ok(None) };
         match convert::event(response, &self.welcome.bodies)? {
             Event::Ended => Ok(None),
-            Event::Turn { tick, parts } => {
-                self.tick = tick;
+            Event::Turn { number, tick, parts } => {
+                self.number = number;
                 self.owes_answer = true;
                 Ok(Some((tick, parts)))
             }
@@ -99,6 +99,6 @@ impl Session {
     /// Answers the last turn.
     pub(crate) async fn answer(&mut self, answers: &[(usize, Answer<'_>)]) -> Result<(), Error> {
         self.owes_answer = false;
-        Ok(self.stream.send(convert::step(self.tick, answers)).await?)
+        Ok(self.stream.send(convert::step(self.number, answers)).await?)
     }
 }

@@ -14,7 +14,7 @@ use tonic::{Request, Response, Status, Streaming};
 use crate::convert;
 use crate::endpoint::{Endpoint, Write};
 use crate::letter::{Attach, Attached, Delivery, Letter};
-use crate::registry::{Registry, WorldHandle};
+use crate::registry::Registry;
 use crate::sessions::RESERVED;
 
 /// Turns that wait for a brain that does not read before it loses some.
@@ -49,10 +49,16 @@ impl BrainLinkService for BrainLink {
         let world = self.registry.find("hello.world", &hello.world)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
         let raw = hello.mode() == v1::PortMode::Raw;
-        let attach = Attach { robots: hello.robots, brain: hello.brain, raw, deliveries: deliveries.clone() };
+        let attach = Attach {
+            robots: hello.robots,
+            brain: hello.brain,
+            raw,
+            deliveries: deliveries.clone(),
+            world: world.clone(),
+        };
         let attached = world.ask(|reply| Letter::Attach(attach, reply)).await??;
         let welcome = convert::welcome(&attached);
-        tokio::spawn(listen(requests, world, attached, raw, deliveries));
+        tokio::spawn(listen(requests, attached, raw, deliveries));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
     }
@@ -62,8 +68,9 @@ fn check(hello: v1::Hello) -> Result<v1::Hello, Status> {
     if hello.robots.is_empty() {
         return Err(Status::invalid_argument("hello.robots: must name at least one robot"));
     }
-    if hello.brain.len() > MAX_BRAIN_NAME {
-        let text = format!("hello.brain: has {} bytes, the limit is {MAX_BRAIN_NAME}", hello.brain.len());
+    let length = hello.brain.chars().count();
+    if length > MAX_BRAIN_NAME {
+        let text = format!("hello.brain: has {length} characters, the limit is {MAX_BRAIN_NAME}");
         return Err(Status::invalid_argument(text));
     }
     Ok(hello)
@@ -72,37 +79,37 @@ fn check(hello: v1::Hello) -> Result<v1::Hello, Status> {
 /// Takes a brain's steps until it is gone or says something that makes no sense; then its robots are free.
 async fn listen(
     mut requests: Streaming<v1::AttachRequest>,
-    world: WorldHandle,
     attached: Attached,
     raw: bool,
     deliveries: mpsc::Sender<Delivery>,
 ) {
-    let session = attached.session;
-    let endpoint = Endpoint::new(attached.scenario, attached.robots, raw);
+    let Attached { lease, scenario, robots, .. } = attached;
+    let endpoint = Endpoint::new(scenario, robots, raw);
     let room = Arc::new(Semaphore::new(STEPS_A_TICK));
-    loop {
-        // A stream that the world has closed, or whose reader is gone, has nothing more to say.
-        let request = tokio::select! {
-            request = requests.message() => request,
-            () = deliveries.closed() => break,
-        };
-        let Ok(Some(request)) = request else { break };
-        let step = match step_of(request, &endpoint) {
-            Ok((tick, writes)) => {
-                let Ok(permit) = Arc::clone(&room).acquire_owned().await else { break };
-                Letter::Step { session, tick, writes, permit }
-            }
-            Err(status) => {
-                tracing::debug!(world = world.name(), session, %status, "a brain's step was refused");
-                let _ = deliveries.try_send(Delivery::Close(status));
+    let take_steps = async {
+        while let Ok(Some(request)) = requests.message().await {
+            let letter = match step_of(request, &endpoint) {
+                Ok((turn, writes)) => {
+                    let Ok(permit) = Arc::clone(&room).acquire_owned().await else { break };
+                    Letter::Step { session: lease.session, turn, writes, permit }
+                }
+                Err(status) => {
+                    tracing::debug!(world = lease.world.name(), %status, "a brain's step was refused");
+                    let _ = deliveries.try_send(Delivery::Close(status));
+                    break;
+                }
+            };
+            if lease.world.send(letter).is_err() {
                 break;
             }
-        };
-        if world.send(step).is_err() {
-            break;
         }
+    };
+    // A stream that the world has closed, or whose reader is gone, has nothing more to say, even if it waits
+    // for room in a world that stands.
+    tokio::select! {
+        () = take_steps => {}
+        () = deliveries.closed() => {}
     }
-    let _ = world.send(Letter::Detach { session });
 }
 
 fn step_of(request: v1::AttachRequest, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
@@ -110,7 +117,7 @@ fn step_of(request: v1::AttachRequest, endpoint: &Endpoint) -> Result<(u64, Vec<
         Some(Content::Step(step)) => {
             let writes = convert::writes(step.robots);
             endpoint.check(&writes)?;
-            Ok((step.tick, writes))
+            Ok((step.turn, writes))
         }
         Some(Content::Hello(_)) => {
             Err(Status::failed_precondition("hello: this stream is attached already; open another one"))

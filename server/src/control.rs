@@ -2,13 +2,15 @@
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
+use baudbot_sim::scenario::ScenarioError;
 use baudbot_sim::{Override, Scenario};
-use tonic::{Request, Response, Status};
+use tonic::{Code, Request, Response, Status};
 
 use crate::convert;
 use crate::letter::{Order, Report};
 use crate::pace::Pace;
 use crate::registry::{NewWorld, Registry};
+use crate::words::brief;
 
 pub(crate) struct Control {
     pub(crate) registry: Registry,
@@ -20,13 +22,25 @@ impl Control {
     }
 
     async fn status(&self, world: &str, order: Order) -> Result<Option<v1::WorldStatus>, Status> {
-        Ok(Some(convert::status(&self.order(world, order).await?)))
+        Ok(Some(status_of(self.order(world, order).await?).await?.1))
     }
+}
+
+/// The status of a world, with the report that it is made of. Fingerprinting a large world takes a while, in
+/// which others must not wait.
+async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> {
+    let work = move || {
+        let status = convert::status(&report);
+        (report, status)
+    };
+    tokio::task::spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
 }
 
 /// Parses a scenario with its overrides; the error names the request's field, then the scenario's.
 fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> {
-    let invalid = |field: String, error| Status::invalid_argument(format!("{field}: {error}"));
+    let invalid = |field: String, error: ScenarioError| {
+        Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
+    };
     let mut changes = Vec::new();
     for (i, text) in overrides.iter().enumerate() {
         changes.push(Override::parse(text).map_err(|error| invalid(format!("overrides[{i}]"), error))?);
@@ -41,12 +55,15 @@ impl ControlService for Control {
         request: Request<v1::CreateWorldRequest>,
     ) -> Result<Response<v1::CreateWorldResponse>, Status> {
         let request = request.into_inner();
-        let scenario = parse_scenario(&request.scenario_toml, &request.overrides)?;
+        let (toml, overrides) = (request.scenario_toml, request.overrides);
+        let parse = tokio::task::spawn_blocking(move || parse_scenario(&toml, &overrides));
+        let scenario = parse.await.map_err(|error| Status::internal(error.to_string()))??;
         let name = if request.world.is_empty() { scenario.name().to_owned() } else { request.world };
         let pace = convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME);
         let new = NewWorld { name, scenario: scenario.into(), pace, paused: request.paused, on_tick: None };
         let report = self.registry.create(new)?.order(Order::Report).await?;
-        Ok(Response::new(v1::CreateWorldResponse { status: Some(convert::status(&report)) }))
+        let (_, status) = status_of(report).await?;
+        Ok(Response::new(v1::CreateWorldResponse { status: Some(status) }))
     }
 
     async fn list_worlds(
@@ -57,7 +74,7 @@ impl ControlService for Control {
         for world in self.registry.all() {
             // A world that is deleted meanwhile is left out.
             if let Ok(report) = world.order(Order::Report).await {
-                worlds.push(convert::status(&report));
+                worlds.push(status_of(report).await?.1);
             }
         }
         Ok(Response::new(v1::ListWorldsResponse { worlds }))
@@ -119,7 +136,8 @@ impl ControlService for Control {
         request: Request<v1::SnapshotWorldRequest>,
     ) -> Result<Response<v1::SnapshotWorldResponse>, Status> {
         let report = self.order(&request.get_ref().world, Order::Snapshot).await?;
-        let (snapshot, status) = (report.snapshot, Some(convert::status(&report)));
+        let (report, status) = status_of(report).await?;
+        let (snapshot, status) = (report.snapshot, Some(status));
         Ok(Response::new(v1::SnapshotWorldResponse { snapshot, status }))
     }
 
@@ -137,8 +155,12 @@ impl ControlService for Control {
         request: Request<v1::DeleteWorldRequest>,
     ) -> Result<Response<v1::DeleteWorldResponse>, Status> {
         let world = &request.get_ref().world;
-        let status = self.status(world, Order::Delete).await?;
-        self.registry.remove(world);
+        let status = self.status(world, Order::Delete).await;
+        // A world that does not answer is forgotten all the same, so that its name is free again.
+        if !matches!(&status, Err(status) if status.code() == Code::NotFound) {
+            self.registry.remove(world);
+        }
+        let status = status?;
         Ok(Response::new(v1::DeleteWorldResponse { status }))
     }
 }

@@ -31,24 +31,25 @@ pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> 
                 "pace.scaled.factor: must be positive, is {factor}"
             )));
         }
-        v1::pace::Kind::Lockstep(lockstep) => Pace::Lockstep(watchdog_from(lockstep.watchdog)),
-        v1::pace::Kind::Stepped(stepped) => Pace::Stepped(watchdog_from(stepped.watchdog)),
+        v1::pace::Kind::Lockstep(lockstep) => Pace::Lockstep(watchdog_from(lockstep.watchdog)?),
+        v1::pace::Kind::Stepped(stepped) => Pace::Stepped(watchdog_from(stepped.watchdog)?),
         v1::pace::Kind::Free(_) => Pace::Free,
     }))
 }
 
-fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Watchdog {
-    let Some(watchdog) = watchdog else { return Watchdog::default() };
+fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Result<Watchdog, Status> {
+    let Some(watchdog) = watchdog else { return Ok(Watchdog::default()) };
     let timeout = match watchdog.timeout_ms {
         0 => Watchdog::default().timeout,
         ms => Duration::from_millis(ms.into()),
     };
-    let policy = match watchdog.policy() {
+    let unknown = |_| Status::invalid_argument(format!("watchdog.policy: there is no {}", watchdog.policy));
+    let policy = match v1::WatchdogPolicy::try_from(watchdog.policy).map_err(unknown)? {
         v1::WatchdogPolicy::Unspecified | v1::WatchdogPolicy::Wait => WatchdogPolicy::Wait,
         v1::WatchdogPolicy::GoOn => WatchdogPolicy::GoOn,
         v1::WatchdogPolicy::Detach => WatchdogPolicy::Detach,
     };
-    Watchdog { timeout, policy }
+    Ok(Watchdog { timeout, policy })
 }
 
 fn pace_to(pace: Pace) -> v1::Pace {
@@ -267,9 +268,9 @@ pub(crate) fn delivery(delivery: Delivery) -> Result<v1::AttachResponse, Status>
     match delivery {
         Delivery::Close(status) => Err(status),
         Delivery::Ended { tick } => Ok(response(Response::Ended(v1::Ended { tick }))),
-        Delivery::Turn { tick, robots } => {
+        Delivery::Turn { number, tick, robots } => {
             let robots = robots.into_iter().map(robot_turn).collect();
-            Ok(response(Response::Turn(v1::Turn { tick, robots })))
+            Ok(response(Response::Turn(v1::Turn { tick, robots, turn: number })))
         }
     }
 }

@@ -12,15 +12,28 @@ use tonic::Status;
 
 use crate::endpoint::Write;
 use crate::pace::{Pace, Pacing};
+use crate::registry::WorldHandle;
 
 /// A letter to a world.
 pub(crate) enum Letter {
     Order(Order, oneshot::Sender<Result<Report, Status>>),
     Describe(oneshot::Sender<Arc<Scenario>>),
-    Watch { every_ticks: u64, frames: mpsc::Sender<Frame> },
+    Watch {
+        every_ticks: u64,
+        frames: mpsc::Sender<Frame>,
+    },
     Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
-    Step { session: u64, tick: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit },
-    Detach { session: u64 },
+    Step {
+        session: u64,
+        turn: u64,
+        writes: Vec<Write>,
+        permit: OwnedSemaphorePermit,
+    },
+    Detach {
+        session: u64,
+    },
+    /// The server stops.
+    End,
 }
 
 /// What an operator orders.
@@ -88,20 +101,35 @@ pub(crate) struct Attach {
     pub(crate) brain: String,
     pub(crate) raw: bool,
     pub(crate) deliveries: mpsc::Sender<Delivery>,
+    /// The way back to the world, for the lease.
+    pub(crate) world: WorldHandle,
 }
 
 /// It has them.
 pub(crate) struct Attached {
-    pub(crate) session: u64,
+    pub(crate) lease: Lease,
     pub(crate) scenario: Arc<Scenario>,
     /// Indices of the robots, in the order of the request.
     pub(crate) robots: Vec<usize>,
     pub(crate) lockstep: bool,
 }
 
+/// A hold on robots: they are let go when it is dropped, wherever that happens.
+pub(crate) struct Lease {
+    pub(crate) world: WorldHandle,
+    pub(crate) session: u64,
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        // A world that is gone holds nothing any more.
+        let _ = self.world.send(Letter::Detach { session: self.session });
+    }
+}
+
 /// To a brain.
 pub(crate) enum Delivery {
-    Turn { tick: u64, robots: Vec<RobotDelivery> },
+    Turn { number: u64, tick: u64, robots: Vec<RobotDelivery> },
     Ended { tick: u64 },
     Close(Status),
 }

@@ -44,6 +44,7 @@ mod pace;
 mod registry;
 mod server;
 mod sessions;
+mod words;
 
 pub use address::{Address, BadAddress};
 pub use columns::sensor_columns;

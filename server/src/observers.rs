@@ -22,6 +22,7 @@ struct Observer {
 impl Observers {
     /// A new observer, who gets a first frame at once, also of a world that stands.
     pub(crate) fn add(&mut self, every_ticks: u64, frames: mpsc::Sender<Frame>, world: &World) {
+        self.0.retain(|observer| !observer.frames.is_closed());
         let every_ticks = every_ticks.max(1);
         let mut observer = Observer { every_ticks, frames, missed_frames: 0, collisions: Vec::new() };
         if observer.show(world) {
@@ -32,6 +33,9 @@ impl Observers {
     /// Sends the truth at the start of a tick to those whose turn it is; at the end of a run, to all.
     pub(crate) fn show(&mut self, world: &World) {
         self.0.retain_mut(|observer| {
+            if observer.frames.is_closed() {
+                return false;
+            }
             let room = MAX_COLLISIONS.saturating_sub(observer.collisions.len());
             observer.collisions.extend(world.collisions().iter().take(room).cloned());
             let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
@@ -47,7 +51,7 @@ impl Observer {
         let needed = if world.ending().is_some() { 1 } else { 2 };
         if self.frames.capacity() < needed {
             self.missed_frames += 1;
-            return !self.frames.is_closed();
+            return true;
         }
         let frame = Frame {
             tick: world.tick(),

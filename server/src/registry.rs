@@ -12,6 +12,7 @@ use tonic::Status;
 use crate::host::{Host, OnTick};
 use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
+use crate::words::{brief, list};
 
 /// Most worlds of one server; each has a thread.
 const MAX_WORLDS: usize = 1024;
@@ -66,9 +67,8 @@ impl Registry {
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         let worlds = self.lock();
         worlds.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
-            let names: Vec<&str> = worlds.keys().map(AsRef::as_ref).collect();
-            let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-            Status::not_found(format!("{field}: there is no world `{name}`; there are: {there}"))
+            let there = list(worlds.keys().map(AsRef::as_ref));
+            Status::not_found(format!("{field}: there is no world `{}`; there are: {there}", brief(name)))
         })
     }
 

@@ -1,9 +1,10 @@
 //! The server: its builder, its listeners, and its end.
 
 use std::io;
-use std::os::unix::net::UnixStream as BlockingUnixStream;
-use std::path::Path;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
 use baudbot_proto::v1::control_service_server::ControlServiceServer;
@@ -11,8 +12,8 @@ use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use baudbot_sim::Scenario;
 use hyper_util::rt::TokioIo;
 use tokio::io::DuplexStream;
-use tokio::net::{TcpListener, UnixListener};
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::net::{TcpListener, UnixListener, UnixStream};
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::{UnboundedReceiverStream, UnixListenerStream};
@@ -24,10 +25,13 @@ use crate::address::Address;
 use crate::brain_link::BrainLink;
 use crate::control::Control;
 use crate::host::OnTick;
-use crate::letter::{Letter, Order};
+use crate::letter::Letter;
 use crate::observe::Observe;
 use crate::pace::Pace;
 use crate::registry::{NewWorld, Registry};
+
+/// How often a silent connection is asked whether it is there, and how long it has to answer.
+const KEEPALIVE: Duration = Duration::from_secs(20);
 
 /// Bytes in flight through an in-process pipe.
 const PIPE_BYTES: usize = 1 << 20;
@@ -160,6 +164,7 @@ impl Builder {
 pub struct Server {
     registry: Registry,
     addresses: Vec<Address>,
+    sockets: Vec<SocketFile>,
     pipes: mpsc::UnboundedSender<io::Result<DuplexStream>>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
@@ -177,8 +182,12 @@ impl Server {
         let (pipes, incoming) = mpsc::unbounded_channel();
         let mut tasks = JoinSet::new();
         let mut addresses = Vec::new();
+        let mut sockets = Vec::new();
         for listener in listeners {
             addresses.push(listener.address().clone());
+            if let Address::Unix(path) = listener.address() {
+                sockets.extend(SocketFile::at(path));
+            }
             let (router, stopped) = (router.clone(), stopped.clone());
             match listener {
                 Listener::Tcp(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
@@ -186,7 +195,7 @@ impl Server {
             };
         }
         tasks.spawn(run(router, UnboundedReceiverStream::new(incoming), stopped));
-        Ok(Self { registry, addresses, pipes, stop, tasks })
+        Ok(Self { registry, addresses, sockets, pipes, stop, tasks })
     }
 
     /// Where it listens, free ports filled in.
@@ -220,16 +229,17 @@ impl Server {
         let _ = tokio::task::spawn_blocking(move || registry.join()).await;
     }
 
+    /// Once: another server may have taken the addresses since.
     fn end(&self) {
+        if *self.stop.borrow() {
+            return;
+        }
         for world in self.registry.all() {
-            let (reply, _) = oneshot::channel();
-            let _ = world.send(Letter::Order(Order::Delete, reply));
+            let _ = world.send(Letter::End);
         }
         let _ = self.stop.send(true);
-        for address in &self.addresses {
-            if let Address::Unix(path) = address {
-                let _ = std::fs::remove_file(path);
-            }
+        for socket in &self.sockets {
+            socket.remove();
         }
     }
 }
@@ -267,6 +277,9 @@ async fn router(registry: &Registry) -> Result<Router, ServerError> {
     let observe = Observe { registry: registry.clone() };
     let brain_link = BrainLink { registry: registry.clone() };
     Ok(Transport::builder()
+        // A machine that vanished without a word lets its robots go after a while.
+        .http2_keepalive_interval(Some(KEEPALIVE))
+        .http2_keepalive_timeout(Some(KEEPALIVE))
         .add_service(health_service)
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)
@@ -296,7 +309,7 @@ impl Listener {
                 Ok(Self::Tcp(Address::Tcp(bound), TcpIncoming::from(listener).with_nodelay(Some(true))))
             }
             Address::Unix(path) => {
-                remove_stale(path).map_err(failed)?;
+                remove_stale(path).await.map_err(failed)?;
                 let listener = UnixListener::bind(path).map_err(failed)?;
                 Ok(Self::Unix(address, UnixListenerStream::new(listener)))
             }
@@ -310,12 +323,36 @@ impl Listener {
     }
 }
 
-/// A socket that nobody answers on is what a killed server left behind.
-fn remove_stale(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::FileTypeExt;
-    let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
-    if metadata.file_type().is_socket() && BlockingUnixStream::connect(path).is_err() {
-        return std::fs::remove_file(path);
+/// The file of a Unix socket that this server listens on.
+struct SocketFile {
+    path: PathBuf,
+    device_and_inode: (u64, u64),
+}
+
+impl SocketFile {
+    fn at(path: &Path) -> Option<Self> {
+        let metadata = std::fs::symlink_metadata(path).ok()?;
+        Some(Self { path: path.to_owned(), device_and_inode: (metadata.dev(), metadata.ino()) })
     }
-    Ok(())
+
+    /// Removes it, unless another server's stands there by now.
+    fn remove(&self) {
+        let here = Self::at(&self.path);
+        if here.is_some_and(|here| here.device_and_inode == self.device_and_inode) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// A socket that refuses connections is what a killed server left behind. Any other is somebody's.
+async fn remove_stale(path: &Path) -> io::Result<()> {
+    let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    if !metadata.file_type().is_socket() {
+        return Ok(());
+    }
+    let answer = tokio::time::timeout(Duration::from_secs(1), UnixStream::connect(path)).await;
+    match answer {
+        Ok(Err(error)) if error.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path),
+        _ => Ok(()),
+    }
 }

@@ -8,9 +8,13 @@ use tonic::Status;
 
 use crate::letter::{Attach, Delivery, RobotDelivery};
 use crate::pace::WatchdogPolicy;
+use crate::words::{brief, list};
 
 /// Places in a brain's stream that turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;
+
+/// Turns that a brain may leave unanswered while the world goes on without it.
+const MAX_OPEN: usize = 256;
 
 /// The brain programs of a world and the robots' seats that they hold.
 pub(crate) struct Sessions {
@@ -18,8 +22,6 @@ pub(crate) struct Sessions {
     next_number: u64,
     /// One for each robot of the world.
     seats: Vec<Seat>,
-    /// The first tick of the lockstep: answers to earlier Turns are thrown away.
-    lockstep_since: u64,
 }
 
 /// A brain program's stream.
@@ -29,10 +31,12 @@ struct Session {
     /// Indices of its robots in the world.
     robots: Vec<usize>,
     deliveries: mpsc::Sender<Delivery>,
-    /// In lockstep, the ticks of the Turns that it has not answered, oldest first.
+    /// Number of the last Turn that it was given.
+    last_turn: u64,
+    /// In lockstep, the numbers of the Turns that it has not answered, oldest first.
     open: VecDeque<u64>,
-    /// Turns that a reset made void before they were answered; as many answers are thrown away.
-    void_turns: usize,
+    /// The last Turn before a reset, or a change of pace: answers to it and to earlier ones are thrown away.
+    void_turn: u64,
     /// The watchdog gave up on it; it is not waited for until it has answered its last Turn.
     late: bool,
 }
@@ -62,7 +66,7 @@ pub(crate) enum Answer {
 impl Sessions {
     pub(crate) fn new(robots: usize) -> Self {
         let seat = Seat { awaited: true, ..Seat::default() };
-        Self { by_number: BTreeMap::new(), next_number: 1, seats: vec![seat; robots], lockstep_since: 0 }
+        Self { by_number: BTreeMap::new(), next_number: 1, seats: vec![seat; robots] }
     }
 
     /// Gives a brain program the robots that it asks for, or none of them.
@@ -75,10 +79,10 @@ impl Sessions {
         let mut robots = Vec::new();
         for (i, name) in request.robots.iter().enumerate() {
             let Some(robot) = scenario.robots().iter().position(|spec| spec.name == *name) else {
-                let names: Vec<_> = scenario.robots().iter().map(|spec| spec.name.as_str()).collect();
+                let names = list(scenario.robots().iter().map(|spec| spec.name.as_str()));
+                let name = brief(name);
                 return Err(Status::not_found(format!(
-                    "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {}",
-                    names.join(", ")
+                    "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {names}"
                 )));
             };
             if robots.contains(&robot) {
@@ -104,8 +108,9 @@ impl Sessions {
             raw,
             robots: robots.clone(),
             deliveries,
+            last_turn: 0,
             open: VecDeque::new(),
-            void_turns: 0,
+            void_turn: 0,
             late: false,
         };
         self.by_number.insert(number, session);
@@ -175,37 +180,22 @@ impl Sessions {
         self.by_number.get(&number)?.robots.get(slot).copied()
     }
 
-    /// Notes an answer to the Turn of `tick`.
-    pub(crate) fn answered(&mut self, number: u64, tick: u64) -> Answer {
-        let Some(session) = self.by_number.get_mut(&number) else { return Answer::Unasked };
-        if session.void_turns > 0 {
-            session.void_turns -= 1;
-            return Answer::Void;
-        }
-        if session.open.front() == Some(&tick) {
+    /// Notes an answer to the Turn of this number; 0 answers none.
+    pub(crate) fn answered(&mut self, number: u64, turn: u64) -> Answer {
+        let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
+        if session.open.front() == Some(&turn) {
             session.open.pop_front();
             session.late &= !session.open.is_empty();
             return Answer::Due;
         }
-        if tick < self.lockstep_since { Answer::Void } else { Answer::Unasked }
+        if turn != 0 && turn <= session.void_turn { Answer::Void } else { Answer::Unasked }
     }
 
-    /// The world is at another time now: Turns that are open are void.
+    /// The world is at another time, or at another pace: Turns up to now are void, and no answer is owed.
     pub(crate) fn void_turns(&mut self) {
-        self.lockstep_since = 0;
         self.forget_unanswered();
         for session in self.by_number.values_mut() {
-            session.void_turns += session.open.len();
-            session.open.clear();
-            session.late = false;
-        }
-    }
-
-    /// The pace changes: no answer is owed any more, and answers to Turns before `tick` are not expected.
-    pub(crate) fn change_pace(&mut self, tick: u64) {
-        self.lockstep_since = tick;
-        self.forget_unanswered();
-        for session in self.by_number.values_mut() {
+            session.void_turn = session.last_turn;
             session.open.clear();
             session.late = false;
         }
@@ -273,10 +263,12 @@ impl Session {
         if robots.is_empty() {
             return;
         }
-        let delivery = Delivery::Turn { tick: world.tick(), robots };
-        let room = self.deliveries.capacity() > RESERVED;
+        let number = self.last_turn + 1;
+        let delivery = Delivery::Turn { number, tick: world.tick(), robots };
+        let room = self.deliveries.capacity() > RESERVED && self.open.len() < MAX_OPEN;
         if room && self.deliveries.try_send(delivery).is_ok() {
-            self.open.extend(lockstep.then(|| world.tick()));
+            self.last_turn = number;
+            self.open.extend(lockstep.then_some(number));
         } else {
             for &robot in &self.robots {
                 seats[robot].lost_deliveries += 1;

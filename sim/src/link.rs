@@ -99,8 +99,8 @@ pub(crate) struct Line {
     in_flight: VecDeque<(SimTime, u8)>,
     /// The messages on their way, so that it can be told how old a reading truly is when it arrives.
     messages: VecDeque<Sent>,
-    /// Bytes that have arrived, lost ones included.
-    arrived: u64,
+    /// Bytes put on the line so far; some are still on their way.
+    sent: u64,
     burst_start: SimTime,
     burst_characters: u64,
     errors: Stream,
@@ -119,7 +119,7 @@ struct Sent {
 /// What went over one direction of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LineCounters {
-    /// Bytes put on the line.
+    /// Bytes that went over the line, lost ones included.
     pub bytes: u64,
     /// Bytes that arrived with a wrong bit.
     pub corrupted_bytes: u64,
@@ -140,7 +140,7 @@ impl Line {
         Self {
             in_flight: VecDeque::new(),
             messages: VecDeque::new(),
-            arrived: 0,
+            sent: 0,
             burst_start: SimTime::ZERO,
             burst_characters: 0,
             errors,
@@ -159,7 +159,7 @@ impl Line {
             let byte = self.disturb(link, byte);
             self.in_flight.push_back((self.free_at(link), byte));
         }
-        self.counters.bytes += bytes.len() as u64;
+        self.sent += bytes.len() as u64;
     }
 
     /// Puts a message of readings on the line.
@@ -171,16 +171,16 @@ impl Line {
         sampled: Vec<(usize, SimTime)>,
     ) {
         self.send(link, now, bytes);
-        self.messages.push_back(Sent { end: self.counters.bytes, sampled });
+        self.messages.push_back(Sent { end: self.sent, sampled });
     }
 
     /// When the readings of the message whose last byte has just arrived were sampled: the truth, which is
     /// for statistics and not for the brain.
     pub(crate) fn sampled(&mut self) -> Vec<(usize, SimTime)> {
         let mut sampled = Vec::new();
-        while let Some(sent) = self.messages.front().filter(|sent| sent.end <= self.arrived) {
+        while let Some(sent) = self.messages.front().filter(|sent| sent.end <= self.counters.bytes) {
             // What ended earlier was lost.
-            let whole = sent.end == self.arrived;
+            let whole = sent.end == self.counters.bytes;
             let sent = self.messages.pop_front();
             sampled = sent.filter(|_| whole).map_or_else(Vec::new, |sent| sent.sampled);
         }
@@ -193,7 +193,7 @@ impl Line {
         if here > depth {
             self.in_flight.drain(depth..here);
             self.counters.overrun_bytes += (here - depth) as u64;
-            self.arrived += (here - depth) as u64;
+            self.counters.bytes += (here - depth) as u64;
         }
     }
 
@@ -207,7 +207,7 @@ impl Line {
         if self.arrival() > now {
             return None;
         }
-        self.arrived += 1;
+        self.counters.bytes += 1;
         self.in_flight.pop_front()
     }
 

@@ -21,7 +21,8 @@ fn a_flood_is_refused_beyond_the_laptops_buffer_and_harms_nothing() {
     let downlink = world.robot(0).downlink();
     // 9600 baud 8N1 take 960 bytes a second, and 256 wait at the end.
     assert!(downlink.bytes <= 960 + 256, "{downlink:?}");
-    assert_eq!(downlink.bytes + downlink.refused_bytes, 100 * 10_000);
+    let waiting = 100 * 10_000 - downlink.bytes - downlink.refused_bytes;
+    assert!(waiting <= 256, "{waiting}");
     assert_eq!(downlink.messages, 0);
     // Resynchronisation: the garbage ends with the next delimiter, and the command after it is obeyed.
     let bytes = [&[0][..], &command(world.robot(0).spec(), 0.5, 0.5)].concat();
@@ -63,7 +64,7 @@ fn more_frames_than_the_line_can_carry_wait_for_it_and_are_missed() {
     run(&mut world, 1000, 0.0, 0.0);
     let robot = world.robot(0);
     // 4800 baud 8N1 carry 480 bytes a second; frames of up to 19 bytes each 20 ms would be 950.
-    assert!((4800..4800 + 64 + 19).contains(&robot.uplink().bytes), "{:?}", robot.uplink());
+    assert!((4790..=4800).contains(&robot.uplink().bytes), "{:?}", robot.uplink());
     assert!((250..280).contains(&robot.uplink().messages), "{:?}", robot.uplink());
     let due = robot.uplink().messages + robot.frames_missed();
     assert!(due.abs_diff(500) < 8, "{due} of 500");

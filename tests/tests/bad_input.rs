@@ -64,9 +64,9 @@ fn messages() -> Request {
     hello(&["robot"], v1::PortMode::Messages)
 }
 
-fn step(tick: u64, robot: u32, output: Output) -> Request {
+fn step(turn: u64, robot: u32, output: Output) -> Request {
     let robots = vec![v1::RobotStep { robot, thinking_ns: None, output: Some(output) }];
-    Request::Step(v1::Step { tick, robots })
+    Request::Step(v1::Step { turn, robots })
 }
 
 fn command(left_signal: f64, right_signal: f64) -> Output {
@@ -175,10 +175,10 @@ async fn a_robot_that_another_brain_holds_is_not_given_away() {
 async fn in_lockstep_each_turn_takes_exactly_one_step() {
     let server = serve(scenario(WANDER, &[]), lockstep()).await;
     let mut stream = Stream::open(&server, messages()).await.unwrap();
-    let tick = stream.turn().await.tick;
-    stream.send(step(tick, 0, command(0.1, 0.1))).await;
-    stream.send(step(tick, 0, command(0.2, 0.2))).await;
-    assert_status(&stream.end().await, Code::FailedPrecondition, "no Turn of tick 0 is open");
+    let turn = stream.turn().await.turn;
+    stream.send(step(turn, 0, command(0.1, 0.1))).await;
+    stream.send(step(turn, 0, command(0.2, 0.2))).await;
+    assert_status(&stream.end().await, Code::FailedPrecondition, "Turn 1 is not the one to answer");
     server.shutdown().await;
 }
 
@@ -323,7 +323,7 @@ async fn what_ended_a_run_is_not_a_brains_to_know() {
     let mut stream = Stream::open(&server, messages()).await.unwrap();
     let ended = loop {
         match stream.responses.message().await.unwrap().unwrap().response.unwrap() {
-            Response::Turn(turn) => stream.send(step(turn.tick, 0, command(0.5, 0.5))).await,
+            Response::Turn(turn) => stream.send(step(turn.turn, 0, command(0.5, 0.5))).await,
             Response::Ended(ended) => break ended,
             Response::Welcome(_) => {}
         }
@@ -331,5 +331,54 @@ async fn what_ended_a_run_is_not_a_brains_to_know() {
     let status = status(&server).await;
     assert_eq!(status.ending, "`robot` ran into `wall_right`");
     assert_eq!(ended, v1::Ended { tick: status.tick });
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_brain_that_is_gone_lets_its_robot_go_even_if_it_flooded_a_world_that_stands() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    operator(&server).await.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    let flood = Stream::open(&server, messages()).await.unwrap();
+    for _ in 0..200 {
+        flood.send(step(0, 0, command(0.1, 0.1))).await;
+    }
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    drop(flood);
+    let started = Instant::now();
+    while let Err(error) = Stream::open(&server, messages()).await {
+        assert_eq!(error.code(), Code::AlreadyExists);
+        assert!(started.elapsed() < Duration::from_secs(5), "the robot is still held: {error}");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn errors_stay_short_however_long_the_list_or_the_line() {
+    let names: Vec<String> = (0..16).map(|i| format!("r{i}")).collect();
+    let mut toml = crowd(&names);
+    for i in 0..3000 {
+        toml += &format!(
+            "[[robots]]\nname = \"x{i}\"\nstart = {{ x_m = {} }}\nbody = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\n",
+            10 + i
+        );
+    }
+    let server = serve(scenario(&toml, &[]), lockstep()).await;
+    let unknown = Stream::open(&server, hello(&["bob"], v1::PortMode::Raw)).await.err().unwrap();
+    assert_status(&unknown, Code::NotFound, "and 2996 more");
+    let request = v1::CreateWorldRequest { scenario_toml: "x".repeat(100_000), ..Default::default() };
+    let refused = operator(&server).await.create_world(request).await.unwrap_err();
+    assert_status(&refused, Code::InvalidArgument, "scenario_toml: ");
+    assert!(refused.message().len() < 2000);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_step_names_each_robot_once() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut stream = Stream::open(&server, messages()).await.unwrap();
+    let robots = vec![v1::RobotStep::default(); 100_000];
+    stream.send(Request::Step(v1::Step { turn: 0, robots })).await;
+    assert_status(&stream.end().await, Code::InvalidArgument, "step.robots[1].robot: 0 is named twice");
     server.shutdown().await;
 }

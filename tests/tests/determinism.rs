@@ -149,6 +149,9 @@ async fn a_restored_snapshot_has_the_same_future() {
             robot.drive(baudbot_client::Signals { left: 0.4, right: 0.4 - near * 0.5 }).await.unwrap();
         }
     });
+    while !status(&server).await.robots[0].attached {
+        tokio::task::yield_now().await;
+    }
     let w = || "w".to_owned();
     let mut step = async |ticks| {
         let response = operator.step_world(StepWorldRequest { world: w(), ticks }).await.unwrap();

@@ -8,10 +8,10 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 const GOLDEN: [(&str, &str, u64); 6] = [
     ("arsim", "constant:left=0.7,right=-0.7", 0x1115060b0e32043d),
     ("arsim", "navigate", 0xc5efe0bda30a974f),
-    ("wander", "avoid", 0x929e99e76713d68f),
-    ("wander", "wander:forward=0.3", 0xb775d811633acd89),
-    ("khepera", "avoid", 0x9c06f7c0c0fe177d),
-    ("crowd", "avoid", 0x5eee2945c6285d77),
+    ("wander", "avoid", 0x929147f1e5b258ff),
+    ("wander", "wander:forward=0.3", 0x9851418f40757fc9),
+    ("khepera", "avoid", 0x60f42d674a7fe801),
+    ("crowd", "avoid", 0x428dfef6d52a8efb),
 ];
 
 #[test]

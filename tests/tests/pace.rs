@@ -187,3 +187,57 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
     server.shutdown().await;
     brain.abort();
 }
+
+/// Answers to Turns of before a reset do not drive the new run, and harm nobody.
+#[tokio::test]
+async fn a_backlog_of_answers_is_void_after_a_reset() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    // Three turns pile up while the brain thinks about the first.
+    robot.turn().await.unwrap().unwrap();
+    tokio::time::sleep(Duration::from_millis(60)).await;
+    let mut operator = operator(&server).await;
+    let lockstep = v1::pace::Kind::Lockstep(v1::Lockstep { watchdog: None });
+    let set = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(lockstep) }) };
+    operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    operator.set_pace(set.clone()).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    let full = Signals { left: 1.0, right: 1.0 };
+    let mut last_tick = u64::MAX;
+    loop {
+        robot.drive(full).await.unwrap();
+        let tick = robot.turn().await.unwrap().unwrap().tick;
+        if tick == 0 && last_tick != u64::MAX {
+            break; // the first Turn of the new run
+        }
+        last_tick = tick;
+    }
+    let fresh = status(&server).await;
+    assert_eq!((fresh.tick, fresh.robots[0].commands), (0, 0), "old answers were thrown away");
+    // A change from lockstep to lockstep leaves the open Turn open.
+    operator.set_pace(set).await.unwrap();
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    assert_eq!(status(&server).await.tick, 0);
+    robot.drive(full).await.unwrap();
+    assert_eq!(robot.turn().await.unwrap().unwrap().tick, 1);
+    server.shutdown().await;
+}
+
+/// A world that cannot follow an absurd scale takes commands all the same, and is sane again afterwards.
+#[tokio::test]
+async fn commands_to_a_world_that_lags_its_clock_do_not_go_to_the_far_future() {
+    let server = serve(scenario(WANDER, &["collision=stop-robot"]), Pace::Timed { factor: 1e300 }).await;
+    let client = client(&server).await;
+    let brain = tokio::spawn(async move { drive(&client, "robot", "avoid", 1).await });
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let before = status(&server).await;
+    assert!(before.robots[0].commands > 0, "{:?}", before.robots[0]);
+    let real_time = v1::pace::Kind::RealTime(v1::RealTime {});
+    let request = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(real_time) }) };
+    operator(&server).await.set_pace(request).await.unwrap();
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    assert!(status(&server).await.robots[0].turns > before.robots[0].turns + 10);
+    server.shutdown().await;
+    brain.abort();
+}

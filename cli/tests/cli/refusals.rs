@@ -39,7 +39,6 @@ fn an_override_fails_as_the_file_would() {
         set("step_ms"),
         "--set: `step_ms`: an override is PATH=VALUE, such as robots.alice.start.x_m=0.5"
     );
-    assert!(refusal(2, &["run", "--seconds", "-1"]).starts_with("wander: end.after_s: must be"));
 }
 
 #[test]
@@ -94,7 +93,49 @@ fn a_server_that_is_not_there_can_be_started() {
 
 #[test]
 fn an_open_address_needs_leave() {
-    assert!(refusal(1, &["serve", "--listen", "0.0.0.0:0"]).contains("allow it with --insecure"));
+    for command in ["serve", "run"] {
+        assert!(refusal(2, &[command, "--listen", "0.0.0.0:0"]).contains("allow it with --insecure"));
+    }
+}
+
+#[test]
+fn worlds_have_names_of_their_own() {
+    let twice = refusal(2, &["serve", "--listen", "127.0.0.1:0", "wander", "wander"]);
+    assert_eq!(twice, "world: there is a world `wander` already");
+}
+
+#[test]
+fn an_end_that_cannot_be_is_told_with_its_option() {
+    for seconds in ["0", "-1", "1e300"] {
+        let refusal = refusal(2, &["run", "--seconds", seconds]);
+        assert!(refusal.starts_with("--seconds: wander: end.after_s: must be within"), "{refusal}");
+    }
+    let huge = refusal(2, &["run", "--ticks", "18446744073709551615"]);
+    assert!(huge.starts_with("--ticks: wander: end.after_s: must be within"), "{huge}");
+    let none = refusal(2, &["run", "--ticks", "0"]);
+    assert!(none.contains("'--ticks <N>'"), "{none}");
+}
+
+#[test]
+fn a_file_without_an_end_is_not_read_for_ever() {
+    for command in ["run", "check", "serve"] {
+        let endless = refusal(2, &[command, "/dev/zero"]);
+        let expected = "/dev/zero: has more than 16777216 bytes, the most that a scenario may have";
+        assert_eq!(endless, expected);
+    }
+}
+
+#[test]
+fn a_run_that_does_not_start_leaves_the_old_table() {
+    let path = place("keep.csv");
+    let csv = path.to_str().unwrap();
+    fs::write(&path, "precious").unwrap();
+    refusal(2, &["run", "--brain", "avoid:bogus=1", "--csv", csv]);
+    refusal(2, &["run", "--listen", "0.0.0.0:0", "--csv", csv]);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+    let nowhere = place("nowhere").join("a.csv");
+    let nowhere = nowhere.to_str().unwrap();
+    assert!(refusal(1, &["run", "--csv", nowhere]).starts_with(&format!("cannot write {nowhere}: ")));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `baudbot run`.
 
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -94,6 +95,7 @@ fn the_table_has_a_row_a_tick_and_numbers_that_read_back() {
 #[test]
 fn the_table_is_the_same_in_a_file() {
     let path = place("same.csv");
+    std::fs::write(&path, "old\n".repeat(100_000)).unwrap();
     good(&["run", "--ticks", "30", "--quiet", "--csv", path.to_str().unwrap()]);
     let to_stdout = good(&["run", "--ticks", "30", "--quiet", "--csv", "-"]);
     assert_eq!(std::fs::read_to_string(path).unwrap(), to_stdout);
@@ -139,7 +141,7 @@ fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
     let csv = path.to_str().unwrap();
     let args = ["run", "--pace", "real-time", "--seconds", "1000", "--json", "--quiet", "--csv", csv];
     let run = Running::start(&args);
-    // The header is written before the world's start; by then signals are awaited.
+    // The file is there before the world's start; soon after, signals are awaited.
     let deadline = Instant::now() + Duration::from_secs(10);
     while !path.exists() && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(10));
@@ -147,7 +149,7 @@ fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
     std::thread::sleep(Duration::from_millis(300));
     run.signal("-INT");
     let (code, out, err) = run.end();
-    assert_eq!((code, err.as_str()), (0, ""));
+    assert_eq!((code, err.as_str()), (130, ""));
     let summary: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(summary["interrupted"], true);
     let table = std::fs::read_to_string(&path).unwrap();
@@ -157,6 +159,52 @@ fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
     let ticks = summary["ticks"].as_u64().unwrap();
     let rows = table.lines().count() as u64 - 1;
     assert!(ticks > 0 && (rows == ticks || rows == ticks + 1), "{rows} rows for {ticks} ticks");
+}
+
+#[test]
+fn a_second_signal_ends_at_once_what_waits_for_a_reader() {
+    // Nobody reads, and a pipe does not hold all these rows.
+    let run = Running::start(&["run", "--seconds", "1000", "--csv", "-"]);
+    std::thread::sleep(Duration::from_millis(1000));
+    run.signal("-INT");
+    std::thread::sleep(Duration::from_millis(300));
+    run.signal("-TERM");
+    let (code, out, _) = run.end();
+    assert_eq!(code, 130);
+    assert!(out.starts_with("t_s,robot,"));
+}
+
+/// A FIFO of this name.
+fn fifo(name: &str) -> String {
+    let path = place(name).to_str().unwrap().to_owned();
+    assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+    path
+}
+
+#[test]
+fn one_signal_ends_what_waits_for_a_fifo() {
+    let path = fifo("waits.fifo");
+    for args in [&["run", &path][..], &["serve", "--listen", "127.0.0.1:0", &path], &["run", "--csv", &path]]
+    {
+        let mut run = Running::start(args);
+        std::thread::sleep(Duration::from_millis(500));
+        assert!(run.0.try_wait().unwrap().is_none(), "{args:?} waits");
+        run.signal("-INT");
+        let deadline = Instant::now() + Duration::from_secs(5);
+        while run.0.try_wait().unwrap().is_none() {
+            assert!(Instant::now() < deadline, "{args:?} does not end");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+#[test]
+fn a_table_goes_through_a_fifo() {
+    let path = fifo("table.fifo");
+    let reader = Command::new("cat").arg(&path).stdout(Stdio::piped()).spawn().unwrap();
+    good(&["run", "--ticks", "30", "--quiet", "--csv", &path]);
+    let read = String::from_utf8(reader.wait_with_output().unwrap().stdout).unwrap();
+    assert_eq!(read, good(&["run", "--ticks", "30", "--quiet", "--csv", "-"]));
 }
 
 #[cfg(target_os = "linux")]

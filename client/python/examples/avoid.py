@@ -81,7 +81,7 @@ def run(args):
                 return print(f"stopped at tick {turn.tick}")
             # Exactly one Step a Turn: in lockstep the world waits for it.
             robots = [brain.step(robot, turn.tick) for robot in turn.robots]
-            requests.put(pb.AttachRequest(step=pb.Step(tick=turn.tick, robots=robots)))
+            requests.put(pb.AttachRequest(step=pb.Step(turn=turn.turn, robots=robots)))
         print("the server closed the stream")
 
 

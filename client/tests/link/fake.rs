@@ -135,7 +135,12 @@ pub(crate) fn turn(tick: u64, infrared: &[f64]) -> Act {
 }
 
 pub(crate) fn turn_of(tick: u64, robots: Vec<v1::RobotTurn>) -> Act {
-    Act::Say(attach_response::Response::Turn(v1::Turn { tick, robots }))
+    Act::Say(attach_response::Response::Turn(v1::Turn { tick, robots, turn: number(tick) }))
+}
+
+/// The number of the Turn of a tick; another than the tick, so that the two cannot be mixed up.
+pub(crate) fn number(tick: u64) -> u64 {
+    100 + tick
 }
 
 /// A turn of a robot to which nothing came.

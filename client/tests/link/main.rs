@@ -8,7 +8,7 @@ use std::time::Duration;
 use baudbot_client::{Action, Brain, Error, Signals, Summary, Turn, connect, run, run_fleet};
 use baudbot_proto::v1::{self, attach_request::Request, robot_step::Output};
 use fake::Act::{Fail, Hear};
-use fake::{at, ended, serve, serve_at, turn, turn_of, welcome};
+use fake::{at, ended, number, serve, serve_at, turn, turn_of, welcome};
 use tokio::net::{TcpListener, UnixListener};
 use tokio::sync::mpsc::Receiver;
 use tokio_stream::wrappers::{TcpListenerStream, UnixListenerStream};
@@ -27,7 +27,7 @@ fn step(tick: u64, outputs: &[(u32, Option<Output>)]) -> v1::Step {
         thinking_ns: None,
         output: output.clone(),
     };
-    v1::Step { tick, robots: outputs.iter().map(robot_step).collect() }
+    v1::Step { turn: number(tick), robots: outputs.iter().map(robot_step).collect() }
 }
 
 fn command(left_signal: f64, right_signal: f64) -> Option<Output> {
@@ -91,7 +91,7 @@ async fn the_end_of_a_run_is_no_turn_and_a_reset_begins_again() {
     assert!(!robot.is_closed());
     assert_eq!(robot.turn().await.unwrap().unwrap().tick, 0);
     // The answer to the last turn of the old run was the only one so far.
-    assert_eq!(hear_step(&mut requests).await.tick, 7);
+    assert_eq!(hear_step(&mut requests).await.turn, number(7));
 }
 
 /// Drives by what its sensor says, and asks if it says nothing.

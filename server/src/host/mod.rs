@@ -15,7 +15,7 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
 use crate::endpoint::{Write, encode};
-use crate::letter::{Activity, Attach, Attached, Letter, Report};
+use crate::letter::{Activity, Attach, Attached, Lease, Letter, Report};
 use crate::observers::Observers;
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
 use crate::sessions::{Answer, Sessions};
@@ -51,6 +51,8 @@ pub(crate) struct Host {
     /// Of each robot's next message, where the server encodes for its brain. They are bytes on the wire, so
     /// they go back in time with the world.
     sequences: Vec<u8>,
+    /// As they were when the tick began, which is where a snapshot goes back to.
+    sequences_at_begin: Vec<u8>,
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
     deleted: bool,
@@ -107,6 +109,7 @@ impl Host {
             inputs: Vec::new(),
             permits: Vec::new(),
             sequences: vec![0; robots],
+            sequences_at_begin: vec![0; robots],
             snapshots: VecDeque::new(),
             last_snapshot: 0,
             deleted: false,
@@ -199,6 +202,7 @@ impl Host {
         let turns = self.world.begin().to_vec();
         self.show();
         self.sessions.deliver(&self.world, &turns, lockstep);
+        self.sequences_at_begin.clone_from(&self.sequences);
         self.begun = true;
         self.waiting_since = Instant::now();
     }
@@ -270,13 +274,15 @@ impl Host {
             Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
             Letter::Watch { every_ticks, frames } => self.observers.add(every_ticks, frames, &self.world),
             Letter::Attach(request, reply) => self.attach(request, reply),
-            Letter::Step { session, tick, writes, permit } => self.take_step(session, tick, writes, permit),
+            Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
+            Letter::End => self.deleted = true,
             Letter::Detach { session } => self.sessions.detach(session, self.policy()),
         }
     }
 
     fn attach(&mut self, request: Attach, reply: oneshot::Sender<Result<Attached, Status>>) {
         let scenario = Arc::clone(self.world.scenario());
+        let world = request.world.clone();
         let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(attached) => attached,
             Err(status) => return drop(reply.send(Err(status))),
@@ -285,10 +291,12 @@ impl Host {
             self.sequences[robot] = 0;
         }
         let lockstep = self.pace.watchdog().is_some();
-        if reply.send(Ok(Attached { session, scenario, robots, lockstep })).is_err() {
-            // Nobody waits for the answer any more.
-            self.sessions.detach(session, self.policy());
-        } else if self.world.ending().is_some() {
+        let lease = Lease { world, session };
+        // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
+        if reply.send(Ok(Attached { lease, scenario, robots, lockstep })).is_err() {
+            return;
+        }
+        if self.world.ending().is_some() {
             self.sessions.tell_one_ended(session, self.world.tick());
         } else if lockstep && self.begun {
             self.sessions.deliver_unanswered(session, &self.world);
@@ -299,13 +307,13 @@ impl Host {
         self.pace.watchdog().map(|watchdog| watchdog.policy)
     }
 
-    fn take_step(&mut self, session: u64, tick: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
-        let answer = self.sessions.answered(session, tick);
+    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
+        let answer = self.sessions.answered(session, turn);
         match (answer, self.pace.watchdog()) {
             (Answer::Void, _) => return,
             (Answer::Unasked, Some(_)) => {
                 let text = format!(
-                    "step.tick: no Turn of tick {tick} is open; in lockstep each Turn takes exactly one Step"
+                    "step.turn: Turn {turn} is not the one to answer; in lockstep each Turn takes exactly one Step"
                 );
                 self.sessions.close(session, self.policy(), Status::failed_precondition(text));
                 return;
@@ -329,7 +337,8 @@ impl Host {
         let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
         let thinking = thinking_ns.unwrap_or_else(|| self.world.robot(robot).spec().thinking_ns);
         match &self.clock {
-            Some(clock) => clock.time(Instant::now()).max(step),
+            // A world that lags its clock takes what comes now as coming within this tick.
+            Some(clock) => clock.time(Instant::now()).min(self.tick_end()).max(step),
             None => step + thinking,
         }
     }
@@ -339,4 +348,4 @@ impl Host {
     }
 }
 
-const MAX_LETTERS_AT_ONCE: usize = 1000;
+const MAX_LETTERS_AT_ONCE: usize = 100;

@@ -7,15 +7,19 @@ use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
 
+use super::stopwatch::Stopwatch;
 use super::{Host, Snapshot};
 use crate::letter::{Order, Report, SeatReport};
-use crate::pace::Pace;
+use crate::pace::{Pace, Pacing};
 
 /// States that are kept for one world; the oldest goes when there would be more.
 const MAX_SNAPSHOTS: usize = 64;
 
 impl Host {
     pub(super) fn obey(&mut self, order: Order, reply: oneshot::Sender<Result<Report, Status>>) {
+        if reply.is_closed() {
+            return; // who ordered it is gone
+        }
         let mut snapshot = 0;
         match order {
             Order::Report => {}
@@ -26,12 +30,16 @@ impl Host {
             Order::Pause => {
                 self.paused = true;
                 self.clock = None;
+                self.credits = 0;
+                self.answer_steppers();
             }
             Order::Step { ticks } => return self.step(ticks, reply),
             Order::SetPace(pace) => self.set_pace(pace),
             Order::Reset => {
                 let world = World::new(Arc::clone(self.world.scenario()));
                 self.sequences.fill(0);
+                self.pacing = Pacing::default();
+                self.running = Stopwatch::default();
                 self.replace(world);
             }
             Order::Snapshot => snapshot = self.keep(),
@@ -58,6 +66,10 @@ impl Host {
             let text = format!("the run has ended ({ending}); reset or restore the world");
             return drop(reply.send(Err(Status::failed_precondition(text))));
         }
+        if !self.begun && self.sessions.has_awaited_empty_seat() {
+            let text = "a robot has no brain, and the world waits for one; attach it, or go on without by StartWorld";
+            return drop(reply.send(Err(Status::failed_precondition(text))));
+        }
         self.paused = false;
         self.credits = self.credits.saturating_add(ticks.max(1));
         self.steppers.push(reply);
@@ -70,7 +82,10 @@ impl Host {
     }
 
     fn set_pace(&mut self, pace: Pace) {
-        self.sessions.change_pace(self.world.tick() + u64::from(self.begun));
+        // From lockstep to lockstep, Turns that are open stay open.
+        if self.pace.watchdog().is_none() || pace.watchdog().is_none() {
+            self.sessions.void_turns();
+        }
         self.pace = pace;
         self.clock = None;
         self.credits = 0;
@@ -95,7 +110,8 @@ impl Host {
         if self.snapshots.len() == MAX_SNAPSHOTS {
             self.snapshots.pop_front();
         }
-        let (number, world, sequences) = (self.last_snapshot, self.world.clone(), self.sequences.clone());
+        let sequences = if self.begun { &self.sequences_at_begin } else { &self.sequences };
+        let (number, world, sequences) = (self.last_snapshot, self.world.clone(), sequences.clone());
         self.snapshots.push_back(Snapshot { number, world, sequences });
         number
     }

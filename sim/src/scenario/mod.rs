@@ -1,8 +1,8 @@
 //! Scenario files: TOML in, a [`Scenario`] out in which nothing can be wrong.
 //!
-//! [`raw`] says what a file may contain, [`build`], [`cable`] and [`sensors`] turn that into the world's own
-//! types and refuse what makes no sense, [`check`] has the rules for single numbers, [`overrides`] changes a file's fields by
-//! path, [`order`] finds the order that sensors stand in. `docs/scenario.md` describes the format to its users.
+//! `raw` says what a file may contain; `build`, `cable` and `sensors` turn that into the world's own types and
+//! refuse what makes no sense; `check` has the rules for single values, `overrides` changes a file's fields by
+//! path, `order` finds the order that sensors stand in. `docs/scenario.md` describes the format to its users.
 
 mod build;
 mod cable;
