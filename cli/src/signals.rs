@@ -31,7 +31,7 @@ impl Stop {
     pub(crate) async fn wait(&mut self) {
         if self.0.wait_for(|stop| *stop).await.is_err() {
             // Nobody hears signals any more.
-            std::future::pending().await
+            std::future::pending::<()>().await;
         }
     }
 }
