@@ -241,6 +241,75 @@ fn arsims_steady_speeds_and_spins_come_out() {
 }
 
 #[test]
+fn encoders_count_the_marks_that_passed_and_wrap_on_the_wire() {
+    let encoders = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\nbits = 8";
+    let mut world = world(&format!("[[robots]]\nname = \"r\"\n{BODY}\n{encoders}\n"));
+    let mut wrapped = false;
+    for _ in 0..200 {
+        tick(&mut world, -0.3, 0.5);
+        world.begin();
+        let robot = world.robot(0);
+        let travel = robot.motion().travel_m;
+        let counts = |way: f64| (way * 600.0 / (core::f64::consts::TAU * 0.1)).floor();
+        let expected = [counts(travel.left), counts(travel.right)];
+        assert_eq!(robot.sensors().next().unwrap().sample, expected);
+        // What is in the laptop is the same modulo 256, as a signed number.
+        for (value, count) in robot.readings()[0].values.iter().zip(expected) {
+            assert_eq!((value - count).rem_euclid(256.0), 0.0);
+            assert!((-128.0..128.0).contains(value));
+            wrapped |= *value != count;
+        }
+    }
+    assert!(wrapped, "it drove more than 128 counts");
+    assert!(world.robot(0).motion().travel_m.left < 0.0, "and backwards on the left");
+}
+
+#[test]
+fn the_compass_has_normal_noise_of_its_sigma_and_wraps() {
+    let compass = "[robots.sensors.compass]\nkind = \"compass\"\nsigma_rad = 0.05";
+    let robot = |heading: f64| {
+        format!("[[robots]]\nname = \"r\"\nstart = {{ heading_rad = {heading} }}\n{BODY}\n{compass}\n")
+    };
+    let samples = |heading: f64| {
+        let mut world = world(&robot(heading));
+        (0..4000)
+            .map(|_| {
+                world.begin();
+                let sample = world.robot(0).sensors().next().unwrap().sample[0];
+                world.finish(&[]);
+                sample
+            })
+            .collect::<Vec<f64>>()
+    };
+    let errors: Vec<f64> = samples(0.3).iter().map(|heading| heading - 0.3).collect();
+    let mean = errors.iter().sum::<f64>() / 4000.0;
+    let deviation = (errors.iter().map(|error| error * error).sum::<f64>() / 4000.0).sqrt();
+    assert!(mean.abs() < 0.003, "{mean}");
+    assert!((deviation - 0.05).abs() < 0.002, "{deviation}");
+    // Kolmogorov and Smirnov: the largest distance from the normal distribution, at the 0.1 % level.
+    let mut sorted = errors;
+    sorted.sort_by(f64::total_cmp);
+    let distance = sorted
+        .iter()
+        .enumerate()
+        .map(|(i, error)| (normal_cdf(error / 0.05) - i as f64 / 4000.0).abs())
+        .fold(0.0, f64::max);
+    assert!(distance < 1.95 / 4000.0_f64.sqrt(), "{distance}");
+    let near_pi = samples(core::f64::consts::PI);
+    assert!(near_pi.iter().all(|heading| heading.abs() <= core::f64::consts::PI));
+    assert!(near_pi.iter().any(|heading| *heading < 0.0) && near_pi.iter().any(|heading| *heading > 0.0));
+}
+
+/// Integrated by Simpson's rule: there is no error function in the standard library.
+fn normal_cdf(x: f64) -> f64 {
+    let density = |t: f64| (-0.5 * t * t).exp() / core::f64::consts::TAU.sqrt();
+    let n = 200;
+    let h = x / f64::from(n);
+    let inner: f64 = (1..n).map(|i| density(f64::from(i) * h) * if i % 2 == 0 { 2.0 } else { 4.0 }).sum();
+    0.5 + h / 3.0 * (density(0.0) + density(x) + inner)
+}
+
+#[test]
 fn odometer_noise_grows_as_the_square_root_of_the_steps() {
     // σ √(2n) / (2R): 0.0112 rad after 10 s at 1e-4 m.
     let mut squares = 0.0;

@@ -1,6 +1,6 @@
 //! The bare format: values and nothing else.
 //!
-//! Wahde 2016, §3.2.3, counts a message as one byte for each sensor and motor. Taken at its word that is a protocol
+//! Wahde 2016, §3.2.1, counts a message as one byte for each sensor and motor. Taken at its word that is a protocol
 //! without header, mask or checksum: to the brain go all sensors' components in order, to the robot all motor
 //! signals in order, each in its encoding.
 //!
