@@ -46,14 +46,13 @@ impl Endpoint {
     pub(crate) fn check(&self, writes: &[Write]) -> Result<(), Status> {
         let mut seen = vec![false; self.robots.len()];
         for (i, write) in writes.iter().enumerate() {
-            if seen.get(write.slot) == Some(&true) {
-                let text = format!("step.robots[{i}].robot: {} is named twice", write.slot);
-                return Err(Status::invalid_argument(text));
-            }
-            seen.get_mut(write.slot).into_iter().for_each(|seen| *seen = true);
             self.check_write(write).map_err(|(field, problem)| {
                 Status::invalid_argument(format!("step.robots[{i}].{field}: {problem}"))
             })?;
+            if std::mem::replace(&mut seen[write.slot], true) {
+                let text = format!("step.robots[{i}].robot: {} is named twice", write.slot);
+                return Err(Status::invalid_argument(text));
+            }
         }
         Ok(())
     }

@@ -170,6 +170,7 @@ impl Line {
         bytes: &[u8],
         sampled: Vec<(usize, SimTime)>,
     ) {
+        self.forget_lost_messages();
         self.send(link, now, bytes);
         self.messages.push_back(Sent { end: self.sent, sampled });
     }
@@ -177,14 +178,14 @@ impl Line {
     /// When the readings of the message whose last byte has just arrived were sampled: the truth, which is
     /// for statistics and not for the brain.
     pub(crate) fn sampled(&mut self) -> Vec<(usize, SimTime)> {
-        let mut sampled = Vec::new();
-        while let Some(sent) = self.messages.front().filter(|sent| sent.end <= self.counters.bytes) {
-            // What ended earlier was lost.
-            let whole = sent.end == self.counters.bytes;
-            let sent = self.messages.pop_front();
-            sampled = sent.filter(|_| whole).map_or_else(Vec::new, |sent| sent.sampled);
-        }
-        sampled
+        self.forget_lost_messages();
+        let whole = self.messages.pop_front_if(|sent| sent.end == self.counters.bytes);
+        whole.map_or_else(Vec::new, |sent| sent.sampled)
+    }
+
+    /// A message of which the last byte is over, and that nobody asked about then, was not understood.
+    fn forget_lost_messages(&mut self) {
+        while self.messages.pop_front_if(|sent| sent.end < self.counters.bytes).is_some() {}
     }
 
     /// A receiver that holds `depth` bytes loses those that arrived by `now` beyond them.
@@ -283,6 +284,19 @@ mod tests {
         assert_eq!(line.waiting(SimTime::from_ns(2_000_000)), 2);
         assert_eq!(line.drained_to(1), SimTime::from_ns(3_000_000));
         assert_eq!(line.drained_to(4), SimTime::ZERO);
+    }
+
+    #[test]
+    fn messages_that_nobody_understood_are_forgotten() {
+        let (link, mut line) = (uart(9600, 10), line());
+        for i in 0..1000 {
+            let now = SimTime::from_ns(i * 20_000_000);
+            line.send_message(&link, now, &[0; 5], alloc::vec![(0, now)]);
+            while line.take(now + 19_000_000).is_some() {}
+        }
+        // The last, and the one before it, which was over but not outdated when the last was sent.
+        assert_eq!(line.messages.len(), 2);
+        assert_eq!(line.sampled(), [(0, SimTime::from_ns(999 * 20_000_000))]);
     }
 
     #[test]

@@ -210,7 +210,8 @@ async fn a_flood_faster_than_any_uart_is_counted_and_the_clock_is_kept() {
     assert!(r1.commands > 50 && r1.distance_m > 0.1, "the neighbour drives on: {r1:?}");
     assert_eq!(status.tick, 200);
     let wall = status.running_wall_ns as f64 * 1e-9;
-    assert!((wall - 2.0).abs() < 0.5, "{wall}");
+    let hiccup = status.pacing.as_ref().unwrap().lateness_max_wall_ns as f64 * 1e-9;
+    assert!(wall > 1.9 && wall < 2.1 + hiccup, "{wall}");
     server.shutdown().await;
 }
 
@@ -228,7 +229,8 @@ async fn a_client_that_never_reads_loses_its_turns_and_slows_nobody() {
     let status = status(&server).await;
     assert_eq!(status.tick, 30_000);
     let wall = status.running_wall_ns as f64 * 1e-9;
-    assert!(wall < 10.0, "300 s at 100 times real time took {wall} s");
+    let hiccup = status.pacing.as_ref().unwrap().lateness_max_wall_ns as f64 * 1e-9;
+    assert!(wall < 4.0 + hiccup, "300 s at 100 times real time took {wall} s");
     assert!(status.robots[0].lost_deliveries > 1000, "{}", status.robots[0].lost_deliveries);
     // The observer that did not read either gets the end, and how much it missed.
     let mut frames = watcher.into_inner();

@@ -15,7 +15,7 @@ fn ten() -> Vec<String> {
 
 /// Ten brains in lockstep, of which `r3` hangs after 50 turns; 300 ticks in all. How long it took.
 async fn one_of_ten_hangs(policy: WatchdogPolicy) -> (Duration, v1::WorldStatus, Result<(), Error>) {
-    let server = serve(scenario(&crowd(&ten()), &["end.after_s=3.0"]), watched(1000, policy)).await;
+    let server = serve(scenario(&crowd(&ten()), &["end.after_s=3.0"]), watched(400, policy)).await;
     let mut brains = JoinSet::new();
     for name in ten().into_iter().filter(|name| name != "r3") {
         let client = client(&server).await;
@@ -51,12 +51,12 @@ async fn the_others_go_on_when_one_of_ten_hangs_and_only_the_declared_wait_is_lo
         assert_eq!(status.tick, 300, "{policy:?}");
         let pacing = status.pacing.unwrap();
         assert_eq!(pacing.watchdog_timeouts, 1, "{policy:?}: the wait was declared once");
-        assert!(took >= Duration::from_secs(1), "{policy:?}: {took:?}");
+        assert!(took >= Duration::from_millis(400), "{policy:?}: {took:?}");
         assert!(status.robots.iter().filter(|robot| robot.robot != "r3").all(|robot| robot.commands > 120));
         match policy {
             WatchdogPolicy::Detach => {
                 let message = after.unwrap_err().to_string();
-                assert!(message.contains("no answer to a Turn within 1s"), "{message}");
+                assert!(message.contains("no answer to a Turn within 400ms"), "{message}");
             }
             _ => after.unwrap(),
         }
@@ -134,11 +134,14 @@ async fn real_time_keeps_to_the_wall_clock_and_scaled_time_to_its_multiple() {
         let took = started.elapsed().as_secs_f64() * factor;
         let status = status(&server).await;
         let pacing = status.pacing.unwrap();
-        // The last tick may be late on a busy machine; what is early, or late by more, is a clock that drifts.
-        let wall = status.running_wall_ns as f64 * 1e-9;
-        let due = seconds / factor;
-        assert!(wall > due - 0.001 && wall < due + 0.25, "{wall} s for {due} s");
-        assert!(took > seconds * 0.8, "{took}");
+        // The last tick may be late on a busy machine, by what the server says; the rest is the clock's.
+        let hiccup = pacing.lateness_max_wall_ns as f64 * 1e-9 * factor;
+        let wall = status.running_wall_ns as f64 * 1e-9 * factor;
+        assert!(wall > seconds * 0.99 && wall < seconds * 1.01 + hiccup, "{wall} for {seconds}");
+        // A clock that drifted would make every later tick late.
+        let on_time: u64 = pacing.lateness_us_log2.iter().take(14).sum();
+        assert!(on_time * 10 > status.tick * 9, "{:?}", pacing.lateness_us_log2);
+        assert!(took < seconds * 1.2 + hiccup && took > seconds * 0.8, "{took}");
         assert_eq!(pacing.lateness_us_log2.iter().sum::<u64>(), status.tick);
         assert!(status.robots[0].distance_m > 0.3, "it drove {} m", status.robots[0].distance_m);
         server.shutdown().await;
