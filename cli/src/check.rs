@@ -140,6 +140,7 @@ fn firmware(robot: &RobotSpec) -> String {
 fn link(link: &Link) -> String {
     match link {
         Link::Ideal => "ideal: no time, no loss".to_owned(),
+        Link::Onboard => "none: the brain is the microcontroller's program".to_owned(),
         Link::Uart(uart) => {
             let rate = handy(f64::from(uart.baud) / f64::from(uart.bits_per_character));
             let errors = match uart.byte_error_rate {

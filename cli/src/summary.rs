@@ -177,7 +177,7 @@ fn clock(pacing: &v1::PaceStatus, simulated_s: f64, due_s: f64) -> Clock {
 impl Robot {
     fn new(spec: &RobotSpec, status: &v1::RobotStatus, simulated_s: f64, jobs: &[Job]) -> Self {
         let (baud, bits_per_character) = match &spec.link {
-            Link::Ideal => (None, None),
+            Link::Ideal | Link::Onboard => (None, None),
             Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character)),
         };
         let capacity = bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
@@ -203,7 +203,7 @@ impl Robot {
 /// What a line can carry; `None` if it is ideal.
 pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
     match link {
-        Link::Ideal => None,
+        Link::Ideal | Link::Onboard => None,
         Link::Uart(uart) => Some(f64::from(uart.baud) / f64::from(uart.bits_per_character)),
     }
 }

@@ -31,6 +31,18 @@ impl Bounds {
         Self { min: circle.center - half, max: circle.center + half }
     }
 
+    /// The box around all points; `None` if there are none.
+    #[must_use]
+    pub fn of_points(points: &[Point]) -> Option<Self> {
+        points.iter().map(|&point| Self { min: point, max: point }).reduce(|a, b| a.union(&b))
+    }
+
+    /// The middle of the box.
+    #[must_use]
+    pub fn center(&self) -> Point {
+        self.min + self.size() * 0.5
+    }
+
     /// The box around both boxes.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {

@@ -21,6 +21,8 @@ use alloc::vec::Vec;
 
 use crate::bounds::Bounds;
 use crate::circle::Circle;
+use crate::math;
+use crate::polygon;
 use crate::pose::Point;
 use crate::ray::Ray;
 use crate::segment::Segment;
@@ -145,6 +147,21 @@ impl Index {
         first
     }
 
+    /// The first shape, in the order of [`Shape`], that overlaps the simple polygon; a segment does so if some
+    /// of it is inside. Touching is not overlapping.
+    #[must_use]
+    pub fn meets_polygon(&self, points: &[Point]) -> Option<Shape> {
+        let center = Bounds::of_points(points)?.center();
+        let radius = points.iter().map(|point| (point - center).norm_squared()).fold(0.0, f64::max);
+        let mut first = None;
+        self.near(&Circle { center, radius: math::sqrt(radius) }, |shape| {
+            if first.is_none_or(|first| shape < first) && self.polygon_overlaps(points, shape) {
+                first = Some(shape);
+            }
+        });
+        first
+    }
+
     /// The point on any shape that is nearest to `p`, and its distance in metres. Circles are solid.
     ///
     /// Of several at the same distance it is that of the first shape.
@@ -208,6 +225,13 @@ impl Index {
             Shape::Circle(i) => circle.overlaps_circle(&self.circles[i]),
         }
     }
+
+    fn polygon_overlaps(&self, points: &[Point], shape: Shape) -> bool {
+        match shape {
+            Shape::Segment(i) => polygon::overlaps_segment(points, &self.segments[i]),
+            Shape::Circle(i) => polygon::overlaps_circle(points, &self.circles[i]),
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -230,7 +254,7 @@ mod tests {
     fn room() -> Index {
         let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(|(x, y)| Point::new(x, y));
         let pillar = Circle { center: Point::new(3.0, 1.0), radius: 0.5 };
-        Index::new(crate::polygon::edges(&corners).collect(), vec![pillar])
+        Index::new(polygon::edges(&corners).collect(), vec![pillar])
     }
 
     fn ray(x: f64, y: f64, angle_rad: f64) -> Ray {
@@ -283,6 +307,19 @@ mod tests {
         assert_eq!(room.overlaps(&body(2.1, 1.0)), Some(Shape::Circle(0)));
         assert_eq!(room.overlaps(&body(2.5, 0.4)), Some(Shape::Segment(0)), "both, the wall first");
         assert_eq!(room.overlaps(&body(-9.0, 9.0)), None);
+    }
+
+    #[test]
+    fn polygons_among_the_shapes() {
+        let room = room();
+        let square = |x: f64, y: f64, side: f64| {
+            [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)].map(|(u, v)| Point::new(x + u, y + v))
+        };
+        assert_eq!(room.meets_polygon(&square(0.0, 0.0, 1.0)), None, "in the corner");
+        assert_eq!(room.meets_polygon(&square(-0.1, 0.0, 1.0)), Some(Shape::Segment(3)));
+        assert_eq!(room.meets_polygon(&square(2.9, 0.9, 0.1)), Some(Shape::Circle(0)), "in the pillar");
+        assert_eq!(room.meets_polygon(&square(-9.0, -9.0, 20.0)), Some(Shape::Segment(0)), "around all");
+        assert_eq!(room.meets_polygon(&[]), None);
     }
 
     #[test]

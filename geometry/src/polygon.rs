@@ -1,7 +1,15 @@
 //! Closed chains of segments, given by their corners in order; the last corner is joined to the first.
+//!
+//! The files beside this one are `measure` (area, centroid, inertia) and `overlap` (with discs, segments, others).
+
+mod measure;
+mod overlap;
 
 use crate::pose::Point;
 use crate::segment::Segment;
+
+pub use measure::{area, bounding_radius, centroid, is_convex, perimeter, second_moment};
+pub use overlap::{overlaps_circle, overlaps_polygon, overlaps_segment};
 
 /// The edges in the order of the corners; the last one closes the chain. No corners have no edges.
 pub fn edges(points: &[Point]) -> impl Iterator<Item = Segment> {

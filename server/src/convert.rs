@@ -174,7 +174,7 @@ fn response(response: v1::attach_response::Response) -> v1::AttachResponse {
 
 fn description(spec: &RobotSpec) -> v1::RobotDescription {
     let (baud, bits_per_character) = match &spec.link {
-        Link::Ideal => (None, None),
+        Link::Ideal | Link::Onboard => (None, None),
         Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
     };
     v1::RobotDescription {
@@ -205,31 +205,28 @@ fn firmware(spec: &RobotSpec) -> v1::Firmware {
 }
 
 fn sensor(spec: &Sensor) -> v1::SensorDescription {
-    let components = spec.device.components().iter().zip(&spec.encodings);
+    let components = spec.device.components();
+    let components = components.iter().zip(&spec.encodings);
     let components = components.map(|(component, &wire)| v1::ComponentDescription {
         name: component.name.to_owned(),
         unit: component.unit.to_owned(),
         encoding: Some(encoding(wire)),
     });
-    let (mount, range_m) = match &spec.device {
-        Device::Infrared(infrared) => (Some(infrared.mount), Some(infrared.range_m)),
-        Device::Encoders(_) | Device::Odometer(_) | Device::Compass(_) => (None, None),
-    };
     v1::SensorDescription {
         sensor: spec.name.clone(),
         kind: spec.device.kind().to_owned(),
         components: components.collect(),
         period_ns: spec.schedule.period_ns(),
         phase_ns: spec.schedule.phase_ns(),
-        mount: mount.map(|mount| v1::Mount {
-            x_m: mount.position.x,
-            y_m: mount.position.y,
-            heading_rad: mount.heading,
+        mount: spec.device.mount().map(|mount| v1::Mount {
+            x_m: mount.pose.position.x,
+            y_m: mount.pose.position.y,
+            heading_rad: mount.pose.heading,
         }),
-        range_m,
+        range_m: spec.device.range_m(),
         counts_per_turn: match &spec.device {
             Device::Encoders(encoders) => Some(encoders.counts_per_turn),
-            Device::Infrared(_) | Device::Odometer(_) | Device::Compass(_) => None,
+            _ => None,
         },
     }
 }

@@ -3,10 +3,10 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Index, Point, Shape, polygon};
+use baudbot_geometry::{Circle, Index, Point, Segment, Shape, polygon};
 
-/// A closed polygon. A solid one is an obstacle through and through; a hollow one is a wall drawn as its
-/// outline, such as the border of a room that robots are in.
+/// A polygon, or a line with corners. A solid polygon is an obstacle through and through; a hollow one is a
+/// wall drawn as its outline, such as the border of a room that robots are in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
     /// Unique among the arena's shapes.
@@ -15,6 +15,10 @@ pub struct Polygon {
     pub points: Vec<Point>,
     /// Whether its inside is filled.
     pub solid: bool,
+    /// Whether the last corner is joined to the first.
+    pub closed: bool,
+    /// What it looks like from the side.
+    pub look: Look,
 }
 
 /// A solid disc, such as a pillar.
@@ -24,31 +28,60 @@ pub struct Pillar {
     pub name: String,
     /// Where it stands, in metres.
     pub circle: Circle,
+    /// What it looks like from the side.
+    pub look: Look,
 }
 
-/// All that stands still, with the index that finds it.
+/// What sensors see of a thing besides its outline on the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// How far it reaches up from the floor, in metres; infinite for a wall. A sensor that sits higher
+    /// overlooks it (§6.1).
+    pub height_m: f64,
+    /// Red, green and blue.
+    pub color: [u8; 3],
+}
+
+impl Look {
+    /// A wall as high as any sensor, in grey.
+    pub const WALL: Self = Self { height_m: f64::INFINITY, color: [128, 128, 128] };
+}
+
+/// All that stands still, with the indices that find it.
 #[derive(Clone, Debug)]
 pub struct Arena {
     polygons: Vec<Polygon>,
     pillars: Vec<Pillar>,
-    /// Which polygon each of the index's segments belongs to.
-    owners: Vec<usize>,
+    /// The first has everything; each of the others what is seen from some height.
+    layers: Vec<Layer>,
+}
+
+/// What is seen from some height.
+#[derive(Clone, Debug)]
+struct Layer {
     index: Index,
+    /// Which polygon each of the index's segments belongs to.
+    polygons: Vec<usize>,
+    /// Which pillar each of the index's circles is.
+    pillars: Vec<usize>,
 }
 
 impl Arena {
     /// An arena of these shapes.
     pub fn new(polygons: Vec<Polygon>, pillars: Vec<Pillar>) -> Self {
-        let mut segments = Vec::new();
-        let mut owners = Vec::new();
-        for (owner, polygon) in polygons.iter().enumerate() {
-            for edge in polygon::edges(&polygon.points) {
-                segments.push(edge);
-                owners.push(owner);
-            }
+        let all = Layer::new(&polygons, &pillars, 0.0);
+        Self { polygons, pillars, layers: alloc::vec![all] }
+    }
+
+    /// The layer of what reaches up to `height_m`, made if there is none yet.
+    pub(crate) fn layer(&mut self, height_m: f64) -> usize {
+        let layer = Layer::new(&self.polygons, &self.pillars, height_m);
+        let same = |other: &Layer| other.polygons == layer.polygons && other.pillars == layer.pillars;
+        if let Some(i) = self.layers.iter().position(same) {
+            return i;
         }
-        let circles = pillars.iter().map(|pillar| pillar.circle).collect();
-        Self { index: Index::new(segments, circles), polygons, pillars, owners }
+        self.layers.push(layer);
+        self.layers.len() - 1
     }
 
     /// The polygons, in the scenario's order.
@@ -61,27 +94,99 @@ impl Arena {
         &self.pillars
     }
 
-    /// Everything that rays and bodies can meet.
+    /// Everything that bodies can meet.
     pub fn index(&self) -> &Index {
-        &self.index
+        &self.layers[0].index
+    }
+
+    /// Everything that rays of a layer can meet.
+    pub(crate) fn seen(&self, layer: usize) -> &Index {
+        &self.layers[layer].index
+    }
+
+    /// What a shape of a layer looks like.
+    pub(crate) fn look_of(&self, layer: usize, shape: Shape) -> Look {
+        let layer = &self.layers[layer];
+        match shape {
+            Shape::Segment(i) => self.polygons[layer.polygons[i]].look,
+            Shape::Circle(i) => self.pillars[layer.pillars[i]].look,
+        }
     }
 
     /// The name of the shape that a disc runs into, if any: its outline is strictly nearer than the radius
     /// (touching is no collision, as in ARSim), or the disc's centre is inside a solid polygon, which ARSim
     /// does not see.
     pub fn obstacle_at(&self, disc: &Circle) -> Option<&str> {
-        if let Some(shape) = self.index.overlaps(disc) {
+        if let Some(shape) = self.index().overlaps(disc) {
             return Some(self.name_of(shape));
         }
-        let inside = |polygon: &&Polygon| polygon.solid && polygon::contains(&polygon.points, disc.center);
+        self.solid_at(disc.center)
+    }
+
+    /// The name of the solid polygon that a point is in, if any.
+    pub(crate) fn solid_at(&self, point: Point) -> Option<&str> {
+        let inside = |polygon: &&Polygon| polygon.solid && polygon::contains(&polygon.points, point);
         self.polygons.iter().find(inside).map(|polygon| polygon.name.as_str())
     }
 
     /// The name of the polygon or pillar that a shape of the index belongs to.
     pub fn name_of(&self, shape: Shape) -> &str {
         match shape {
-            Shape::Segment(i) => &self.polygons[self.owners[i]].name,
-            Shape::Circle(i) => &self.pillars[i].name,
+            Shape::Segment(i) => &self.polygons[self.layers[0].polygons[i]].name,
+            Shape::Circle(i) => &self.pillars[self.layers[0].pillars[i]].name,
         }
+    }
+}
+
+impl Layer {
+    fn new(polygons: &[Polygon], pillars: &[Pillar], height_m: f64) -> Self {
+        let mut segments = Vec::new();
+        let mut owners = Vec::new();
+        for (owner, polygon) in polygons.iter().enumerate().filter(|(_, p)| p.look.height_m >= height_m) {
+            for edge in polygon.edges() {
+                segments.push(edge);
+                owners.push(owner);
+            }
+        }
+        let seen = pillars.iter().enumerate().filter(|(_, pillar)| pillar.look.height_m >= height_m);
+        let (pillars, circles) = seen.map(|(i, pillar)| (i, pillar.circle)).unzip();
+        Self { index: Index::new(segments, circles), polygons: owners, pillars }
+    }
+}
+
+impl Polygon {
+    /// Its sides, in order.
+    pub fn edges(&self) -> impl Iterator<Item = Segment> {
+        let sides = if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) };
+        polygon::edges(&self.points).take(sides)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use baudbot_geometry::{Direction, Ray};
+
+    use super::*;
+
+    #[test]
+    fn a_high_sensor_overlooks_a_low_box() {
+        let points = [(1.0, -1.0), (2.0, -1.0), (2.0, 1.0), (1.0, 1.0)].map(|(x, y)| Point::new(x, y));
+        let look = Look { height_m: 0.3, ..Look::WALL };
+        let low = Polygon { name: "box".into(), points: points.to_vec(), solid: true, closed: true, look };
+        let circle = Circle { center: Point::new(5.0, 0.0), radius: 1.0 };
+        let pillar = Pillar { name: "pillar".into(), circle, look: Look::WALL };
+        let mut arena = Arena::new(alloc::vec![low], alloc::vec![pillar]);
+        let (infrared, laser) = (arena.layer(0.1), arena.layer(0.9));
+        assert_eq!((infrared, laser, arena.layer(0.2), arena.layer(2.0)), (0, 1, 0, 1));
+        let ray = Ray { origin: Point::origin(), direction: Direction::from_angle(0.0) };
+        let sees = |layer| arena.seen(layer).cast(&ray, 10.0).map(|hit| hit.distance);
+        assert_eq!((sees(infrared), sees(laser)), (Some(1.0), Some(4.0)));
+    }
+
+    #[test]
+    fn an_open_line_has_no_last_side() {
+        let points: Vec<_> = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| Point::new(x, y)).to_vec();
+        let line = Polygon { name: "l".into(), points, solid: false, closed: false, look: Look::WALL };
+        assert_eq!(line.edges().count(), 2);
     }
 }

@@ -7,10 +7,11 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Vector, math};
+use baudbot_geometry::{Pose, Vector, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::Arena;
+use crate::movable::{Body, Form};
 
 /// What a collision does, the same for all robots of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,50 +39,80 @@ pub(crate) enum Partner {
     Robot(usize),
 }
 
-/// The discs of all robots before and after a step, all free of each other and of the arena before it.
+/// Something else that robots can run into, such as a door.
+#[derive(Clone, Debug)]
+pub(crate) struct Obstacle {
+    pub(crate) name: String,
+    pub(crate) body: Body,
+}
+
+/// The poses of all robots before and after a step, all free of each other and of the arena before it.
 pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
-    pub(crate) before: &'a [Circle],
-    pub(crate) after: Vec<Circle>,
+    pub(crate) obstacles: &'a [Obstacle],
+    pub(crate) forms: &'a [Form<'a>],
+    pub(crate) before: &'a [Pose],
+    pub(crate) after: Vec<Pose>,
 }
 
 impl Step<'_> {
-    /// What robot `own` runs into in this step, if anything: the arena first, then the other robots in their
-    /// order. Discs that touch exactly do not collide.
+    /// What robot `own` runs into in this step, if anything: the arena first, then what moves in it, then the
+    /// other robots in their order. Bodies that touch exactly do not collide.
     pub(crate) fn partner(&self, own: usize) -> Option<Partner> {
         if let Some(name) = self.shape_on_the_way(own) {
             return Some(Partner::Shape(name.to_string()));
         }
-        let way = self.way(own);
-        let hit = |(i, other): (usize, &Circle)| {
-            // A disc that does not approach another cannot come to overlap it by its own motion.
-            i != own
-                && self.after[own].overlaps_circle(other)
-                && way.dot(&(self.before[i].center - self.before[own].center)) > 0.0
-        };
-        self.after.iter().enumerate().position(hit).map(Partner::Robot)
+        let hit = |i: usize| i != own && self.approaches(own, i) && self.body(own).overlaps(&self.body(i));
+        (0..self.after.len()).find(|&i| hit(i)).map(Partner::Robot)
+    }
+
+    fn body(&self, i: usize) -> Body {
+        self.forms[i].at(&self.after[i])
+    }
+
+    /// A disc that does not approach another cannot come to overlap it by its own motion. One with corners can,
+    /// by turning.
+    fn approaches(&self, own: usize, other: usize) -> bool {
+        let towards = self.before[other].position - self.before[own].position;
+        let near = self.forms[own].reach_m() + self.forms[other].reach_m();
+        let gap = self.after[other].position - self.after[own].position;
+        if gap.norm_squared() >= near * near {
+            return false;
+        }
+        match self.forms[own] {
+            Form::Disc { .. } => self.way(own).dot(&towards) > 0.0,
+            Form::Polygon(_) => self.before[own] != self.after[own],
+        }
     }
 
     /// Half a radius is the longest way between two looks: a body cannot get past anything in between.
     fn shape_on_the_way(&self, own: usize) -> Option<&str> {
         let (before, after, way) = (&self.before[own], &self.after[own], self.way(own));
-        let looks = math::ceil(way.norm() / (0.5 * after.radius)).clamp(1.0, MAX_LOOKS);
+        let stride = match self.forms[own] {
+            Form::Disc { radius_m } => 0.5 * radius_m,
+            form @ Form::Polygon(_) => form.thickness_m(),
+        };
+        let looks = math::ceil(way.norm() / stride).clamp(1.0, MAX_LOOKS);
         (1..=looks as u32).find_map(|i| {
-            let center = if f64::from(i) == looks {
-                after.center
-            } else {
-                before.center + way * (f64::from(i) / looks)
-            };
-            self.arena.obstacle_at(&Circle { center, radius: after.radius })
+            let mut pose = *after;
+            if f64::from(i) != looks {
+                pose.position = before.position + way * (f64::from(i) / looks);
+            }
+            self.shape_at(&self.forms[own].at(&pose))
         })
     }
 
+    fn shape_at(&self, body: &Body) -> Option<&str> {
+        let obstacle = || self.obstacles.iter().find(|obstacle| obstacle.body.overlaps(body));
+        body.arena_shape(self.arena).or_else(|| obstacle().map(|obstacle| obstacle.name.as_str()))
+    }
+
     fn way(&self, own: usize) -> Vector {
-        self.after[own].center - self.before[own].center
+        self.after[own].position - self.before[own].position
     }
 
     /// Which robots must stay where they were: those that would run into the arena or into one another, and
-    /// those that would then run into one that stays.
+    /// those that would then run into one that stays. A disc may turn where it stands.
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
     /// stops more of them or is the last.
@@ -110,11 +141,19 @@ const MAX_LOOKS: f64 = 10_000.0;
 mod tests {
     use baudbot_geometry::Point;
 
+    use crate::arena::Look;
+
     use super::*;
     use crate::arena::Polygon;
 
-    fn row(xs: &[f64]) -> Vec<Circle> {
-        xs.iter().map(|&x| Circle { center: Point::new(x, 0.0), radius: 0.5 }).collect()
+    const DISCS: [Form<'static>; 4] = [Form::Disc { radius_m: 0.5 }; 4];
+
+    fn row(xs: &[f64]) -> Vec<Pose> {
+        xs.iter().map(|&x| Pose::new(x, 0.0, 0.0)).collect()
+    }
+
+    fn step<'a>(arena: &'a Arena, before: &'a [Pose], after: Vec<Pose>) -> Step<'a> {
+        Step { arena, obstacles: &[], forms: &DISCS[..before.len()], before, after }
     }
 
     fn empty() -> Arena {
@@ -125,22 +164,23 @@ mod tests {
     fn a_queue_that_runs_up_holds_back_one_after_the_other() {
         // The first two meet head on; the third would run into the second's old place; the fourth is free.
         let before = row(&[0.0, 1.2, 2.3, 9.0]);
-        let held = Step { arena: &empty(), before: &before, after: row(&[0.15, 1.05, 2.1, 9.2]) }.held_back();
+        let held = step(&empty(), &before, row(&[0.15, 1.05, 2.1, 9.2])).held_back();
         assert_eq!(held, [Some(Partner::Robot(1)), Some(Partner::Robot(0)), Some(Partner::Robot(1)), None]);
     }
 
     #[test]
     fn only_the_robot_behind_is_held_back_in_a_rear_end_collision() {
         let before = row(&[0.0, 1.1]);
-        let held = Step { arena: &empty(), before: &before, after: row(&[0.3, 1.2]) }.held_back();
+        let held = step(&empty(), &before, row(&[0.3, 1.2])).held_back();
         assert_eq!(held, [Some(Partner::Robot(1)), None]);
     }
 
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
-        assert_eq!(Step { arena: &empty(), before: &before, after: row(&[0.0, 1.0]) }.partner(0), None);
-        let near = Step { arena: &empty(), before: &before, after: row(&[0.001, 1.0]) };
+        assert_eq!(step(&empty(), &before, row(&[0.0, 1.0])).partner(0), None);
+        let arena = empty();
+        let near = step(&arena, &before, row(&[0.001, 1.0]));
         assert_eq!(near.partner(0), Some(Partner::Robot(1)));
         assert_eq!(near.partner(1), None, "it stood still");
     }
@@ -149,10 +189,10 @@ mod tests {
     fn nothing_passes_through_a_thin_wall_in_one_long_step() {
         let points =
             [(2.0, -1.0), (2.01, -1.0), (2.01, 1.0), (2.0, 1.0)].map(|(x, y)| Point::new(x, y)).to_vec();
-        let wall = Polygon { name: "wall".into(), points, solid: true };
+        let wall = Polygon { name: "wall".into(), points, solid: true, closed: true, look: Look::WALL };
         let arena = Arena::new(alloc::vec![wall], Vec::new());
         let before = row(&[0.0]);
-        let step = Step { arena: &arena, before: &before, after: row(&[4.0]) };
+        let step = step(&arena, &before, row(&[4.0]));
         assert_eq!(step.partner(0), Some(Partner::Shape("wall".into())));
     }
 }

@@ -5,13 +5,15 @@
 //! - (3.19) and (3.20) multiply by the heading before the step; ARSim's program uses the new one, and so do we.
 //! - The notes use one R for the body's radius and for half the distance between the wheels. Here the
 //!   half track is its own number, equal to the radius unless a scenario says otherwise.
+//! - Servos and stepper motors turn their wheels at their own speed, whatever the body weighs: (2.5) and (2.6) in place
+//!   of (2.31) and (2.32).
 //! - ARSim feeds its motors wheel speeds computed with half the half track. `motor_track_factor` is that
 //!   quirk: 0.5 in ARSim's preset, 1 (equations 2.2 and 2.3) everywhere else.
 
 use baudbot_geometry::{Pose, angle, math};
 use serde::{Deserialize, Serialize};
 
-use crate::motor::Motor;
+use crate::motor::{MotorNoise, MotorState, Motors};
 
 /// What a robot's body, wheels and motors are.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +37,9 @@ pub struct Drive {
     /// B of (2.30), without unit.
     pub turn_gain: f64,
     /// The motor of each wheel; the two are alike.
-    pub motor: Motor,
+    pub motor: Motors,
+    /// How uneven the motors are.
+    pub motor_noise: MotorNoise,
     /// See the module's deviations.
     pub motor_track_factor: f64,
 }
@@ -85,6 +89,20 @@ pub struct Motion {
     pub wheel_speed_rad_s: Wheels,
     /// Way that each wheel has rolled since the start, in metres, backwards taken off.
     pub travel_m: Wheels,
+    /// Acceleration along the heading in the last step, in m/s².
+    pub acceleration_m_s2: f64,
+    /// What the motors remember.
+    pub motors: MotorState,
+}
+
+impl Motion {
+    /// Steps that have been commanded to the left and the right motor, if they are steppers; else 0.
+    pub fn commanded_steps(&self) -> [f64; 2] {
+        match &self.motors {
+            MotorState::None => [0.0; 2],
+            MotorState::Stepper { left, right } => [left.commanded_steps, right.commanded_steps],
+        }
+    }
 }
 
 impl Drive {
@@ -96,36 +114,97 @@ impl Drive {
             turn_rate_rad_s,
             wheel_speed_rad_s: Wheels::default(),
             travel_m: Wheels::default(),
+            acceleration_m_s2: 0.0,
+            motors: self.motor.start(),
         };
         motion.wheel_speed_rad_s = self.wheel_speeds(&motion);
         motion
     }
 
-    /// One Euler step of `dt` seconds under these motor signals: (2.31), (2.32), then (3.16)–(3.22).
-    pub fn step(&self, motion: &Motion, signals: Wheels, dt: f64) -> Motion {
-        let left_nm = self.motor.torque_nm(signals.left, motion.wheel_speed_rad_s.left);
-        let right_nm = self.motor.torque_nm(signals.right, motion.wheel_speed_rad_s.right);
+    /// One Euler step of `dt` seconds under these motor signals: speeds from the motors, then (3.18)–(3.22). `slip`
+    /// is the share of each wheel's rolling that is lost on slippery ground, if any is.
+    pub fn step(&self, motion: &Motion, signals: Wheels, slip: Option<Wheels>, dt: f64) -> Motion {
+        let mut next = *motion;
+        let wheels = motion.wheel_speed_rad_s;
+        match (&self.motor, &mut next.motors) {
+            (Motors::Dc(motor), _) => {
+                let left_nm = motor.torque_nm(signals.left, wheels.left);
+                self.push(&mut next, left_nm, motor.torque_nm(signals.right, wheels.right), dt);
+            }
+            (Motors::Velocity(motor), _) => {
+                let torque = |signal, speed| motor.torque_nm(signal, self.wheel_radius_m * speed);
+                let left_nm = torque(signals.left, wheels.left);
+                self.push(&mut next, left_nm, torque(signals.right, wheels.right), dt);
+            }
+            (Motors::Servo(servo), _) => {
+                let speed = |signal, speed| servo.approach(speed, servo.target_rad_s(signal), dt);
+                let left = speed(signals.left, wheels.left);
+                self.roll(&mut next, Wheels { left, right: speed(signals.right, wheels.right) });
+            }
+            (Motors::Stepper(stepper), MotorState::Stepper { left, right }) => {
+                let left = stepper.step(left, wheels.left, signals.left, dt);
+                let right = stepper.step(right, wheels.right, signals.right, dt);
+                self.roll(&mut next, Wheels { left, right });
+            }
+            (Motors::Stepper(_), MotorState::None) => {
+                unreachable!("a robot is placed with its motors' state")
+            }
+        }
+        next.acceleration_m_s2 = (next.speed_m_s - motion.speed_m_s) / dt;
+        self.advance(&mut next, slip, dt);
+        next
+    }
+
+    /// Torques on the wheels change the speeds: (2.31), (2.32), then (3.16), (3.17).
+    fn push(&self, motion: &mut Motion, left_nm: f64, right_nm: f64, dt: f64) {
         let acceleration = (-self.damping_n_s_m * motion.speed_m_s
             + self.forward_gain * (left_nm + right_nm))
             / self.mass_kg;
         let turn_acceleration = (-self.turn_damping_nm_s * motion.turn_rate_rad_s
             + self.turn_gain * (right_nm - left_nm))
             / self.inertia_kg_m2;
+        motion.speed_m_s += acceleration * dt;
+        motion.turn_rate_rad_s += turn_acceleration * dt;
+    }
 
-        let speed = motion.speed_m_s + acceleration * dt;
-        let turn_rate = motion.turn_rate_rad_s + turn_acceleration * dt;
-        let heading = angle::wrap(motion.pose.heading + turn_rate * dt);
-        let mut next = *motion;
-        next.speed_m_s = speed;
-        next.turn_rate_rad_s = turn_rate;
-        next.pose.heading = heading;
-        let (sin, cos) = math::sin_cos(heading);
-        next.pose.position.x += speed * cos * dt;
-        next.pose.position.y += speed * sin * dt;
-        next.wheel_speed_rad_s = self.wheel_speeds(&next);
-        next.travel_m.left += (speed - self.half_track_m * turn_rate) * dt;
-        next.travel_m.right += (speed + self.half_track_m * turn_rate) * dt;
-        next
+    /// Wheels that hold their speeds give the robot its own: (2.5), (2.6).
+    fn roll(&self, motion: &mut Motion, wheels: Wheels) {
+        let rim =
+            Wheels { left: self.wheel_radius_m * wheels.left, right: self.wheel_radius_m * wheels.right };
+        motion.speed_m_s = (rim.left + rim.right) / 2.0;
+        motion.turn_rate_rad_s = (rim.right - rim.left) / (2.0 * self.half_track_m);
+    }
+
+    /// The pose follows the speeds: (3.18)–(3.22).
+    fn advance(&self, motion: &mut Motion, slip: Option<Wheels>, dt: f64) {
+        let (rolled, turned) = (motion.speed_m_s, motion.turn_rate_rad_s);
+        let (speed, turn_rate) = slip.map_or((rolled, turned), |slip| self.slipping(rolled, turned, slip));
+        motion.pose.heading = angle::wrap(motion.pose.heading + turn_rate * dt);
+        let (sin, cos) = math::sin_cos(motion.pose.heading);
+        motion.pose.position.x += speed * cos * dt;
+        motion.pose.position.y += speed * sin * dt;
+        motion.wheel_speed_rad_s = self.wheel_speeds(motion);
+        motion.travel_m.left += (rolled - self.half_track_m * turned) * dt;
+        motion.travel_m.right += (rolled + self.half_track_m * turned) * dt;
+    }
+
+    /// Speed over ground and turn rate of a body whose wheels roll as if it moved with these, but slip.
+    fn slipping(&self, speed: f64, turn_rate: f64, slip: Wheels) -> (f64, f64) {
+        let left = (1.0 - slip.left) * (speed - self.half_track_m * turn_rate);
+        let right = (1.0 - slip.right) * (speed + self.half_track_m * turn_rate);
+        (0.5 * (left + right), (right - left) / (2.0 * self.half_track_m))
+    }
+
+    /// After something else has changed a robot's speeds, the wheels roll as they say.
+    pub(crate) fn roll_with(&self, motion: &mut Motion) {
+        motion.wheel_speed_rad_s = self.wheel_speeds(motion);
+    }
+
+    /// Electrical power that both motors take under these signals, in W.
+    pub fn power_w(&self, motion: &Motion, signals: Wheels) -> f64 {
+        let power = |signal, speed| self.motor.power_w(signal, speed, self.wheel_radius_m);
+        let wheels = motion.wheel_speed_rad_s;
+        power(signals.left, wheels.left) + power(signals.right, wheels.right)
     }
 
     /// Takes a robot's speed away; it goes on turning.
@@ -136,9 +215,10 @@ impl Drive {
 
     /// How far Euler steps of `dt` seconds are from blowing up, forwards and in turning: each must stay
     /// below 2, and below 1 to approach the steady speed without swinging. The motor's back-EMF and viscous
-    /// friction damp the motion as α and β do.
+    /// friction, or its regulator, damp the motion as α and β do. Motors that no torque slows are never far.
     pub fn stiffness(&self, dt: f64) -> [f64; 2] {
-        let slope = self.motor.slope_nm_s() / self.wheel_radius_m;
+        let Some(slope_nm_s) = self.motor.slope_nm_s(self.wheel_radius_m) else { return [0.0; 2] };
+        let slope = slope_nm_s / self.wheel_radius_m;
         let lever = self.motor_track_factor * self.half_track_m;
         [
             (self.damping_n_s_m + 2.0 * self.forward_gain * slope) * dt / self.mass_kg,

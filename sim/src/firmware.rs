@@ -54,12 +54,12 @@ pub(crate) struct Fields {
 }
 
 impl Firmware {
-    /// A firmware that sends `sensors`' components and takes signals for two motors.
-    pub fn new(protocol: Protocol, mode: Mode, sensors: &[&[Encoding]], motor: Encoding) -> Self {
+    /// A firmware that sends `sensors`' components and takes signals for two motors and the other actuators.
+    pub fn new(protocol: Protocol, mode: Mode, sensors: &[&[Encoding]], motors: Vec<Encoding>) -> Self {
         let fields = Fields {
             components: sensors.concat(),
             counts: sensors.iter().map(|components| components.len() as u8).collect(),
-            motors: alloc::vec![motor; 2],
+            motors,
             ages: matches!(protocol, Protocol::Framed { ages: true }),
         };
         Self { protocol, mode, fields }

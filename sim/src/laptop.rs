@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
 use crate::link::Line;
+use crate::port::{Heard, PortState};
 use crate::robot::RobotSpec;
 use crate::time::SimTime;
 
@@ -55,8 +56,7 @@ pub struct Freshness {
 }
 
 impl Laptop {
-    pub(crate) fn new(firmware: &Firmware) -> Self {
-        let sensors = firmware.layout().counts.len();
+    pub(crate) fn new(sensors: usize, firmware: &Firmware) -> Self {
         Self {
             decoder: firmware.reading_decoder(),
             readings: alloc::vec![Reading::default(); sensors],
@@ -95,6 +95,26 @@ impl Laptop {
                     self.sampled[i] = Some(sampled_at);
                 }
             }
+        }
+    }
+
+    /// A byte arrives on the cable of sensor `i`'s own.
+    pub(crate) fn receive_from_port(
+        &mut self,
+        spec: &RobotSpec,
+        i: usize,
+        arrival: (SimTime, u8),
+        state: &mut PortState,
+    ) {
+        let sensor = &spec.sensors[i];
+        let Some(port) = &sensor.port else { return };
+        let Heard::Reading(values, sampled_at) = state.receive(port, &sensor.device, arrival) else { return };
+        self.has_message = true;
+        let reading = &mut self.readings[i];
+        let sequence = reading.sequence.wrapping_add(1);
+        *reading = Reading { values, sampled_at, sequence, readable: true };
+        for (i, sampled_at) in state.line.sampled() {
+            self.sampled[i] = Some(sampled_at);
         }
     }
 

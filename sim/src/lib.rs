@@ -19,8 +19,12 @@
 
 extern crate alloc;
 
+pub mod actuator;
 pub mod arena;
+pub mod battery;
 pub mod collision;
+pub mod coverage;
+mod curve;
 pub mod drive;
 pub mod firmware;
 mod hash;
@@ -28,12 +32,20 @@ mod laptop;
 pub mod link;
 pub mod microcontroller;
 pub mod motor;
+pub mod movable;
+pub mod mover;
+pub mod port;
 pub mod random;
+pub mod referee;
 pub mod robot;
 pub mod scenario;
 mod scene;
 pub mod schedule;
 pub mod sensor;
+#[cfg(test)]
+#[path = "../tests/common/statistics.rs"]
+mod statistics;
+pub mod surroundings;
 pub mod time;
 mod view;
 mod world;
@@ -41,5 +53,5 @@ mod world;
 pub use laptop::{Freshness, Reading};
 pub use scenario::{Override, Scenario};
 pub use time::SimTime;
-pub use view::{RobotView, SensorView};
+pub use view::{Outline, RobotView, SensorView, ThingView};
 pub use world::{Ending, Input, Turn, World};

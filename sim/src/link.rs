@@ -23,6 +23,8 @@ pub enum Link {
     Ideal,
     /// A serial cable.
     Uart(Uart),
+    /// None: the brain is the microcontroller's program (Fig. 1.19), and its thinking takes that processor's time.
+    Onboard,
 }
 
 /// A serial cable and the buffers at its ends.
@@ -48,7 +50,7 @@ impl Link {
     /// Nanoseconds from the start of a burst to the arrival of its `n`-th character (from 1).
     pub(crate) fn burst_ns(&self, n: u64) -> u64 {
         match self {
-            Self::Ideal => 0,
+            Self::Ideal | Self::Onboard => 0,
             Self::Uart(uart) => {
                 let bits = u128::from(n) * u128::from(uart.bits_per_character);
                 let ns = (bits * u128::from(SECOND_NS)).div_ceil(u128::from(uart.baud));
@@ -60,7 +62,7 @@ impl Link {
     /// See [`Uart::receive_depth`]; an ideal link loses nothing.
     pub(crate) fn receive_depth(&self) -> usize {
         match self {
-            Self::Ideal => usize::MAX,
+            Self::Ideal | Self::Onboard => usize::MAX,
             Self::Uart(uart) => uart.receive_depth,
         }
     }
@@ -68,7 +70,7 @@ impl Link {
     /// See [`Uart::transmit_depth`].
     pub(crate) fn transmit_depth(&self) -> usize {
         match self {
-            Self::Ideal => usize::MAX,
+            Self::Ideal | Self::Onboard => usize::MAX,
             Self::Uart(uart) => uart.transmit_depth,
         }
     }
@@ -76,14 +78,14 @@ impl Link {
     /// See [`Uart::laptop_buffer_bytes`].
     pub(crate) fn laptop_buffer(&self) -> usize {
         match self {
-            Self::Ideal => IDEAL_BUFFER,
+            Self::Ideal | Self::Onboard => IDEAL_BUFFER,
             Self::Uart(uart) => uart.laptop_buffer_bytes,
         }
     }
 
     fn byte_error_rate(&self) -> f64 {
         match self {
-            Self::Ideal => 0.0,
+            Self::Ideal | Self::Onboard => 0.0,
             Self::Uart(uart) => uart.byte_error_rate,
         }
     }

@@ -8,7 +8,7 @@ use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use baudbot_wire::{Message, Sample, clock, frame, message, write_values};
+use baudbot_wire::{Message, Sample, Values, clock, frame, message, write_values};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
@@ -17,11 +17,13 @@ use crate::link::{Line, LineCounters};
 use crate::random::Stream;
 use crate::robot::RobotSpec;
 use crate::schedule::Due;
-use crate::sensor::{Measurement, Memory, Sensor};
-use crate::time::SimTime;
+use crate::scene::Ping;
+use crate::sensor::noise::NoiseState;
+use crate::sensor::{Effect, Event, Measurement, Memory, Parts, Running, Sensor};
+use crate::time::{SECOND_NS, SimTime};
 
 /// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Processor {
     /// To frame readings, for each byte that goes on the wire.
     pub framing_ns_per_byte: u64,
@@ -29,6 +31,18 @@ pub struct Processor {
     pub receiving_ns_per_byte: u64,
     /// To obey a command, once its last byte is taken.
     pub obeying_ns: u64,
+    /// How many operations of a brain's program it does a second, if it is to run one.
+    pub operations_per_s: Option<f64>,
+    /// Memory for a brain's variables, in bytes, if that matters.
+    pub ram_bytes: Option<u64>,
+}
+
+impl Processor {
+    /// How long it takes for so many operations, in nanoseconds.
+    pub fn thinking_ns(&self, operations: u64) -> Option<u64> {
+        let per_s = self.operations_per_s?;
+        Some((operations as f64 / per_s * SECOND_NS as f64 + 0.5) as u64)
+    }
 }
 
 /// State of the microcontroller.
@@ -49,20 +63,28 @@ pub(crate) struct Microcontroller {
 pub(crate) struct Channel {
     due: Due,
     memory: Memory,
+    noise: NoiseState,
     stream: Stream,
+    /// If the device measures at its own pace.
+    running: Option<Running>,
     /// The last sample, one value a component; empty before the first.
     pub(crate) values: Vec<f64>,
+    /// When the microcontroller took it; of a device with a cable of its own, when it was measured.
     pub(crate) sampled_at: SimTime,
+    /// When it was measured: earlier, if the device held it.
+    measured_at: SimTime,
     /// In no frame yet: the readability state of §3.2.1.
     fresh: bool,
     pub(crate) samples: u64,
 }
 
-/// A command that was obeyed at an instant.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Order {
-    at: SimTime,
-    signals: Wheels,
+/// A command that is obeyed at an instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Order {
+    pub(crate) at: SimTime,
+    pub(crate) signals: Wheels,
+    /// Those of the other actuators, in their order.
+    pub(crate) others: Vec<f64>,
 }
 
 /// What the processor turns to next.
@@ -106,16 +128,48 @@ impl Microcontroller {
         (due.max(self.free_at), task)
     }
 
-    /// Reads sensor `i` at `now`.
-    pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, now: SimTime, at: &Measurement<'_>) {
+    /// Reads sensor `i`; gives back the pulse that it sent, if others can hear it.
+    pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) -> Option<Ping> {
         let channel = &mut self.channels[i];
-        channel.due.serve(&sensor.schedule, now);
-        channel.values.resize(sensor.encodings.len(), 0.0);
-        sensor.device.read(at, &mut channel.memory, &mut channel.stream, &mut channel.values);
-        channel.sampled_at = now;
+        channel.due.serve(&sensor.schedule, at.now);
+        let effect = channel.read(sensor, at);
+        channel.sampled_at = at.now;
         channel.fresh = true;
         channel.samples += 1;
-        self.free_at = now + sensor.acquisition_ns;
+        self.free_at = at.now + sensor.acquisition_ns + effect.wait_ns;
+        effect.ping
+    }
+
+    /// What the device of sensor `i`, which has an own clock, does next, and when.
+    pub(crate) fn next_of_own(&self, i: usize, sensor: &Sensor) -> (SimTime, Event) {
+        let running = self.channels[i].running.as_ref();
+        running.map_or((SimTime::NEVER, Event::Output), |running| running.next(&sensor.device))
+    }
+
+    /// The device of sensor `i` measures, as its own clock says.
+    pub(crate) fn measure(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) {
+        let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
+        let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
+        running.measure(sensor, clock, at, Parts { memory, noise, stream });
+    }
+
+    /// What the device of sensor `i` has measured comes to its output. If it has a cable of its own, the answer
+    /// is what it sends: the values, and when they were measured.
+    pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime)> {
+        let channel = &mut self.channels[i];
+        let held = channel.running.as_mut()?.output()?;
+        if sensor.is_on_wire() {
+            return None;
+        }
+        channel.values.clone_from(&held.values);
+        (channel.sampled_at, channel.measured_at) = (held.measured_at, held.measured_at);
+        channel.samples += 1;
+        Some((&channel.values, channel.measured_at))
+    }
+
+    /// A measurement of sensor `i` could not be sent, because its cable was still taken.
+    pub(crate) fn leave_out(&mut self, i: usize) {
+        self.channels[i].due.missed += 1;
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
@@ -136,9 +190,9 @@ impl Microcontroller {
         // A bare message repeats what is not fresh.
         let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. });
         let mut sampled = Vec::new();
-        for (i, channel) in self.channels.iter_mut().enumerate() {
+        for (i, channel) in self.channels.iter_mut().enumerate().take(spec.firmware.layout().counts.len()) {
             if core::mem::take(&mut channel.fresh) || (repeats && channel.samples > 0) {
-                sampled.push((i, channel.sampled_at));
+                sampled.push((i, channel.measured_at));
             }
         }
         self.sequence = self.sequence.wrapping_add(1);
@@ -209,24 +263,28 @@ impl Microcontroller {
     }
 
     fn obey(&mut self, spec: &RobotSpec, request: Request) {
-        if let Request::Drive(signals) = request {
+        if let Request::Drive(signals, others) = request {
             self.free_at = self.free_at + spec.processor.obeying_ns;
-            self.orders.push_back(Order { at: self.free_at, signals });
+            self.orders.push_back(Order { at: self.free_at, signals, others });
         }
         if spec.firmware.mode == Mode::Poll {
             self.frame.next = self.frame.next.min(self.free_at);
         }
     }
 
-    /// The motor signals in force at `now`, if a command came since they were last asked for.
-    pub(crate) fn signals_at(&mut self, now: SimTime) -> Option<Wheels> {
-        let mut signals = None;
-        while let Some(order) = self.orders.front().filter(|order| order.at <= now) {
-            signals = Some(order.signals);
-            self.orders.pop_front();
+    /// The order in force at `now`, if one came since it was last asked for.
+    pub(crate) fn order_at(&mut self, now: SimTime) -> Option<Order> {
+        let mut last = None;
+        while let Some(order) = self.orders.pop_front_if(|order| order.at <= now) {
+            last = Some(order);
             self.commands += 1;
         }
-        signals
+        last
+    }
+
+    /// The brain thinks on this processor until `until`: nothing else runs.
+    pub(crate) fn think(&mut self, until: SimTime) {
+        self.free_at = self.free_at.max(until);
     }
 
     pub(crate) fn channels(&self) -> &[Channel] {
@@ -242,15 +300,48 @@ impl Microcontroller {
 impl Channel {
     fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64) -> Self {
         let name = alloc::format!("{}/{}", spec.name, sensor.name);
+        // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
+        // it.
+        let specimen = &mut Stream::new(seed, &alloc::format!("{name}:specimen"));
+        let due = if sensor.is_on_wire() {
+            sensor.schedule.start()
+        } else {
+            Due { next: SimTime::NEVER, missed: 0 }
+        };
         Self {
-            due: sensor.schedule.start(),
-            memory: sensor.device.remember(&spec.start.pose),
+            due,
+            noise: sensor.noise.start(sensor.device.values(), specimen),
+            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen)),
+            memory: sensor.device.remember(&spec.start.pose, specimen),
             stream: Stream::new(seed, &name),
             values: vec![],
             sampled_at: SimTime::ZERO,
+            measured_at: SimTime::ZERO,
             fresh: false,
             samples: 0,
         }
+    }
+
+    /// Takes a reading: of the device now, or of what it holds.
+    fn read(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> Effect {
+        self.values.resize(sensor.encodings.len(), 0.0);
+        if let Some(running) = &self.running {
+            match running.held() {
+                Some(held) => {
+                    self.values.copy_from_slice(&held.values);
+                    self.measured_at = held.measured_at;
+                }
+                None => {
+                    sensor.device.unmeasured(&mut self.values);
+                    self.measured_at = at.now;
+                }
+            }
+            return Effect::default();
+        }
+        let effect = sensor.device.read(at, &mut self.memory, &mut self.stream, &mut self.values);
+        sensor.disturb(at.noise, &mut self.noise, at.now, &mut self.values, &mut self.stream);
+        self.measured_at = at.now;
+        effect
     }
 
     /// Reads that fell due while the processor was busy and were left out.
@@ -260,35 +351,32 @@ impl Channel {
 }
 
 /// What the laptop asks of the microcontroller.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Request {
-    Drive(Wheels),
+    Drive(Wheels, Vec<f64>),
     Poll,
 }
 
 impl Request {
     /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
     fn parse(spec: &RobotSpec, payload: &[u8]) -> Option<Self> {
-        let firmware = &spec.firmware;
-        if let Protocol::Bare { .. } = firmware.protocol {
-            let encoding = firmware.motor_encoding();
-            let (left, right) = payload.split_at_checked(encoding.len())?;
-            return Self::drive(spec, encoding.take(left)?, encoding.take(right)?);
+        let layout = spec.firmware.layout();
+        if let Protocol::Bare { .. } = spec.firmware.protocol {
+            return Self::drive(spec, &mut Values::new(layout.motors, payload));
         }
-        match Message::parse(payload, &firmware.layout()).ok()? {
+        match Message::parse(payload, &layout).ok()? {
             Message::Readings(_) => None,
             Message::Poll { .. } => Some(Self::Poll),
-            Message::Command(command) => {
-                let mut signals = command.values();
-                Self::drive(spec, signals.next()?, signals.next()?)
-            }
+            Message::Command(command) => Self::drive(spec, &mut command.values()),
         }
     }
 
-    fn drive(spec: &RobotSpec, left: f64, right: f64) -> Option<Self> {
+    fn drive(spec: &RobotSpec, signals: &mut impl Iterator<Item = f64>) -> Option<Self> {
         let limit = spec.signal_limit.unwrap_or(f64::MAX);
-        let sound = |signal: f64| signal.is_finite() && signal.abs() <= limit;
-        (sound(left) && sound(right)).then_some(Self::Drive(Wheels { left, right }))
+        let mut next = || signals.next().filter(|signal| signal.is_finite() && signal.abs() <= limit);
+        let wheels = Wheels { left: next()?, right: next()? };
+        let others = spec.actuators.iter().map(|_| next()).collect::<Option<_>>()?;
+        Some(Self::Drive(wheels, others))
     }
 }
 

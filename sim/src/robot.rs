@@ -1,20 +1,27 @@
 //! A robot: what it is, and the state it is in.
 
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Pose};
+use baudbot_geometry::{Point, Pose};
 use serde::{Deserialize, Serialize};
 
+use crate::actuator::{Actuator, ActuatorState};
+use crate::arena::Look;
+use crate::battery::{Battery, BatteryState};
 use crate::collision::Partner;
 use crate::drive::{Drive, Motion, Wheels};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
 use crate::link::{Line, Link};
-use crate::microcontroller::{Microcontroller, Processor, Task};
+use crate::motor::NoiseState;
+use crate::movable::Form;
+use crate::microcontroller::{Microcontroller, Order, Processor, Task};
+use crate::port::PortState;
 use crate::random::Stream;
-use crate::scene::Scene;
-use crate::sensor::{Measurement, Sensor};
+use crate::scene::{Ping, Scene};
+use crate::sensor::{Event, Measurement, Sensor};
 use crate::time::SimTime;
 
 /// What a robot is.
@@ -26,10 +33,26 @@ pub struct RobotSpec {
     pub start: Start,
     /// Body, wheels and motors.
     pub drive: Drive,
+    /// Corners of the body in the robot's frame, in metres; none if it is a disc. The collision geometry of §3.2.5.
+    pub outline: Vec<Point>,
+    /// What it looks like from the side.
+    pub look: Look,
     /// Largest motor signal that a brain may ask for; `None` means any, as in ARSim.
     pub signal_limit: Option<f64>,
-    /// In the order of the wire.
+    /// Actuators besides the wheels, in the order of the wire.
+    pub actuators: Vec<Actuator>,
+    /// What feeds it, if that can run out.
+    pub battery: Option<Battery>,
+    /// How full that is at the start, in [0, 1].
+    pub charge: f64,
+    /// Motors stand still if no command comes for so long, in nanoseconds.
+    pub command_timeout_ns: Option<u64>,
+    /// Those that the microcontroller reads, in the order of the wire; then those with a cable of their own.
     pub sensors: Vec<Sensor>,
+    /// The sensors that measure at their own pace, by their places.
+    pub(crate) own_clocks: Vec<usize>,
+    /// The sensors with a cable of their own, by their places.
+    pub(crate) ports: Vec<usize>,
     /// What the microcontroller's tasks cost.
     pub processor: Processor,
     /// What it says on its wire.
@@ -38,6 +61,17 @@ pub struct RobotSpec {
     pub link: Link,
     /// How long a brain thinks that does not say, in nanoseconds.
     pub thinking_ns: u64,
+}
+
+impl RobotSpec {
+    /// The shape of its body.
+    pub(crate) fn form(&self) -> Form<'_> {
+        if self.outline.is_empty() {
+            Form::Disc { radius_m: self.drive.radius_m }
+        } else {
+            Form::Polygon(&self.outline)
+        }
+    }
 }
 
 /// Where and how a robot starts.
@@ -59,6 +93,7 @@ pub(crate) struct Robot {
     pub(crate) motion: Motion,
     /// The motor signals in force.
     pub(crate) signals: Wheels,
+    pub(crate) motor_noise: NoiseState,
     /// Ran into something in the last tick.
     pub(crate) collided: bool,
     /// What it ran into since there was last some room around it.
@@ -67,7 +102,35 @@ pub(crate) struct Robot {
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
     pub(crate) laptop: Laptop,
+    /// The cables of the sensors that have their own, in their order.
+    pub(crate) ports: Vec<PortState>,
+    pub(crate) actuators: Vec<ActuatorState>,
+    pub(crate) battery: Option<BatteryState>,
+    /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
+    pub(crate) pings: [Option<Ping>; 2],
+    /// When the last command was obeyed.
+    pub(crate) commanded_at: SimTime,
     pub(crate) counters: RobotCounters,
+}
+
+/// The tick in which a robot is advanced, with the scene as it is at its start.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    /// Whether sensors are noisy.
+    pub(crate) noise: bool,
+    pub(crate) start: SimTime,
+    pub(crate) end: SimTime,
+}
+
+/// What comes next on a robot.
+enum Next {
+    /// A device with an own clock.
+    Device(usize, Event),
+    /// The microcontroller.
+    Task(Task),
+    /// A byte at the laptop, from the microcontroller or from a device's own cable.
+    Byte(Option<usize>),
 }
 
 /// What happened to a robot.
@@ -83,7 +146,8 @@ pub struct RobotCounters {
 
 impl Robot {
     pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
-        let line = |name| Line::new(Stream::new(seed, &alloc::format!("{}/{name}", spec.name)));
+        let stream = |name: &str| Stream::new(seed, &format!("{}/{name}", spec.name));
+        let line = |name: &str| Line::new(stream(name));
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
         if wheels_at_rest {
@@ -92,19 +156,28 @@ impl Robot {
         Self {
             motion,
             signals: Wheels::default(),
+            motor_noise: NoiseState::new(&spec.drive.motor_noise, stream("motors:noise")),
             collided: false,
             contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed),
             uplink: line("link:up"),
             downlink: line("link:down"),
-            laptop: Laptop::new(&spec.firmware),
+            laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
+            ports: spec.ports.iter().map(|&i| PortState::new(line(&format!("{}:port", spec.sensors[i].name)))).collect(),
+            actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
+            battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
+            pings: [None; 2],
+            commanded_at: SimTime::ZERO,
             counters: RobotCounters::default(),
         }
     }
 
-    /// The disc that the robot covers.
-    pub(crate) fn disc(&self, spec: &RobotSpec) -> Circle {
-        Circle { center: self.motion.pose.position, radius: spec.drive.radius_m }
+    /// The brain steps at `at`: it has now been given all that arrived.
+    pub(crate) fn hand_over(&mut self, at: SimTime) {
+        self.laptop.hand_over(at);
+        for port in &mut self.ports {
+            port.unread.clear();
+        }
     }
 
     /// Runs the timeline of microcontroller and link through all that happens before `until`. With
@@ -113,52 +186,138 @@ impl Robot {
     pub(crate) fn advance(
         &mut self,
         spec: &RobotSpec,
-        scene: &Scene<'_>,
-        noise: bool,
+        moment: &Moment<'_>,
         until: SimTime,
         earliest: Option<SimTime>,
     ) -> Option<SimTime> {
         let mut step = earliest.filter(|_| self.laptop.has_message);
         loop {
             let end = step.map_or(until, |at| at + 1);
-            let (start, task) = self.microcontroller.next(&self.downlink);
-            let arrival = self.uplink.arrival();
-            // The microcontroller goes first: what it sends at an instant over an ideal link arrives at it.
-            if start <= arrival && start < end {
-                self.run(spec, scene, noise, start, task);
-            } else if arrival < end {
-                self.hear(spec, arrival);
-                if step.is_none() && self.laptop.has_message {
-                    step = earliest.map(|earliest| earliest.max(arrival));
-                }
-            } else {
+            let (now, next) = self.next(spec);
+            if now >= end {
                 return step;
+            }
+            match next {
+                Next::Device(i, event) => self.run_device(spec, moment, now, (i, event)),
+                Next::Task(task) => self.run(spec, moment, now, task),
+                Next::Byte(port) => {
+                    self.hear(spec, now, port);
+                    if step.is_none() && self.laptop.has_message {
+                        step = earliest.map(|earliest| earliest.max(now));
+                    }
+                }
             }
         }
     }
 
-    fn run(&mut self, spec: &RobotSpec, scene: &Scene<'_>, noise: bool, now: SimTime, task: Task) {
+    /// What comes next, and when. At one instant devices come first, so that the microcontroller finds what is
+    /// new; then the microcontroller, so that what it sends over an ideal link arrives at the same instant.
+    fn next(&self, spec: &RobotSpec) -> (SimTime, Next) {
+        let (start, task) = self.microcontroller.next(&self.downlink);
+        let mut next = (self.uplink.arrival(), Next::Byte(None));
+        for (k, port) in self.ports.iter().enumerate() {
+            if port.line.arrival() < next.0 {
+                next = (port.line.arrival(), Next::Byte(Some(k)));
+            }
+        }
+        if start <= next.0 {
+            next = (start, Next::Task(task));
+        }
+        for &i in &spec.own_clocks {
+            let (at, event) = self.microcontroller.next_of_own(i, &spec.sensors[i]);
+            if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
+                next = (at, Next::Device(i, event));
+            }
+        }
+        next
+    }
+
+    fn run(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, task: Task) {
         match task {
             Task::Acquire(i) => {
-                let at = Measurement { scene, drive: &spec.drive, motion: &self.motion, noise };
-                self.microcontroller.acquire(i, &spec.sensors[i], now, &at);
+                let Self { microcontroller, motion, actuators, battery, .. } = self;
+                let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+                let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
+                self.pings[0] = ping.or(self.pings[0]);
             }
             Task::SendReadings => self.microcontroller.send_readings(spec, now, &mut self.uplink),
             Task::Receive => self.microcontroller.receive(spec, now, &mut self.downlink),
         }
     }
 
-    fn hear(&mut self, spec: &RobotSpec, now: SimTime) {
-        while let Some(arrival) = self.uplink.take(now) {
-            self.laptop.receive(spec, arrival, &mut self.uplink);
+    fn run_device(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, (i, event): (usize, Event)) {
+        let sensor = &spec.sensors[i];
+        match event {
+            Event::Measure => {
+                let Self { microcontroller, motion, actuators, battery, .. } = self;
+                let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+                microcontroller.measure(i, sensor, &at);
+            }
+            Event::Output => {
+                let Some(output) = self.microcontroller.output(i, sensor) else { return };
+                let Some(port) = &sensor.port else { return };
+                let place = spec.ports.iter().position(|&other| other == i);
+                let sent = place.is_some_and(|k| self.ports[k].send(sensor, port, i, now, output));
+                if !sent {
+                    self.microcontroller.leave_out(i);
+                }
+            }
+        }
+    }
+
+    fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
+        let Some(k) = port else {
+            while let Some(arrival) = self.uplink.take(now) {
+                self.laptop.receive(spec, arrival, &mut self.uplink);
+            }
+            return;
+        };
+        while let Some(arrival) = self.ports[k].line.take(now) {
+            self.laptop.receive_from_port(spec, spec.ports[k], arrival, &mut self.ports[k]);
         }
     }
 
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
+        if matches!(spec.link, Link::Onboard) {
+            self.microcontroller.think(at);
+        }
         let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
         self.downlink.send(&spec.link, at, &bytes[..taken]);
+    }
+
+    /// The actuators take up what has been commanded by `now`.
+    pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime) {
+        let until = spec.drive.motor.obeys_until(now);
+        if let Some(Order { at, signals, others }) = self.microcontroller.order_at(until) {
+            (self.signals, self.commanded_at) = (signals, at);
+            for (actuator, signal) in self.actuators.iter_mut().zip(others) {
+                actuator.signal = signal;
+            }
+        }
+        if spec.command_timeout_ns.is_some_and(|timeout| now.since(self.commanded_at) >= timeout) {
+            self.signals = Wheels::default();
+        }
+    }
+}
+
+fn measurement<'a>(
+    robot: &'a RobotSpec,
+    moment: &Moment<'a>,
+    now: SimTime,
+    (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
+) -> Measurement<'a> {
+    Measurement {
+        scene: moment.scene,
+        robot,
+        motion,
+        actuators,
+        battery,
+        noise: moment.noise,
+        now,
+        tick_start: moment.start,
+        tick_end: moment.end,
     }
 }

@@ -1,8 +1,15 @@
 //! What may be seen of a robot: the truth for observers, and what its brain may have.
 
+use baudbot_geometry::{Circle, Point, Pose};
+
+use crate::actuator::ActuatorState;
+use crate::arena::Look;
+use crate::battery::{Battery, BatteryState};
 use crate::drive::{Motion, Wheels};
 use crate::laptop::{Freshness, Reading};
 use crate::link::LineCounters;
+use crate::movable::{Body, Form, Movable, MovableState};
+use crate::mover::{Mover, MoverState};
 use crate::robot::{Robot, RobotCounters, RobotSpec};
 use crate::time::SimTime;
 
@@ -46,6 +53,28 @@ impl<'a> RobotView<'a> {
     /// The motor signals in force in the last step.
     pub fn signals(&self) -> Wheels {
         self.state.signals
+    }
+
+    /// Its actuators besides the wheels.
+    pub fn actuators(&self) -> &'a [ActuatorState] {
+        &self.state.actuators
+    }
+
+    /// What feeds it, and how much is left of that, if it can run out.
+    pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
+        self.spec.battery.as_ref().zip(self.state.battery.as_ref())
+    }
+
+    /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's
+    /// place.
+    pub fn unread_of_ports(&self) -> impl Iterator<Item = (usize, &'a [u8])> {
+        self.spec.ports.iter().zip(&self.state.ports).map(|(&i, port)| (i, port.unread.as_slice()))
+    }
+
+    /// The line of a sensor's own cable, by the sensor's place.
+    pub fn port(&self, sensor: usize) -> Option<&'a LineCounters> {
+        let place = self.spec.ports.iter().position(|&i| i == sensor)?;
+        Some(&self.state.ports[place].line.counters)
     }
 
     /// Whether it ran into something in the last tick.
@@ -98,5 +127,50 @@ impl<'a> RobotView<'a> {
     /// The line from the laptop to the microcontroller.
     pub fn downlink(&self) -> &'a LineCounters {
         &self.state.downlink.counters
+    }
+}
+
+/// A look at something that moves by itself or is pushed.
+#[derive(Clone, Debug)]
+pub struct ThingView<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Where it is, world from thing.
+    pub pose: Pose,
+    /// Its outline in the world.
+    pub outline: Outline,
+    /// What it looks like from the side.
+    pub look: Look,
+    /// Time that something was in its way, in nanoseconds; 0 for what is pushed.
+    pub blocked_ns: u64,
+}
+
+/// The outline of a thing in the world.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outline {
+    /// A disc.
+    Disc(Circle),
+    /// Corners in order.
+    Polygon(alloc::vec::Vec<Point>),
+}
+
+impl Outline {
+    fn of(form: &Form<'_>, pose: &Pose) -> Self {
+        match form.at(pose) {
+            Body::Disc(disc) => Self::Disc(disc),
+            Body::Polygon(points) => Self::Polygon(points),
+        }
+    }
+}
+
+impl<'a> ThingView<'a> {
+    pub(crate) fn of_mover((mover, state): (&'a Mover, &MoverState)) -> Self {
+        let outline = Outline::of(&mover.form(), &state.pose);
+        Self { name: &mover.name, pose: state.pose, outline, look: mover.look, blocked_ns: state.blocked_ns }
+    }
+
+    pub(crate) fn of_movable((movable, state): (&'a Movable, &MovableState)) -> Self {
+        let outline = Outline::of(&movable.shape.form(), &state.pose);
+        Self { name: &movable.name, pose: state.pose, outline, look: movable.look, blocked_ns: 0 }
     }
 }

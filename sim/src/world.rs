@@ -1,20 +1,25 @@
 //! The world: the flow of Fig. 3.1 in two halves, with the brains between them.
 
+mod frozen;
+mod motion;
+
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
 
-use baudbot_geometry::Circle;
 use serde::{Deserialize, Serialize};
 
-use crate::collision::{Collision, CollisionPolicy, Partner, Step};
+use crate::collision::Collision;
 use crate::hash;
-use crate::robot::Robot;
+use crate::movable::MovableState;
+use crate::mover::MoverState;
+use crate::referee::Score;
+use crate::robot::{Moment, Robot};
 use crate::scenario::Scenario;
-use crate::scene::Scene;
-use crate::time::{SECOND_NS, SimTime};
-use crate::view::RobotView;
+use crate::scene::Frozen;
+use crate::time::SimTime;
+use crate::view::{RobotView, ThingView};
 
 /// A world: a scenario, which never changes, and a state, which is a value: a snapshot is a clone.
 ///
@@ -50,6 +55,9 @@ pub(crate) struct State {
     tick: u64,
     begun: bool,
     pub(crate) robots: Vec<Robot>,
+    movers: Vec<MoverState>,
+    movables: Vec<MovableState>,
+    pub(crate) score: Score,
     turns: Vec<Turn>,
     collisions: Vec<Collision>,
     ending: Option<Ending>,
@@ -88,6 +96,16 @@ pub enum Ending {
     Collision(Collision),
     /// The robot of this name reached the scenario's goal.
     GoalReached(String),
+    /// So many collisions were allowed, and there were as many.
+    Collisions(u64),
+    /// The robots have been in all of the zones that are goals.
+    AllGoals,
+    /// As much of the floor was covered as was asked for.
+    Covered,
+    /// As much of the floor was sensed as was asked for.
+    Sensed,
+    /// The battery of the robot of this name is empty.
+    BatteryEmpty(String),
 }
 
 impl fmt::Display for Ending {
@@ -96,6 +114,11 @@ impl fmt::Display for Ending {
             Self::TimeIsOver => f.write_str("the scenario's time is over"),
             Self::Collision(Collision { robot, with }) => write!(f, "`{robot}` ran into `{with}`"),
             Self::GoalReached(robot) => write!(f, "`{robot}` reached the goal"),
+            Self::Collisions(n) => write!(f, "there were {n} collisions"),
+            Self::AllGoals => f.write_str("all goals were reached"),
+            Self::Covered => f.write_str("as much of the floor was covered as was asked for"),
+            Self::Sensed => f.write_str("as much of the floor was sensed as was asked for"),
+            Self::BatteryEmpty(robot) => write!(f, "the battery of `{robot}` is empty"),
         }
     }
 }
@@ -104,8 +127,17 @@ impl World {
     /// A world at its start.
     pub fn new(scenario: Arc<Scenario>) -> Self {
         let robots = scenario.robots().iter().map(|spec| Robot::new(spec, scenario.seed)).collect();
-        let state =
-            State { tick: 0, begun: false, robots, turns: Vec::new(), collisions: Vec::new(), ending: None };
+        let state = State {
+            tick: 0,
+            begun: false,
+            robots,
+            movers: scenario.movers.iter().map(|mover| mover.at_start(scenario.seed)).collect(),
+            movables: scenario.movables.iter().map(|movable| movable.at_start()).collect(),
+            score: Score::new(&scenario),
+            turns: Vec::new(),
+            collisions: Vec::new(),
+            ending: None,
+        };
         Self { scenario, state }
     }
 
@@ -118,27 +150,28 @@ impl World {
     pub fn begin(&mut self) -> &[Turn] {
         if !core::mem::replace(&mut self.state.begun, true) {
             self.state.turns.clear();
-            let bodies = self.discs();
+            let frozen = self.frozen();
             for own in 0..self.state.robots.len() {
-                self.listen(own, &bodies);
+                self.listen(own, &frozen);
             }
         }
         &self.state.turns
     }
 
     /// Runs one robot's cable up to its brain's step.
-    fn listen(&mut self, own: usize, bodies: &[Circle]) {
+    fn listen(&mut self, own: usize, frozen: &Frozen) {
         let (now, end) = (self.time(), self.tick_end());
         let ended = self.state.ending.is_some();
         let robot = &mut self.state.robots[own];
         let spec = &self.scenario.robots()[own];
-        let scene = Scene { arena: &self.scenario.arena, bodies, own };
+        let scene = self.scenario.scene(frozen, own);
+        let moment = Moment { scene: &scene, noise: self.scenario.noise, start: now, end };
         let earliest = robot.laptop.busy_until.max(now);
         if ended || earliest >= end {
-            robot.advance(spec, &scene, self.scenario.noise, now + 1, None);
+            robot.advance(spec, &moment, now + 1, None);
             return;
         }
-        let step = robot.advance(spec, &scene, self.scenario.noise, end, Some(earliest));
+        let step = robot.advance(spec, &moment, end, Some(earliest));
         robot.counters.turns += 1;
         self.state.turns.push(Turn { robot: own, at: step.unwrap_or(end) });
     }
@@ -152,13 +185,14 @@ impl World {
         }
         self.hand_over();
         self.write(inputs);
-        let bodies = self.discs();
-        let end = self.tick_end();
+        let frozen = self.frozen();
+        let (start, end) = (self.time(), self.tick_end());
         for (own, robot) in self.state.robots.iter_mut().enumerate() {
-            let scene = Scene { arena: &self.scenario.arena, bodies: &bodies, own };
-            robot.advance(&self.scenario.robots()[own], &scene, self.scenario.noise, end, None);
+            let scene = self.scenario.scene(&frozen, own);
+            let moment = Moment { scene: &scene, noise: self.scenario.noise, start, end };
+            robot.advance(&self.scenario.robots()[own], &moment, end, None);
         }
-        self.move_robots();
+        self.move_all();
         self.state.tick += 1;
         self.state.begun = false;
         self.look_for_the_end();
@@ -166,7 +200,7 @@ impl World {
 
     fn hand_over(&mut self) {
         for turn in &self.state.turns {
-            self.state.robots[turn.robot].laptop.hand_over(turn.at);
+            self.state.robots[turn.robot].hand_over(turn.at);
         }
     }
 
@@ -177,91 +211,6 @@ impl World {
             robot.laptop.busy_until = at;
             robot.write(&self.scenario.robots()[input.robot], at, input.bytes);
         }
-    }
-
-    /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
-    fn move_robots(&mut self) {
-        let (now, dt_ns) = (self.time(), self.scenario.step_ns / u64::from(self.scenario.substeps));
-        self.state.collisions.clear();
-        for robot in &mut self.state.robots {
-            robot.collided = false;
-        }
-        for i in 0..u64::from(self.scenario.substeps) {
-            if self.state.ending.is_none() {
-                self.substep(now + i * dt_ns, dt_ns as f64 / SECOND_NS as f64);
-            }
-        }
-    }
-
-    fn substep(&mut self, now: SimTime, dt: f64) {
-        let before = self.discs();
-        for (robot, spec) in self.state.robots.iter_mut().zip(self.scenario.robots()) {
-            if let Some(signals) = robot.microcontroller.signals_at(now) {
-                robot.signals = signals;
-            }
-            robot.motion = spec.drive.step(&robot.motion, robot.signals, dt);
-        }
-        match self.scenario.collision {
-            CollisionPolicy::StopRun => self.stop_run(&before),
-            CollisionPolicy::StopRobot => self.stop_robots(&before),
-        }
-        for robot in &mut self.state.robots {
-            robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
-        }
-    }
-
-    fn stop_run(&mut self, before: &[Circle]) {
-        let scenario = Arc::clone(&self.scenario);
-        let step = Step { arena: &scenario.arena, before, after: self.discs() };
-        for own in 0..before.len() {
-            self.note_contact(own, step.partner(own));
-        }
-        self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
-    }
-
-    /// A robot that is held back keeps its turning: a disc cannot run into anything by it.
-    fn stop_robots(&mut self, before: &[Circle]) {
-        let scenario = Arc::clone(&self.scenario);
-        let held = Step { arena: &scenario.arena, before, after: self.discs() }.held_back();
-        for (own, partner) in held.into_iter().enumerate() {
-            if partner.is_some() {
-                let motion = &mut self.state.robots[own].motion;
-                motion.pose.position = before[own].center;
-                scenario.robots()[own].drive.halt(motion);
-            }
-            self.note_contact(own, partner);
-        }
-    }
-
-    /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
-    /// once, so its contacts last until there is some room around it.
-    fn note_contact(&mut self, own: usize, partner: Option<Partner>) {
-        let Some(partner) = partner else {
-            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own) {
-                self.state.robots[own].contacts.clear();
-            }
-            return;
-        };
-        let robot = &mut self.state.robots[own];
-        robot.collided = true;
-        if robot.contacts.contains(&partner) {
-            return;
-        }
-        robot.counters.collisions += 1;
-        robot.contacts.push(partner.clone());
-        let robots = self.scenario.robots();
-        let with = match partner {
-            Partner::Shape(name) => name,
-            Partner::Robot(i) => robots[i].name.clone(),
-        };
-        self.state.collisions.push(Collision { robot: robots[own].name.clone(), with });
-    }
-
-    fn is_hemmed_in(&self, own: usize) -> bool {
-        let discs = self.discs();
-        let room = Circle { radius: discs[own].radius * CONTACT_ENDS_AT, ..discs[own] };
-        let meets = |(i, other): (usize, &Circle)| i != own && room.overlaps_circle(other);
-        self.scenario.arena.obstacle_at(&room).is_some() || discs.iter().enumerate().any(meets)
     }
 
     fn look_for_the_end(&mut self) {
@@ -277,13 +226,17 @@ impl World {
                 return;
             }
         }
+        if let Some(ending) = self.judge() {
+            self.state.ending = Some(ending);
+            return;
+        }
         if self.scenario.end.after.is_some_and(|after| self.time() >= after) {
             self.state.ending = Some(Ending::TimeIsOver);
         }
     }
 
-    fn discs(&self) -> Vec<Circle> {
-        self.state.robots.iter().zip(self.scenario.robots()).map(|(robot, spec)| robot.disc(spec)).collect()
+    pub(crate) fn state_mut(&mut self) -> &mut State {
+        &mut self.state
     }
 
     /// What the world was made from.
@@ -333,12 +286,20 @@ impl World {
         RobotView::new(&self.scenario.robots()[i], &self.state.robots[i])
     }
 
+    /// The things that move by themselves, then those that robots push, each in the scenario's order.
+    pub fn things(&self) -> impl Iterator<Item = ThingView<'_>> {
+        let movers = self.scenario.movers.iter().zip(&self.state.movers);
+        let movables = self.scenario.movables.iter().zip(&self.state.movables);
+        movers.map(ThingView::of_mover).chain(movables.map(ThingView::of_movable))
+    }
+
+    /// What the referee has counted.
+    pub fn score(&self) -> &Score {
+        &self.state.score
+    }
+
     /// A fingerprint of the whole state: equal for equal bits, on every machine.
     pub fn hash(&self) -> u64 {
         hash::of(&self.state)
     }
 }
-
-/// A contact ends when a disc of so many times the radius is free; a robot stops up to a step short of what it
-/// runs into, so the factor must leave room for that.
-const CONTACT_ENDS_AT: f64 = 1.1;

@@ -6,8 +6,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use baudbot_sim::Scenario;
 
 const DOCS: &str = include_str!("../../docs/scenario.md");
-const SOURCES: [&str; 2] =
-    [include_str!("../src/scenario/raw.rs"), include_str!("../src/scenario/sensors.rs")];
+const SOURCES: [&str; 7] = [
+    include_str!("../src/scenario/raw.rs"),
+    include_str!("../src/scenario/arena.rs"),
+    include_str!("../src/scenario/things.rs"),
+    include_str!("../src/scenario/actuators.rs"),
+    include_str!("../src/scenario/motors.rs"),
+    include_str!("../src/scenario/noise.rs"),
+    include_str!("../src/scenario/sensors/raw.rs"),
+];
 
 /// Which section describes which of the parser's structs.
 const SECTIONS: [(&str, &str); 20] = [

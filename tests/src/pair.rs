@@ -102,7 +102,7 @@ fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -
 /// The data sheet of a robot, as the server gives it.
 pub fn body(spec: &RobotSpec) -> Body {
     let (baud, bits_per_character) = match &spec.link {
-        Link::Ideal => (None, None),
+        Link::Ideal | Link::Onboard => (None, None),
         Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
     };
     let protocol = match spec.firmware.protocol {
@@ -128,20 +128,17 @@ pub fn body(spec: &RobotSpec) -> Body {
 }
 
 fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
-    let components = spec.device.components().iter().zip(&spec.encodings);
+    let components = spec.device.components();
+    let components = components.iter().zip(&spec.encodings);
     let components = components.map(|(component, &encoding)| Component {
         name: component.name.to_owned(),
         unit: component.unit.to_owned(),
         encoding,
     });
-    let (mount, range_m) = match &spec.device {
-        Device::Infrared(infrared) => {
-            let mount = infrared.mount;
-            let (x_m, y_m) = (mount.position.x, mount.position.y);
-            (Some(Mount { x_m, y_m, heading_rad: mount.heading }), Some(infrared.range_m))
-        }
-        _ => (None, None),
-    };
+    let mount = spec.device.mount().map(|mount| {
+        let (x_m, y_m) = (mount.pose.position.x, mount.pose.position.y);
+        Mount { x_m, y_m, heading_rad: mount.pose.heading }
+    });
     let counts_per_turn = match &spec.device {
         Device::Encoders(encoders) => Some(encoders.counts_per_turn),
         _ => None,
@@ -153,7 +150,7 @@ fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
         period_ns: spec.schedule.period_ns(),
         phase_ns: spec.schedule.phase_ns(),
         mount,
-        range_m,
+        range_m: spec.device.range_m(),
         counts_per_turn,
     }
 }

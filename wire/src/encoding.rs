@@ -185,7 +185,7 @@ impl Encoding {
 
 /// The nearest integer, halves away from zero; NaN gives 0, and what is too big the biggest. Core has no
 /// `f64::round`, and adding a half before cutting off rounds the number just below a half up.
-fn round(value: f64) -> i64 {
+pub(crate) fn round(value: f64) -> i64 {
     let whole = value as i64;
     let fraction = value - whole as f64;
     if fraction >= 0.5 {

@@ -168,7 +168,7 @@ fn unstuff(frame: &mut [u8]) -> Result<usize, FrameError> {
     }
 }
 
-const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
+pub(crate) const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
 const CRC_LEN: usize = 2;
 

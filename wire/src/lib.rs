@@ -13,6 +13,10 @@
 //! What is in a message, in which order and in how many bytes, is a [`Layout`] that both ends have beforehand.
 //! [`bare`] is the alternative to all this: values and nothing else, as the lecture notes count them.
 //!
+//! Apart from these stand the formats of sensors that have a wire of their own: [`scip`], a laser range finder;
+//! [`nmea`], a satellite navigation receiver; [`line_image`], a line camera. Each message is written into the caller's
+//! buffer and read from the bytes of one whole message.
+//!
 //! # A frame of readings
 //!
 //! | bytes | meaning | part of |
@@ -83,7 +87,10 @@ pub mod encoding;
 pub mod error;
 pub mod frame;
 pub mod layout;
+pub mod line_image;
 pub mod message;
+pub mod nmea;
+pub mod scip;
 pub mod values;
 
 mod buffer;

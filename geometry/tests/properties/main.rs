@@ -2,5 +2,6 @@
 
 mod arenas;
 mod index;
+mod polygons;
 mod poses;
 mod rays;

@@ -18,8 +18,8 @@ type Result<T> = core::result::Result<T, ScenarioError>;
 pub(super) fn firmware(
     path: &Path,
     raw: &raw::Firmware,
-    sensors: &[Sensor],
-    motor: Encoding,
+    sensors: &[&Sensor],
+    motors: Vec<Encoding>,
     step_ms: f64,
     link: &Link,
 ) -> Result<Firmware> {
@@ -48,7 +48,7 @@ pub(super) fn firmware(
         }
     };
     let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
-    Ok(Firmware::new(protocol, mode, &encodings, motor))
+    Ok(Firmware::new(protocol, mode, &encodings, motors))
 }
 
 /// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so

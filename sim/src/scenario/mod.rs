@@ -1,17 +1,23 @@
 //! Scenario files: TOML in, a [`Scenario`] out in which nothing can be wrong.
 //!
-//! `raw` says what a file may contain; `build`, `cable` and `sensors` turn that into the world's own types and
-//! refuse what makes no sense; `check` has the rules for single values, `overrides` changes a file's fields by
+//! `raw` says what a file may contain, with the parts that have a file of their own; `build`, `robots` and the others
+//! turn that into the world's own types and refuse what makes no sense; `check` has the rules for single values, `overrides` changes a file's fields by
 //! path, `order` finds the order that sensors stand in. `docs/scenario.md` describes the format to its users.
 
+mod actuators;
+mod arena;
 mod build;
 mod cable;
 mod check;
 mod error;
+mod motors;
+mod noise;
 mod order;
 mod overrides;
 mod raw;
+mod robots;
 mod sensors;
+mod things;
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -23,7 +29,11 @@ pub use overrides::Override;
 
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
+use crate::movable::Movable;
+use crate::mover::Mover;
+use crate::referee::Rules;
 use crate::robot::RobotSpec;
+use crate::surroundings::Surroundings;
 use crate::time::SimTime;
 
 /// Longest scenario that is read, in bytes.
@@ -40,7 +50,11 @@ pub struct Scenario {
     pub(crate) noise: bool,
     pub(crate) collision: CollisionPolicy,
     pub(crate) end: End,
+    pub(crate) rules: Rules,
     pub(crate) arena: Arena,
+    pub(crate) surroundings: Surroundings,
+    pub(crate) movers: Vec<Mover>,
+    pub(crate) movables: Vec<Movable>,
     robots: Vec<RobotSpec>,
 }
 
@@ -75,8 +89,9 @@ impl Scenario {
             change.apply(&mut table)?;
         }
         let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
-        for (robot, names) in raw.robots.iter_mut().zip(order::sensors(toml)) {
-            robot.sensors.arrange(&names);
+        for (robot, names) in raw.robots.iter_mut().zip(order::of_robots(toml)) {
+            robot.sensors.arrange(&names.sensors);
+            robot.actuators.arrange(&names.actuators);
         }
         build::scenario(raw)
     }
@@ -106,7 +121,7 @@ impl Scenario {
         self.substeps
     }
 
-    /// Whether sensors are noisy; byte errors on the link are not noise in this sense and stay.
+    /// Whether sensors and motors are noisy; byte errors on the link are not noise in this sense and stay.
     pub fn noise(&self) -> bool {
         self.noise
     }
@@ -124,6 +139,26 @@ impl Scenario {
     /// All that stands still.
     pub fn arena(&self) -> &Arena {
         &self.arena
+    }
+
+    /// Zones, lights and fields.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
+    }
+
+    /// What moves by itself.
+    pub fn movers(&self) -> &[Mover] {
+        &self.movers
+    }
+
+    /// What robots can push.
+    pub fn movables(&self) -> &[Movable] {
+        &self.movables
+    }
+
+    /// What the referee looks at.
+    pub fn rules(&self) -> &Rules {
+        &self.rules
     }
 
     /// The robots in the order of their names, whatever their order in the file.

@@ -5,6 +5,9 @@ use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use super::actuators::RawBattery;
+use super::arena::RawArena;
+
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Scenario {
@@ -25,7 +28,9 @@ pub(super) struct Scenario {
     #[serde(default)]
     pub(super) end: End,
     #[serde(default)]
-    pub(super) arena: Arena,
+    pub(super) metrics: Metrics,
+    #[serde(default)]
+    pub(super) arena: RawArena,
     #[serde(default)]
     pub(super) robots: Vec<Robot>,
 }
@@ -43,6 +48,21 @@ pub(super) enum Collision {
 pub(super) struct End {
     pub(super) after_s: Option<f64>,
     pub(super) goal: Option<Goal>,
+    pub(super) collisions: Option<u64>,
+    #[serde(default)]
+    pub(super) all_goals: bool,
+    pub(super) covered: Option<f64>,
+    pub(super) sensed: Option<f64>,
+    #[serde(default)]
+    pub(super) battery_empty: bool,
+}
+
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Metrics {
+    pub(super) cell_m: Option<f64>,
+    pub(super) sensed_by: Option<String>,
+    pub(super) sense_ms: Option<f64>,
 }
 
 #[derive(Debug, serde::Deserialize)]
@@ -53,33 +73,7 @@ pub(super) struct Goal {
     pub(super) radius_m: f64,
 }
 
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Arena {
-    #[serde(default)]
-    pub(super) polygons: Vec<Polygon>,
-    #[serde(default)]
-    pub(super) circles: Vec<Circle>,
-}
-
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Polygon {
-    pub(super) name: String,
-    pub(super) points_m: Vec<[f64; 2]>,
-    #[serde(default = "default::yes")]
-    pub(super) solid: bool,
-}
-
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Circle {
-    pub(super) name: String,
-    pub(super) x_m: f64,
-    pub(super) y_m: f64,
-    pub(super) radius_m: f64,
-}
-
+/// What motors may contain depends on their kind, so they are kept as a table until it is known.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Robot {
@@ -88,9 +82,12 @@ pub(super) struct Robot {
     pub(super) start: Start,
     pub(super) body: Body,
     #[serde(default)]
-    pub(super) motors: Motors,
+    pub(super) motors: toml::Table,
     #[serde(default)]
-    pub(super) sensors: Sensors,
+    pub(super) actuators: Tables,
+    pub(super) battery: Option<RawBattery>,
+    #[serde(default)]
+    pub(super) sensors: Tables,
     #[serde(default)]
     pub(super) microcontroller: Microcontroller,
     #[serde(default)]
@@ -121,7 +118,10 @@ pub(super) struct Start {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Body {
-    pub(super) radius_m: f64,
+    pub(super) radius_m: Option<f64>,
+    pub(super) outline_m: Option<Vec<[f64; 2]>>,
+    pub(super) height_m: Option<f64>,
+    pub(super) color: Option<[u8; 3]>,
     pub(super) mass_kg: f64,
     pub(super) inertia_kg_m2: f64,
     pub(super) wheel_radius_m: f64,
@@ -136,49 +136,14 @@ pub(super) struct Body {
     pub(super) turn_damping_nm_s: f64,
 }
 
-/// The defaults are ARSim's motor, made for a robot of a few kg.
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Motors {
-    pub(super) voltage_v: f64,
-    pub(super) torque_constant_nm_a: f64,
-    pub(super) emf_constant_v_s: f64,
-    pub(super) resistance_ohm: f64,
-    pub(super) coulomb_friction_nm: f64,
-    pub(super) viscous_friction_nm_s: f64,
-    pub(super) gear_ratio: f64,
-    pub(super) gear_efficiency: f64,
-    pub(super) max_torque_nm: f64,
-    pub(super) signal_bits: Option<u64>,
-    pub(super) unlimited_signals: bool,
-    pub(super) track_factor: f64,
-}
-
-impl Default for Motors {
-    fn default() -> Self {
-        Self {
-            voltage_v: 12.0,
-            torque_constant_nm_a: 0.0333,
-            emf_constant_v_s: 0.0333,
-            resistance_ohm: 0.62,
-            coulomb_friction_nm: 0.008,
-            viscous_friction_nm_s: 0.02,
-            gear_ratio: 2.0,
-            gear_efficiency: 1.0,
-            max_torque_nm: 1.0,
-            signal_bits: None,
-            unlimited_signals: false,
-            track_factor: 1.0,
-        }
-    }
-}
-
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Microcontroller {
     pub(super) framing_us_per_byte: f64,
     pub(super) receiving_us_per_byte: f64,
     pub(super) obeying_us: f64,
+    pub(super) operations_per_s: Option<f64>,
+    pub(super) ram_bytes: Option<u64>,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
@@ -225,29 +190,32 @@ pub(super) struct Link {
 pub(super) enum LinkKind {
     #[default]
     Ideal,
+    Onboard,
     Uart,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Brain {
-    pub(super) thinking_us: f64,
+    pub(super) thinking_us: Option<f64>,
+    pub(super) operations: Option<u64>,
+    pub(super) memory_bytes: Option<u64>,
 }
 
-/// A robot's sensors by name. What a sensor may contain depends on its kind, so each is kept as a table until
-/// its kind is known.
+/// A robot's sensors or actuators by name. What one may contain depends on its kind, so each is kept as a table
+/// until its kind is known.
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(from = "BTreeMap<String, toml::Table>")]
-pub(super) struct Sensors(pub(super) Vec<(String, toml::Table)>);
+pub(super) struct Tables(pub(super) Vec<(String, toml::Table)>);
 
-impl From<BTreeMap<String, toml::Table>> for Sensors {
-    fn from(sensors: BTreeMap<String, toml::Table>) -> Self {
-        Self(sensors.into_iter().collect())
+impl From<BTreeMap<String, toml::Table>> for Tables {
+    fn from(tables: BTreeMap<String, toml::Table>) -> Self {
+        Self(tables.into_iter().collect())
     }
 }
 
-impl Sensors {
-    /// Puts the sensors into the order of `names`; those that an override added come last.
+impl Tables {
+    /// Puts them into the order of `names`; those that an override added come last.
     pub(super) fn arrange(&mut self, names: &[String]) {
         self.0.sort_by_key(|(name, _)| names.iter().position(|other| other == name).unwrap_or(names.len()));
     }

@@ -1,24 +1,88 @@
-//! Wheel encoders: counts of a digital optical encoder on each wheel (§1.2.2, Fig. 1.6, right: quadrature,
-//! so the direction is known).
+//! Wheel encoders: counts of a digital optical encoder on each wheel (§1.2.2, Fig. 1.6).
+//!
+//! Two detectors a quarter of a cycle apart tell the direction; a single one counts the same both ways. A count
+//! may be lost when a mark passes unseen.
 
 use baudbot_geometry::math;
+use serde::{Deserialize, Serialize};
 
 use super::Measurement;
+use crate::drive::Wheels;
+use crate::random::Stream;
 
-/// A quadrature encoder on each wheel.
+/// An encoder on each wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Encoders {
     /// Counts a turn of the wheel.
     pub counts_per_turn: u32,
+    /// Whether they tell the direction (Fig. 1.6, right).
+    pub quadrature: bool,
+    /// Probability that a mark passes unseen.
+    pub loss: f64,
+}
+
+/// What an encoder has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Seen {
+    /// Marks that had passed at the last read, with their sign.
+    passed: Wheels,
+    /// What is counted.
+    counted: Wheels,
 }
 
 impl Encoders {
-    /// Counts since the start, left and right; whole numbers, negative backwards. A count is made when a
-    /// mark passes, so the value is rounded down. The wire wraps it as a counter register does.
-    pub(super) fn read(&self, at: &Measurement<'_>) -> [f64; 2] {
-        let counts_per_m =
-            f64::from(self.counts_per_turn) / (core::f64::consts::TAU * at.drive.wheel_radius_m);
+    /// Counts since the start, left and right; whole numbers, negative backwards if the direction is known. A
+    /// count is made when a mark passes, so the value is rounded down. The wire wraps it as a counter register
+    /// does.
+    pub(super) fn read(&self, at: &Measurement<'_>, seen: &mut Seen, stream: &mut Stream) -> [f64; 2] {
+        let wheel_radius_m = at.robot.drive.wheel_radius_m;
+        let counts_per_m = f64::from(self.counts_per_turn) / (core::f64::consts::TAU * wheel_radius_m);
         let travel = at.motion.travel_m;
-        [math::floor(travel.left * counts_per_m), math::floor(travel.right * counts_per_m)]
+        let passed = Wheels {
+            left: math::floor(travel.left * counts_per_m),
+            right: math::floor(travel.right * counts_per_m),
+        };
+        let loss = if at.noise { self.loss } else { 0.0 };
+        if self.quadrature && loss == 0.0 {
+            return [passed.left, passed.right];
+        }
+        seen.counted.left += self.count(passed.left - seen.passed.left, loss, stream);
+        seen.counted.right += self.count(passed.right - seen.passed.right, loss, stream);
+        seen.passed = passed;
+        [seen.counted.left, seen.counted.right]
+    }
+
+    /// How many of the marks that have passed are counted.
+    fn count(&self, passed: f64, loss: f64, stream: &mut Stream) -> f64 {
+        let marks = passed.abs();
+        let lost = lost(marks, loss, stream);
+        let counted = marks - lost;
+        if self.quadrature { counted.copysign(passed) } else { counted }
+    }
+}
+
+/// How many of so many marks are lost: each by itself, and of very many as many as to be expected.
+fn lost(marks: f64, loss: f64, stream: &mut Stream) -> f64 {
+    if loss == 0.0 || marks == 0.0 {
+        return 0.0;
+    }
+    if marks > MANY {
+        return math::round(marks * loss);
+    }
+    (0..marks as u32).filter(|_| stream.uniform() < loss).count() as f64
+}
+
+/// More marks between two reads than this are not looked at one by one.
+const MANY: f64 = 10_000.0;
+
+/// What stands in for encoders on a robot with stepper motors: the steps that its firmware has commanded, made
+/// or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepCounter;
+
+impl StepCounter {
+    /// Steps since the start, left and right.
+    pub(super) fn read(at: &Measurement<'_>) -> [f64; 2] {
+        at.motion.commanded_steps().map(math::floor)
     }
 }

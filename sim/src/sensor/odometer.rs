@@ -48,7 +48,7 @@ impl Odometer {
         estimate.travel_m = travel;
 
         let pose = &mut estimate.pose;
-        pose.heading = angle::wrap(pose.heading + (right - left) / (2.0 * at.drive.half_track_m));
+        pose.heading = angle::wrap(pose.heading + (right - left) / (2.0 * at.robot.drive.half_track_m));
         let (sin, cos) = math::sin_cos(pose.heading);
         let forward = 0.5 * (left + right);
         pose.position.x += forward * cos;

@@ -1,6 +1,8 @@
 //! Scenarios and brains for the tests of the world.
 #![allow(dead_code, missing_docs, unreachable_pub, reason = "each test uses some of it")]
 
+pub mod statistics;
+
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::{Input, Override, Scenario, World};

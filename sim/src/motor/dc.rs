@@ -6,7 +6,7 @@
 
 /// What a motor and its gear box are. Shaft side unless said.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motor {
+pub struct DcMotor {
     /// Voltage at motor signal 1, in volts.
     pub voltage_v: f64,
     /// Torque per current c_t, in N m / A.
@@ -27,7 +27,7 @@ pub struct Motor {
     pub max_torque_nm: f64,
 }
 
-impl Motor {
+impl DcMotor {
     /// Torque on the wheel, in N m, at motor signal `signal` (1 is full voltage forwards) and the wheel's
     /// speed in rad/s: (1.8), then friction (1.9), then gears (1.10), then the limit.
     pub fn torque_nm(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
@@ -45,6 +45,14 @@ impl Motor {
         let back_emf = self.torque_constant_nm_a * self.emf_constant_v_s / self.resistance_ohm;
         let shaft = back_emf + self.viscous_friction_nm_s;
         self.gear_efficiency * self.gear_ratio * self.gear_ratio * shaft
+    }
+
+    /// Electrical power that it takes, in W: V i with the current i = (V − c_e ω) / R of (1.8). A current against the
+    /// voltage brakes; it is burnt in the bridge and not given back, so it counts as 0.
+    pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
+        let voltage = self.voltage_v * signal;
+        let back_emf = self.emf_constant_v_s * self.gear_ratio * wheel_speed_rad_s;
+        (voltage * (voltage - back_emf) / self.resistance_ohm).max(0.0)
     }
 
     fn after_friction(&self, generated: f64, shaft_speed: f64) -> f64 {
@@ -65,10 +73,10 @@ const STANDSTILL: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
-    use super::Motor;
+    use super::DcMotor;
 
-    fn arsim() -> Motor {
-        Motor {
+    fn arsim() -> DcMotor {
+        DcMotor {
             voltage_v: 12.0,
             torque_constant_nm_a: 0.0333,
             emf_constant_v_s: 0.0333,
@@ -98,5 +106,18 @@ mod tests {
         let expected = 2.0 * (0.0333 / 0.62 * (6.0 - 0.0333 * 10.0) - 0.008 - 0.2);
         assert!((motor.torque_nm(0.5, 5.0) - expected).abs() < 1e-15);
         assert!((motor.torque_nm(-0.5, -5.0) + expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn power_is_voltage_times_current_and_braking_gives_none_back() {
+        let motor = arsim();
+        // Stalled at full voltage: 12² / 0.62.
+        assert!((motor.power_w(1.0, 0.0) - 144.0 / 0.62).abs() < 1e-12);
+        assert_eq!(motor.power_w(-1.0, 0.0), motor.power_w(1.0, 0.0));
+        let turning = 12.0 * (12.0 - 0.0333 * 2.0 * 5.0) / 0.62;
+        assert!((motor.power_w(1.0, 5.0) - turning).abs() < 1e-12);
+        // Back EMF of 0.0333 · 2 · 100 = 6.66 V against 1.2 V.
+        assert_eq!(motor.power_w(0.1, 100.0), 0.0);
+        assert_eq!(motor.power_w(0.0, 100.0), 0.0);
     }
 }

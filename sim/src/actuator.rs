@@ -1,0 +1,56 @@
+//! Actuators besides the wheels: a servo that turns a sensor, a lamp, a loudspeaker.
+
+use alloc::string::String;
+
+use serde::{Deserialize, Serialize};
+
+use crate::motor::PositionalServo;
+
+/// What an actuator is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator {
+    /// Unique on its robot.
+    pub name: String,
+    /// Its kind.
+    pub kind: ActuatorKind,
+}
+
+/// The kinds of actuator that there are. Each takes one signal; the firmware holds it within [−1, 1].
+#[derive(Clone, Debug, PartialEq)]
+pub enum ActuatorKind {
+    /// A positional servo in the robot's centre that turns what is mounted on it: −1 and 1 are the ends of its
+    /// range.
+    Turret(PositionalServo),
+    /// A lamp over the robot's centre: 1 is full brightness, 0 and less is dark.
+    Lamp {
+        /// Luminous intensity at signal 1, in candela.
+        intensity_cd: f64,
+        /// How high it is, in metres.
+        height_m: f64,
+    },
+    /// A loudspeaker in the robot's centre: 1 is full loudness, 0 and less is silence.
+    Speaker {
+        /// Loudness at a metre at signal 1.
+        level: f64,
+    },
+}
+
+/// State of an actuator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ActuatorState {
+    /// The signal in force.
+    pub signal: f64,
+    /// Where a turret stands, in radians, positive to the left.
+    pub angle_rad: f64,
+}
+
+impl Actuator {
+    /// What the scenario calls its kind.
+    pub fn kind(&self) -> &'static str {
+        match self.kind {
+            ActuatorKind::Turret(_) => "turret",
+            ActuatorKind::Lamp { .. } => "lamp",
+            ActuatorKind::Speaker { .. } => "speaker",
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! A battery: charge that is taken out, and a voltage that sinks with it.
+//!
+//! The voltage at the terminals is that of the open circuit, which depends on the charge left, less what the internal
+//! resistance takes: V = V₀(q) − R I. Whoever draws a power P gets the smaller current that solves P = V I. More than
+//! V₀² / (4 R) no battery gives.
+//!
+//! Deviations. The notes name batteries among a robot's parts (§1.2) and have no model of one. Over a step the
+//! open-circuit voltage is taken as it is at its start. There is no self-discharge, no ageing and no temperature.
+
+use alloc::vec::Vec;
+
+use baudbot_geometry::math;
+use serde::{Deserialize, Serialize};
+
+use crate::curve;
+
+/// What a battery is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Battery {
+    /// Nominal voltage, in V.
+    pub nominal_v: f64,
+    /// Charge when full, in C; 1 mAh is 3.6 C.
+    pub capacity_c: f64,
+    /// Internal resistance R, in ohms; 0 is an ideal source.
+    pub internal_resistance_ohm: f64,
+    /// Open-circuit voltage as a share of the nominal one, over the share of the charge that is left, which increases:
+    /// linear in between, held beyond the ends.
+    pub curve: Vec<(f64, f64)>,
+    /// What the robot's electronics take all the time, in W.
+    pub idle_w: f64,
+}
+
+/// The state of a battery.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BatteryState {
+    /// Charge left, in C: from 0 to the battery's capacity.
+    pub charge_c: f64,
+    /// Current of the last step, in A, negative while charging.
+    pub current_a: f64,
+    /// Energy that was drawn from the terminals since the start, in J.
+    pub used_j: f64,
+    /// Energy that was put into the terminals since the start, in J.
+    pub charged_j: f64,
+}
+
+impl Battery {
+    /// Charge of so many milliampere hours, in C.
+    pub fn coulombs(mah: f64) -> f64 {
+        mah * 3.6
+    }
+
+    /// A curve for cells of nickel-metal hydride, such as four AA cells of 4.8 V together: flat for most of its length,
+    /// with a knee at 1.0 V a cell. A guess after the look of data sheets, not a measurement.
+    pub fn nimh_curve() -> Vec<(f64, f64)> {
+        [(0.0, 0.0), (0.02, KNEE), (0.15, 0.95), (0.5, 1.0), (1.0, 1.1)].into()
+    }
+
+    /// This battery, full.
+    pub fn full(&self) -> BatteryState {
+        self.charged_to(1.0)
+    }
+
+    /// This battery with so much of its charge, from 0 to 1.
+    pub fn charged_to(&self, share: f64) -> BatteryState {
+        BatteryState { charge_c: share * self.capacity_c, current_a: 0.0, used_j: 0.0, charged_j: 0.0 }
+    }
+
+    /// Voltage without a current, in V, when this share of the charge is left.
+    pub fn open_circuit_v(&self, share: f64) -> f64 {
+        self.nominal_v * curve::value(&self.curve, share)
+    }
+
+    /// The current at which a source of `source_v` gives `power_w`, or, if it cannot, as much as it can.
+    fn discharging_a(&self, source_v: f64, power_w: f64) -> f64 {
+        let resistance = self.internal_resistance_ohm;
+        let rest = source_v * source_v - 4.0 * resistance * power_w;
+        // Of the two solutions the smaller one, in the form that stays exact without a resistance.
+        if rest > 0.0 { 2.0 * power_w / (source_v + math::sqrt(rest)) } else { source_v / (2.0 * resistance) }
+    }
+
+    /// The current with which a charger of `power_w` feeds a source of `source_v`.
+    fn charging_a(&self, source_v: f64, power_w: f64) -> f64 {
+        let resistance = self.internal_resistance_ohm;
+        2.0 * power_w / (source_v + math::sqrt(source_v * source_v + 4.0 * resistance * power_w))
+    }
+}
+
+impl BatteryState {
+    /// Draws this power for `dt_s`, or what the battery can give, and says how much energy that was, in J. An empty
+    /// battery gives nothing.
+    pub fn draw(&mut self, battery: &Battery, power_w: f64, dt_s: f64) -> f64 {
+        self.current_a = 0.0;
+        let source_v = battery.open_circuit_v(self.share(battery));
+        if self.is_empty(battery) || power_w <= 0.0 || source_v <= 0.0 || dt_s <= 0.0 {
+            return 0.0;
+        }
+        self.current_a = battery.discharging_a(source_v, power_w).min(self.charge_c / dt_s);
+        let energy = (source_v - battery.internal_resistance_ohm * self.current_a) * self.current_a * dt_s;
+        self.charge_c = (self.charge_c - self.current_a * dt_s).max(0.0);
+        self.used_j += energy;
+        energy
+    }
+
+    /// Charges with this power for `dt_s`, or with as much as there is room for, and says how much energy that was, in
+    /// J. A flat battery takes current as if it were at its knee, or a charger of constant power would burn it.
+    pub fn charge(&mut self, battery: &Battery, power_w: f64, dt_s: f64) -> f64 {
+        self.current_a = 0.0;
+        if power_w <= 0.0 || dt_s <= 0.0 {
+            return 0.0;
+        }
+        let source_v = battery.open_circuit_v(self.share(battery)).max(KNEE * battery.nominal_v);
+        let room_c = battery.capacity_c - self.charge_c;
+        let current_a = battery.charging_a(source_v, power_w).min(room_c / dt_s);
+        let energy = (source_v + battery.internal_resistance_ohm * current_a) * current_a * dt_s;
+        self.charge_c = (self.charge_c + current_a * dt_s).min(battery.capacity_c);
+        self.current_a = -current_a;
+        self.charged_j += energy;
+        energy
+    }
+
+    /// Share of the capacity that is left, from 0 to 1.
+    pub fn share(&self, battery: &Battery) -> f64 {
+        self.charge_c / battery.capacity_c
+    }
+
+    /// Voltage at the terminals, in V, at this current in A, negative while charging.
+    pub fn voltage_v(&self, battery: &Battery, current_a: f64) -> f64 {
+        battery.open_circuit_v(self.share(battery)) - battery.internal_resistance_ohm * current_a
+    }
+
+    /// Voltage at the terminals, in V, at the current of the last step.
+    pub fn terminal_v(&self, battery: &Battery) -> f64 {
+        self.voltage_v(battery, self.current_a).max(0.0)
+    }
+
+    /// Whether it gives no more power.
+    pub fn is_empty(&self, battery: &Battery) -> bool {
+        self.share(battery) < EMPTY
+    }
+}
+
+/// Voltage at the knee of the curve, as a share of the nominal one: 1.0 V of 1.2 V.
+const KNEE: f64 = 0.83;
+
+/// Share of the charge below which a battery is empty. What is left sinks by ever smaller currents and would never be
+/// gone.
+const EMPTY: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::{Battery, BatteryState};
+
+    /// Four AA cells.
+    fn cells() -> Battery {
+        Battery {
+            nominal_v: 4.8,
+            capacity_c: Battery::coulombs(2000.0),
+            internal_resistance_ohm: 0.1,
+            curve: Battery::nimh_curve(),
+            idle_w: 0.1,
+        }
+    }
+
+    /// Draws or charges until nothing more comes of it: seconds, energy from ∫ V I dt, charge from ∫ I dt.
+    fn until_it_ends(
+        battery: &Battery,
+        state: &mut BatteryState,
+        step: impl Fn(&mut BatteryState) -> f64,
+    ) -> (u32, f64, f64) {
+        let (mut seconds, mut energy, mut charge) = (0, 0.0, 0.0);
+        loop {
+            let before = *state;
+            if step(state) <= 0.0 {
+                return (seconds, energy, charge);
+            }
+            seconds += 1;
+            energy += before.voltage_v(battery, state.current_a) * state.current_a;
+            charge += state.current_a;
+            assert!((0.0..=battery.capacity_c).contains(&state.charge_c), "{state:?}");
+            assert!(seconds < 100_000, "{state:?}");
+        }
+    }
+
+    #[test]
+    fn the_energy_drawn_is_voltage_times_current_over_time_and_the_charge_is_the_current() {
+        let battery = cells();
+        let mut state = battery.full();
+        let (seconds, energy, charge) =
+            until_it_ends(&battery, &mut state, |state| state.draw(&battery, 5.0, 1.0));
+        assert!((energy - state.used_j).abs() < 1e-6, "{energy} and {state:?}");
+        assert!((battery.capacity_c - charge - state.charge_c).abs() < 1e-6, "{charge} and {state:?}");
+        // Nominally 34.6 kJ, 6912 s at 5 W; the resistance takes about 2 %.
+        assert!((6600..7000).contains(&seconds), "{seconds}");
+        assert!(energy < 4.8 * 7200.0, "{energy}");
+    }
+
+    #[test]
+    fn a_load_gets_the_power_that_it_asks_for_while_there_is_some() {
+        let battery = cells();
+        let mut state = battery.full();
+        let open = state.voltage_v(&battery, 0.0);
+        assert!((open - 1.1 * 4.8).abs() < 1e-12, "{open}");
+        assert!((state.draw(&battery, 10.0, 0.01) - 0.1).abs() < 1e-12);
+        let current = state.current_a;
+        assert!(((open - 0.1 * current) * current - 10.0).abs() < 1e-9, "{current}");
+        assert!((state.terminal_v(&battery) - (open - 0.1 * current)).abs() < 1e-5);
+        // A short circuit gets no more than V² / 4R.
+        let most = battery.full().draw(&battery, 1e9, 1e-3) / 1e-3;
+        assert!((most - open * open / 0.4).abs() < 1e-9, "{most}");
+    }
+
+    #[test]
+    fn an_empty_battery_gives_nothing_and_can_be_charged_up_to_its_capacity() {
+        let battery = cells();
+        let mut state = battery.full();
+        until_it_ends(&battery, &mut state, |state| state.draw(&battery, 20.0, 1.0));
+        assert!(state.is_empty(&battery) && state.charge_c >= 0.0, "{state:?}");
+        let used = state.used_j;
+        assert_eq!((state.draw(&battery, 1.0, 1.0), state.used_j), (0.0, used));
+        until_it_ends(&battery, &mut state, |state| state.charge(&battery, 10.0, 1.0));
+        assert_eq!((state.charge_c, state.share(&battery)), (battery.capacity_c, 1.0));
+        assert!(!state.is_empty(&battery) && state.charged_j > used, "{state:?}");
+    }
+
+    #[test]
+    fn an_ideal_battery_can_be_used_up_and_filled_too() {
+        let battery = Battery { internal_resistance_ohm: 0.0, ..cells() };
+        let mut state = battery.full();
+        until_it_ends(&battery, &mut state, |state| state.draw(&battery, 50.0, 1.0));
+        assert!(state.is_empty(&battery), "{state:?}");
+        until_it_ends(&battery, &mut state, |state| state.charge(&battery, 50.0, 1.0));
+        assert_eq!(state.charge_c, battery.capacity_c);
+    }
+}

@@ -1,0 +1,102 @@
+//! What turns the wheels: one file a kind of motor, and what they have in common.
+//!
+//! DC and velocity-regulated motors give a torque, which (2.31) and (2.32) turn into motion. Servos and steppers hold
+//! their speed themselves; from them the wheels' speeds are taken as they are, and the body has to follow.
+
+mod dc;
+mod frame;
+mod noise;
+mod positional;
+mod servo;
+mod stepper;
+mod velocity;
+
+use serde::{Deserialize, Serialize};
+
+pub use dc::DcMotor;
+pub use noise::MotorNoise;
+pub(crate) use noise::NoiseState;
+pub use positional::PositionalServo;
+pub use servo::Servo;
+pub use stepper::{Stepper, StepperState};
+pub use velocity::VelocityMotor;
+
+use crate::time::SimTime;
+
+/// The two motors of a robot, which are alike.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs, reason = "each variant is its payload's documentation")]
+pub enum Motors {
+    Dc(DcMotor),
+    Velocity(VelocityMotor),
+    Servo(Servo),
+    Stepper(Stepper),
+}
+
+/// What motors remember beside their wheels' speeds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum MotorState {
+    /// Nothing.
+    #[default]
+    None,
+    /// The steps of two stepper motors.
+    Stepper {
+        /// Of the left wheel.
+        left: StepperState,
+        /// Of the right wheel.
+        right: StepperState,
+    },
+}
+
+impl Motors {
+    /// What the scenario calls this kind.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Dc(_) => "dc",
+            Self::Velocity(_) => "velocity",
+            Self::Servo(_) => "servo",
+            Self::Stepper(_) => "stepper",
+        }
+    }
+
+    /// Electrical power that one motor takes, in W, at this signal, speed of its wheel and radius of its wheel.
+    pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64, wheel_radius_m: f64) -> f64 {
+        match self {
+            Self::Dc(motor) => motor.power_w(signal, wheel_speed_rad_s),
+            Self::Velocity(motor) => {
+                motor.power_w(signal, wheel_radius_m * wheel_speed_rad_s, wheel_radius_m)
+            }
+            Self::Servo(servo) => servo.power_w(signal, wheel_speed_rad_s),
+            Self::Stepper(stepper) => stepper.power_w(),
+        }
+    }
+
+    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s: what Euler steps can blow up by.
+    /// `None` for motors whose speed no torque changes.
+    pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> Option<f64> {
+        match self {
+            Self::Dc(motor) => Some(motor.slope_nm_s()),
+            Self::Velocity(motor) => Some(motor.slope_nm_s(wheel_radius_m)),
+            Self::Servo(_) | Self::Stepper(_) => None,
+        }
+    }
+
+    /// The instant up to which commands count at `now`. A servo obeys those that had come when its present pulse
+    /// began, all others obey at once.
+    pub(crate) fn obeys_until(&self, now: SimTime) -> SimTime {
+        match self {
+            Self::Servo(servo) => servo.frame_start(now),
+            Self::Dc(_) | Self::Velocity(_) | Self::Stepper(_) => now,
+        }
+    }
+
+    /// What the motors remember at the start.
+    pub(crate) fn start(&self) -> MotorState {
+        match self {
+            Self::Stepper(_) => {
+                MotorState::Stepper { left: StepperState::default(), right: StepperState::default() }
+            }
+            Self::Dc(_) | Self::Velocity(_) | Self::Servo(_) => MotorState::None,
+        }
+    }
+}

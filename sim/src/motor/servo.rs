@@ -1,0 +1,188 @@
+//! Servo for continuous rotation: the width of a pulse says how fast it turns.
+//!
+//! A signal becomes a pulse width about 1.5 ms, and a measured curve turns that into a speed, which the servo
+//! approaches with a first-order lag. A new width takes effect with the next pulse.
+//!
+//! Deviations. The servo turns the wheel at its speed whatever the load, and never stops for want of pulses. The notes
+//! have no servos; figures are of the Parallax 900-00008 (data sheet v2.2, and "Robotics with the Boe-Bot", chapter 4,
+//! the transfer curve). The one of the two wheels that is mounted the other way round is taken care of by the robot's
+//! firmware: signal 1 is forwards on both.
+
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
+use baudbot_geometry::math;
+
+use super::frame;
+use crate::curve;
+use crate::time::SimTime;
+
+/// What a servo for continuous rotation is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Servo {
+    /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between, held beyond
+    /// the ends.
+    pub curve: Vec<(f64, f64)>,
+    /// Pulse width at signal 0, in µs.
+    pub neutral_us: f64,
+    /// How much wider the pulse is at signal 1, in µs.
+    pub half_range_us: f64,
+    /// Pulses within so much of the servo's own neutral width stop it, in µs.
+    pub dead_band_us: f64,
+    /// How far the servo's own neutral width, which a screw sets, is above `neutral_us`, in µs.
+    pub trim_us: f64,
+    /// Time constant with which the speed follows, in s; 0 is at once.
+    pub lag_s: f64,
+    /// Time between two pulses, in ns; 0 is a servo that obeys at once.
+    pub frame_ns: u64,
+    /// Electrical power that it takes standing still, in W.
+    pub idle_w: f64,
+    /// Electrical power that it takes turning, in W.
+    pub running_w: f64,
+}
+
+impl Servo {
+    /// The curve of the Parallax 900-00008. The manual shows it as a picture: about 48 turns a minute at the ends, flat
+    /// beyond 1.4 and 1.6 ms. The points between are read off it, and are guesses of a few turns a minute.
+    pub fn parallax_curve() -> Vec<(f64, f64)> {
+        let half = PARALLAX.iter().map(|&(above, rpm)| (PARALLAX_NEUTRAL_US + above, rpm));
+        let mirrored = PARALLAX.iter().skip(1).rev().map(|&(above, rpm)| (PARALLAX_NEUTRAL_US - above, -rpm));
+        mirrored.chain(half).collect()
+    }
+
+    /// The speed that it goes for at this signal, in rad/s.
+    pub fn target_rad_s(&self, signal: f64) -> f64 {
+        let pulse = self.neutral_us + self.half_range_us * signal - self.trim_us;
+        if (pulse - self.neutral_us).abs() <= self.dead_band_us {
+            return 0.0;
+        }
+        self.rpm(pulse) * (TAU / 60.0)
+    }
+
+    /// The speed that is `dt_s` later, in rad/s: the exact solution of a first-order lag.
+    pub fn approach(&self, speed_rad_s: f64, target_rad_s: f64, dt_s: f64) -> f64 {
+        if self.lag_s <= 0.0 {
+            return target_rad_s;
+        }
+        target_rad_s + (speed_rad_s - target_rad_s) * math::exp(-dt_s / self.lag_s)
+    }
+
+    /// When a command that comes at this instant takes effect: with the next pulse.
+    pub fn takes_effect(&self, command: SimTime) -> SimTime {
+        frame::takes_effect(command, self.frame_ns)
+    }
+
+    /// When the pulse began that is in force at `now`.
+    pub fn frame_start(&self, now: SimTime) -> SimTime {
+        frame::start(now, self.frame_ns)
+    }
+
+    /// Electrical power that it takes, in W. It does not depend on the load, which nobody knows here.
+    pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
+        let turns = self.target_rad_s(signal) != 0.0 || wheel_speed_rad_s.abs() > STANDSTILL;
+        if turns { self.running_w } else { self.idle_w }
+    }
+
+    fn rpm(&self, pulse_us: f64) -> f64 {
+        curve::value(&self.curve, pulse_us)
+    }
+}
+
+/// Below this speed, in rad/s, a servo counts as standing still: its lag alone would never end.
+const STANDSTILL: f64 = 1e-3;
+
+const PARALLAX_NEUTRAL_US: f64 = 1500.0;
+
+/// Half of the curve: µs above the neutral width, turns a minute.
+const PARALLAX: [(f64, f64); 9] = [
+    (0.0, 0.0),
+    (10.0, 6.0),
+    (20.0, 12.0),
+    (40.0, 24.0),
+    (60.0, 34.0),
+    (80.0, 41.0),
+    (100.0, 44.0),
+    (150.0, 47.0),
+    (200.0, 48.0),
+];
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::TAU;
+
+    use baudbot_geometry::math;
+
+    use super::Servo;
+
+    fn parallax() -> Servo {
+        Servo {
+            curve: Servo::parallax_curve(),
+            neutral_us: 1500.0,
+            half_range_us: 200.0,
+            dead_band_us: 5.0,
+            trim_us: 0.0,
+            lag_s: 0.06,
+            frame_ns: 20_000_000,
+            idle_w: 0.09,
+            running_w: 1.2,
+        }
+    }
+
+    #[test]
+    fn the_parallax_curve_is_a_hyperbolic_tangent_within_2_turns_a_minute() {
+        let servo = parallax();
+        for pulse in (1300..=1700).map(f64::from) {
+            let analytic = 48.0 * math::tanh((pulse - 1500.0) / 69.0);
+            let found = servo.rpm(pulse);
+            assert!((found - analytic).abs() < 2.0, "{pulse}: {found} and {analytic}");
+        }
+    }
+
+    #[test]
+    fn the_curve_is_linear_between_its_points_and_held_beyond_its_ends() {
+        let servo = parallax();
+        assert_eq!(servo.curve.len(), 17);
+        assert!(servo.curve.is_sorted_by(|a, b| a.0 < b.0), "{:?}", servo.curve);
+        for (pulse, rpm) in
+            [(1300.0, -48.0), (1440.0, -34.0), (1430.0, -37.5), (1550.0, 29.0), (1700.0, 48.0)]
+        {
+            assert_eq!(servo.rpm(pulse), rpm, "{pulse}");
+        }
+        assert_eq!([servo.rpm(0.0), servo.rpm(1e9)], [-48.0, 48.0]);
+        let single = Servo { curve: [(1500.0, 7.0)].into(), ..servo };
+        assert_eq!([single.rpm(0.0), single.rpm(1500.0), single.rpm(2000.0)], [7.0; 3]);
+    }
+
+    #[test]
+    fn signals_become_pulses_with_a_dead_band_and_a_trim() {
+        let servo = parallax();
+        assert_eq!(servo.target_rad_s(1.0), 48.0 * TAU / 60.0);
+        assert_eq!(servo.target_rad_s(-0.5), -44.0 * TAU / 60.0);
+        // 5 µs are within the dead band, 6 are not.
+        assert_eq!(servo.target_rad_s(0.025), 0.0);
+        assert!((servo.target_rad_s(0.03) - 3.6 * TAU / 60.0).abs() < 1e-12);
+        // A servo whose neutral width is 10 µs too high creeps backwards at signal 0.
+        let trimmed = Servo { trim_us: 10.0, ..servo };
+        assert_eq!(trimmed.target_rad_s(0.0), -6.0 * TAU / 60.0);
+        assert_eq!(trimmed.target_rad_s(0.05), 0.0);
+    }
+
+    #[test]
+    fn the_lag_is_exact_in_steps_of_any_length() {
+        let servo = parallax();
+        let at_once = servo.approach(1.0, 5.0, 0.06);
+        assert!((at_once - (5.0 - 4.0 * math::exp(-1.0))).abs() < 1e-15, "{at_once}");
+        let in_steps = (0..60).fold(1.0, |speed, _| servo.approach(speed, 5.0, 0.001));
+        assert!((in_steps - at_once).abs() < 1e-12, "{in_steps} and {at_once}");
+        assert_eq!(Servo { lag_s: 0.0, ..servo }.approach(1.0, 5.0, 0.001), 5.0);
+    }
+
+    #[test]
+    fn it_takes_less_power_standing_still() {
+        let servo = parallax();
+        assert_eq!(
+            [servo.power_w(0.0, 0.0), servo.power_w(0.0, 1.0), servo.power_w(1.0, 0.0)],
+            [0.09, 1.2, 1.2]
+        );
+    }
+}

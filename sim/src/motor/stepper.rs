@@ -1,0 +1,130 @@
+//! Stepper motor: it turns by one step a pulse, if it can follow.
+//!
+//! The signal sets the rate of the pulses at once, and that is what firmware counts. The rotor's rate moves towards it
+//! by no more than an acceleration allows. Above the pull-out rate there is no torque left: the rotor stands still at
+//! once. Pulses that the rotor did not follow are lost, and nothing tells the firmware.
+//!
+//! Deviations. The notes have no stepper motors. A real rotor that cannot follow falls back by four steps at a time or
+//! stalls altogether; here the difference is spread evenly, and a rotor that runs on when the pulses stop counts as
+//! fewer lost steps. The rotor has the speed of its wheel, so that a robot which is held back by a wall loses steps.
+
+use core::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+/// What a stepper motor and its gear box are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stepper {
+    /// Steps a turn of the wheel, gear box included.
+    pub steps_per_turn: f64,
+    /// Pulses a second at motor signal 1.
+    pub full_rate_steps_s: f64,
+    /// Pull-out rate: with more pulses a second than these the rotor stands still.
+    pub max_rate_steps_s: f64,
+    /// How fast the rotor's rate can change, in steps per s².
+    pub max_acceleration_steps_s2: f64,
+    /// Electrical power that its coils take, turning or holding, in W.
+    pub holding_w: f64,
+}
+
+/// The steps of one motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepperState {
+    /// Steps commanded since the start, backwards taken off: what firmware counts.
+    pub commanded_steps: f64,
+    /// Steps commanded and not made. The wheel's true way is `commanded_steps - lost_steps`; negative if it ran on.
+    pub lost_steps: f64,
+}
+
+impl Stepper {
+    /// Commands `dt_s` of pulses at this signal to the motor of a wheel that turns at this speed, in rad/s, and gives
+    /// back the wheel's speed during that time.
+    pub fn step(&self, state: &mut StepperState, wheel_speed_rad_s: f64, signal: f64, dt_s: f64) -> f64 {
+        let commanded = self.full_rate_steps_s * signal;
+        let rate = self.rate_steps_s(wheel_speed_rad_s * self.steps_per_turn / TAU, commanded, dt_s);
+        state.commanded_steps += commanded * dt_s;
+        state.lost_steps += (commanded - rate) * dt_s;
+        rate * TAU / self.steps_per_turn
+    }
+
+    /// Electrical power that it takes, in W: the coils' current does not depend on what the rotor does.
+    pub fn power_w(&self) -> f64 {
+        self.holding_w
+    }
+
+    /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step is lost to
+    /// rounding.
+    fn rate_steps_s(&self, rate: f64, commanded: f64, dt_s: f64) -> f64 {
+        if commanded.abs() > self.max_rate_steps_s {
+            return 0.0;
+        }
+        let (change, reach) = (commanded - rate, self.max_acceleration_steps_s2 * dt_s);
+        if change.abs() <= reach { commanded } else { rate + reach.copysign(change) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Stepper, StepperState};
+
+    /// The e-puck's: 20 steps a turn and a gear box of 50 : 1, at most 1000 steps/s (e-puck.org, mechanics).
+    fn epuck() -> Stepper {
+        Stepper {
+            steps_per_turn: 1000.0,
+            full_rate_steps_s: 1000.0,
+            max_rate_steps_s: 1000.0,
+            max_acceleration_steps_s2: 4000.0,
+            holding_w: 0.5,
+        }
+    }
+
+    /// The wheel's speed after these steps of 1 ms.
+    fn run(motor: &Stepper, state: &mut StepperState, speed: f64, signal: f64, steps: u32) -> f64 {
+        (0..steps).fold(speed, |speed, _| motor.step(state, speed, signal, 0.001))
+    }
+
+    #[test]
+    fn an_epuck_drives_at_12_88_cm_a_second() {
+        let mut state = StepperState::default();
+        let speed = 0.0205 * run(&epuck(), &mut state, 0.0, 1.0, 1000);
+        assert!((speed - 0.1288).abs() < 5e-5, "{speed}");
+    }
+
+    #[test]
+    fn a_jump_of_the_rate_loses_steps_until_the_rotor_has_caught_up() {
+        let (motor, mut state) = (epuck(), StepperState::default());
+        let speed = run(&motor, &mut state, 0.0, 1.0, 250);
+        // 250 ms at 4000 steps/s²: the mean of 250 rates from 4 to 1000 steps/s.
+        assert!((state.commanded_steps - 250.0).abs() < 1e-9, "{state:?}");
+        assert!((state.lost_steps - (250.0 - 0.25 * 502.0)).abs() < 1e-9, "{state:?}");
+        let lost = state.lost_steps;
+        run(&motor, &mut state, speed, 1.0, 100);
+        assert!((state.lost_steps - lost).abs() < 1e-9, "{state:?}");
+        assert!((state.commanded_steps - 350.0).abs() < 1e-9, "{state:?}");
+    }
+
+    #[test]
+    fn a_rate_that_rises_slowly_loses_nothing() {
+        let (motor, mut state) = (epuck(), StepperState::default());
+        (0..=500).fold(0.0, |speed, i| motor.step(&mut state, speed, f64::from(i) / 500.0, 0.001));
+        assert_eq!(state.lost_steps, 0.0);
+        assert!((state.commanded_steps - 250.5).abs() < 1e-9, "{state:?}");
+    }
+
+    #[test]
+    fn above_the_pull_out_rate_the_rotor_stands_still_and_every_step_is_lost() {
+        let motor = Stepper { full_rate_steps_s: 1200.0, ..epuck() };
+        let mut state = StepperState::default();
+        assert_eq!(run(&motor, &mut state, 6.0, 1.0, 100), 0.0);
+        assert!((state.lost_steps - 120.0).abs() < 1e-9, "{state:?}");
+        assert_eq!(state.commanded_steps, state.lost_steps);
+    }
+
+    #[test]
+    fn a_rotor_that_runs_on_makes_more_steps_than_were_commanded() {
+        let (motor, mut state) = (epuck(), StepperState::default());
+        let speed = run(&motor, &mut state, core::f64::consts::TAU, 0.0, 300);
+        assert_eq!((speed, state.commanded_steps), (0.0, 0.0));
+        assert!((state.lost_steps + 0.25 * 498.0).abs() < 1e-9, "{state:?}");
+    }
+}

@@ -1,0 +1,84 @@
+//! Velocity-regulated motor: Wahde 2016, Eq. (3.15), §3.2.4.
+//!
+//! With (2.31) and no damping the robot's speed approaches the reference with the time constant M / (2 A K), where A is
+//! that of (2.26); damping α shortens it and leaves an offset, as proportional control does. Euler steps of Δt are
+//! stable for 2 A K Δt / M < 2, and do not swing for < 1.
+//!
+//! Deviations. The notes demand encoders to measure v with, and so do scenarios; but the regulator sees the wheel's
+//! true speed, without the counting. It has no lag, as in the notes.
+
+/// What a velocity-regulated motor is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VelocityMotor {
+    /// K of (3.15): torque on the wheel per difference of rim speeds, in N m per m/s, which is N s.
+    pub gain_n_s: f64,
+    /// Largest torque on the wheel τ_max, in N m.
+    pub max_torque_nm: f64,
+    /// Reference speed v_ref of the wheel's rim at motor signal 1, in m/s.
+    pub full_speed_m_s: f64,
+    /// Mechanical power per electrical power, in (0, 1].
+    pub efficiency: f64,
+}
+
+impl VelocityMotor {
+    /// Torque on the wheel, in N m, at this signal and speed of the wheel's rim: (3.15), then the limit.
+    pub fn torque_nm(&self, signal: f64, rim_speed_m_s: f64) -> f64 {
+        let reference = self.full_speed_m_s * signal;
+        (self.gain_n_s * (reference - rim_speed_m_s)).clamp(-self.max_torque_nm, self.max_torque_nm)
+    }
+
+    /// Electrical power that it takes, in W: the mechanical power over the efficiency, nothing when it brakes. A motor
+    /// that is held fast takes nothing by this, which is too little: its resistance is not known.
+    pub fn power_w(&self, signal: f64, rim_speed_m_s: f64, wheel_radius_m: f64) -> f64 {
+        let mechanical = self.torque_nm(signal, rim_speed_m_s) * rim_speed_m_s / wheel_radius_m;
+        (mechanical / self.efficiency).max(0.0)
+    }
+
+    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s.
+    pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> f64 {
+        self.gain_n_s * wheel_radius_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use baudbot_geometry::math;
+
+    use super::VelocityMotor;
+
+    fn motor() -> VelocityMotor {
+        VelocityMotor { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.5, efficiency: 0.7 }
+    }
+
+    #[test]
+    fn torque_is_in_proportion_to_the_missing_speed_up_to_its_limit() {
+        let motor = motor();
+        assert!((motor.torque_nm(0.8, 0.1) - 1.5 * 0.3).abs() < 1e-15);
+        assert_eq!(motor.torque_nm(0.8, 0.4), 0.0);
+        assert_eq!(motor.torque_nm(1.0, -0.5), 1.0);
+        assert_eq!(motor.torque_nm(-1.0, 0.5), -1.0);
+    }
+
+    #[test]
+    fn the_speed_approaches_the_reference_with_the_time_constant_m_over_2ak() {
+        let (motor, a, mass, dt) = (motor(), 10.0, 3.0, 1e-5);
+        let (mut speed, mut steps) = (0.0, 0);
+        // (2.31) without damping; both wheels' rims have the robot's speed.
+        while speed < 0.5 * (1.0 - math::exp(-1.0)) {
+            speed += 2.0 * a * motor.torque_nm(1.0, speed) / mass * dt;
+            steps += 1;
+        }
+        let found = f64::from(steps) * dt;
+        assert!((found - mass / (2.0 * a * motor.gain_n_s)).abs() < 1e-4, "{found}");
+        assert!((found - 0.1).abs() < 1e-4, "{found}");
+    }
+
+    #[test]
+    fn power_is_mechanical_power_over_efficiency() {
+        let motor = motor();
+        // 0.3 N m at 0.3 m/s on wheels of 0.1 m: 0.9 W.
+        assert!((motor.power_w(1.0, 0.3, 0.1) - 0.9 / 0.7).abs() < 1e-12);
+        assert_eq!(motor.power_w(0.0, 0.3, 0.1), 0.0);
+        assert_eq!(motor.power_w(1.0, 0.0, 0.1), 0.0);
+    }
+}

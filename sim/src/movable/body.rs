@@ -1,0 +1,87 @@
+//! Discs and polygons as bodies: shapes, and shapes in their place.
+
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Circle, Point, Pose, polygon};
+
+use crate::arena::Arena;
+
+/// A shape in its own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Form<'a> {
+    /// Around the origin.
+    Disc { radius_m: f64 },
+    /// A simple polygon, in metres.
+    Polygon(&'a [Point]),
+}
+
+/// A shape in the world.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Body {
+    Disc(Circle),
+    /// A simple polygon, filled.
+    Polygon(Vec<Point>),
+}
+
+impl Form<'_> {
+    pub(crate) fn at(&self, world_from_form: &Pose) -> Body {
+        match self {
+            Self::Disc { radius_m } => {
+                Body::Disc(Circle { center: world_from_form.position, radius: *radius_m })
+            }
+            Self::Polygon(points) => {
+                let (direction, place) = (world_from_form.direction(), world_from_form.position);
+                Body::Polygon(points.iter().map(|point| place + direction.apply(point.coords)).collect())
+            }
+        }
+    }
+
+    /// Distance from the origin to the farthest point, in metres.
+    pub(crate) fn reach_m(&self) -> f64 {
+        match self {
+            Self::Disc { radius_m } => *radius_m,
+            Self::Polygon(points) => polygon::bounding_radius(points),
+        }
+    }
+
+    /// A length, in metres, that is at most the radius of the greatest disc inside, if convex, and at least
+    /// half of that: area by perimeter.
+    pub(crate) fn thickness_m(&self) -> f64 {
+        match self {
+            Self::Disc { radius_m } => 0.5 * radius_m,
+            Self::Polygon(points) => polygon::area(points) / polygon::perimeter(points),
+        }
+    }
+}
+
+impl Body {
+    /// Whether the insides of the two have a point in common. Touching is not overlapping.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Disc(a), Self::Disc(b)) => a.overlaps_circle(b),
+            (Self::Disc(disc), Self::Polygon(points)) | (Self::Polygon(points), Self::Disc(disc)) => {
+                polygon::overlaps_circle(points, disc)
+            }
+            (Self::Polygon(a), Self::Polygon(b)) => polygon::overlaps_polygon(a, b),
+        }
+    }
+
+    /// Whether it overlaps something that stands still.
+    pub(crate) fn overlaps_arena(&self, arena: &Arena) -> bool {
+        self.arena_shape(arena).is_some()
+    }
+
+    /// The name of a shape that stands still and that it overlaps, if any.
+    pub(crate) fn arena_shape<'a>(&self, arena: &'a Arena) -> Option<&'a str> {
+        match self {
+            Self::Disc(disc) => arena.obstacle_at(disc),
+            Self::Polygon(points) => {
+                if let Some(shape) = arena.index().meets_polygon(points) {
+                    return Some(arena.name_of(shape));
+                }
+                // No outline is inside of the body: then all of the body is where one point of it is.
+                polygon::centroid(points).and_then(|place| arena.solid_at(place))
+            }
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! A device's own cable to the laptop, past the microcontroller (Fig. 1.18): what a laser range finder, a camera
+//! or a satellite receiver says on it, byte by byte.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use baudbot_wire::{line_image, nmea, scip};
+use serde::{Deserialize, Serialize};
+
+use crate::link::{Line, Link};
+use crate::sensor::{Device, Sensor};
+use crate::time::SimTime;
+
+/// What a cable of a device's own is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// The cable.
+    pub link: Link,
+    /// What is said on it.
+    pub format: Format,
+}
+
+/// The form of a device's messages.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Format {
+    /// A laser's scans in SCIP 2.0.
+    Scip(scip::Format),
+    /// A line camera's images.
+    LineImage,
+    /// A satellite receiver's sentences.
+    Nmea {
+        /// GGA, GSA and three GSV before the RMC; else the RMC alone.
+        full: bool,
+    },
+}
+
+/// State of a port: its line, and what the laptop has of the message that is under way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct PortState {
+    pub(crate) line: Line,
+    message: Vec<u8>,
+    /// Bytes that arrived since the brain's last step.
+    pub(crate) unread: Vec<u8>,
+    sequence: u16,
+}
+
+/// What a byte completed at the laptop's end.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Heard {
+    Nothing,
+    /// A message that made no sense.
+    Bad,
+    /// A reading: one value a component, and when it was sampled, if the message says so.
+    Reading(Vec<f64>, Option<SimTime>),
+}
+
+impl PortState {
+    pub(crate) fn new(line: Line) -> Self {
+        Self { line, message: Vec::new(), unread: Vec::new(), sequence: 0 }
+    }
+
+    /// The device sends a measurement, unless the line is still taken by an older one: then this one is left
+    /// out, as real devices do, and the answer is `false`.
+    pub(crate) fn send(
+        &mut self,
+        sensor: &Sensor,
+        port: &Port,
+        i: usize,
+        now: SimTime,
+        (values, measured_at): (&[f64], SimTime),
+    ) -> bool {
+        if self.line.waiting(now) > 0 {
+            return false;
+        }
+        let bytes = port.format.write(&sensor.device, self.sequence, measured_at, values);
+        self.sequence = self.sequence.wrapping_add(1);
+        self.line.send_message(&port.link, now, &bytes, vec![(i, measured_at)]);
+        true
+    }
+
+    /// A byte arrives at the laptop's end.
+    pub(crate) fn receive(&mut self, port: &Port, device: &Device, (at, byte): (SimTime, u8)) -> Heard {
+        if self.unread.len() >= UNREAD_MAX {
+            self.line.counters.overrun_bytes += 1;
+            self.message.clear();
+            return Heard::Nothing;
+        }
+        self.unread.push(byte);
+        self.message.push(byte);
+        let heard = port.format.hear(device, &mut self.message, at);
+        match heard {
+            Heard::Nothing => {}
+            Heard::Bad => self.line.counters.bad_frames += 1,
+            Heard::Reading(..) => self.line.counters.messages += 1,
+        }
+        heard
+    }
+}
+
+/// Bytes that a brain may leave unread; more are lost.
+const UNREAD_MAX: usize = 4 << 20;
+
+impl Format {
+    /// Bytes of one message.
+    pub fn message_len(&self, device: &Device) -> usize {
+        match (self, device) {
+            (Self::Scip(format), _) => format.message_len(),
+            (Self::LineImage, Device::LineCamera(camera)) => {
+                line_image::encoded_len(camera.columns() as u16, camera.rows)
+            }
+            (Self::LineImage, _) => 0,
+            (Self::Nmea { full }, _) => self.nmea_len(*full),
+        }
+    }
+
+    fn nmea_len(&self, full: bool) -> usize {
+        gps_message(full, SimTime::ZERO, &[57.7, 11.97, 1.0, 0.0, 0.0]).len()
+    }
+
+    fn write(&self, device: &Device, sequence: u16, at: SimTime, values: &[f64]) -> Vec<u8> {
+        match (self, device) {
+            (Self::Scip(format), _) => {
+                let mut bytes = vec![0; format.message_len()];
+                let millimetres = values.iter().map(|&d| if d < 0.0 { 0 } else { (d * 1e3 + 0.5) as u32 });
+                let time_ms = (at.as_ns() / 1_000_000) as u32;
+                let n = scip::encode(format, time_ms, millimetres, &mut bytes).expect(FITS);
+                bytes.truncate(n);
+                bytes
+            }
+            (Self::LineImage, Device::LineCamera(camera)) => {
+                let n = camera.columns();
+                let mut bytes = vec![0; self.message_len(device)];
+                let level = |channel: usize, i: usize| (values[channel * n + i] * 255.0 + 0.5) as u8;
+                let columns = (0..n).map(|i| line_image::Column {
+                    rgb: [level(0, i), level(1, i), level(2, i)],
+                    depth_mm: (values[3 * n + i] * 1e3 + 0.5).clamp(0.0, 65_535.0) as u16,
+                });
+                let written = line_image::encode(sequence, columns, camera.rows, &mut bytes).expect(FITS);
+                bytes.truncate(written);
+                bytes
+            }
+            (Self::Nmea { full }, _) => gps_message(*full, at, values),
+            (Self::LineImage, _) => Vec::new(),
+        }
+    }
+
+    /// Looks for the end of a message in what has come so far, and takes it out.
+    fn hear(&self, device: &Device, message: &mut Vec<u8>, at: SimTime) -> Heard {
+        match self {
+            Self::Scip(_) => hear_scip(device, message, at),
+            Self::LineImage => hear_line_image(device, message),
+            Self::Nmea { .. } => hear_nmea(message),
+        }
+    }
+}
+
+/// Why writing cannot fail.
+const FITS: &str = "the buffer is as long as the message";
+
+/// The end of a scan is two line feeds in a row.
+fn hear_scip(device: &Device, message: &mut Vec<u8>, at: SimTime) -> Heard {
+    if !message.ends_with(b"\n\n") {
+        return Heard::Nothing;
+    }
+    let bytes = core::mem::take(message);
+    let Ok(scan) = scip::parse(&bytes) else { return Heard::Bad };
+    if scan.format.points() != device.values() {
+        return Heard::Bad;
+    }
+    let metres = |range: Option<u32>| range.map_or(crate::sensor::NOTHING, |mm| f64::from(mm) * 1e-3);
+    // The clock of the message has 24 bits: of the instants that it may mean, the last.
+    let now_ms = at.as_ns() / 1_000_000;
+    let age_ms = (now_ms.wrapping_sub(scan.time_ms.into())) & 0xff_ffff;
+    let sampled_at = SimTime::from_ns(now_ms.saturating_sub(age_ms) * 1_000_000);
+    Heard::Reading(scan.ranges_mm().map(metres).collect(), Some(sampled_at))
+}
+
+/// The header says how long an image is; bytes that begin none are thrown away.
+fn hear_line_image(device: &Device, message: &mut Vec<u8>) -> Heard {
+    let Device::LineCamera(camera) = device else { return Heard::Bad };
+    let length = line_image::encoded_len(camera.columns() as u16, camera.rows);
+    loop {
+        match line_image::message_len(message) {
+            Ok(None) => return Heard::Nothing,
+            Ok(Some(found)) if found == length && message.len() < length => return Heard::Nothing,
+            Ok(Some(found)) if found == length => break,
+            Ok(Some(_)) => message.drain(..1),
+            Err(line_image::ParseError::Sync { skip }) => message.drain(..skip),
+            Err(_) => message.drain(..1),
+        };
+        if message.is_empty() {
+            return Heard::Bad;
+        }
+    }
+    let bytes = core::mem::take(message);
+    let Ok(image) = line_image::parse(&bytes) else { return Heard::Bad };
+    let n = camera.columns();
+    let mut values = vec![0.0; device.values()];
+    for (i, column) in image.columns().enumerate() {
+        for (channel, level) in column.rgb.into_iter().enumerate() {
+            values[channel * n + i] = f64::from(level) / 255.0;
+        }
+        let depth_m = f64::from(column.depth_mm) * 1e-3;
+        values[3 * n + i] = if column.depth_mm == 0 { crate::sensor::NOTHING } else { depth_m };
+    }
+    Heard::Reading(values, None)
+}
+
+/// The sentence with everything that the reading needs is the RMC, which comes last.
+fn hear_nmea(message: &mut Vec<u8>) -> Heard {
+    if !message.ends_with(b"\n") {
+        return Heard::Nothing;
+    }
+    let line = core::mem::take(message);
+    match nmea::parse(&line) {
+        Err(_) => Heard::Bad,
+        Ok(nmea::Sentence::Rmc(rmc)) => {
+            let (latitude, longitude) = rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
+            let fix = f64::from(u8::from(rmc.position.is_some()));
+            let course_rad = core::f64::consts::FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
+            let course_rad = baudbot_geometry::angle::wrap(course_rad);
+            let sampled_at = rmc.time_utc_ms.map(|ms| SimTime::from_ns(u64::from(ms) * 1_000_000));
+            let values = vec![latitude, longitude, fix, rmc.speed_m_s.unwrap_or(0.0), course_rad];
+            Heard::Reading(values, sampled_at)
+        }
+        Ok(_) => Heard::Nothing,
+    }
+}
+
+/// What a receiver says of one fix.
+fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
+    let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
+    let fix = nmea::Fix {
+        time_utc_ms: (at.as_ns() / 1_000_000 % 86_400_000) as u32,
+        date: (1, 1, 16),
+        valid: fix > 0.5,
+        latitude_deg,
+        longitude_deg,
+        speed_m_s,
+        course_deg: (core::f64::consts::FRAC_PI_2 - course_rad).to_degrees(),
+        altitude_m: 0.0,
+        satellites: SKY.len() as u8,
+        hdop: 1.0,
+    };
+    let mut bytes = vec![0; 8 * nmea::MAX_SENTENCE];
+    let mut n = 0;
+    if full {
+        n += nmea::write_gga(&fix, &mut bytes[n..]).expect(FITS);
+        n += nmea::write_gsa(&fix, &SKY, &mut bytes[n..]).expect(FITS);
+        n += nmea::write_gsv(&SKY, &mut bytes[n..]).expect(FITS);
+    }
+    n += nmea::write_rmc(&fix, &mut bytes[n..]).expect(FITS);
+    bytes.truncate(n);
+    bytes
+}
+
+/// Which satellites are up is not modelled: always these twelve, well spread. The length of the sentences, which
+/// the cable has to carry, is a real receiver's.
+const SKY: [nmea::Satellite; 12] = {
+    let mut sky = [nmea::Satellite { prn: 1, elevation_deg: 15, azimuth_deg: 0, snr_db: 40 }; 12];
+    let mut i = 0;
+    while i < 12 {
+        sky[i].prn = 2 + 2 * i as u8;
+        sky[i].elevation_deg = 15 + 6 * i as u8;
+        sky[i].azimuth_deg = (150 * i as u16) % 360;
+        i += 1;
+    }
+    sky
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_receivers_sentences_take_most_of_each_second_at_4800_baud() {
+        let full = Format::Nmea { full: true }.nmea_len(true);
+        assert!((380..=480).contains(&full), "{full}");
+        let alone = Format::Nmea { full: false }.nmea_len(false);
+        assert!((60..=82).contains(&alone), "{alone}");
+    }
+
+    #[test]
+    fn a_fix_survives_its_sentence_to_less_than_a_fifth_of_a_metre() {
+        let mut message = gps_message(false, SimTime::from_ns(1_000_000_000), &[57.7, 11.97, 1.0, 0.5, 0.25]);
+        let Heard::Reading(values, _) = hear_nmea(&mut message) else { panic!("no reading") };
+        let metres = (values[0] - 57.7).hypot(values[1] - 11.97) * 111_195.0;
+        assert!(metres < 0.2, "{metres}");
+        assert_eq!(values[2], 1.0);
+        assert!((values[3] - 0.5).abs() < 0.005 && (values[4] - 0.25).abs() < 1e-3, "{values:?}");
+    }
+}

@@ -1,0 +1,159 @@
+//! The referee: what is counted of a run besides collisions and distance, and when it has been enough.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Circle, Pose};
+use serde::{Deserialize, Serialize};
+
+use crate::coverage::{Coverage, Floor};
+use crate::robot::RobotSpec;
+use crate::scenario::Scenario;
+use crate::scene::Scene;
+use crate::world::{Ending, World};
+
+/// What the referee looks at.
+#[derive(Clone, Debug, Default)]
+pub struct Rules {
+    /// The floor to be covered, if that is counted (§6.1).
+    pub floor: Option<Floor>,
+    /// Which sensor's rays cover the floor: the place of a sensor for each robot that has one of that name.
+    pub(crate) sensed_by: Vec<Option<usize>>,
+    /// How often those rays are looked at, in nanoseconds.
+    pub(crate) sense_ns: u64,
+    /// The run ends with so many collisions.
+    pub collisions: Option<u64>,
+    /// The run ends when all goals have been reached.
+    pub all_goals: bool,
+    /// The run ends when this share of the floor is covered.
+    pub covered: Option<f64>,
+    /// The run ends when this share of the floor is sensed.
+    pub sensed: Option<f64>,
+    /// The run ends when a battery is empty.
+    pub battery_empty: bool,
+}
+
+/// What was counted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    coverage: Option<Coverage>,
+    /// For each zone, whether any robot has been there.
+    visited: Vec<bool>,
+    /// For each robot, its time in each zone, in nanoseconds.
+    in_zone_ns: Vec<Vec<u64>>,
+}
+
+impl Score {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
+        let zones = scenario.surroundings.zones.len();
+        Self {
+            coverage: scenario.rules.floor.as_ref().map(Coverage::new),
+            visited: alloc::vec![false; zones],
+            in_zone_ns: alloc::vec![alloc::vec![0; zones]; scenario.robots().len()],
+        }
+    }
+
+    /// Share of the free floor that bodies have covered, if that is counted.
+    pub fn covered(&self, rules: &Rules) -> Option<f64> {
+        Some(self.coverage.as_ref()?.floor_fraction(rules.floor.as_ref()?))
+    }
+
+    /// Share of the free floor that the rays of the chosen sensor have reached, if that is counted.
+    pub fn sensed(&self, rules: &Rules) -> Option<f64> {
+        rules.sensed_by.iter().find(|sensor| sensor.is_some())?;
+        Some(self.coverage.as_ref()?.sensed_fraction(rules.floor.as_ref()?))
+    }
+
+    /// For each zone, in the scenario's order, whether any robot has been there.
+    pub fn visited(&self) -> &[bool] {
+        &self.visited
+    }
+
+    /// Time of a robot in each zone, in nanoseconds.
+    pub fn in_zone_ns(&self, robot: usize) -> &[u64] {
+        &self.in_zone_ns[robot]
+    }
+}
+
+impl World {
+    /// Counts what happened in the tick that began with the robots at `before`.
+    pub(crate) fn keep_score(&mut self, before: &[Pose]) {
+        let scenario = alloc::sync::Arc::clone(self.scenario());
+        for own in 0..before.len() {
+            self.count_zones(&scenario, own);
+        }
+        let Some(floor) = &scenario.rules.floor else { return };
+        let Some(mut coverage) = self.state_mut().score.coverage.take() else { return };
+        for (own, (before, spec)) in before.iter().zip(scenario.robots()).enumerate() {
+            let disc = |pose: &Pose| Circle { center: pose.position, radius: spec.covers_m() };
+            coverage.cover_swept(floor, &disc(before), &disc(&self.robot(own).motion().pose));
+        }
+        let sense_ns = scenario.rules.sense_ns.max(1);
+        if self.time().as_ns() % sense_ns < scenario.step_ns {
+            self.sense(&scenario, floor, &mut coverage);
+        }
+        self.state_mut().score.coverage = Some(coverage);
+    }
+
+    fn count_zones(&mut self, scenario: &Scenario, own: usize) {
+        let position = self.robot(own).motion().pose.position;
+        let step_ns = scenario.step_ns;
+        let score = &mut self.state_mut().score;
+        for (i, zone) in scenario.surroundings.zones.iter().enumerate() {
+            if zone.region.contains(position) {
+                score.visited[i] = true;
+                score.in_zone_ns[own][i] += step_ns;
+            }
+        }
+    }
+
+    /// Marks what the rays of the chosen sensors reach, as they truly are: noise is no matter of coverage.
+    fn sense(&self, scenario: &Scenario, floor: &Floor, coverage: &mut Coverage) {
+        let frozen = self.frozen();
+        for (own, sensor) in scenario.rules.sensed_by.iter().enumerate() {
+            let Some(sensor) = sensor else { continue };
+            let scene = scenario.scene(&frozen, own);
+            let device = &scenario.robots()[own].sensors[*sensor].device;
+            let (Some(mount), Some(range_m), Some(fan)) = (device.mount(), device.range_m(), device.fan()) else {
+                continue;
+            };
+            let robot = self.robot(own);
+            let pose = mount.place(&robot.motion().pose, robot.actuators());
+            let eye = Scene::look(&scene, pose.position, mount.height, range_m);
+            for ray in fan.rays(pose.position, pose.direction()) {
+                let reach = eye.cast(&ray).unwrap_or(range_m);
+                coverage.sense_ray(floor, pose.position, ray.at(reach));
+            }
+        }
+    }
+
+    /// Whether the rules say that it has been enough.
+    pub(crate) fn judge(&self) -> Option<Ending> {
+        let (scenario, rules) = (self.scenario(), &self.scenario().rules);
+        let collisions: u64 = self.robots().map(|robot| robot.counters().collisions).sum();
+        if let Some(limit) = rules.collisions.filter(|&limit| collisions >= limit) {
+            return Some(Ending::Collisions(limit));
+        }
+        let goals = || scenario.surroundings.zones.iter().zip(self.score().visited()).filter(|(zone, _)| zone.goal);
+        if rules.all_goals && goals().all(|(_, visited)| *visited) {
+            return Some(Ending::AllGoals);
+        }
+        let reached = |share: Option<f64>, wanted: Option<f64>| matches!((share, wanted), (Some(a), Some(b)) if a >= b);
+        if reached(self.score().covered(rules), rules.covered) {
+            return Some(Ending::Covered);
+        }
+        if reached(self.score().sensed(rules), rules.sensed) {
+            return Some(Ending::Sensed);
+        }
+        let empty = |robot: &crate::RobotView<'_>| robot.battery().is_some_and(|(battery, state)| state.is_empty(battery));
+        let empty = self.robots().find(|robot| rules.battery_empty && empty(robot));
+        empty.map(|robot| Ending::BatteryEmpty(String::clone(&robot.spec().name)))
+    }
+}
+
+impl RobotSpec {
+    /// Radius of the disc that counts as covered, in metres: of a body with corners, one that lies inside of it.
+    fn covers_m(&self) -> f64 {
+        self.form().thickness_m().max(if self.outline.is_empty() { self.drive.radius_m } else { 0.0 })
+    }
+}

@@ -1,0 +1,290 @@
+//! From a raw robot to a [`RobotSpec`].
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Point, Pose, angle, polygon};
+
+use super::check::{Names, Path};
+use super::motors::{self, ParsedMotors};
+use super::{ScenarioError, actuators, arena, cable, raw, sensors, things};
+use crate::arena::Arena;
+use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
+use crate::link::Link;
+use crate::microcontroller::Processor;
+use crate::movable::Body;
+use crate::robot::{RobotSpec, Start};
+use crate::sensor::Sensor;
+use crate::surroundings::Surroundings;
+use crate::time::SECOND_NS;
+
+/// Most robots of one scenario.
+const MAX_ROBOTS: usize = 10_000;
+
+/// Most rays that one sensor casts in a tick.
+const MAX_RAYS_A_TICK: u64 = 100_000;
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// The robots, in the order of their names.
+pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>) -> Result<Vec<RobotSpec>> {
+    if raw.len() > MAX_ROBOTS {
+        return Err(path.error(format!("there are {}, the limit is {MAX_ROBOTS}", raw.len())));
+    }
+    let mut names = Names::default();
+    let mut robots: Vec<(usize, RobotSpec)> = Vec::new();
+    for (i, robot) in raw.into_iter().enumerate() {
+        let path = path.index(i);
+        let name = names.take(&path.field("name"), &robot.name)?;
+        let spec = robot_spec(&path, name, robot, context)?;
+        is_stable(&path, &spec, context.step)?;
+        is_affordable(&path, &spec, context.step)?;
+        stands_free(&path, &spec, context, &robots)?;
+        robots.push((i, spec));
+    }
+    robots.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
+    Ok(robots.into_iter().map(|(_, spec)| spec).collect())
+}
+
+/// The length of a tick, which several checks need.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) step_ms: f64,
+    pub(super) step_ns: u64,
+    pub(super) substeps: u64,
+}
+
+/// The world that the robots are put into.
+pub(super) struct World<'a> {
+    pub(super) step: Step,
+    pub(super) surroundings: &'a Surroundings,
+    pub(super) arena: &'a mut Arena,
+    /// What moves or is pushed, where it starts.
+    pub(super) bodies: &'a [(String, Body)],
+}
+
+/// Euler steps that are too long for a body blow up, and end in numbers that are none.
+fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+    let dt = step.step_ns as f64 / step.substeps as f64 / SECOND_NS as f64;
+    let worst = spec.drive.stiffness(dt).into_iter().fold(0.0, f64::max);
+    if worst < 2.0 {
+        return Ok(());
+    }
+    let needed = (step.substeps as f64 * worst) as u64 + 1;
+    let problem = format!(
+        "Euler steps of {} ms are too long for this body and would blow up; set substeps to {needed} or more",
+        dt * 1e3
+    );
+    Err(path.field("body").error(problem))
+}
+
+/// A scenario that nobody could wait for is a mistake in a unit.
+fn is_affordable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+    for sensor in &spec.sensors {
+        let Some(fan) = sensor.device.fan() else { continue };
+        let period_ns = sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns);
+        let rays = step.step_ns.div_ceil(period_ns) * fan.len() as u64;
+        if rays > MAX_RAYS_A_TICK {
+            let problem = format!("casts {rays} rays a tick, the limit is {MAX_RAYS_A_TICK}");
+            return Err(path.field("sensors").field(&sensor.name).field("rays").error(problem));
+        }
+    }
+    Ok(())
+}
+
+/// Nothing may stand in the arena, in what moves or is pushed, or in another robot.
+fn stands_free(
+    path: &Path,
+    spec: &RobotSpec,
+    context: &World<'_>,
+    others: &[(usize, RobotSpec)],
+) -> Result<()> {
+    let (form, pose) = (spec.form(), &spec.start.pose);
+    if let Some(name) = things::stands_in((&form, pose), context.arena, context.bodies) {
+        let (size, at) = (form.reach_m(), pose.position);
+        let problem = format!("at ({}, {}) a robot of radius {size} m stands in `{name}`", at.x, at.y);
+        return Err(path.field("start").error(problem));
+    }
+    let body = form.at(pose);
+    let near = |other: &RobotSpec| {
+        let reach = form.reach_m() + other.form().reach_m();
+        (other.start.pose.position - pose.position).norm_squared() < reach * reach
+    };
+    let meets = |other: &RobotSpec| near(other) && other.form().at(&other.start.pose).overlaps(&body);
+    match others.iter().find(|(_, other)| meets(other)) {
+        Some((i, other)) => {
+            Err(path.field("start").error(format!("stands in robots[{i}] (`{}`)", other.name)))
+        }
+        None => Ok(()),
+    }
+}
+
+fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_>) -> Result<RobotSpec> {
+    let step_ms = context.step.step_ms;
+    let start = start(&path.field("start"), &raw.start)?;
+    let motors = motors::motors(&path.field("motors"), raw.motors)?;
+    let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
+    let body = path.field("body");
+    let (outline, radius_m) = outline(&body, &raw.body)?;
+    let look = arena::look(&body, raw.body.height_m, raw.body.color)?;
+    let drive = drive(&body, &raw.body, radius_m, motors)?;
+    let actuators = each_named(&path.field("actuators"), raw.actuators, actuators::actuator)?;
+    let battery = raw.battery.map(|raw| actuators::battery(&path.field("battery"), raw)).transpose()?;
+    let (battery, charge) = battery.unzip();
+    let mut sensors = {
+        let mut context = sensors::Context {
+            step_ms,
+            radius_m,
+            actuators: &actuators,
+            battery: battery.as_ref(),
+            surroundings: context.surroundings,
+            arena: context.arena,
+        };
+        let path = path.field("sensors");
+        let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
+        let sensors = each_named(&path, raw.sensors, sensor)?;
+        if sensors.len() > usize::from(u8::MAX) {
+            return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
+        }
+        sensors
+    };
+    // Those on the wire keep their order and come first, so that their places are those on the wire.
+    sensors.sort_by_key(|sensor| !sensor.is_on_wire());
+    motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
+    let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
+    let link = cable::link(&path.field("link"), &raw.link)?;
+    let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
+    let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
+    let motors = alloc::vec![motor; 2 + actuators.len()];
+    let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
+    cable::check_sizes(path, &firmware, &link)?;
+    let places = |wanted: fn(&Sensor) -> bool| {
+        sensors.iter().enumerate().filter(|(_, sensor)| wanted(sensor)).map(|(i, _)| i).collect()
+    };
+    Ok(RobotSpec {
+        name,
+        start,
+        drive,
+        outline,
+        look,
+        signal_limit,
+        actuators,
+        battery,
+        charge: charge.unwrap_or(1.0),
+        command_timeout_ns: timeout,
+        own_clocks: places(|sensor| sensor.own_clock.is_some()),
+        ports: places(|sensor| sensor.port.is_some()),
+        sensors,
+        processor,
+        firmware,
+        link,
+        thinking_ns,
+    })
+}
+
+/// Corners of the body and the radius of the disc that it is, or fits in.
+fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
+    match (raw.radius_m, &raw.outline_m) {
+        (Some(radius), None) => Ok((Vec::new(), path.length("radius_m", radius)?)),
+        (None, Some(corners)) => {
+            let at = path.field("outline_m");
+            let corners = arena::outline(&at, corners)?;
+            if !polygon::contains(&corners, Point::origin()) {
+                return Err(at.error("the robot's centre, between its wheels at (0, 0), must lie inside"));
+            }
+            let radius_m = polygon::bounding_radius(&corners);
+            Ok((corners, radius_m))
+        }
+        (None, None) => Err(path.field("radius_m").error("is missing; a body is a disc or has an `outline_m`")),
+        (Some(_), Some(_)) => Err(path.field("radius_m").error("a body with an `outline_m` has no radius")),
+    }
+}
+
+/// Makes something of each table of a robot's sensors or actuators.
+fn each_named<T>(
+    path: &Path,
+    raw: raw::Tables,
+    mut make: impl FnMut(&Path, String, toml::Table) -> Result<T>,
+) -> Result<Vec<T>> {
+    let mut names = Names::default();
+    let mut made = Vec::new();
+    for (name, table) in raw.0 {
+        let path = path.field(&name);
+        let name = names.take(&path, &name)?;
+        made.push(make(&path, name, table)?);
+    }
+    Ok(made)
+}
+
+fn start(path: &Path, raw: &raw::Start) -> Result<Start> {
+    let (x, y) = (path.coordinate("x_m", raw.x_m)?, path.coordinate("y_m", raw.y_m)?);
+    let heading = angle::wrap(path.within("heading_rad", raw.heading_rad, -1e3, 1e3)?);
+    Ok(Start {
+        pose: Pose::new(x, y, heading),
+        speed_m_s: path.within("speed_m_s", raw.speed_m_s, -1e3, 1e3)?,
+        turn_rate_rad_s: path.within("turn_rate_rad_s", raw.turn_rate_rad_s, -1e3, 1e3)?,
+        wheels_at_rest: raw.wheels_at_rest,
+    })
+}
+
+fn drive(path: &Path, body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Result<Drive> {
+    let half_track_m = path.length("half_track_m", body.half_track_m.unwrap_or(radius_m))?;
+    let wheel_radius_m = path.length("wheel_radius_m", body.wheel_radius_m)?;
+    let mass_kg = path.positive("mass_kg", body.mass_kg)?;
+    let inertia_kg_m2 = path.positive("inertia_kg_m2", body.inertia_kg_m2)?;
+    let wheel = Wheel {
+        mass_kg: path.not_negative("wheel_mass_kg", body.wheel_mass_kg)?,
+        inertia_kg_m2: path.not_negative("wheel_inertia_kg_m2", body.wheel_inertia_kg_m2)?,
+    };
+    Ok(Drive {
+        radius_m,
+        half_track_m,
+        wheel_radius_m,
+        mass_kg,
+        inertia_kg_m2,
+        damping_n_s_m: path.not_negative("damping_n_s_m", body.damping_n_s_m)?,
+        turn_damping_nm_s: path.not_negative("turn_damping_nm_s", body.turn_damping_nm_s)?,
+        forward_gain: forward_gain(mass_kg, wheel_radius_m, wheel),
+        turn_gain: turn_gain(inertia_kg_m2, half_track_m, wheel_radius_m, wheel),
+        motor: motors.motors,
+        motor_noise: motors.noise,
+        motor_track_factor: motors.track_factor,
+    })
+}
+
+fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
+    Ok(Processor {
+        framing_ns_per_byte: path.us("framing_us_per_byte", raw.framing_us_per_byte, 1e6)?,
+        receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
+        obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
+        operations_per_s: raw.operations_per_s.map(|n| path.within("operations_per_s", n, 1.0, 1e12)).transpose()?,
+        ram_bytes: raw.ram_bytes,
+    })
+}
+
+/// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
+/// on.
+fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
+    let path = path.field("brain");
+    let onboard = matches!(link, Link::Onboard);
+    for (field, given) in [("operations", raw.operations.is_some()), ("memory_bytes", raw.memory_bytes.is_some())] {
+        if given && !onboard {
+            let problem = "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
+            return Err(path.field(field).error(problem));
+        }
+    }
+    if let (Some(needs), Some(has)) = (raw.memory_bytes, processor.ram_bytes)
+        && needs > has
+    {
+        let problem = format!("needs {needs} bytes, but the microcontroller has {has} (ram_bytes)");
+        return Err(path.field("memory_bytes").error(problem));
+    }
+    match (raw.thinking_us, raw.operations) {
+        (Some(_), Some(_)) => Err(path.field("operations").error("say either this or thinking_us")),
+        (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), 1e9),
+        (None, Some(operations)) => processor.thinking_ns(operations).ok_or_else(|| {
+            path.field("operations").error("needs microcontroller.operations_per_s")
+        }),
+    }
+}

@@ -1,0 +1,38 @@
+//! Where a sensor sits on its robot and which way it looks.
+
+use baudbot_geometry::Pose;
+
+use super::Measurement;
+use crate::actuator::ActuatorState;
+use crate::scene::{Eye, Height};
+
+/// Where a sensor sits and which way it looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mount {
+    /// Robot from sensor; on a turret, turret from sensor.
+    pub pose: Pose,
+    /// The actuator that turns it, by its place among the robot's actuators.
+    pub turret: Option<usize>,
+    /// How high it sits.
+    pub height: Height,
+}
+
+impl Mount {
+    /// World from sensor.
+    pub(crate) fn world_from_sensor(&self, at: &Measurement<'_>) -> Pose {
+        self.place(&at.motion.pose, at.actuators)
+    }
+
+    /// World from sensor, on a robot at `world_from_robot` with its actuators in these states.
+    pub fn place(&self, world_from_robot: &Pose, actuators: &[ActuatorState]) -> Pose {
+        let Some(turret) = self.turret else { return world_from_robot.compose(&self.pose) };
+        let angle_rad = actuators.get(turret).map_or(0.0, |actuator| actuator.angle_rad);
+        let robot_from_turret = Pose::new(0.0, 0.0, angle_rad);
+        world_from_robot.compose(&robot_from_turret).compose(&self.pose)
+    }
+
+    /// A look from there as far as `range_m`.
+    pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Eye<'a> {
+        at.scene.look(from.position, self.height, range_m)
+    }
+}

@@ -1,0 +1,139 @@
+//! Devices that measure at their own pace, whether or not anybody reads them, and hold their last value.
+//!
+//! A GP2D12 measures every 38 ms, begins somewhere, and keeps its voltage in between; a laser's mirror turns on
+//! its own; a satellite receiver speaks once a second. A microcontroller that reads such a device gets what it
+//! holds, and does not know how old that is; one with a cable of its own sends each measurement when it is done.
+
+use alloc::vec::Vec;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Device, Measurement, Memory, Sensor, noise};
+use crate::random::Stream;
+use crate::time::SimTime;
+
+/// When such a device measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnClock {
+    /// Time between two measurements, in nanoseconds.
+    pub period_ns: u64,
+    /// How far a specimen's period may be off, either way: drawn once a run.
+    pub spread_ns: u64,
+    /// How far each measurement may be late: drawn each time.
+    pub jitter_ns: u64,
+    /// When the first one begins; `None`: anywhere in the first period, drawn once a run.
+    pub phase_ns: Option<u64>,
+    /// Time from the end of a measurement until its value is at the output.
+    pub latency_ns: u64,
+}
+
+/// Where such a device stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Running {
+    /// This specimen's period.
+    period_ns: u64,
+    /// When the next measurement is due, without jitter.
+    due: SimTime,
+    /// When the measurement that is next, or under way, begins.
+    begins: SimTime,
+    /// How much of a scan has been taken.
+    taken: usize,
+    /// A scan under way.
+    scan: Vec<f64>,
+    /// A measurement that is done and not yet at the output.
+    pending: Option<Held>,
+    /// What is at the output.
+    held: Option<Held>,
+}
+
+/// A measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Held {
+    pub(crate) values: Vec<f64>,
+    /// When it began.
+    pub(crate) measured_at: SimTime,
+    /// When it is at the output.
+    pub(crate) ready_at: SimTime,
+}
+
+/// What happens next in such a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Event {
+    /// It measures, or goes on with a scan.
+    Measure,
+    /// What it measured comes to the output: a device with a cable of its own sends it.
+    Output,
+}
+
+/// What a measurement needs besides the scene.
+pub(crate) struct Parts<'a> {
+    pub(crate) memory: &'a mut Memory,
+    pub(crate) noise: &'a mut noise::NoiseState,
+    pub(crate) stream: &'a mut Stream,
+}
+
+impl Running {
+    pub(crate) fn start(clock: &OwnClock, specimen: &mut Stream) -> Self {
+        let spread = if clock.spread_ns == 0 { 0.0 } else { 2.0 * specimen.uniform() - 1.0 };
+        let period_ns = clock.period_ns.saturating_add_signed((spread * clock.spread_ns as f64) as i64).max(1);
+        let anywhere = |stream: &mut Stream| (stream.uniform() * period_ns as f64) as u64;
+        let begins = SimTime::from_ns(clock.phase_ns.unwrap_or_else(|| anywhere(specimen)));
+        Self { period_ns, due: begins, begins, taken: 0, scan: Vec::new(), pending: None, held: None }
+    }
+
+    /// What happens next, and when. A value comes to the output before the next measurement.
+    pub(crate) fn next(&self, device: &Device) -> (SimTime, Event) {
+        let measure = match device {
+            Device::Laser(laser) => laser.instant(self.begins, self.taken),
+            _ => self.begins,
+        };
+        match &self.pending {
+            Some(pending) if pending.ready_at <= measure => (pending.ready_at, Event::Output),
+            _ => (measure, Event::Measure),
+        }
+    }
+
+    /// Measures; of a scan, all that is taken before the tick ends.
+    pub(crate) fn measure(&mut self, sensor: &Sensor, clock: &OwnClock, at: &Measurement<'_>, parts: Parts<'_>) {
+        let Parts { memory, noise, stream } = parts;
+        self.scan.resize(sensor.device.values(), 0.0);
+        let end = match &sensor.device {
+            Device::Laser(laser) => {
+                let rest = self.taken..laser.rays();
+                let until = rest.clone().find(|&i| laser.instant(self.begins, i) >= at.tick_end);
+                let which = self.taken..until.unwrap_or(rest.end);
+                laser.read(at, which.clone(), self.begins, &mut self.scan);
+                self.taken = which.end;
+                if self.taken < laser.rays() {
+                    return;
+                }
+                self.begins + laser.sweep_ns
+            }
+            device => {
+                device.read(at, memory, stream, &mut self.scan);
+                at.now
+            }
+        };
+        sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
+        let values = core::mem::take(&mut self.scan);
+        self.pending = Some(Held { values, measured_at: self.begins, ready_at: end + clock.latency_ns });
+        self.taken = 0;
+        self.due = self.due + self.period_ns;
+        let late = if clock.jitter_ns == 0 { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
+        // A measurement that begins late does not begin before the last one is over.
+        self.begins = (self.due + late as u64).max(end);
+    }
+
+    /// What is pending comes to the output.
+    pub(crate) fn output(&mut self) -> Option<&Held> {
+        if let Some(pending) = self.pending.take() {
+            self.held = Some(pending);
+        }
+        self.held.as_ref()
+    }
+
+    /// What is at the output, if anything has been measured yet.
+    pub(crate) fn held(&self) -> Option<&Held> {
+        self.held.as_ref()
+    }
+}

@@ -1,0 +1,105 @@
+//! Ultrasound: GPRSim's model (§3.2.3), with the time that the sound takes.
+//!
+//! S = min dᵢ with probability p, and D_max (nothing heard) else; below D_min it is D_min. The microcontroller
+//! that times the echo waits for it: a reading takes as long as the sound travels.
+//!
+//! Deviation: with cross-talk on, a pulse that another robot sent in the last tick and that arrives while this
+//! one listens is taken for the echo.
+
+use baudbot_geometry::{Direction, Fan, Ray, math};
+
+use super::{Effect, Measurement, Mount};
+use crate::random::Stream;
+use crate::scene::Ping;
+use crate::time::{SECOND_NS, SimTime};
+
+/// What a sonar is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sonar {
+    /// Where it sits.
+    pub mount: Mount,
+    /// The rays over its cone.
+    pub fan: Fan,
+    /// D_min, in metres.
+    pub min_m: f64,
+    /// D_max, in metres.
+    pub max_m: f64,
+    /// p: how likely an echo is heard.
+    pub detection: f64,
+    /// Speed of sound, in m/s.
+    pub sound_m_s: f64,
+    /// Time from the trigger until the echo's clock starts, in nanoseconds.
+    pub holdoff_ns: u64,
+    /// Echo time that stands for "nothing", in nanoseconds.
+    pub timeout_ns: u64,
+    /// Whether it hears the pulses of other robots.
+    pub cross_talk: CrossTalk,
+}
+
+/// Whether a sonar and those of other robots disturb each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CrossTalk {
+    /// Each hears only itself.
+    Off,
+    /// A strange pulse is taken for the echo.
+    On,
+}
+
+impl Sonar {
+    /// The distance in metres into `values`; the effect has the time of flight.
+    pub(super) fn read(&self, at: &Measurement<'_>, stream: &mut Stream, values: &mut [f64]) -> Effect {
+        let heard = !at.noise || self.detection >= 1.0 || stream.uniform() < self.detection;
+        let pose = self.mount.world_from_sensor(at);
+        let eye = self.mount.look(at, &pose, self.max_m);
+        let rays = self.fan.rays(pose.position, pose.direction());
+        let mut nearest = rays.filter_map(|ray| eye.cast(&ray)).reduce(f64::min).filter(|_| heard);
+        let ping = (self.cross_talk == CrossTalk::On).then(|| {
+            let strange = self.strange_echo(at, &pose, nearest.unwrap_or(self.max_m));
+            nearest = strange.or(nearest);
+            Ping { robot: at.scene.own, from: pose.position, at: at.now + self.holdoff_ns }
+        });
+        values[0] = nearest.map_or(self.max_m, |d| d.clamp(self.min_m, self.max_m));
+        let echo_ns = nearest.map_or(self.timeout_ns, |d| self.echo_ns(d).min(self.timeout_ns));
+        Effect { wait_ns: self.holdoff_ns + echo_ns, ping }
+    }
+
+    /// Time for the way there and back, in nanoseconds.
+    pub fn echo_ns(&self, distance_m: f64) -> u64 {
+        (2.0 * distance_m.max(self.min_m) / self.sound_m_s * SECOND_NS as f64 + 0.5) as u64
+    }
+
+    /// How far away the nearest thing seems to be because of a strange pulse, if that comes before the echo.
+    fn strange_echo(
+        &self,
+        at: &Measurement<'_>,
+        pose: &baudbot_geometry::Pose,
+        echo_m: f64,
+    ) -> Option<f64> {
+        let start = at.now + self.holdoff_ns;
+        let kappas = self.fan.kappas();
+        let half_opening = kappas[kappas.len() - 1];
+        let others = at.scene.frozen.pings.iter().filter(|ping| ping.robot != at.scene.own);
+        let seeming = others.filter_map(|ping| {
+            let way = ping.from - pose.position;
+            let distance = way.norm();
+            let bearing = math::atan2(way.y, way.x) - pose.heading;
+            if baudbot_geometry::angle::wrap(bearing).abs() > half_opening {
+                return None;
+            }
+            let ray = Ray { origin: pose.position, direction: Direction::from_angle(math::atan2(way.y, way.x)) };
+            let blocked = at.scene.arena.seen(self.mount.height.layer).cast(&ray, distance).is_some();
+            let arrival = ping.at + (distance / self.sound_m_s * SECOND_NS as f64) as u64;
+            let after = arrival.since(start) as f64 / SECOND_NS as f64;
+            (!blocked && arrival > start).then_some(0.5 * after * self.sound_m_s)
+        });
+        seeming.filter(|&d| d < echo_m && d >= self.min_m).reduce(f64::min)
+    }
+}
+
+/// A pulse that was sent longer ago than this is heard by nobody any more: 10 m of way.
+pub(crate) const PING_LASTS_NS: u64 = 30_000_000;
+
+/// Whether a pulse may still be heard at `now`.
+pub(crate) fn is_heard(ping: &Ping, now: SimTime) -> bool {
+    now.since(ping.at) < PING_LASTS_NS
+}

@@ -1,0 +1,206 @@
+//! What is in the arena besides things to run into: zones of the floor, lights, and fields such as a scent.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Circle, Point, math, polygon};
+
+use crate::time::SimTime;
+
+/// All of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// Regions of the floor, in the scenario's order.
+    pub zones: Vec<Zone>,
+    /// Lamps that stand somewhere.
+    pub lights: Vec<Light>,
+    /// Scalar fields.
+    pub fields: Vec<Field>,
+    /// Light that is everywhere, in lux.
+    pub ambient_lux: f64,
+    /// How much of the light the bare floor throws back, in [0, 1].
+    pub floor: f64,
+    /// Whether the sky is hidden, so that no satellite is heard.
+    pub indoors: bool,
+    /// Latitude and longitude of the arena's origin, in degrees; x is east, y is north.
+    pub origin_deg: (f64, f64),
+}
+
+/// A region of the floor where something is different.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// Unique among the zones.
+    pub name: String,
+    /// Where it is.
+    pub region: Region,
+    /// Power that a battery is charged with here, in watts.
+    pub charger_w: f64,
+    /// Reflectance of the floor, if it differs, in [0, 1].
+    pub floor: Option<f64>,
+    /// Share of its rolling that a wheel loses here, in [0, 1]: 0 on good ground, 1 if it spins on the spot.
+    pub slip: f64,
+    /// Whether the sky is hidden.
+    pub indoors: bool,
+    /// How far compasses are turned here, in radians.
+    pub compass_offset_rad: f64,
+    /// Whether it is a place to be reached: the referee counts who has been there.
+    pub goal: bool,
+}
+
+/// A part of the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Region {
+    /// A disc.
+    Disc(Circle),
+    /// The inside of a simple polygon.
+    Polygon(Vec<Point>),
+}
+
+impl Region {
+    /// Whether `point` is in it.
+    pub fn contains(&self, point: Point) -> bool {
+        match self {
+            Self::Disc(disc) => (point - disc.center).norm_squared() <= disc.radius * disc.radius,
+            Self::Polygon(points) => polygon::contains(points, point),
+        }
+    }
+}
+
+/// A lamp.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Unique among the lights.
+    pub name: String,
+    /// Where it stands.
+    pub position: Point,
+    /// How high it hangs, in metres.
+    pub height_m: f64,
+    /// Luminous intensity, the same in all directions, in candela.
+    pub intensity_cd: f64,
+    /// If it blinks: the period and how long of it the lamp is lit, from its start, in nanoseconds.
+    pub blink_ns: Option<(u64, u64)>,
+    /// Whether walls shade it.
+    pub shadows: bool,
+}
+
+impl Light {
+    /// What it gives at `now`.
+    pub(crate) fn lit(&self, now: SimTime) -> Option<Lit> {
+        let on = self.blink_ns.is_none_or(|(period, lit)| now.as_ns() % period < lit);
+        on.then_some(Lit {
+            position: self.position,
+            height_m: self.height_m,
+            intensity_cd: self.intensity_cd,
+            shadows: self.shadows,
+            robot: None,
+        })
+    }
+}
+
+/// A lamp that is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lit {
+    pub(crate) position: Point,
+    pub(crate) height_m: f64,
+    pub(crate) intensity_cd: f64,
+    pub(crate) shadows: bool,
+    /// The robot that carries it, which does not see its own.
+    pub(crate) robot: Option<usize>,
+}
+
+/// A scalar field over the plane, such as the strength of a scent: a background, a slope, and bells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Unique among the fields.
+    pub name: String,
+    /// Value far from everything, in the field's own unit.
+    pub background: f64,
+    /// Change a metre along x and along y.
+    pub slope_per_m: (f64, f64),
+    /// Bells on top.
+    pub sources: Vec<Source>,
+}
+
+/// A Gaussian bell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// Its middle.
+    pub position: Point,
+    /// Its height.
+    pub strength: f64,
+    /// Its standard deviation, in metres.
+    pub width_m: f64,
+}
+
+impl Field {
+    /// The value at a point.
+    pub fn at(&self, point: Point) -> f64 {
+        let (x, y) = self.slope_per_m;
+        let bell = |source: &Source| {
+            let distance2 = (point - source.position).norm_squared();
+            source.strength * math::exp(-distance2 / (2.0 * source.width_m * source.width_m))
+        };
+        self.background + x * point.x + y * point.y + self.sources.iter().map(bell).sum::<f64>()
+    }
+}
+
+impl Surroundings {
+    /// The zones that a point is in.
+    pub fn zones_at(&self, point: Point) -> impl Iterator<Item = &Zone> {
+        self.zones.iter().filter(move |zone| zone.region.contains(point))
+    }
+
+    /// Reflectance of the floor at a point: that of the last zone that says one.
+    pub fn floor_at(&self, point: Point) -> f64 {
+        self.zones_at(point).filter_map(|zone| zone.floor).last().unwrap_or(self.floor)
+    }
+
+    /// The largest slip of the zones that a point is in.
+    pub fn slip_at(&self, point: Point) -> f64 {
+        self.zones_at(point).map(|zone| zone.slip).fold(0.0, f64::max)
+    }
+
+    /// Power of the chargers at a point, in watts.
+    pub fn charger_at(&self, point: Point) -> f64 {
+        self.zones_at(point).map(|zone| zone.charger_w).sum()
+    }
+
+    /// How far a compass is turned at a point, in radians.
+    pub fn compass_offset_at(&self, point: Point) -> f64 {
+        self.zones_at(point).map(|zone| zone.compass_offset_rad).sum()
+    }
+
+    /// Whether the sky is seen from a point.
+    pub fn sky_at(&self, point: Point) -> bool {
+        !self.indoors && !self.zones_at(point).any(|zone| zone.indoors)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bell_has_its_strength_in_the_middle_and_falls_off() {
+        let source = Source { position: Point::new(1.0, 0.0), strength: 2.0, width_m: 0.5 };
+        let field =
+            Field { name: "f".into(), background: 1.0, slope_per_m: (0.5, 0.0), sources: alloc::vec![source] };
+        assert_eq!(field.at(Point::new(1.0, 0.0)), 3.5);
+        let one_sigma = field.at(Point::new(1.0, 0.5));
+        assert!((one_sigma - (1.5 + 2.0 * (-0.5_f64).exp())).abs() < 1e-15, "{one_sigma}");
+    }
+
+    #[test]
+    fn a_blinking_lamp_is_lit_at_the_start_of_its_period() {
+        let light = Light {
+            name: "l".into(),
+            position: Point::origin(),
+            height_m: 0.0,
+            intensity_cd: 1.0,
+            blink_ns: Some((10, 4)),
+            shadows: true,
+        };
+        let lit = |ns| light.lit(SimTime::from_ns(ns)).is_some();
+        assert_eq!([lit(0), lit(3), lit(4), lit(9), lit(10)], [true, true, false, false, true]);
+    }
+}

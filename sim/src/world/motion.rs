@@ -1,0 +1,239 @@
+//! The bodies' part of a tick: motors push, things are pushed, contacts are judged, the arena moves.
+
+use alloc::string::ToString;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Point, Pose};
+
+use super::{Ending, World};
+use crate::actuator::ActuatorKind;
+use crate::collision::{Collision, CollisionPolicy, Obstacle, Partner, Step};
+use crate::drive::Wheels;
+use crate::movable::{self, Body, Fixed, Form, Pusher};
+use crate::motor::Motors;
+use crate::mover::Around;
+use crate::robot::{Robot, RobotSpec};
+use crate::scenario::Scenario;
+use crate::time::{SECOND_NS, SimTime};
+
+impl World {
+    /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
+    pub(super) fn move_all(&mut self) {
+        let (now, dt_ns) = (self.time(), self.scenario.step_ns / u64::from(self.scenario.substeps));
+        self.state.collisions.clear();
+        let before = self.poses();
+        for (robot, spec) in self.state.robots.iter_mut().zip(self.scenario.robots()) {
+            robot.collided = false;
+            robot.pings = [None, robot.pings[0].or(robot.pings[1])];
+            if self.scenario.noise {
+                robot.motor_noise.tick(&spec.drive.motor_noise);
+            }
+        }
+        for i in 0..u64::from(self.scenario.substeps) {
+            if self.state.ending.is_none() {
+                self.substep(now + i * dt_ns, dt_ns as f64 / SECOND_NS as f64);
+            }
+        }
+        self.keep_score(&before);
+    }
+
+    fn substep(&mut self, now: SimTime, dt: f64) {
+        let scenario = Arc::clone(&self.scenario);
+        let before = self.poses();
+        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
+            robot.drive(spec, &scenario, now, dt);
+        }
+        if !scenario.movables.is_empty() {
+            self.push(&scenario, &before, dt);
+        }
+        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
+        let obstacles = self.obstacles(&scenario);
+        let step = Step {
+            arena: &scenario.arena,
+            obstacles: &obstacles,
+            forms: &forms,
+            before: &before,
+            after: self.poses(),
+        };
+        match scenario.collision {
+            CollisionPolicy::StopRun => self.stop_run(&step),
+            CollisionPolicy::StopRobot => self.stop_robots(step),
+        }
+        for robot in &mut self.state.robots {
+            robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
+        }
+        if !scenario.movers.is_empty() {
+            self.move_movers(&scenario, now, dt);
+        }
+    }
+
+    /// Robots push what can be pushed.
+    fn push(&mut self, scenario: &Scenario, before: &[Pose], dt: f64) {
+        let bodies: Vec<_> = self.obstacles(scenario).into_iter().map(|obstacle| obstacle.body).collect();
+        let fixed = Fixed { arena: &scenario.arena, bodies: &bodies };
+        let robots = self.state.robots.iter().zip(scenario.robots()).zip(before);
+        let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
+        let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
+        for (i, reaction) in reactions.into_iter().enumerate().filter(|(_, r)| r.touched.is_some()) {
+            let motion = &mut self.state.robots[i].motion;
+            motion.pose = reaction.pose;
+            motion.speed_m_s = reaction.speed_m_s;
+            motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
+            scenario.robots()[i].drive.roll_with(motion);
+        }
+    }
+
+    fn move_movers(&mut self, scenario: &Scenario, now: SimTime, dt: f64) {
+        let robots = self.state.robots.iter().zip(scenario.robots());
+        let mut bodies: Vec<_> = robots.map(|(robot, spec)| spec.form().at(&robot.motion.pose)).collect();
+        let movables = scenario.movables.iter().zip(&self.state.movables);
+        bodies.extend(movables.map(|(movable, state)| movable.shape.form().at(&state.pose)));
+        let around = Around { arena: &scenario.arena, bodies: &bodies };
+        for (mover, state) in scenario.movers.iter().zip(&mut self.state.movers) {
+            mover.step(state, &around, now, dt);
+        }
+    }
+
+    /// What moves by itself and can be run into.
+    fn obstacles(&self, scenario: &Scenario) -> Vec<Obstacle> {
+        let movers = scenario.movers.iter().zip(&self.state.movers);
+        movers.map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) }).collect()
+    }
+
+    fn stop_run(&mut self, step: &Step<'_>) {
+        for own in 0..step.before.len() {
+            self.note_contact(own, step.partner(own));
+        }
+        self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
+    }
+
+    /// A disc that is held back keeps its turning, as it cannot run into anything by it.
+    fn stop_robots(&mut self, step: Step<'_>) {
+        let scenario = Arc::clone(&self.scenario);
+        let before = step.before.to_vec();
+        for (own, partner) in step.held_back().into_iter().enumerate() {
+            if partner.is_some() {
+                let (motion, spec) = (&mut self.state.robots[own].motion, &scenario.robots()[own]);
+                motion.pose.position = before[own].position;
+                if !spec.outline.is_empty() {
+                    motion.pose.heading = before[own].heading;
+                    motion.turn_rate_rad_s = 0.0;
+                }
+                spec.drive.halt(motion);
+            }
+            self.note_contact(own, partner);
+        }
+    }
+
+    /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
+    /// once, so its contacts last until there is some room around it.
+    fn note_contact(&mut self, own: usize, partner: Option<Partner>) {
+        let Some(partner) = partner else {
+            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own) {
+                self.state.robots[own].contacts.clear();
+            }
+            return;
+        };
+        let robot = &mut self.state.robots[own];
+        robot.collided = true;
+        if robot.contacts.contains(&partner) {
+            return;
+        }
+        robot.counters.collisions += 1;
+        robot.contacts.push(partner.clone());
+        let robots = self.scenario.robots();
+        let with = match partner {
+            Partner::Shape(name) => name,
+            Partner::Robot(i) => robots[i].name.to_string(),
+        };
+        self.state.collisions.push(Collision { robot: robots[own].name.clone(), with });
+    }
+
+    fn is_hemmed_in(&self, own: usize) -> bool {
+        let robots = self.scenario.robots();
+        let pose = &self.state.robots[own].motion.pose;
+        let grown: Vec<Point> = robots[own].outline.iter().map(|corner| corner * CONTACT_ENDS_AT).collect();
+        let room = match robots[own].form() {
+            Form::Disc { radius_m } => Form::Disc { radius_m: radius_m * CONTACT_ENDS_AT },
+            Form::Polygon(_) => Form::Polygon(&grown),
+        };
+        let room: Body = room.at(pose);
+        let others = self.state.robots.iter().zip(robots).enumerate().filter(|(i, _)| *i != own);
+        room.overlaps_arena(&self.scenario.arena)
+            || self.obstacles(&self.scenario).iter().any(|obstacle| obstacle.body.overlaps(&room))
+            || others.into_iter().any(|(_, (robot, spec))| spec.form().at(&robot.motion.pose).overlaps(&room))
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        self.state.robots.iter().map(|robot| robot.motion.pose).collect()
+    }
+}
+
+fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
+    Pusher {
+        form: spec.form(),
+        before: *before,
+        after: robot.motion.pose,
+        mass_kg: spec.drive.mass_kg,
+        inertia_kg_m2: spec.drive.inertia_kg_m2,
+        heading: robot.motion.pose.direction(),
+        speed_m_s: robot.motion.speed_m_s,
+        turn_rate_rad_s: robot.motion.turn_rate_rad_s,
+    }
+}
+
+impl Robot {
+    /// A substep of the motors and the other actuators, as if the robot were alone.
+    fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
+        self.take_up(spec, now);
+        let powered = match (&spec.battery, &self.battery) {
+            (Some(battery), Some(state)) => !state.is_empty(battery),
+            _ => true,
+        };
+        let signals = if powered { self.motor_noise.apply(self.signals) } else { Wheels::default() };
+        let signals = self.under_load(spec, signals);
+        let slip = scenario.slip(spec, &self.motion);
+        self.motion = spec.drive.step(&self.motion, signals, slip, dt);
+        for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
+            if let ActuatorKind::Turret(servo) = &actuator.kind {
+                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.signal), dt);
+            }
+        }
+        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery) {
+            let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
+            let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
+            state.draw(battery, battery.idle_w + motors_w, dt);
+            if charger_w > 0.0 {
+                state.charge(battery, charger_w, dt);
+            }
+        }
+    }
+}
+
+impl Robot {
+    /// A DC motor gets what the battery still gives.
+    fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
+        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor) else {
+            return signals;
+        };
+        let share = state.terminal_v(battery) / battery.nominal_v;
+        Wheels { left: share * signals.left, right: share * signals.right }
+    }
+}
+
+impl Scenario {
+    /// How much each wheel slips where it stands.
+    fn slip(&self, spec: &RobotSpec, motion: &crate::drive::Motion) -> Option<Wheels> {
+        if !self.surroundings.zones.iter().any(|zone| zone.slip > 0.0) {
+            return None;
+        }
+        let wheel = |y| self.surroundings.slip_at(motion.pose.transform(Point::new(0.0, y)));
+        let half_track = spec.drive.half_track_m;
+        Some(Wheels { left: wheel(half_track), right: wheel(-half_track) })
+    }
+}
+
+/// A contact ends when a body of so many times the size is free; a robot stops up to a step short of what it runs
+/// into, so the factor must leave room for that.
+const CONTACT_ENDS_AT: f64 = 1.1;

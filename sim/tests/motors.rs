@@ -1,0 +1,180 @@
+//! What the kinds of motors do to a robot in its world, and which scenarios with them are refused.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use baudbot_sim::motor::MotorState;
+use baudbot_sim::{Scenario, World};
+use common::{BODY, refusal, run, tick, world};
+
+const ENCODERS: &str = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\n";
+
+/// An e-puck's body: wheels of 41 mm, 53 mm apart.
+const EPUCK: &str = "body = { radius_m = 0.035, mass_kg = 0.15, inertia_kg_m2 = 1e-4, wheel_radius_m = 0.0205, \
+                     half_track_m = 0.0265 }";
+
+fn robot(top: &str, body: &str, motors: &str) -> String {
+    format!("{top}\n[[robots]]\nname = \"r\"\n{body}\nmotors = {{ {motors} }}\n")
+}
+
+fn speeds(world: &World) -> (f64, f64) {
+    let motion = world.robot(0).motion();
+    (motion.speed_m_s, motion.turn_rate_rad_s)
+}
+
+#[track_caller]
+fn refused(motors: &str, expected: &str) {
+    let message = refusal(&robot("", BODY, motors));
+    assert!(message.starts_with(expected), "expected `{expected}` in: {message}");
+}
+
+#[test]
+fn a_velocity_regulated_robot_reaches_its_reference_speed_and_needs_encoders() {
+    let body = BODY.replace("damping_n_s_m = 15.0", "damping_n_s_m = 0.0");
+    let motors = "kind = \"velocity\", full_speed_m_s = 0.5, gain_n_s = 1.5";
+    let mut still = world(&(robot("substeps = 10", &body, motors) + ENCODERS));
+    run(&mut still, 200, 1.0, 1.0);
+    assert!((speeds(&still).0 - 0.5).abs() < 1e-6, "{:?}", speeds(&still));
+    // With α = 15: 15 V = 2 · 10 · 1.5 (0.5 − V).
+    let mut damped = world(&(robot("substeps = 10", BODY, motors) + ENCODERS));
+    run(&mut damped, 200, 1.0, 1.0);
+    assert!((speeds(&damped).0 - 1.0 / 3.0).abs() < 1e-6, "{:?}", speeds(&damped));
+    let message = refusal(&robot("", BODY, motors));
+    assert!(
+        message.starts_with("robots[0].motors.kind: a velocity-regulated motor needs encoders"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_gain_that_is_too_high_for_the_steps_is_refused() {
+    let scenario = |top: &str, gain: f64| {
+        robot(top, BODY, &format!("kind = \"velocity\", gain_n_s = {gain:?}")) + ENCODERS
+    };
+    // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2 < 2, K < 49.
+    Scenario::parse(&scenario("", 29.2)).unwrap();
+    let message = refusal(&scenario("", 29.3));
+    assert!(message.starts_with("robots[0].body: Euler steps of 10 ms are too long"), "{message}");
+    assert!(message.contains("set substeps to 3 or more"), "{message}");
+    Scenario::parse(&scenario("substeps = 2", 29.3)).unwrap();
+}
+
+#[test]
+fn a_servo_obeys_with_its_next_pulse() {
+    let motors = "kind = \"servo\", lag_ms = 0.0";
+    let mut world = world(&robot("step_ms = 5.0", BODY, motors));
+    run(&mut world, 1, 0.0, 0.0);
+    let full = 0.1 * 48.0 * TAU / 60.0;
+    // Commanded at 5 ms; the next pulse begins at 20 ms, which is tick 4.
+    let moves: Vec<bool> = (1..6)
+        .map(|_| {
+            tick(&mut world, 1.0, 1.0);
+            speeds(&world).0 > 0.0
+        })
+        .collect();
+    assert_eq!(moves, [false, false, false, true, true]);
+    assert!((speeds(&world).0 - full).abs() < 1e-12, "{:?}", speeds(&world));
+}
+
+#[test]
+fn servos_turn_a_robot_as_its_wheels_say_and_follow_with_their_lag() {
+    let mut world = world(&robot("step_ms = 10.0", BODY, "kind = \"servo\", frame_ms = 0.0"));
+    run(&mut world, 6, -1.0, 1.0);
+    // 60 ms, one time constant, at a rim speed of 0.1 · 48 rpm; (2.6) with R = 0.2 m.
+    let turn_rate = 0.1 * 48.0 * TAU / 60.0 / 0.2 * (1.0 - (-1.0_f64).exp());
+    let (speed, found) = speeds(&world);
+    assert!(speed.abs() < 1e-12 && (found - turn_rate).abs() < 1e-12, "{speed} {found} {turn_rate}");
+}
+
+#[test]
+fn no_body_is_too_light_for_motors_that_hold_their_speed() {
+    let light = BODY.replace("mass_kg = 3.0, inertia_kg_m2 = 0.2", "mass_kg = 1e-6, inertia_kg_m2 = 1e-9");
+    for kind in ["servo", "stepper"] {
+        Scenario::parse(&robot("", &light, &format!("kind = \"{kind}\""))).unwrap();
+    }
+    assert!(refusal(&robot("", &light, "kind = \"dc\"")).contains("would blow up"));
+}
+
+fn steps(world: &World) -> [f64; 4] {
+    let MotorState::Stepper { left, right } = world.robot(0).motion().motors else {
+        panic!("{:?}", world.robot(0).motion());
+    };
+    [left.commanded_steps, left.lost_steps, right.commanded_steps, right.lost_steps]
+}
+
+#[test]
+fn an_epuck_drives_at_its_top_speed_and_counts_its_steps() {
+    let mut world = world(&robot("", EPUCK, "kind = \"stepper\", max_acceleration_steps_s2 = 1e6"));
+    run(&mut world, 100, 1.0, 0.5);
+    let (speed, turn_rate) = speeds(&world);
+    let rim = TAU * 0.0205;
+    assert!((rim - 0.1288).abs() < 5e-5, "{rim}");
+    assert!((speed - 0.75 * rim).abs() < 1e-12, "{speed}");
+    assert!((turn_rate + 0.5 * rim / 0.053).abs() < 1e-12, "{turn_rate}");
+    let [left, left_lost, right, right_lost] = steps(&world);
+    assert!((left - 1000.0).abs() < 1e-9 && (right - 500.0).abs() < 1e-9, "{left} {right}");
+    assert_eq!([left_lost, right_lost], [0.0, 0.0]);
+    let travel = world.robot(0).motion().travel_m;
+    assert!((travel.left - rim).abs() < 1e-9 && (travel.right - 0.5 * rim).abs() < 1e-9, "{travel:?}");
+}
+
+#[test]
+fn an_epuck_that_stands_at_a_wall_loses_its_steps() {
+    let wall = "[[arena.polygons]]\nname = \"w\"\npoints_m = [[0.1, -1], [0.2, -1], [0.2, 1], [0.1, 1]]";
+    let mut world = world(&robot(wall, EPUCK, "kind = \"stepper\""));
+    run(&mut world, 200, 1.0, 1.0);
+    let before = steps(&world);
+    run(&mut world, 100, 1.0, 1.0);
+    let after = steps(&world);
+    assert!(world.robot(0).counters().collisions == 1, "{:?}", world.robot(0).counters());
+    assert!((after[0] - before[0] - 1000.0).abs() < 1e-6, "{before:?} {after:?}");
+    // Of 1000 steps a second the rotor makes the 40 that it gets up to within a step of 10 ms, and slips.
+    assert!((after[1] - before[1] - 960.0).abs() < 1e-6, "{before:?} {after:?}");
+}
+
+#[test]
+fn motor_noise_needs_noise_and_depends_on_the_seed() {
+    let path = |seed: u32, noise: bool, motors: &str| {
+        let mut world = world(&robot(&format!("seed = {seed}\nnoise = {noise}"), BODY, motors));
+        run(&mut world, 100, 0.5, 0.5);
+        world.robot(0).motion().pose
+    };
+    let noisy = "noise_sigma = 0.05, noise_spread = 0.05";
+    assert_ne!(path(1, true, noisy), path(2, true, noisy));
+    assert_ne!(path(1, true, noisy), path(1, true, ""));
+    assert_eq!(path(1, false, noisy), path(2, true, ""));
+    // Without a spread a robot goes straight on in the mean, with one it does not.
+    assert!(
+        path(1, true, "noise_sigma = 0.05").heading.abs()
+            < path(1, true, "noise_spread = 0.05").heading.abs()
+    );
+}
+
+#[test]
+fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
+    refused("kind = \"magnetic\"", "robots[0].motors.kind: unknown variant `magnetic`, expected one of `dc`");
+    refused("steps_per_turn = 200", "robots[0].motors.steps_per_turn: unknown field `steps_per_turn`");
+    refused("kind = \"servo\", gear_ratio = 2.0", "robots[0].motors.gear_ratio: unknown field `gear_ratio`");
+    refused("kind = \"stepper\", track_factor = 0.5", "robots[0].motors.track_factor: unknown field");
+    refused("kind = \"velocity\", voltage_v = 12", "robots[0].motors.voltage_v: unknown field");
+    refused("kind = \"velocity\", gain_n_s = 0", "robots[0].motors.gain_n_s: must be positive, is 0");
+    refused("noise_sigma = -0.1", "robots[0].motors.noise_sigma: must be within 0 and 1, is -0.1");
+    refused("kind = \"stepper\", steps_per_turn = 0.5", "robots[0].motors.steps_per_turn: must be within 1");
+    refused(
+        "kind = \"stepper\", max_rate_steps_s = nan",
+        "robots[0].motors.max_rate_steps_s: must be within",
+    );
+    let servo = |more: &str, expected: &str| {
+        refused(&format!("kind = \"servo\", {more}"), &format!("robots[0].motors.{expected}"));
+    };
+    servo("curve_us_rpm = []", "curve_us_rpm: a curve has 1 to 1000 points, this one 0");
+    servo(
+        "curve_us_rpm = [[1500, 0], [1400, 3]]",
+        "curve_us_rpm[1]: pulses must increase, and 1400 follows 1500",
+    );
+    servo("curve_us_rpm = [[nan, 0]]", "curve_us_rpm[0].pulse_us: must be within 0 and 1000000, is NaN");
+    servo("curve_us_rpm = [[1500, 1e9]]", "curve_us_rpm[0].rpm: must be within");
+    servo("curve_us_rpm = [[1500]]", "curve_us_rpm[0]: invalid length");
+    servo("frame_ms = -1", "frame_ms: must be within 0");
+}
