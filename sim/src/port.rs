@@ -215,7 +215,8 @@ fn hear_nmea(message: &mut Vec<u8>) -> Heard {
     match nmea::parse(&line) {
         Err(_) => Heard::Bad,
         Ok(nmea::Sentence::Rmc(rmc)) => {
-            let (latitude, longitude) = rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
+            let (latitude, longitude) =
+                rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
             let fix = f64::from(u8::from(rmc.position.is_some()));
             let course_rad = core::f64::consts::FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
             let course_rad = baudbot_geometry::angle::wrap(course_rad);

@@ -15,9 +15,9 @@ use crate::drive::{Drive, Motion, Wheels};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
 use crate::link::{Line, Link};
+use crate::microcontroller::{Microcontroller, Order, Processor, Task};
 use crate::motor::NoiseState;
 use crate::movable::Form;
-use crate::microcontroller::{Microcontroller, Order, Processor, Task};
 use crate::port::PortState;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
@@ -163,7 +163,11 @@ impl Robot {
             uplink: line("link:up"),
             downlink: line("link:down"),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
-            ports: spec.ports.iter().map(|&i| PortState::new(line(&format!("{}:port", spec.sensors[i].name)))).collect(),
+            ports: spec
+                .ports
+                .iter()
+                .map(|&i| PortState::new(line(&format!("{}:port", spec.sensors[i].name))))
+                .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
             battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
             pings: [None; 2],
@@ -245,7 +249,13 @@ impl Robot {
         }
     }
 
-    fn run_device(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, (i, event): (usize, Event)) {
+    fn run_device(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        now: SimTime,
+        (i, event): (usize, Event),
+    ) {
         let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {

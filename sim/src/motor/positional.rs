@@ -1,7 +1,9 @@
-//! Positional servo: the signal is an angle, which it turns to as fast as it can. For a turret; wheels cannot use it.
+//! Positional servo: the signal is an angle, which it turns to as fast as it can. For a turret; wheels
+//! cannot use it.
 //!
-//! Deviations. It turns at its full rate or not at all: without load, and without the swing at the end. The notes have
-//! no servos; 0.19 to 0.24 s for 60° at 4.8 V is what the data sheets of hobby servos say (Hitec HS-311, Futaba S3003).
+//! Deviations. It turns at its full rate or not at all: without load, and without the swing at the end. The
+//! notes have no servos. Data sheets give the rate as a time: 60° in 0.19 s (Hitec HS-311) or 0.23 s (Futaba
+//! S3003), at 4.8 V.
 
 use super::frame;
 use crate::time::SimTime;

@@ -41,8 +41,7 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
     let bodies = stand(&at, &movers, &movables, &arena)?;
     let step = Step { step_ms: raw.step_ms, step_ns, substeps };
-    let mut world =
-        robots::World { step, surroundings: &surroundings, arena: &mut arena, bodies: &bodies };
+    let mut world = robots::World { step, surroundings: &surroundings, arena: &mut arena, bodies: &bodies };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
         name: raw.name,
@@ -73,7 +72,10 @@ fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> 
     for (i, movable) in movables.iter().enumerate() {
         let form = movable.shape.form();
         if let Some(name) = things::stands_in((&form, &movable.start), arena, &bodies) {
-            return Err(path.field("movables").index(i).error(format!("`{}` stands in `{name}`", movable.name)));
+            return Err(path
+                .field("movables")
+                .index(i)
+                .error(format!("`{}` stands in `{name}`", movable.name)));
         }
         bodies.push((movable.name.clone(), form.at(&movable.start)));
     }
@@ -101,7 +103,8 @@ fn rules(
         FloorError::NoWalls => at.field("cell_m").error(format!("{error}")),
         error => at.field("cell_m").error(format!("{error}")),
     })?;
-    let share = |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
+    let share =
+        |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
     let (covered, sensed) = (share("covered", end.covered)?, share("sensed", end.sensed)?);
     if (covered.is_some() || sensed.is_some() || metrics.sensed_by.is_some()) && floor.is_none() {
         return Err(at.field("cell_m").error("is missing: the size of the floor's cells that are counted"));
@@ -111,7 +114,10 @@ fn rules(
     }
     Ok(Rules {
         floor,
-        sensed_by: metrics.sensed_by.as_deref().map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
+        sensed_by: metrics
+            .sensed_by
+            .as_deref()
+            .map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
         sense_ns: at.ms("sense_ms", metrics.sense_ms.unwrap_or(100.0), 0.01, 1e6)?,
         collisions: end.collisions,
         all_goals: end.all_goals,
