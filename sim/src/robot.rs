@@ -12,7 +12,6 @@ use crate::firmware::Firmware;
 use crate::laptop::Laptop;
 use crate::link::{Line, Link};
 use crate::microcontroller::{Microcontroller, Processor, Task};
-use crate::random::Stream;
 use crate::scene::Scene;
 use crate::sensor::{Measurement, Sensor};
 use crate::time::SimTime;
@@ -83,7 +82,6 @@ pub struct RobotCounters {
 
 impl Robot {
     pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
-        let line = |name| Line::new(Stream::new(seed, &alloc::format!("{}/{name}", spec.name)));
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
         if wheels_at_rest {
@@ -95,8 +93,8 @@ impl Robot {
             collided: false,
             contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed),
-            uplink: line("link:up"),
-            downlink: line("link:down"),
+            uplink: Line::up(&spec.link, seed, &alloc::format!("{}/link:up", spec.name)),
+            downlink: Line::down(&spec.link, seed, &alloc::format!("{}/link:down", spec.name)),
             laptop: Laptop::new(&spec.firmware),
             counters: RobotCounters::default(),
         }
@@ -121,8 +119,8 @@ impl Robot {
         let mut step = earliest.filter(|_| self.laptop.has_message);
         loop {
             let end = step.map_or(until, |at| at + 1);
-            let (start, task) = self.microcontroller.next(&self.downlink);
-            let arrival = self.uplink.arrival();
+            let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+            let arrival = self.uplink.arrival(&spec.link);
             // The microcontroller goes first: what it sends at an instant over an ideal link arrives at it.
             if start <= arrival && start < end {
                 self.run(spec, scene, noise, start, task);
@@ -143,20 +141,24 @@ impl Robot {
                 let at = Measurement { scene, drive: &spec.drive, motion: &self.motion, noise };
                 self.microcontroller.acquire(i, &spec.sensors[i], now, &at);
             }
-            Task::SendReadings => self.microcontroller.send_readings(spec, now, &mut self.uplink),
+            Task::SendReadings => {
+                self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
+                self.microcontroller.send_readings(spec, now, &mut self.uplink);
+                self.downlink.leave_wire_to(&spec.link, &self.uplink);
+            }
             Task::Receive => self.microcontroller.receive(spec, now, &mut self.downlink),
         }
     }
 
     fn hear(&mut self, spec: &RobotSpec, now: SimTime) {
-        while let Some(arrival) = self.uplink.take(now) {
+        while let Some(arrival) = self.uplink.take(&spec.link, now) {
             self.laptop.receive(spec, arrival, &mut self.uplink);
         }
     }
 
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(at));
+        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
         self.downlink.send(&spec.link, at, &bytes[..taken]);

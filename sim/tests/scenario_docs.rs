@@ -10,7 +10,7 @@ const SOURCES: [&str; 2] =
     [include_str!("../src/scenario/raw.rs"), include_str!("../src/scenario/sensors.rs")];
 
 /// Which section describes which of the parser's structs.
-const SECTIONS: [(&str, &str); 20] = [
+const SECTIONS: [(&str, &str); 22] = [
     ("Scenario", "## Top level"),
     ("End", "## `[end]`"),
     ("Goal", "### `end.goal`"),
@@ -30,6 +30,8 @@ const SECTIONS: [(&str, &str); 20] = [
     ("Microcontroller", "### `robots.microcontroller`"),
     ("Firmware", "### `robots.firmware`"),
     ("Link", "### `robots.link`"),
+    ("Adapter", "#### `adapter`"),
+    ("Outage", "#### `outages`"),
     ("Brain", "### `robots.brain`"),
 ];
 

@@ -8,7 +8,7 @@ use baudbot_geometry::{Circle, Point, Pose, angle, polygon::is_simple};
 use baudbot_wire::Encoding;
 
 use super::check::{Names, Path};
-use super::{End, Scenario, ScenarioError, cable, raw, sensors};
+use super::{End, Scenario, ScenarioError, cable, link, raw, sensors};
 use crate::arena::{Arena, Pillar, Polygon};
 use crate::collision::CollisionPolicy;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
@@ -187,7 +187,7 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, step_ms: f64) -> Resul
     let drive = drive(path, &raw.body, &raw.motors)?;
     let sensors = sensors(&path.field("sensors"), raw.sensors, step_ms, drive.radius_m)?;
     let motor = motor_encoding(&path.field("motors"), &raw.motors)?;
-    let link = cable::link(&path.field("link"), &raw.link)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &sensors, motor, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;
     Ok(RobotSpec {

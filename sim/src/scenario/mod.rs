@@ -8,6 +8,7 @@ mod build;
 mod cable;
 mod check;
 mod error;
+mod link;
 mod order;
 mod overrides;
 mod raw;
