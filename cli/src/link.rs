@@ -76,7 +76,7 @@ fn adapter(adapter: &Adapter) -> Option<String> {
             Some(format!("USB adapter with frames of {}", duration(*frame_ns as f64)))
         }
         Adapter::Ftdi(ftdi) => Some(format!(
-            "USB adapter with packets of {} bytes and a latency timer of {}: at most {} exchanges/s",
+            "USB adapter with packets of {} bytes and a latency timer of {}: at most {} exchanges/s of shorter messages",
             ftdi.packet_bytes,
             duration(ftdi.latency_ns as f64),
             handy(1e9 / ftdi.latency_ns as f64)
@@ -118,7 +118,7 @@ mod tests {
             text(uart),
             "115200 baud, 10 bits a character: 11520 bytes/s, a byte is wrong with probability 0.1, half duplex, \
              50 µs to turn around, USB adapter with packets of 62 bytes and a latency timer of 16 ms: at most \
-             62.5 exchanges/s, out 1 time"
+             62.5 exchanges/s of shorter messages, out 1 time"
         );
         let radio = "{ kind = \"uart\", baud = 9600, adapter = { kind = \"bluetooth\" } }";
         assert!(text(radio).ends_with(

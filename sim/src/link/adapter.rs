@@ -12,7 +12,8 @@
 //! Each packet restarts the timer; an expiry with an empty chip restarts it, too, so that it expires each
 //! `latency_ns` after the last packet. (FTDI, AN232B-04 "Data Throughput, Latency and Handshaking": 16 ms by
 //! default, 1 to 255 ms.) So a brain that answers each message at once meets a timer that its last message
-//! restarted, and has at most 1 / `latency_ns` exchanges a second over any cable: 62.5 at 16 ms.
+//! restarted, and has at most 1 / `latency_ns` exchanges a second over any cable, 62.5 at 16 ms, unless its messages
+//! fill packets.
 //!
 //! *Deviations.* The chip's memory and the bus are never full: scenario files refuse cables that are faster than
 //! 19 packets a frame. Event characters and modem lines, which also make a chip send, are not modelled. The
