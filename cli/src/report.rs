@@ -107,7 +107,7 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
 fn link(robot: &Robot) -> String {
     match (robot.baud, robot.bits_per_character) {
         (Some(baud), Some(bits)) => format!("{baud} baud, {bits} bits a character"),
-        _ => "ideal".to_owned(),
+        _ => robot.link.to_owned(),
     }
 }
 
@@ -115,7 +115,7 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
     let row = |name: &str, line: &Line| {
         let counts = [line.bytes, line.messages];
         let losses = [
-            line.overrun_bytes + line.refused_bytes,
+            line.overrun_bytes + line.refused_bytes + line.lost_bytes,
             line.corrupted_bytes,
             line.bad_frames,
             line.bad_messages,

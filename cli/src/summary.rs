@@ -8,6 +8,7 @@ use baudbot_sim::robot::RobotSpec;
 use serde::Serialize;
 
 use crate::crew::Job;
+use crate::link;
 
 /// A run.
 #[derive(Debug, Serialize)]
@@ -70,7 +71,9 @@ pub(crate) struct Robot {
     pub(crate) commands: u64,
     pub(crate) lost_deliveries: u64,
     pub(crate) frames_missed: u64,
-    /// Absent if the link is ideal.
+    /// `ideal`, `uart` or `usb`.
+    pub(crate) link: &'static str,
+    /// Absent if the link has no baud rate.
     pub(crate) baud: Option<u32>,
     pub(crate) bits_per_character: Option<u8>,
     pub(crate) uplink: Line,
@@ -90,6 +93,8 @@ pub(crate) struct Line {
     pub(crate) corrupted_bytes: u64,
     pub(crate) bad_frames: u64,
     pub(crate) bad_messages: u64,
+    /// In outages of the cable.
+    pub(crate) lost_bytes: u64,
 }
 
 /// A sensor and the freshness of its readings.
@@ -177,10 +182,10 @@ fn clock(pacing: &v1::PaceStatus, simulated_s: f64, due_s: f64) -> Clock {
 impl Robot {
     fn new(spec: &RobotSpec, status: &v1::RobotStatus, simulated_s: f64, jobs: &[Job]) -> Self {
         let (baud, bits_per_character) = match &spec.link {
-            Link::Ideal | Link::Onboard => (None, None),
+            Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
             Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character)),
         };
-        let capacity = bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
+        let capacity = link::bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
         let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
         Self {
             robot: status.robot.clone(),
@@ -191,20 +196,13 @@ impl Robot {
             commands: status.commands,
             lost_deliveries: status.lost_deliveries,
             frames_missed: status.frames_missed,
+            link: link::kind(&spec.link),
             baud,
             bits_per_character,
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
             sensors: status.sensors.iter().map(Sensor::new).collect(),
         }
-    }
-}
-
-/// What a line can carry; `None` if it is ideal.
-pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
-    match link {
-        Link::Ideal | Link::Onboard => None,
-        Link::Uart(uart) => Some(f64::from(uart.baud) / f64::from(uart.bits_per_character)),
     }
 }
 
@@ -219,6 +217,7 @@ impl Line {
             corrupted_bytes: status.corrupted_bytes,
             bad_frames: status.bad_frames,
             bad_messages: status.bad_messages,
+            lost_bytes: status.lost_bytes,
         }
     }
 }

@@ -24,9 +24,9 @@ pub struct Body {
     pub sensors: Vec<Sensor>,
     /// What the microcontroller says on its wire.
     pub firmware: Firmware,
-    /// Bits a second of the cable; `None` if it is ideal.
+    /// Bits a second of the cable; `None` if it has no baud rate: if it is ideal, or USB.
     pub baud: Option<u32>,
-    /// Bits a character; `None` if the cable is ideal.
+    /// Bits a character; `None` where there is no baud rate.
     pub bits_per_character: Option<u32>,
 }
 
@@ -125,7 +125,8 @@ impl Body {
         WireLayout::new(self)
     }
 
-    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on an ideal cable. A brain that
+    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on a cable without a
+    /// baud rate. An adapter's or a radio's delay is not in it. A brain that
     /// commands more often than that fills the cable's buffer, and its commands come ever later.
     pub fn command_ns(&self) -> u64 {
         let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };

@@ -145,6 +145,7 @@ fn line_status(line: &LineCounters) -> v1::LineStatus {
         messages: line.messages,
         bad_frames: line.bad_frames,
         bad_messages: line.bad_messages,
+        lost_bytes: line.lost_bytes,
     }
 }
 
@@ -174,7 +175,7 @@ fn response(response: v1::attach_response::Response) -> v1::AttachResponse {
 
 fn description(spec: &RobotSpec) -> v1::RobotDescription {
     let (baud, bits_per_character) = match &spec.link {
-        Link::Ideal | Link::Onboard => (None, None),
+        Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
         Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
     };
     v1::RobotDescription {

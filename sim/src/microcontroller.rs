@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
-use crate::link::{Line, LineCounters};
+use crate::link::{Line, LineCounters, Link};
 use crate::random::Stream;
 use crate::robot::RobotSpec;
 use crate::scene::Ping;
@@ -114,8 +114,8 @@ impl Microcontroller {
 
     /// The task that comes next and when it starts: of those that fall due first, sensors in their order,
     /// then sending, then receiving.
-    pub(crate) fn next(&self, downlink: &Line) -> (SimTime, Task) {
-        let mut due = downlink.arrival();
+    pub(crate) fn next(&self, link: &Link, downlink: &Line) -> (SimTime, Task) {
+        let mut due = downlink.arrival(link);
         let mut task = Task::Receive;
         if self.frame.next <= due {
             (due, task) = (self.frame.next, Task::SendReadings);
@@ -197,7 +197,7 @@ impl Microcontroller {
         }
         self.sequence = self.sequence.wrapping_add(1);
         uplink.send_message(&spec.link, closed, &bytes[..n], sampled);
-        self.free_at = closed.max(uplink.drained_to(spec.link.transmit_depth()));
+        self.free_at = closed.max(uplink.drained(&spec.link));
     }
 
     /// The last sample of every sensor, zeros before the first.
@@ -232,9 +232,9 @@ impl Microcontroller {
     /// Takes the oldest byte that the receiver holds at `now`. What arrived while the receiver was full is
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
-        downlink.overrun(now, spec.link.receive_depth());
+        downlink.overrun(&spec.link, now);
         self.free_at = now + spec.processor.receiving_ns_per_byte;
-        if let Some((arrived, byte)) = downlink.take(now) {
+        if let Some((arrived, byte)) = downlink.take(&spec.link, now) {
             self.receive_byte(spec, arrived, byte, &mut downlink.counters);
         }
     }

@@ -146,8 +146,7 @@ pub struct RobotCounters {
 
 impl Robot {
     pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
-        let stream = |name: &str| Stream::new(seed, &format!("{}/{name}", spec.name));
-        let line = |name: &str| Line::new(stream(name));
+        let name = |part: &str| format!("{}/{part}", spec.name);
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
         if wheels_at_rest {
@@ -156,18 +155,14 @@ impl Robot {
         Self {
             motion,
             signals: Wheels::default(),
-            motor_noise: NoiseState::new(&spec.drive.motor_noise, stream("motors:noise")),
+            motor_noise: NoiseState::new(&spec.drive.motor_noise, Stream::new(seed, &name("motors:noise"))),
             collided: false,
             contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed),
-            uplink: line("link:up"),
-            downlink: line("link:down"),
+            uplink: Line::up(&spec.link, seed, &name("link:up")),
+            downlink: Line::down(&spec.link, seed, &name("link:down")),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
-            ports: spec
-                .ports
-                .iter()
-                .map(|&i| PortState::new(line(&format!("{}:port", spec.sensors[i].name))))
-                .collect(),
+            ports: spec.ports.iter().map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name)).collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
             battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
             pings: [None; 2],
@@ -217,11 +212,12 @@ impl Robot {
     /// What comes next, and when. At one instant devices come first, so that the microcontroller finds what is
     /// new; then the microcontroller, so that what it sends over an ideal link arrives at the same instant.
     fn next(&self, spec: &RobotSpec) -> (SimTime, Next) {
-        let (start, task) = self.microcontroller.next(&self.downlink);
-        let mut next = (self.uplink.arrival(), Next::Byte(None));
-        for (k, port) in self.ports.iter().enumerate() {
-            if port.line.arrival() < next.0 {
-                next = (port.line.arrival(), Next::Byte(Some(k)));
+        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+        let mut next = (self.uplink.arrival(&spec.link), Next::Byte(None));
+        for (k, (port, &i)) in self.ports.iter().zip(&spec.ports).enumerate() {
+            let arrival = port.arrival(&spec.sensors[i]);
+            if arrival < next.0 {
+                next = (arrival, Next::Byte(Some(k)));
             }
         }
         if start <= next.0 {
@@ -244,7 +240,11 @@ impl Robot {
                 let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
                 self.pings[0] = ping.or(self.pings[0]);
             }
-            Task::SendReadings => self.microcontroller.send_readings(spec, now, &mut self.uplink),
+            Task::SendReadings => {
+                self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
+                self.microcontroller.send_readings(spec, now, &mut self.uplink);
+                self.downlink.leave_wire_to(&spec.link, &self.uplink);
+            }
             Task::Receive => self.microcontroller.receive(spec, now, &mut self.downlink),
         }
     }
@@ -277,13 +277,14 @@ impl Robot {
 
     fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
         let Some(k) = port else {
-            while let Some(arrival) = self.uplink.take(now) {
+            while let Some(arrival) = self.uplink.take(&spec.link, now) {
                 self.laptop.receive(spec, arrival, &mut self.uplink);
             }
             return;
         };
-        while let Some(arrival) = self.ports[k].line.take(now) {
-            self.laptop.receive_from_port(spec, spec.ports[k], arrival, &mut self.ports[k]);
+        let i = spec.ports[k];
+        while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
+            self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
         }
     }
 
@@ -292,7 +293,7 @@ impl Robot {
         if matches!(spec.link, Link::Onboard) {
             self.microcontroller.think(at);
         }
-        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(at));
+        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
         self.downlink.send(&spec.link, at, &bytes[..taken]);

@@ -17,7 +17,7 @@ const SOURCES: [&str; 7] = [
 ];
 
 /// Which section describes which of the parser's structs.
-const SECTIONS: [(&str, &str); 20] = [
+const SECTIONS: [(&str, &str); 22] = [
     ("Scenario", "## Top level"),
     ("End", "## `[end]`"),
     ("Goal", "### `end.goal`"),
@@ -37,6 +37,8 @@ const SECTIONS: [(&str, &str); 20] = [
     ("Microcontroller", "### `robots.microcontroller`"),
     ("Firmware", "### `robots.firmware`"),
     ("Link", "### `robots.link`"),
+    ("Adapter", "#### `adapter`"),
+    ("Outage", "#### `outages`"),
     ("Brain", "### `robots.brain`"),
 ];
 

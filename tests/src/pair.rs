@@ -102,7 +102,7 @@ fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -
 /// The data sheet of a robot, as the server gives it.
 pub fn body(spec: &RobotSpec) -> Body {
     let (baud, bits_per_character) = match &spec.link {
-        Link::Ideal | Link::Onboard => (None, None),
+        Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
         Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
     };
     let protocol = match spec.firmware.protocol {

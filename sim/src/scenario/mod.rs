@@ -10,6 +10,7 @@ mod build;
 mod cable;
 mod check;
 mod error;
+mod link;
 mod motors;
 mod noise;
 mod order;

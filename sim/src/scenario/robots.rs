@@ -8,7 +8,7 @@ use baudbot_geometry::{Point, Pose, angle, polygon};
 
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
-use super::{ScenarioError, actuators, arena, cable, raw, sensors, things};
+use super::{ScenarioError, actuators, arena, cable, link, raw, sensors, things};
 use crate::arena::Arena;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
 use crate::link::Link;
@@ -153,7 +153,7 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
-    let link = cable::link(&path.field("link"), &raw.link)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
     let motors = alloc::vec![motor; 2 + actuators.len()];

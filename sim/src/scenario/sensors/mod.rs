@@ -13,7 +13,7 @@ use toml::{Table, Value};
 
 use super::check::Path;
 use super::error::deserialize;
-use super::{ScenarioError, build::MIN_PERIOD_MS, cable, noise};
+use super::{ScenarioError, build::MIN_PERIOD_MS, link, noise};
 use crate::actuator::Actuator;
 use crate::arena::Arena;
 use crate::battery::Battery;
@@ -148,7 +148,7 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
             return Err(path.error(problem));
         }
     };
-    let link = cable::link(&path.field("link"), &raw.link)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
     Ok(Port { link, format })
 }
 
