@@ -100,7 +100,10 @@ fn describe_robot(robot: &RobotSpec) -> String {
             format!("x {} m, y {} m, heading {} rad", position.x, position.y, robot.start.pose.heading),
         ),
         ("body", body),
-        ("motors", format!("signals of {}", encoding(robot.firmware.motor_encoding()))),
+        (
+            "motors",
+            format!("{}, signals of {}", drive.motor.kind(), encoding(robot.firmware.motor_encoding())),
+        ),
         ("firmware", firmware(robot)),
         ("link", link::text(&robot.link)),
         ("readings", message(robot, frame_bytes(robot), "with all sensors")),

@@ -27,7 +27,9 @@ pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
 /// ideal.
 pub(crate) fn transfer_ns(link: &Link, bytes: usize) -> Option<f64> {
     match link {
-        Link::Ideal | Link::Onboard | Link::Uart(_) => bytes_per_second(link).map(|rate| bytes as f64 / rate * 1e9),
+        Link::Ideal | Link::Onboard | Link::Uart(_) => {
+            bytes_per_second(link).map(|rate| bytes as f64 / rate * 1e9)
+        }
         Link::Usb(usb) => Some((bytes.div_ceil(usb.bytes_per_frame as usize) as u64 * usb.frame_ns) as f64),
     }
 }
