@@ -30,6 +30,9 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
         text.push('\n');
         text += &describe_robot(robot);
     }
+    for warning in scenario.warnings() {
+        let _ = writeln!(text, "\nwarning: {warning}");
+    }
     text
 }
 

@@ -59,6 +59,13 @@ impl Source {
     }
 }
 
+/// Tells what is allowed and yet hardly meant.
+pub(crate) fn warn(scenario: &Scenario) {
+    for warning in scenario.warnings() {
+        eprintln!("warning: {warning}");
+    }
+}
+
 /// Parses `--set` arguments.
 pub(crate) fn parse_sets(sets: &[String]) -> anyhow::Result<Vec<Override>> {
     let parse =

@@ -33,6 +33,17 @@ pub struct Rules {
     pub battery_empty: bool,
 }
 
+impl Rules {
+    /// Whether any of them can end a run.
+    pub fn end_runs(&self) -> bool {
+        self.collisions.is_some()
+            || self.all_goals
+            || self.covered.is_some()
+            || self.sensed.is_some()
+            || self.battery_empty
+    }
+}
+
 /// What was counted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {

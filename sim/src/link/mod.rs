@@ -93,7 +93,7 @@ pub struct Usb {
 
 impl Link {
     /// Nanoseconds from the start of a burst to the arrival of its `n`-th character (from 1).
-    pub(crate) fn burst_ns(&self, n: u64) -> u64 {
+    pub fn burst_ns(&self, n: u64) -> u64 {
         match self {
             Self::Ideal | Self::Onboard => 0,
             Self::Uart(uart) => {

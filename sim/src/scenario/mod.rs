@@ -19,6 +19,7 @@ mod raw;
 mod robots;
 mod sensors;
 mod things;
+mod warnings;
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -27,6 +28,7 @@ use baudbot_geometry::Circle;
 
 pub use error::ScenarioError;
 pub use overrides::Override;
+pub use warnings::Warning;
 
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;

@@ -372,6 +372,15 @@ impl Device {
         values.fill(value);
     }
 
+    /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.
+    pub fn longest_wait_ns(&self) -> u64 {
+        match self {
+            Self::Sonar(sonar) => sonar.holdoff_ns + sonar.timeout_ns,
+            Self::Photoresistor(device) => u64::from(device.max_counts) * device.unit_ns,
+            _ => 0,
+        }
+    }
+
     /// Whether its readings are disturbed by [`Noise`]. Digital readings are not: a count is right or lost,
     /// a switch is open or closed.
     pub fn is_analog(&self) -> bool {
