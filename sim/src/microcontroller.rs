@@ -179,7 +179,7 @@ impl Microcontroller {
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
         let mut bytes = [0; frame::MAX_FRAME];
-        let cost = spec.processor.framing_ns_per_byte;
+        let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
         let (n, closed) = match spec.firmware.protocol {
             Protocol::Bare { .. } => {
                 let n = self.write_bare(&spec.firmware, &mut bytes);
@@ -233,7 +233,7 @@ impl Microcontroller {
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
         downlink.overrun(&spec.link, now);
-        self.free_at = now + spec.processor.receiving_ns_per_byte;
+        self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
         if let Some((arrived, byte)) = downlink.take(&spec.link, now) {
             self.receive_byte(spec, arrived, byte, &mut downlink.counters);
         }

@@ -64,6 +64,11 @@ pub struct RobotSpec {
 }
 
 impl RobotSpec {
+    /// Whether its brain is the microcontroller's program: then nothing is framed and nothing received.
+    pub fn is_onboard(&self) -> bool {
+        matches!(self.link, Link::Onboard)
+    }
+
     /// The shape of its body.
     pub(crate) fn form(&self) -> Form<'_> {
         if self.outline.is_empty() {
@@ -290,7 +295,7 @@ impl Robot {
 
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        if matches!(spec.link, Link::Onboard) {
+        if spec.is_onboard() {
             self.microcontroller.think(at);
         }
         let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));

@@ -366,6 +366,15 @@ impl Device {
         }
     }
 
+    /// The value that stands for nothing in range, which noise does not touch.
+    fn nothing(&self) -> Option<f64> {
+        match self {
+            Self::Laser(_) | Self::LineCamera(_) => Some(NOTHING),
+            Self::Sonar(sonar) => Some(sonar.max_m),
+            _ => None,
+        }
+    }
+
     /// What the microcontroller reads from a device that has measured nothing yet.
     pub(crate) fn unmeasured(&self, values: &mut [f64]) {
         let value = if matches!(self, Self::Laser(_)) { NOTHING } else { 0.0 };
@@ -407,7 +416,12 @@ impl Sensor {
         stream: &mut Stream,
     ) {
         if noisy && !self.noise.is_none() {
+            let nothing = self.device.nothing();
+            let clean = if nothing.is_some() { values.to_vec() } else { Vec::new() };
             self.noise.disturb(state, now, values, stream);
+            for (value, clean) in values.iter_mut().zip(clean).filter(|(_, clean)| Some(*clean) == nothing) {
+                *value = clean;
+            }
         }
         self.device.bound(values);
     }
