@@ -87,7 +87,12 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
 }
 
 pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
-    if raw.kind == raw::LinkKind::Ideal {
+    let without_cable = match raw.kind {
+        raw::LinkKind::Ideal => Some((Link::Ideal, "an ideal link has none; did you mean kind = \"uart\"?")),
+        raw::LinkKind::Onboard => Some((Link::Onboard, "a brain that is onboard has no cable")),
+        raw::LinkKind::Uart => None,
+    };
+    if let Some((link, problem)) = without_cable {
         let given = [
             ("baud", raw.baud.is_some()),
             ("bits_per_character", raw.bits_per_character.is_some()),
@@ -97,9 +102,9 @@ pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
             ("byte_error_rate", raw.byte_error_rate.is_some()),
         ];
         for (field, given) in given {
-            refuse(path, field, given, "an ideal link has none; did you mean kind = \"uart\"?")?;
+            refuse(path, field, given, problem)?;
         }
-        return Ok(Link::Ideal);
+        return Ok(link);
     }
     let baud =
         raw.baud.ok_or_else(|| path.field("baud").error("a uart needs its baud rate, such as 9600"))?;
