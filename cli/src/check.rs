@@ -174,7 +174,7 @@ fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let frames = 1e9 / schedule.period_ns() as f64;
     let mut bytes = frame_bytes(robot) as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
-        for sensor in &robot.sensors {
+        for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
             let entry = sample_bytes(sensor) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
