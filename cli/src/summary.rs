@@ -331,7 +331,7 @@ impl Battery {
 
 impl Sensor {
     fn new(status: &v1::SensorStatus, spec: &SensorSpec, simulated_s: f64) -> Self {
-        let rate = spec.port.as_ref().and_then(|port| bytes_per_second(&port.link));
+        let rate = spec.port.as_ref().and_then(|port| link::bytes_per_second(&port.link));
         let capacity = rate.map(|rate| rate * simulated_s);
         Self {
             sensor: status.sensor.clone(),

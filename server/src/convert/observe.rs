@@ -182,7 +182,7 @@ fn truth(truth: Truth) -> v1::RobotTruth {
         actuators: truth
             .actuators
             .into_iter()
-            .map(|ActuatorState { signal, angle_rad }| v1::ActuatorTruth { signal, angle_rad })
+            .map(|ActuatorState { signal, angle_rad, .. }| v1::ActuatorTruth { signal, angle_rad })
             .collect(),
         in_zone_ns: truth.in_zone_ns,
     }

@@ -22,10 +22,10 @@ pub struct PositionalServo {
 }
 
 impl PositionalServo {
-    /// The angle that it goes for at this signal, in rad: 1 is the greatest.
+    /// The angle that it goes for at this signal, in rad: ±1 is the end that is farther from 0, and the other end holds.
     pub fn target_rad(&self, signal: f64) -> f64 {
         let [min, max] = self.range_rad;
-        (signal * max).max(min).min(max)
+        (signal * max.max(-min)).max(min).min(max)
     }
 
     /// The angle that is `dt_s` later, in rad, on the way from `angle_rad` to `target_rad`.
@@ -84,6 +84,8 @@ mod tests {
             [1.0, 0.5, -0.5, -1.0, 9.0].map(|signal| servo.target_rad(signal)),
             [1.5, 0.75, -0.75, -1.0, 1.5]
         );
+        let to_the_right = PositionalServo { range_rad: [-1.0, 0.0], ..hs311() };
+        assert_eq!([1.0, -0.5, -1.0].map(|signal| to_the_right.target_rad(signal)), [0.0, -0.5, -1.0]);
         assert_eq!(servo.step(0.2, 0.21, 1.0), 0.2);
         assert_eq!(servo.step(0.2, 0.211, 1.0), 0.211);
     }

@@ -26,7 +26,7 @@ mod voltage;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, angle};
+use baudbot_geometry::{Fan, Pose, angle, math};
 use baudbot_wire::Encoding;
 use serde::{Deserialize, Serialize};
 
@@ -360,6 +360,9 @@ impl Device {
                 values[0] = values[0].clamp(-device.range_rad_s, device.range_rad_s);
             }
             Self::Light(device) => values[0] = values[0].clamp(0.0, device.range_lux),
+            Self::Photoresistor(device) => {
+                values[0] = math::round(values[0]).clamp(0.0, f64::from(device.max_counts));
+            }
             Self::Microphone(_) => values[0] = values[0].max(0.0),
             Self::Battery(_) => values[0] = values[0].max(0.0),
             _ => {}

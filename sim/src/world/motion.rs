@@ -221,7 +221,11 @@ impl Robot {
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
-                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.signal), dt);
+                // A command that came since waits for the next pulse.
+                if self.commanded_at <= servo.frame_start(now) {
+                    state.pulse = state.signal;
+                }
+                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery) {
