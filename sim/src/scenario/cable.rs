@@ -87,7 +87,7 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
 }
 
 pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
-    if raw.kind == raw::LinkKind::Ideal {
+    if raw.kind != raw::LinkKind::Uart {
         let given = [
             ("baud", raw.baud.is_some()),
             ("bits_per_character", raw.bits_per_character.is_some()),
@@ -97,9 +97,9 @@ pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
             ("byte_error_rate", raw.byte_error_rate.is_some()),
         ];
         for (field, given) in given {
-            refuse(path, field, given, "an ideal link has none; did you mean kind = \"uart\"?")?;
+            refuse(path, field, given, "only a cable has one; did you mean kind = \"uart\"?")?;
         }
-        return Ok(Link::Ideal);
+        return Ok(if raw.kind == raw::LinkKind::Onboard { Link::Onboard } else { Link::Ideal });
     }
     let baud =
         raw.baud.ok_or_else(|| path.field("baud").error("a uart needs its baud rate, such as 9600"))?;

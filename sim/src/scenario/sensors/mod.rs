@@ -17,6 +17,7 @@ use super::{ScenarioError, build::MIN_PERIOD_MS, cable, noise};
 use crate::arena::Arena;
 use crate::actuator::Actuator;
 use crate::battery::Battery;
+use crate::link::Link;
 use crate::port::{Format, Port};
 use crate::schedule::Schedule;
 use crate::sensor::{Device, OwnClock, Sensor};
@@ -149,6 +150,9 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
         }
     };
     let link = cable::link(&path.field("link"), &raw.link)?;
+    if link == Link::Onboard {
+        return Err(path.field("link").error("a port is a cable, `uart` or `ideal`; only a brain can be on board"));
+    }
     Ok(Port { link, format })
 }
 
