@@ -398,7 +398,11 @@ impl Sensor {
         stream: &mut Stream,
     ) {
         if noisy && !self.noise.is_none() {
+            // What is infinitely far stays so whatever noise does to it, but for a dropout.
+            let sees = matches!(self.device, Device::Laser(_) | Device::LineCamera(_));
+            values.iter_mut().filter(|value| sees && **value == NOTHING).for_each(|value| *value = f64::INFINITY);
             self.noise.disturb(state, now, values, stream);
+            values.iter_mut().filter(|value| sees && !value.is_finite()).for_each(|value| *value = NOTHING);
         }
         self.device.bound(values);
     }
