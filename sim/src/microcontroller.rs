@@ -282,9 +282,11 @@ impl Microcontroller {
         last
     }
 
-    /// The brain thinks on this processor until `until`: nothing else runs.
-    pub(crate) fn think(&mut self, until: SimTime) {
-        self.free_at = self.free_at.max(until);
+    /// The brain thinks on this processor for so long, from `begun` on or as soon as it is free: nothing else runs
+    /// meanwhile. Says when it is done.
+    pub(crate) fn think(&mut self, begun: SimTime, thinking_ns: u64) -> SimTime {
+        self.free_at = self.free_at.max(begun) + thinking_ns;
+        self.free_at
     }
 
     pub(crate) fn channels(&self) -> &[Channel] {

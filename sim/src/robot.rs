@@ -293,11 +293,16 @@ impl Robot {
         }
     }
 
+    /// When a brain is done that thinks from `begun` to `until`: on board it waits for the processor first.
+    pub(crate) fn think(&mut self, spec: &RobotSpec, begun: SimTime, until: SimTime) -> SimTime {
+        match spec.link {
+            Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
+            Link::Ideal | Link::Uart(_) | Link::Usb(_) => until,
+        }
+    }
+
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        if spec.is_onboard() {
-            self.microcontroller.think(at);
-        }
         let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;

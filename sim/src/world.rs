@@ -207,9 +207,10 @@ impl World {
     fn write(&mut self, inputs: &[Input<'_>]) {
         for input in inputs {
             let Some(robot) = self.state.robots.get_mut(input.robot) else { continue };
-            let at = input.at.max(robot.laptop.busy_until);
+            let (spec, begun) = (&self.scenario.robots()[input.robot], robot.laptop.busy_until);
+            let at = robot.think(spec, begun, input.at.max(begun));
             robot.laptop.busy_until = at;
-            robot.write(&self.scenario.robots()[input.robot], at, input.bytes);
+            robot.write(spec, at, input.bytes);
         }
     }
 

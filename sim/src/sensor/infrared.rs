@@ -41,6 +41,8 @@ pub enum InfraredModel {
     Ambient {
         /// Light at which it reads 0.
         saturation_lux: f64,
+        /// What it sees of the surroundings, in radians; a fan of a single ray does not tell.
+        opening_rad: f64,
     },
 }
 
@@ -50,10 +52,8 @@ impl Infrared {
         match &self.model {
             InfraredModel::Phenomenological { c1_m2, c2 } => self.reflected(at, *c1_m2, *c2),
             InfraredModel::Lookup(lookup) => self.sampled(at, lookup, stream),
-            InfraredModel::Ambient { saturation_lux } => {
-                let opening_rad = 2.0 * self.fan.kappas()[self.fan.len() - 1];
-                let lux = light::illuminance(at, &self.mount, opening_rad);
-                1.0 - lux / saturation_lux
+            InfraredModel::Ambient { saturation_lux, opening_rad } => {
+                1.0 - light::illuminance(at, &self.mount, *opening_rad) / saturation_lux
             }
         }
     }

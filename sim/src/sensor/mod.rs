@@ -419,11 +419,13 @@ impl Sensor {
         stream: &mut Stream,
     ) {
         if noisy && !self.noise.is_none() {
+            // What is infinitely far stays so whatever noise does to it, but for a dropout.
             let nothing = self.device.nothing();
-            let clean = if nothing.is_some() { values.to_vec() } else { Vec::new() };
+            let far = |value: &&mut f64| Some(**value) == nothing;
+            values.iter_mut().filter(far).for_each(|value| *value = f64::INFINITY);
             self.noise.disturb(state, now, values, stream);
-            for (value, clean) in values.iter_mut().zip(clean).filter(|(_, clean)| Some(*clean) == nothing) {
-                *value = clean;
+            if let Some(nothing) = nothing {
+                values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = nothing);
             }
         }
         self.device.bound(values);

@@ -112,7 +112,7 @@ fn infrared_model(path: &Path, raw: raw::Infrared) -> Result<InfraredModel> {
         }
         (None, None, None, Some(lux)) => {
             let saturation_lux = path.positive("ambient_saturation_lux", lux)?;
-            Ok(InfraredModel::Ambient { saturation_lux })
+            Ok(InfraredModel::Ambient { saturation_lux, opening_rad: raw.opening_rad })
         }
         (Some(_), None, None, None) => Err(path.field("c2").error("goes with c1_m2 and is missing")),
         (None, Some(_), None, None) => Err(path.field("c1_m2").error("goes with c2 and is missing")),

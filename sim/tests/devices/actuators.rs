@@ -1,0 +1,142 @@
+//! Turrets, motors and brains on board, through commands as a brain sends them.
+
+use baudbot_sim::{Input, World};
+
+use crate::common::{BODY, run, tick, world};
+use crate::scene::{named, near, scene, signals, tick_of, view};
+
+fn turret(more: &str) -> World {
+    let actuator = format!(
+        "[robots.actuators.head]\nkind = \"turret\"\nmin_rad = -1.0\nmax_rad = 2.0\nrate_rad_s = 4.0\n{more}\n"
+    );
+    world(&scene("step_ms = 5.0", "", &actuator))
+}
+
+fn angles(world: &mut World, ticks: usize, signal: f64) -> Vec<f64> {
+    (0..ticks)
+        .map(|_| {
+            tick_of(world, "r", &[0.0, 0.0, signal]);
+            world.robot(0).actuators()[0].angle_rad
+        })
+        .collect()
+}
+
+#[test]
+fn a_turret_slews_at_its_rate_to_its_target_and_stays_there() {
+    let mut world = turret("frame_ms = 0.0");
+    for (i, angle) in angles(&mut world, 120, 1.0).into_iter().enumerate() {
+        // The command of a tick acts in it on an ideal link, from the next substep on.
+        let steps = i as f64;
+        let (low, high) = ((0.02 * steps).min(2.0), (0.02 * (steps + 1.0)).min(2.0));
+        assert!(angle >= low - 1e-9 && angle <= high + 1e-9, "tick {i}: {angle}");
+    }
+    near(angles(&mut world, 1, 1.0)[0], 2.0);
+    near(*angles(&mut world, 200, -1.0).last().unwrap(), -1.0);
+    near(*angles(&mut world, 200, 0.25).last().unwrap(), 0.5);
+}
+
+#[test]
+fn a_turret_does_not_move_within_its_dead_band() {
+    let mut world = turret("frame_ms = 0.0\ndead_band_rad = 0.1");
+    near(*angles(&mut world, 50, 0.04).last().unwrap(), 0.0);
+    near(*angles(&mut world, 50, 0.06).last().unwrap(), 0.12);
+}
+
+#[test]
+fn wheels_on_a_velocity_regulator_have_their_time_constant() {
+    let body = BODY.replace("damping_n_s_m = 15.0", "damping_n_s_m = 0.0");
+    let robot = "motors = { kind = \"velocity\", full_speed_m_s = 0.5, gain_n_s = 1.5 }\nlink = { kind = \"uart\", baud = 115200 }";
+    let toml = scene("substeps = 100", robot, &named("s", "kind = \"encoders\"\ncounts_per_turn = 600"))
+        .replace(BODY, &body);
+    let mut world = world(&toml);
+    let mut speeds = Vec::new();
+    for _ in 0..100 {
+        tick(&mut world, 0.5, 0.5);
+        speeds.push(world.robot(0).motion().speed_m_s);
+    }
+    let top = speeds[99];
+    assert!((top - 0.25).abs() < 1e-4, "{top}");
+    // M / 2AK = 3 / (2 · 10 · 1.5) s: ten ticks take the missing speed to 1/e.
+    let left = (top - speeds[30]) / (top - speeds[20]);
+    assert!((left - (-1.0_f64).exp()).abs() < 0.003, "{left}");
+}
+
+#[test]
+fn motors_stop_when_no_command_comes_for_too_long() {
+    let mut world = world(&scene("", "motors = { timeout_ms = 100.0 }", ""));
+    run(&mut world, 50, 0.5, 0.5);
+    assert_eq!(world.robot(0).signals().left, 0.5);
+    let silent = |world: &mut World, ticks| {
+        for _ in 0..ticks {
+            world.begin();
+            world.finish(&[]);
+        }
+        world.robot(0).signals().left
+    };
+    // The last command came at 490 ms.
+    assert_eq!(silent(&mut world, 9), 0.5);
+    assert_eq!(silent(&mut world, 2), 0.0);
+    assert_eq!(silent(&mut world, 100), 0.0);
+    assert!(world.robot(0).motion().speed_m_s.abs() < 0.01);
+    run(&mut world, 2, 0.3, 0.3);
+    assert_eq!(world.robot(0).signals().left, 0.3);
+}
+
+const ONBOARD: &str = "link = { kind = \"onboard\" }\nmicrocontroller = { operations_per_s = 4000.0, ram_bytes = 32 }\n\
+                       brain = { operations = 80, memory_bytes = 26 }";
+
+/// Ticks of a brain that thinks as long as its scenario says.
+fn think(world: &mut World, ticks: usize) {
+    for _ in 0..ticks {
+        let turns = world.begin().to_vec();
+        let thinking_ns = world.robot(0).spec().thinking_ns;
+        let bytes = signals(world.robot(0).spec(), &[0.5, 0.5]);
+        let inputs: Vec<_> =
+            turns.iter().map(|turn| Input { robot: 0, at: turn.at + thinking_ns, bytes: &bytes }).collect();
+        world.finish(&inputs);
+    }
+}
+
+#[test]
+fn a_brain_on_board_takes_the_microcontrollers_time() {
+    let mut world =
+        world(&scene("step_ms = 1.0", ONBOARD, &named("c", "kind = \"compass\"\nperiod_ms = 1.0")));
+    assert_eq!(world.robot(0).spec().thinking_ns, 20_000_000);
+    think(&mut world, 1000);
+    let compass = view(&world, "c");
+    // Some 50 thoughts of 20 ms a second, a read or two after each.
+    assert!((40..120).contains(&compass.samples), "{compass:?}");
+    assert!(compass.missed > 880, "{compass:?}");
+    let commands = world.robot(0).commands();
+    assert!((40..=50).contains(&commands), "{commands}");
+    assert!(world.robot(0).motion().speed_m_s > 0.1);
+}
+
+#[test]
+fn a_brain_elsewhere_does_not() {
+    let robot = "brain = { thinking_us = 20000.0 }";
+    let mut world = world(&scene("step_ms = 1.0", robot, &named("c", "kind = \"compass\"\nperiod_ms = 1.0")));
+    think(&mut world, 1000);
+    assert_eq!(view(&world, "c").missed, 0);
+}
+
+#[test]
+fn a_brain_on_board_waits_for_the_processor_that_is_busy() {
+    // Each read takes 30 ms of every 50; a thought of 20 ms fits in between, but not within.
+    let sensor = named("c", "kind = \"compass\"\nperiod_ms = 50.0\nacquisition_us = 30000.0");
+    let mut world = world(&scene("step_ms = 1.0", ONBOARD, &sensor));
+    think(&mut world, 2000);
+    let commands = world.robot(0).commands();
+    // 2 s hold 20 ms · n + 30 ms · 40 only for n up to 40.
+    assert!((30..=41).contains(&commands), "{commands} thoughts of 20 ms beside 40 reads of 30 ms in 2 s");
+}
+
+#[test]
+fn a_servo_turns_its_wheel_at_the_speed_of_its_pulse() {
+    let mut world = world(&scene("", "motors = { kind = \"servo\", lag_ms = 60.0 }", ""));
+    run(&mut world, 200, 1.0, 1.0);
+    near(
+        world.robot(0).motion().speed_m_s,
+        0.1 * 48.0 * std::f64::consts::TAU / 60.0 * (1.0 - (-1.98_f64 / 0.06).exp()),
+    );
+}

@@ -1,0 +1,20 @@
+//! Every device of a robot, and what moves around it, seen from outside: a scenario goes in, readings, bytes and
+//! hashes come out. Expectations are worked out by hand from the equations, or are the distribution that a file asks
+//! for.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod actuators;
+mod arena;
+mod encoders;
+mod hostile;
+mod inertial;
+mod noise;
+mod own_clock;
+mod ports;
+mod position;
+mod ranging;
+mod refusals;
+mod scene;
+mod touch_light;

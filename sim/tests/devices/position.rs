@@ -1,0 +1,137 @@
+//! Odometer and satellite receiver.
+
+use baudbot_sim::World;
+
+use crate::common::statistics::{SAMPLES, assert_distributed, correlation, kolmogorov_smirnov, normal};
+use crate::common::{run, world};
+use crate::scene::{collect, first, named, near, scene, view, with_sensor};
+
+const ODOMETER: &str = "kind = \"odometer\"";
+
+#[test]
+fn an_odometer_without_noise_follows_the_true_pose() {
+    let start = "start = { x_m = 1.0, y_m = -2.0, heading_rad = 0.7 }";
+    let mut world = world(&scene("", start, &named("s", ODOMETER)));
+    run(&mut world, 300, 0.5, 0.35);
+    world.begin();
+    let pose = world.robot(0).motion().pose;
+    let sample = view(&world, "s").sample;
+    assert!((pose.position.x - 1.0).abs() > 0.3, "{pose:?}");
+    crate::scene::all_near(sample, &[pose.position.x, pose.position.y, pose.heading]);
+}
+
+#[test]
+fn an_odometers_heading_walks_by_a_normal_step_a_read_even_when_standing() {
+    let toml = with_sensor("step_ms = 0.05", &format!("{ODOMETER}\nsigma_m = 0.002"));
+    let readings = collect(&toml, SAMPLES + 1);
+    let mut steps: Vec<_> = readings
+        .windows(2)
+        .map(|pair| {
+            let change = pair[1][2] - pair[0][2];
+            if change.abs() > 3.0 { change - change.signum() * std::f64::consts::TAU } else { change }
+        })
+        .collect();
+    // (right − left) / 2R with R = 0.2 m.
+    let sigma = 2.0_f64.sqrt() * 0.002 / 0.4;
+    assert_distributed(&mut steps, |scale| normal(0.0, sigma * scale));
+}
+
+const ORIGIN: &str = "[arena]\nlatitude_deg = 57.7\nlongitude_deg = 11.97\n";
+const METRES_PER_DEGREE: f64 = 6_371_008.8 * std::f64::consts::PI / 180.0;
+
+fn gps(top: &str, start: &str, more: &str) -> World {
+    world(&scene(&format!("{top}\n{ORIGIN}"), start, &named("s", &format!("kind = \"gps\"\n{more}"))))
+}
+
+#[test]
+fn a_receiver_tells_latitude_longitude_speed_and_course() {
+    let mut world = gps("", "start = { x_m = 100.0, y_m = 200.0, heading_rad = 0.5, speed_m_s = 0.6 }", "");
+    world.begin();
+    let sample = view(&world, "s").sample;
+    near(sample[0], 57.7 + 200.0 / METRES_PER_DEGREE);
+    near(sample[1], 11.97 + 100.0 / (METRES_PER_DEGREE * 57.7_f64.to_radians().cos()));
+    crate::scene::all_near(&sample[2..], &[1.0, 0.6, 0.5]);
+}
+
+#[test]
+fn a_receiver_tells_the_course_of_a_robot_that_drives_backwards() {
+    let mut world = gps("", "start = { heading_rad = 0.5, speed_m_s = -0.6 }", "");
+    world.begin();
+    crate::scene::all_near(&view(&world, "s").sample[2..], &[1.0, 0.6, 0.5 - std::f64::consts::PI]);
+}
+
+/// East and north of the origin, in metres.
+fn metres(sample: &[f64]) -> (f64, f64) {
+    let east = (sample[1] - 11.97) * METRES_PER_DEGREE * 57.7_f64.to_radians().cos();
+    (east, (sample[0] - 57.7) * METRES_PER_DEGREE)
+}
+
+#[test]
+fn a_receivers_white_noise_is_normal_on_both_axes() {
+    let toml = with_sensor(&format!("step_ms = 0.05\n{ORIGIN}"), "kind = \"gps\"\nsigma_m = 0.5");
+    let errors: Vec<_> = collect(&toml, SAMPLES).iter().map(|sample| metres(sample)).collect();
+    assert!(correlation(&errors).abs() < 0.015, "{}", correlation(&errors));
+    assert_distributed(&mut errors.iter().map(|e| e.0).collect::<Vec<_>>(), |scale| normal(0.0, 0.5 * scale));
+    assert_distributed(&mut errors.iter().map(|e| e.1).collect::<Vec<_>>(), |scale| normal(0.0, 0.5 * scale));
+}
+
+#[test]
+fn a_receivers_wandering_error_is_stationary_and_forgets_itself() {
+    let toml = with_sensor(
+        &format!("step_ms = 1000.0\nsubsteps = 50\n{ORIGIN}"),
+        "kind = \"gps\"\nwander_sigma_m = 3.0\nwander_time_s = 10.0",
+    );
+    let runs: Vec<_> = (0..2000)
+        .map(|seed| {
+            let samples = collect(&format!("seed = {seed}\n{toml}"), 11);
+            (metres(&samples[0]).0, metres(&samples[10]).0)
+        })
+        .collect();
+    for mut at in [runs.iter().map(|r| r.0).collect::<Vec<_>>(), runs.iter().map(|r| r.1).collect()] {
+        let outcome = kolmogorov_smirnov(&mut at, normal(0.0, 3.0));
+        assert!(outcome.fits(), "{outcome:?}");
+    }
+    // Ten seconds are one time constant: e⁻¹, with a standard error of 0.02.
+    let found = correlation(&runs);
+    assert!((found - (-1.0_f64).exp()).abs() < 0.07, "{found}");
+}
+
+#[test]
+fn a_receivers_speed_has_its_own_noise() {
+    let toml = with_sensor(&format!("step_ms = 0.05\n{ORIGIN}"), "kind = \"gps\"\nspeed_sigma_m_s = 0.1");
+    // Of a standing robot: the absolute value of N(0, 0.1).
+    let mut speeds: Vec<_> = collect(&toml, 20_000).iter().map(|sample| sample[3]).collect();
+    let outcome = kolmogorov_smirnov(&mut speeds, |v| (2.0 * normal(0.0, 0.1)(v) - 1.0).max(0.0));
+    assert!(outcome.fits(), "{outcome:?}");
+}
+
+#[test]
+fn without_sky_there_is_no_fix_and_the_last_position_is_repeated() {
+    let zone = "[[arena.zones]]\nname = \"house\"\nx_m = 1.0\ny_m = 0.0\nradius_m = 0.7\nindoors = true\n";
+    let toml = format!("{ORIGIN}{zone}");
+    let sensor = named("s", "kind = \"gps\"\nreacquire_s = 0.5\nperiod_ms = 10.0");
+    let mut world = world(&scene(&toml, "start = { speed_m_s = 0.7 }", &sensor));
+    let (mut fixes, mut last, mut truth) = (Vec::new(), [0.0; 5], Vec::new());
+    for _ in 0..500 {
+        world.begin();
+        let sample = view(&world, "s").sample;
+        if sample[2] == 0.0 {
+            assert_eq!((sample[0], sample[1], sample[3], sample[4]), (last[0], last[1], 0.0, 0.0));
+        }
+        last.copy_from_slice(sample);
+        fixes.push(sample[2] == 1.0);
+        truth.push((world.robot(0).motion().pose.position.x - 1.0).abs() > 0.7);
+        crate::common::tick(&mut world, 0.8, 0.8);
+    }
+    let lost = truth.iter().position(|sky| !sky).unwrap();
+    let back = lost + truth[lost..].iter().position(|&sky| sky).unwrap();
+    assert!(fixes[..lost].iter().all(|&fix| fix));
+    assert!(fixes[lost..back + 50].iter().all(|&fix| !fix));
+    assert!(fixes[back + 50..].iter().all(|&fix| fix), "{back}");
+}
+
+#[test]
+fn indoors_there_never_is_a_fix() {
+    let toml = with_sensor("[arena]\nindoors = true\n", "kind = \"gps\"");
+    assert_eq!(first(&toml), [0.0; 5]);
+}
