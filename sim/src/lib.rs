@@ -35,6 +35,7 @@ pub mod motor;
 pub mod movable;
 pub mod mover;
 pub mod port;
+pub mod presets;
 pub mod random;
 pub mod referee;
 pub mod robot;
