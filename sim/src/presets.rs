@@ -104,7 +104,10 @@ const fn quoted(text: &'static str, start: &str) -> (&'static str, &'static str)
     let (found, rest) = text.split_at(start.len());
     let mut i = 0;
     while i < start.len() {
-        assert!(found.as_bytes()[i] == start.as_bytes()[i], "a preset starts with its kind and its description");
+        assert!(
+            found.as_bytes()[i] == start.as_bytes()[i],
+            "a preset starts with its kind and its description"
+        );
         i += 1;
     }
     let mut end = 0;

@@ -88,12 +88,12 @@ fn every_sensor_fits_a_robot() {
 
 #[test]
 fn all_motors_microcontrollers_batteries_and_serial_links_fit_a_robot() {
-    let kinds =
-        [PresetKind::Motors, PresetKind::Microcontroller, PresetKind::Battery, PresetKind::Link];
+    let kinds = [PresetKind::Motors, PresetKind::Microcontroller, PresetKind::Battery, PresetKind::Link];
     for preset in kinds.into_iter().flat_map(of_kind) {
         if !matches!(preset.name, "usb" | "bluetooth" | "onboard") {
             let part = preset.kind.word();
-            let toml = format!("substeps = 10\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
+            let toml =
+                format!("substeps = 10\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
             parse(&toml, &[]);
         }
     }
@@ -107,7 +107,9 @@ fn every_preset_is_sound_with_its_own_cables() {
         let toml = match preset.kind {
             PresetKind::Robot => robot(&format!("preset = \"{name}\"")),
             PresetKind::Sensor => robot(&format!("{BODY}sensors.s.preset = \"{name}\"")),
-            PresetKind::Motors => format!("substeps = 10\n{}", robot(&format!("{BODY}{part}.preset = \"{name}\""))),
+            PresetKind::Motors => {
+                format!("substeps = 10\n{}", robot(&format!("{BODY}{part}.preset = \"{name}\"")))
+            }
             PresetKind::Microcontroller | PresetKind::Link | PresetKind::Battery => {
                 robot(&format!("{BODY}{part}.preset = \"{name}\""))
             }
@@ -148,9 +150,15 @@ fn robots_are_as_fast_as_the_real_ones() {
     assert_eq!(real.len(), of_kind(PresetKind::Robot).count());
     for (name, speed, turn_rate) in real {
         let (found, turning) = speeds(name, 1.0, 1.0);
-        assert!((found / speed - 1.0).abs() < 0.15 && turning.abs() < 0.3, "{name}: {found} m/s, {turning} rad/s");
+        assert!(
+            (found / speed - 1.0).abs() < 0.15 && turning.abs() < 0.3,
+            "{name}: {found} m/s, {turning} rad/s"
+        );
         let (moving, found) = speeds(name, -1.0, 1.0);
-        assert!((found / turn_rate - 1.0).abs() < 0.15 && moving.abs() < 0.05, "{name}: {found} rad/s, {moving} m/s");
+        assert!(
+            (found / turn_rate - 1.0).abs() < 0.15 && moving.abs() < 0.05,
+            "{name}: {found} rad/s, {moving} m/s"
+        );
     }
 }
 
@@ -163,8 +171,9 @@ fn an_epuck_drives_at_12_88_cm_a_second() {
 fn arsims_robot_is_that_of_its_scenario_to_the_bit() {
     let (arena, robot) = ARSIM.split_once("[[robots]]").unwrap();
     assert!(robot.contains("x_m = -0.2"));
-    let filled =
-        format!("{arena}[[robots]]\nname = \"robot\"\npreset = \"arsim\"\nstart = {{ x_m = -0.2, y_m = 0.0 }}\n");
+    let filled = format!(
+        "{arena}[[robots]]\nname = \"robot\"\npreset = \"arsim\"\nstart = {{ x_m = -0.2, y_m = 0.0 }}\n"
+    );
     let mut worlds = [world(ARSIM), world(&filled)];
     for world in &mut worlds {
         run(world, 200, 0.4, 1.2);
@@ -188,11 +197,15 @@ fn a_khepera_reads_a_sensor_every_2_5_ms_and_each_every_20_ms() {
 fn a_boe_bots_servo_has_the_curve_of_its_manual() {
     let Motors::Servo(servo) = spec("boe-bot", "").drive.motor else { panic!("no servo") };
     let rpm = |pulse_us: f64| servo.target_rad_s((pulse_us - 1500.0) / 200.0) * 60.0 / TAU;
-    for (pulse, expected) in [(1300.0, -48.0), (1400.0, -44.0), (1500.0, 0.0), (1600.0, 44.0), (1700.0, 48.0)] {
+    for (pulse, expected) in [(1300.0, -48.0), (1400.0, -44.0), (1500.0, 0.0), (1600.0, 44.0), (1700.0, 48.0)]
+    {
         assert!((rpm(pulse) - expected).abs() < 1e-9, "{pulse} {}", rpm(pulse));
     }
     let pulses: Vec<_> = (1300..=1700).step_by(10).map(|pulse| rpm(f64::from(pulse))).collect();
-    assert!(pulses.is_sorted() && pulses.iter().rev().zip(&pulses).all(|(a, b)| (a + b).abs() < 1e-9), "{pulses:?}");
+    assert!(
+        pulses.is_sorted() && pulses.iter().rev().zip(&pulses).all(|(a, b)| (a + b).abs() < 1e-9),
+        "{pulses:?}"
+    );
 }
 
 #[test]
@@ -212,7 +225,12 @@ fn a_gp2d12s_voltages_are_its_data_sheets() {
     let sensor = with_sensor("gp2d12", "");
     let Device::VoltageRanger(ranger) = &sensor.device else { panic!("no voltage") };
     let at = |distance| ranger.voltage_at(distance);
-    assert!((at(0.8) - 0.40).abs() < 1e-3 && (at(0.1) - at(0.8) - 2.0).abs() < 1e-3, "{} {}", at(0.1), at(0.8));
+    assert!(
+        (at(0.8) - 0.40).abs() < 1e-3 && (at(0.1) - at(0.8) - 2.0).abs() < 1e-3,
+        "{} {}",
+        at(0.1),
+        at(0.8)
+    );
     assert!(at(0.03) < at(0.06) && at(0.06) < 3.1 && (at(0.03) - at(0.12)).abs() < 0.1, "no fold-back");
     let noise = &sensor.noise;
     let spread = |volts: f64| (noise.offset_spread.powi(2) + (noise.gain_spread * volts).powi(2)).sqrt();
@@ -236,7 +254,9 @@ fn a_urgs_scan_is_a_message_of_2137_bytes() {
 #[test]
 fn a_pololu_turns_and_stalls_as_its_data_sheet_says() {
     let toml = format!("substeps = 100\n{}", robot(&format!("{BODY}motors.preset = \"pololu-37d-30-1\"")));
-    let Motors::Dc(mut motor) = parse(&toml, &[]).robots()[0].drive.motor.clone() else { panic!("no DC motor") };
+    let Motors::Dc(mut motor) = parse(&toml, &[]).robots()[0].drive.motor.clone() else {
+        panic!("no DC motor")
+    };
     let no_load = 330.0 * TAU / 60.0;
     assert!(motor.torque_nm(1.0, 0.98 * no_load) > 0.0 && motor.torque_nm(1.0, 1.02 * no_load) < 0.0);
     assert!((motor.power_w(1.0, 0.0) / 12.0 - 5.5).abs() < 0.01);
@@ -247,7 +267,8 @@ fn a_pololu_turns_and_stalls_as_its_data_sheet_says() {
 #[test]
 fn no_preset_is_made_of_itself() {
     fn uses(preset: &Preset) -> Vec<&'static Preset> {
-        let lines = preset.text.lines().filter_map(|line| line.strip_prefix("preset = \"")?.split('"').next());
+        let lines =
+            preset.text.lines().filter_map(|line| line.strip_prefix("preset = \"")?.split('"').next());
         lines.map(|name| self::preset(name).unwrap_or_else(|| panic!("{}: {name}", preset.name))).collect()
     }
     for start in presets() {
@@ -271,13 +292,27 @@ fn every_file_is_a_preset() {
 }
 
 #[test]
+fn docs_presets_md_lists_every_preset_and_its_examples_are_scenarios() {
+    const DOCS: &str = include_str!("../../docs/presets.md");
+    for preset in presets() {
+        let row = format!("| `{}` | {} |", preset.name, preset.description);
+        assert!(DOCS.contains(&row), "no row `{row}`");
+    }
+    let examples: Vec<_> = DOCS.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(examples.len(), 2);
+    examples.into_iter().for_each(|example| drop(parse(example, &[])));
+}
+
+#[test]
 fn what_the_file_says_wins_field_by_field() {
     let spec = spec(
         "khepera-1",
         "body = { mass_kg = 0.07 }\nlink = { baud = 38400 }\nsensors.ir_0 = { noise = { uniform = 0.0 } }",
     );
     assert_eq!((spec.drive.mass_kg, spec.drive.radius_m), (0.07, 0.0275));
-    assert!(matches!(&spec.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2));
+    assert!(
+        matches!(&spec.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2)
+    );
     let noise = &sensor(&spec, "ir_0").noise;
     assert_eq!((noise.uniform, noise.gain_spread), (0.0, 0.1));
     assert_eq!(sensor(&spec, "ir_1").noise.uniform, 0.01);
@@ -289,7 +324,9 @@ fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_ro
     assert_eq!(other.link, baudbot_sim::link::Link::Ideal);
     assert!(matches!(other.drive.motor, Motors::Stepper(_)));
     let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
-    assert!(matches!(&own.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64));
+    assert!(
+        matches!(&own.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64)
+    );
     assert_eq!(own.processor.ram_bytes, Some(26));
     let polled = spec("create-2", "firmware = { mode = \"poll\" }");
     assert_eq!(polled.firmware.mode, baudbot_sim::firmware::Mode::Poll);
@@ -325,7 +362,8 @@ fn sensors_can_be_left_out_and_added_behind_the_presets() {
 fn overrides_choose_presets_and_change_what_the_file_does_not_mention() {
     let chosen = preset_robot("khepera-1", "", &["preset=arsim"]);
     assert_eq!(names(&chosen.robots()[0]), ["ir_left", "ir_right", "odometer"]);
-    let chosen = parse(&robot("preset = \"khepera-1\""), &["robots[0].preset=khepera-2", "robots.r.body.mass_kg=0.1"]);
+    let chosen =
+        parse(&robot("preset = \"khepera-1\""), &["robots[0].preset=khepera-2", "robots.r.body.mass_kg=0.1"]);
     assert_eq!((chosen.robots()[0].drive.radius_m, chosen.robots()[0].drive.mass_kg), (0.035, 0.1));
     let sets = ["sensors.ir_3.range_m=0.04", "link={ kind = \"ideal\" }", "without=[\"ir_0\"]"];
     let changed = preset_robot("khepera-1", "", &sets);
@@ -344,18 +382,33 @@ fn what_cannot_be_filled_is_refused() {
         "robots[0].preset: there is no preset `kephera`; did you mean `khepera-1`, `khepera-2`? `baudbot preset` \
          lists all",
     );
-    refused("preset = \"xyzzyplugh\"", "robots[0].preset: there is no preset `xyzzyplugh`; `baudbot preset` lists all");
+    refused(
+        "preset = \"xyzzyplugh\"",
+        "robots[0].preset: there is no preset `xyzzyplugh`; `baudbot preset` lists all",
+    );
     refused("preset = \"gp2d12\"", "robots[0].preset: `gp2d12` is a sensor, needed is a robot");
     refused("preset = 3", "robots[0].preset: must be the name of a preset, is a integer");
-    refused("without = [\"ir_6\"]", "robots[0].without: says what of a `preset` is left out, and there is none");
+    refused(
+        "without = [\"ir_6\"]",
+        "robots[0].without: says what of a `preset` is left out, and there is none",
+    );
     refused(
         "preset = \"arsim\"\nwithout = [\"ir_left\", \"ir_6\"]",
         "robots[0].without[1]: the preset has no sensor `ir_6`; there are: ir_left, ir_right, odometer",
     );
-    refused("preset = \"arsim\"\nwithout = \"ir_6\"", "robots[0].without: must be a list of sensors' names, is a string");
+    refused(
+        "preset = \"arsim\"\nwithout = \"ir_6\"",
+        "robots[0].without: must be a list of sensors' names, is a string",
+    );
     let place = |place: &str| refusal(&robot(&format!("{BODY}{place}.preset = \"arsim\"")));
-    assert_eq!(place("sensors.front"), "robots[0].sensors.front.preset: `arsim` is a robot, needed is a sensor");
-    assert_eq!(place("sensors.s.port.link"), "robots[0].sensors.s.port.link.preset: `arsim` is a robot, needed is a link");
+    assert_eq!(
+        place("sensors.front"),
+        "robots[0].sensors.front.preset: `arsim` is a robot, needed is a sensor"
+    );
+    assert_eq!(
+        place("sensors.s.port.link"),
+        "robots[0].sensors.s.port.link.preset: `arsim` is a robot, needed is a link"
+    );
     assert_eq!(place("motors"), "robots[0].motors.preset: `arsim` is a robot, needed is a pair of motors");
     for part in ["microcontroller", "link", "battery"] {
         assert!(place(part).starts_with(&format!("robots[0].{part}.preset: `arsim` is a robot")), "{part}");
@@ -370,6 +423,7 @@ fn nobody_makes_more_of_presets_than_there_may_be() {
     let many = "[[robots]]\nname=\"r\"\npreset=\"arsim\"\n".repeat(10_001);
     assert_eq!(refusal(&many), "robots: there are 10001, the limit is 10000");
     let sensors: String = (0..100_001).map(|i| format!("s{i}.preset=\"hmc6352\"\n")).collect();
-    let message = refusal(&robot(&format!("{BODY}[robots.sensors]\n{sensors}").replace("sensors.encoders", "#")));
+    let message =
+        refusal(&robot(&format!("{BODY}[robots.sensors]\n{sensors}").replace("sensors.encoders", "#")));
     assert!(message.ends_with("presets are used more than 100000 times"), "{message}");
 }

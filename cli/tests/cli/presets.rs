@@ -15,7 +15,8 @@ fn json(args: &[&str]) -> Value {
 fn all_presets_are_listed_by_kind() {
     let out = good(&["preset"]);
     let place = |part: &str| out.find(part).unwrap_or_else(|| panic!("no `{part}` in:\n{out}"));
-    let parts = ["robot\n", "  khepera-1 ", "\nsensor\n", "  gp2d12 ", "\nmotors\n", "\nlink\n", "  uart-9600 "];
+    let parts =
+        ["robot\n", "  khepera-1 ", "\nsensor\n", "  gp2d12 ", "\nmotors\n", "\nlink\n", "  uart-9600 "];
     assert!(parts.map(place).is_sorted(), "{out}");
     let listed = json(&["preset", "--json"]);
     let listed = listed.as_array().unwrap();
@@ -53,7 +54,8 @@ fn a_preset_that_there_is_not_is_refused_with_those_near_it() {
 #[test]
 fn a_scenario_of_presets_runs_and_can_be_changed() {
     let path = place("presets.toml");
-    fs::write(&path, "[[robots]]\nname = \"bob\"\npreset = \"khepera-1\"\nwithout = [\"ir_6\", \"ir_7\"]\n").unwrap();
+    fs::write(&path, "[[robots]]\nname = \"bob\"\npreset = \"khepera-1\"\nwithout = [\"ir_6\", \"ir_7\"]\n")
+        .unwrap();
     let path = path.to_str().unwrap();
     let out = good(&["check", path, "--set", "robots.bob.link.preset=uart-115200"]);
     assert!(out.contains("115200 baud") && out.contains("ir_5") && !out.contains("ir_6"), "{out}");

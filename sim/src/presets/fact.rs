@@ -138,7 +138,8 @@ mod tests {
                 }
             }
             let mut table: Table = preset.text.parse().unwrap();
-            let word = |table: &mut Table, key: &str| table.remove(key).unwrap().as_str().unwrap().to_string();
+            let word =
+                |table: &mut Table, key: &str| table.remove(key).unwrap().as_str().unwrap().to_string();
             assert_eq!(word(&mut table, "kind"), preset.kind.word());
             assert_eq!(word(&mut table, "description"), preset.description);
             assert_eq!(table.keys().collect::<alloc::vec::Vec<_>>(), [preset.kind.word()], "{}", preset.name);

@@ -12,10 +12,7 @@ const MAX_CHARACTERS: usize = 64;
 const MAX_NAMES: usize = 4;
 
 /// Those with the name in theirs, or else those with the fewest edits between, if these are at most half of it.
-pub(super) fn nearest(
-    name: &str,
-    presets: impl Iterator<Item = &'static Preset>,
-) -> Vec<&'static Preset> {
+pub(super) fn nearest(name: &str, presets: impl Iterator<Item = &'static Preset>) -> Vec<&'static Preset> {
     let name: Vec<char> = name.chars().take(MAX_CHARACTERS + 1).map(|c| c.to_ascii_lowercase()).collect();
     if name.len() > MAX_CHARACTERS {
         return Vec::new();

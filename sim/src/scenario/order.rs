@@ -78,7 +78,9 @@ fn of_preset(toml: &str) -> Names {
 
 /// The names in a robot's table under `field`.
 fn keys(robot: &DeTable<'_>, field: &str) -> Vec<String> {
-    let Some(DeValue::Table(table)) = robot.get(field).map(|table| table.get_ref()) else { return Vec::new() };
+    let Some(DeValue::Table(table)) = robot.get(field).map(|table| table.get_ref()) else {
+        return Vec::new();
+    };
     let mut keys: Vec<_> = table.keys().collect();
     keys.sort_by_key(|key| key.span().start);
     keys.into_iter().map(|key| key.get_ref().to_string()).collect()

@@ -80,7 +80,9 @@ impl Expander {
             chain.push(preset);
             chain.extend(rest);
         } else if robot.contains_key("without") {
-            return Err(path.field("without").error("says what of a `preset` is left out, and there is none"));
+            return Err(path
+                .field("without")
+                .error("says what of a `preset` is left out, and there is none"));
         }
         for (part, kind) in PARTS {
             self.part(&path.field(part), robot.get_mut(part), kind)?;
@@ -164,7 +166,9 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
     let path = path.field("without");
     let names = match without {
         Value::Array(names) => names,
-        other => return Err(path.error(format!("must be a list of sensors' names, is a {}", other.type_str()))),
+        other => {
+            return Err(path.error(format!("must be a list of sensors' names, is a {}", other.type_str())));
+        }
     };
     let mut none = Table::new();
     let sensors = base.get_mut("sensors").and_then(Value::as_table_mut).unwrap_or(&mut none);
@@ -177,7 +181,9 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
         if sensors.remove(name).is_none() {
             let shortened: String = name.chars().take(80).collect();
             let problem = match there.join(", ") {
-                none if none.is_empty() => format!("the preset has no sensor `{shortened}`, it has none at all"),
+                none if none.is_empty() => {
+                    format!("the preset has no sensor `{shortened}`, it has none at all")
+                }
                 there => format!("the preset has no sensor `{shortened}`; there are: {there}"),
             };
             return Err(path.error(problem));
