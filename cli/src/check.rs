@@ -7,15 +7,14 @@ use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::firmware::{Mode, Protocol};
-use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame};
 
 use crate::args::CheckArgs;
+use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::summary::bytes_per_second;
 use crate::text::{self, count, duration, handy, pairs, percent, table};
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
@@ -30,6 +29,9 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
     for robot in scenario.robots() {
         text.push('\n');
         text += &describe_robot(robot);
+    }
+    for warning in scenario.warnings() {
+        let _ = writeln!(text, "\nwarning: {warning}");
     }
     text
 }
@@ -101,9 +103,12 @@ fn describe_robot(robot: &RobotSpec) -> String {
             format!("x {} m, y {} m, heading {} rad", position.x, position.y, robot.start.pose.heading),
         ),
         ("body", body),
-        ("motors", format!("signals of {}", encoding(robot.firmware.motor_encoding()))),
+        (
+            "motors",
+            format!("{}, signals of {}", drive.motor.kind(), encoding(robot.firmware.motor_encoding())),
+        ),
         ("firmware", firmware(robot)),
-        ("link", link(&robot.link)),
+        ("link", link::text(&robot.link)),
         ("readings", message(robot, frame_bytes(robot), "with all sensors")),
         ("command", message(robot, command_bytes(robot), "each")),
     ];
@@ -137,29 +142,11 @@ fn firmware(robot: &RobotSpec) -> String {
     }
 }
 
-fn link(link: &Link) -> String {
-    match link {
-        Link::Ideal => "ideal: no time, no loss".to_owned(),
-        Link::Onboard => "none: the brain is the microcontroller's program".to_owned(),
-        Link::Uart(uart) => {
-            let rate = handy(f64::from(uart.baud) / f64::from(uart.bits_per_character));
-            let errors = match uart.byte_error_rate {
-                0.0 => String::new(),
-                rate => format!(", a byte is wrong with probability {rate}"),
-            };
-            format!(
-                "{} baud, {} bits a character: {rate} bytes/s{errors}",
-                uart.baud, uart.bits_per_character
-            )
-        }
-    }
-}
-
 fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
     let bytes_text = count(bytes, "byte");
-    match bytes_per_second(&robot.link) {
+    match link::transfer_ns(&robot.link, bytes) {
         None => format!("{bytes_text} {which}"),
-        Some(rate) => format!("{bytes_text} {which}, {} on the link", duration(bytes as f64 / rate * 1e9)),
+        Some(ns) => format!("{bytes_text} {which}, {} on the link", duration(ns)),
     }
 }
 
@@ -187,13 +174,13 @@ fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let frames = 1e9 / schedule.period_ns() as f64;
     let mut bytes = frame_bytes(robot) as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
-        for sensor in &robot.sensors {
+        for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
             let entry = sample_bytes(sensor) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
         }
     }
-    Some((bytes, bytes / bytes_per_second(&robot.link)?))
+    Some((bytes, bytes / link::bytes_per_second(&robot.link)?))
 }
 
 fn sample_bytes(sensor: &Sensor) -> usize {

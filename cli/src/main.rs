@@ -17,6 +17,7 @@ mod connect;
 mod crew;
 mod csv;
 mod error;
+mod link;
 mod map;
 mod preset;
 mod report;

@@ -10,8 +10,12 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 fn body(protocol: Protocol) -> Arc<Body> {
-    let component =
-        Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Counter { bits: 16 } };
+    let component = Component {
+        name: String::new(),
+        unit: "1".to_owned(),
+        encoding: Encoding::Counter { bits: 16 },
+        count: 1,
+    };
     let sensor = |name: &str, count| Sensor {
         name: name.to_owned(),
         kind: "ir".to_owned(),
@@ -21,6 +25,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
         mount: None,
         range_m: None,
         counts_per_turn: None,
+        port: None,
     };
     Arc::new(Body {
         name: "alice".to_owned(),
@@ -33,11 +38,16 @@ fn body(protocol: Protocol) -> Arc<Body> {
         firmware: Firmware { protocol, period_ns: Some(20_000_000) },
         baud: None,
         bits_per_character: None,
+        motor_kind: "dc".to_owned(),
+        actuators: Vec::new(),
+        onboard: false,
+        operations_per_s: None,
+        ram_bytes: None,
     })
 }
 
 fn raw(at_ns: u64, bytes: &[u8]) -> RawTurn {
-    RawTurn { tick: at_ns / 10_000_000, at_ns, bytes: bytes.to_vec() }
+    RawTurn { tick: at_ns / 10_000_000, at_ns, bytes: bytes.to_vec(), ports: Vec::new() }
 }
 
 /// A frame closed at 7 s with a sample of the second sensor, 0.3 ms old.

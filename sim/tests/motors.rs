@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use baudbot_sim::motor::MotorState;
+use baudbot_sim::motor::Steps;
 use baudbot_sim::{Scenario, World};
 use common::{BODY, refusal, run, tick, world};
 
@@ -52,7 +52,8 @@ fn a_gain_that_is_too_high_for_the_steps_is_refused() {
     let scenario = |top: &str, gain: f64| {
         robot(top, BODY, &format!("kind = \"velocity\", gain_n_s = {gain:?}")) + ENCODERS
     };
-    // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2 < 2, K < 49.
+    // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2
+    // < 2, K < 49.
     Scenario::parse(&scenario("", 29.2)).unwrap();
     let message = refusal(&scenario("", 29.3));
     assert!(message.starts_with("robots[0].body: Euler steps of 10 ms are too long"), "{message}");
@@ -97,9 +98,7 @@ fn no_body_is_too_light_for_motors_that_hold_their_speed() {
 }
 
 fn steps(world: &World) -> [f64; 4] {
-    let MotorState::Stepper { left, right } = world.robot(0).motion().motors else {
-        panic!("{:?}", world.robot(0).motion());
-    };
+    let Steps { left, right } = world.robot(0).motion().steps.expect("stepper motors count their steps");
     [left.commanded_steps, left.lost_steps, right.commanded_steps, right.lost_steps]
 }
 

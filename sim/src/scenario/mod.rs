@@ -11,6 +11,7 @@ mod build;
 mod cable;
 mod check;
 mod error;
+mod link;
 mod motors;
 mod noise;
 mod order;
@@ -20,6 +21,7 @@ mod raw;
 mod robots;
 mod sensors;
 mod things;
+mod warnings;
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -28,6 +30,7 @@ use baudbot_geometry::Circle;
 
 pub use error::ScenarioError;
 pub use overrides::Override;
+pub use warnings::Warning;
 
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;

@@ -75,7 +75,8 @@ pub(crate) struct Parts<'a> {
 impl Running {
     pub(crate) fn start(clock: &OwnClock, specimen: &mut Stream) -> Self {
         let spread = if clock.spread_ns == 0 { 0.0 } else { 2.0 * specimen.uniform() - 1.0 };
-        let period_ns = clock.period_ns.saturating_add_signed((spread * clock.spread_ns as f64) as i64).max(1);
+        let period_ns =
+            clock.period_ns.saturating_add_signed((spread * clock.spread_ns as f64) as i64).max(1);
         let anywhere = |stream: &mut Stream| (stream.uniform() * period_ns as f64) as u64;
         let begins = SimTime::from_ns(clock.phase_ns.unwrap_or_else(|| anywhere(specimen)));
         Self { period_ns, due: begins, begins, taken: 0, scan: Vec::new(), pending: None, held: None }
@@ -94,7 +95,13 @@ impl Running {
     }
 
     /// Measures; of a scan, all that is taken before the tick ends.
-    pub(crate) fn measure(&mut self, sensor: &Sensor, clock: &OwnClock, at: &Measurement<'_>, parts: Parts<'_>) {
+    pub(crate) fn measure(
+        &mut self,
+        sensor: &Sensor,
+        clock: &OwnClock,
+        at: &Measurement<'_>,
+        parts: Parts<'_>,
+    ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
         let end = match &sensor.device {

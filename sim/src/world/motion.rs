@@ -10,8 +10,8 @@ use super::{Ending, World};
 use crate::actuator::ActuatorKind;
 use crate::collision::{Collision, CollisionPolicy, Obstacle, Partner, Step};
 use crate::drive::Wheels;
-use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::motor::Motors;
+use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::mover::Around;
 use crate::robot::{Robot, RobotSpec};
 use crate::scenario::Scenario;
@@ -44,21 +44,24 @@ impl World {
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
             robot.drive(spec, &scenario, now, dt);
         }
-        if !scenario.movables.is_empty() {
-            self.push(&scenario, &before, dt);
-        }
         let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
         let obstacles = self.obstacles(&scenario);
-        let step = Step {
+        let step = |after| Step {
             arena: &scenario.arena,
             obstacles: &obstacles,
             forms: &forms,
             before: &before,
-            after: self.poses(),
+            after,
         };
+        let held = if scenario.movables.is_empty() {
+            Vec::new()
+        } else {
+            self.push(&scenario, step(self.poses()), dt)
+        };
+        let step = step(self.poses());
         match scenario.collision {
             CollisionPolicy::StopRun => self.stop_run(&step),
-            CollisionPolicy::StopRobot => self.stop_robots(step),
+            CollisionPolicy::StopRobot => self.stop_robots(step, held),
         }
         for robot in &mut self.state.robots {
             robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
@@ -68,20 +71,34 @@ impl World {
         }
     }
 
-    /// Robots push what can be pushed.
-    fn push(&mut self, scenario: &Scenario, before: &[Pose], dt: f64) {
-        let bodies: Vec<_> = self.obstacles(scenario).into_iter().map(|obstacle| obstacle.body).collect();
+    /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
+    /// move. Says who those are.
+    fn push(&mut self, scenario: &Scenario, step: Step<'_>, dt: f64) -> Vec<Option<Partner>> {
+        let before = step.before;
+        let bodies: Vec<_> = step.obstacles.iter().map(|obstacle| obstacle.body.clone()).collect();
         let fixed = Fixed { arena: &scenario.arena, bodies: &bodies };
+        let mut held = Vec::new();
+        if scenario.collision == CollisionPolicy::StopRobot {
+            held = step.held_back();
+            for own in (0..held.len()).filter(|&own| held[own].is_some()) {
+                self.hold(own, &before[own]);
+            }
+        }
         let robots = self.state.robots.iter().zip(scenario.robots()).zip(before);
         let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
         let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
         for (i, reaction) in reactions.into_iter().enumerate().filter(|(_, r)| r.touched.is_some()) {
             let motion = &mut self.state.robots[i].motion;
+            let missed =
+                (motion.pose.position - reaction.pose.position).dot(&motion.pose.direction().vector());
+            motion.travel_m.left -= missed;
+            motion.travel_m.right -= missed;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
             motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
             scenario.robots()[i].drive.roll_with(motion);
         }
+        held
     }
 
     fn move_movers(&mut self, scenario: &Scenario, now: SimTime, dt: f64) {
@@ -98,7 +115,9 @@ impl World {
     /// What moves by itself and can be run into.
     fn obstacles(&self, scenario: &Scenario) -> Vec<Obstacle> {
         let movers = scenario.movers.iter().zip(&self.state.movers);
-        movers.map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) }).collect()
+        movers
+            .map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) })
+            .collect()
     }
 
     fn stop_run(&mut self, step: &Step<'_>) {
@@ -108,22 +127,27 @@ impl World {
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    /// A disc that is held back keeps its turning, as it cannot run into anything by it.
-    fn stop_robots(&mut self, step: Step<'_>) {
-        let scenario = Arc::clone(&self.scenario);
-        let before = step.before.to_vec();
-        for (own, partner) in step.held_back().into_iter().enumerate() {
+    /// `held` are those that have been held back already.
+    fn stop_robots(&mut self, step: Step<'_>, mut held: Vec<Option<Partner>>) {
+        let before = step.before;
+        held.resize(before.len(), None);
+        for (own, (partner, earlier)) in step.held_back().into_iter().zip(held).enumerate() {
             if partner.is_some() {
-                let (motion, spec) = (&mut self.state.robots[own].motion, &scenario.robots()[own]);
-                motion.pose.position = before[own].position;
-                if !spec.outline.is_empty() {
-                    motion.pose.heading = before[own].heading;
-                    motion.turn_rate_rad_s = 0.0;
-                }
-                spec.drive.halt(motion);
+                self.hold(own, &before[own]);
             }
-            self.note_contact(own, partner);
+            self.note_contact(own, partner.or(earlier));
         }
+    }
+
+    /// Puts a robot back to where it was. A disc keeps its turning, as it cannot run into anything by it.
+    fn hold(&mut self, own: usize, before: &Pose) {
+        let (motion, spec) = (&mut self.state.robots[own].motion, &self.scenario.robots()[own]);
+        motion.pose.position = before.position;
+        if !spec.outline.is_empty() {
+            motion.pose.heading = before.heading;
+            motion.turn_rate_rad_s = 0.0;
+        }
+        spec.drive.halt(motion);
     }
 
     /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
@@ -197,7 +221,11 @@ impl Robot {
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
-                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.signal), dt);
+                // A command that came since waits for the next pulse.
+                if self.commanded_at <= servo.frame_start(now) {
+                    state.pulse = state.signal;
+                }
+                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery) {
@@ -214,7 +242,8 @@ impl Robot {
 impl Robot {
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
-        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor) else {
+        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor)
+        else {
             return signals;
         };
         let share = state.terminal_v(battery) / battery.nominal_v;
