@@ -3,7 +3,7 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `serve`, `brain`, `check` and `watch` are the commands, one a file.
+//! 2. `run`, `serve`, `brain`, `check`, `preset` and `watch` are the commands, one a file.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, and `text` lays out columns.
@@ -19,6 +19,7 @@ mod csv;
 mod error;
 mod link;
 mod map;
+mod preset;
 mod report;
 mod run;
 mod scenarios;
@@ -56,6 +57,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Check(args) => check::check(&args),
+        Command::Preset(args) => preset::preset(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;
     Ok(ExitCode::SUCCESS)

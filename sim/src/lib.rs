@@ -37,6 +37,7 @@ pub mod motor;
 pub mod movable;
 pub mod mover;
 pub mod port;
+pub mod presets;
 pub mod random;
 pub mod referee;
 pub mod robot;

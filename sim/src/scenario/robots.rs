@@ -20,7 +20,7 @@ use crate::surroundings::Surroundings;
 use crate::time::SECOND_NS;
 
 /// Most robots of one scenario.
-const MAX_ROBOTS: usize = 10_000;
+pub(super) const MAX_ROBOTS: usize = 10_000;
 
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
