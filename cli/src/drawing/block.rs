@@ -15,17 +15,17 @@ pub(super) const WIDTH: f64 = 320.0;
 /// Between two.
 pub(super) const GAP: f64 = 22.0;
 
-/// Puts blocks into columns, each into the one that is shortest so far; how high the highest gets.
-pub(super) fn columns(canvas: &mut Canvas, blocks: &[Block], (left, top): Place, columns: usize) -> f64 {
-    let mut heights = vec![0.0; columns.max(1)];
+/// Puts blocks into columns, each into the one that ends highest so far, the first if there are several; how wide and
+/// how high all of that becomes. A column begins at a place.
+pub(super) fn columns(canvas: &mut Canvas, blocks: &[Block], mut columns: Vec<Place>) -> Place {
+    let mut size: Place = (0.0, 0.0);
     for block in blocks {
-        let shortest = (0..heights.len()).reduce(|a, b| if heights[b] < heights[a] { b } else { a });
-        let i = shortest.unwrap_or(0);
-        let (x, y) = (left + i as f64 * (WIDTH + GAP), top + heights[i]);
-        canvas.open(Element::group().set("transform", &format!("translate({} {})", px(x), px(y))));
+        let Some((x, y)) = columns.iter_mut().reduce(|a, b| if b.1 < a.1 { b } else { a }) else { break };
+        canvas.open(Element::group().set("transform", &format!("translate({} {})", px(*x), px(*y))));
         canvas.append(&block.canvas);
         canvas.close("g");
-        heights[i] += block.height + GAP;
+        *y += block.height + GAP;
+        size = (size.0.max(*x + WIDTH), size.1.max(*y));
     }
-    heights.into_iter().fold(0.0, f64::max)
+    size
 }

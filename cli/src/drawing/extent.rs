@@ -1,6 +1,6 @@
 //! What part of the world a picture shows.
 
-use baudbot_geometry::{Bounds, Circle, Point, Vector, polygon};
+use baudbot_geometry::{Bounds, Circle, Point, Pose, Vector, polygon};
 use baudbot_sim::Scenario;
 use baudbot_sim::movable::MovableShape;
 use baudbot_sim::mover::{Mover, Path};
@@ -64,7 +64,13 @@ fn of_mover(mover: &Mover) -> Bounds {
         Path::Stops { points, .. } => {
             points.iter().fold(start, |all, &point| all.union(&of_disc(point, mover.radius_m)))
         }
-        Path::Swing { .. } | Path::Wander { .. } => start,
+        Path::Swing { ends_rad: [from, to], .. } => {
+            let share = |i: i32| from + (to - from) * f64::from(i) / 16.0;
+            let poses = (0..=16).map(|i| Pose { heading: share(i), ..mover.start });
+            let corner = |pose: Pose| mover.outline.iter().map(move |&corner| pose.transform(corner));
+            Bounds::of_points(&poses.flat_map(corner).collect::<Vec<_>>()).unwrap_or(start)
+        }
+        Path::Wander { .. } => start,
     }
 }
 

@@ -66,6 +66,7 @@ pub(super) fn measure(canvas: &mut Canvas, (x, y): (f64, f64), metres: f64, scal
 pub(super) fn length(metres: f64) -> String {
     match metres.abs() {
         size if size >= 10_000.0 => format!("{} km", handy(metres / 1e3)),
+        size if size >= 100.0 => format!("{metres:.0} m"),
         size if size >= 0.01 || size == 0.0 => format!("{} m", handy(metres)),
         size if size >= 1e-5 => format!("{} mm", handy(metres * 1e3)),
         _ => format!("{} µm", handy(metres * 1e6)),
@@ -118,6 +119,6 @@ mod tests {
 
     #[test]
     fn lengths_have_a_unit_that_suits_them() {
-        assert_eq!([0.0275, 0.005, 3.0, 25e3].map(length), ["0.028 m", "5 mm", "3 m", "25 km"]);
+        assert_eq!([0.0275, 0.005, 3.0, 100.4, 25e3].map(length), ["0.028 m", "5 mm", "3 m", "100 m", "25 km"]);
     }
 }

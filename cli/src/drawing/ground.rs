@@ -40,8 +40,21 @@ pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
     }
 }
 
-/// All of it, in a window on the world.
+/// All of it, in the plan.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
+    draw_near(canvas, view, scenario);
+    // Both tell of what is far away, and would be wrong in a smaller window.
+    let around = scenario.surroundings();
+    for (i, field) in around.fields.iter().enumerate() {
+        draw_slope(canvas, view, i, field);
+    }
+    for light in around.lights.iter().filter(|light| !is_in(view, light)) {
+        draw_light(canvas, view, light);
+    }
+}
+
+/// What there is of it in any window.
+pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     let around = scenario.surroundings();
     canvas.put(view.frame().set("fill", &palette::floor(around.floor)));
     for zone in around.zones.iter().filter(|zone| view.shows(&bounds(&zone.region))) {
@@ -50,7 +63,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     for (i, field) in around.fields.iter().enumerate() {
         draw_field(canvas, view, i, field);
     }
-    for light in &around.lights {
+    for light in around.lights.iter().filter(|light| is_in(view, light)) {
         draw_light(canvas, view, light);
     }
     if let Some(goal) = &scenario.end().goal {
@@ -67,9 +80,12 @@ pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
         labels.put("end of the run", NAME, about(view, goal.center, view.length(goal.radius)));
     }
     for light in &around.lights {
-        let (at, is_in) = lamp_place(view, light);
-        let away = if is_in { String::new() } else { format!(", {} away", length(distance(view, light))) };
-        let text = format!("{} {} cd{away}", light.name, handy(light.intensity_cd));
+        let at = lamp_place(view, light);
+        let away = match is_in(view, light) {
+            true => String::new(),
+            false => format!(", {} away", length((light.position - view.world.center()).norm())),
+        };
+        let text = format!("{} {}{away}", light.name, candela(light.intensity_cd));
         let off = 0.5 * super::labels::width(&text, NAME.size) + 10.0;
         let [below, above] = [16.0, -16.0].map(|off| (at.0, at.1 + off));
         let sides = [(at.0 + off, at.1), (at.0 - off, at.1), (at.0 - off, at.1 + 16.0), (at.0 - off, at.1 - 16.0)];
@@ -126,12 +142,15 @@ fn bounds(region: &Region) -> Bounds {
     }
 }
 
-fn draw_field(canvas: &mut Canvas, view: &View, i: usize, field: &Field) {
+fn draw_slope(canvas: &mut Canvas, view: &View, i: usize, field: &Field) {
     if field.slope_per_m != (0.0, 0.0) {
         let (x, y) = field.slope_per_m;
         let title = format!("field {}: rises by {x} a metre along x and by {y} along y", field.name);
         canvas.put(view.frame().set("fill", &format!("url(#slope-{i})")).titled(&title));
     }
+}
+
+fn draw_field(canvas: &mut Canvas, view: &View, i: usize, field: &Field) {
     let strongest = field.sources.iter().map(|source| source.strength.abs()).fold(1e-12, f64::max);
     for source in &field.sources {
         draw_bell(canvas, view, (i, field), source, source.strength.abs() / strongest);
@@ -163,18 +182,18 @@ fn draw_bell(canvas: &mut Canvas, view: &View, (i, field): (usize, &Field), sour
 }
 
 fn draw_light(canvas: &mut Canvas, view: &View, light: &Light) {
-    let (at, is_in) = lamp_place(view, light);
+    let at = lamp_place(view, light);
     let blinks = if light.blink_ns.is_some() { ", blinks" } else { "" };
     let shadows = if light.shadows { "" } else { ", casts no shadows" };
     let title = format!(
-        "lamp {}: {} cd, {} above the floor{blinks}{shadows}",
+        "lamp {}: {}, {} above the floor{blinks}{shadows}",
         light.name,
-        handy(light.intensity_cd),
+        candela(light.intensity_cd),
         length(light.height_m)
     );
     canvas.open(Element::group().titled(&title));
     let circle = |radius| Element::new("circle").number("cx", at.0).number("cy", at.1).number("r", radius);
-    if is_in {
+    if is_in(view, light) {
         // As far as it gives 10 lux, within what a picture can show.
         let most = view.width().max(view.height());
         let glow = view.length(math::sqrt(light.intensity_cd / 10.0)).clamp(0.04 * most, 0.22 * most);
@@ -182,7 +201,7 @@ fn draw_light(canvas: &mut Canvas, view: &View, light: &Light) {
     } else {
         let (x, y) = view.at(light.position);
         let (dx, dy) = (x - at.0, y - at.1);
-        let share = 14.0 / math::hypot(dx, dy).max(1.0);
+        let share = 21.0 / math::hypot(dx, dy).max(1.0);
         let tip = (at.0 + share * dx, at.1 + share * dy);
         canvas.put(drawn(&super::view::arrow_head(at, tip, 9.0)).set("fill", LAMP));
     }
@@ -195,20 +214,24 @@ fn draw_light(canvas: &mut Canvas, view: &View, light: &Light) {
     canvas.close("g");
 }
 
-/// Where a lamp is drawn, and whether that is where it is: one outside is drawn at the edge.
-fn lamp_place(view: &View, light: &Light) -> (Place, bool) {
+/// Where a lamp is drawn: one outside is drawn at the edge.
+fn lamp_place(view: &View, light: &Light) -> Place {
     let (x, y) = view.at(light.position);
-    let inset = 18.0_f64.min(0.5 * view.width()).min(0.5 * view.height());
-    let is_in = view.shows(&extent::of_disc(light.position, 0.0));
-    let (right, bottom) = (view.left + view.width() - inset, view.top + view.height() - inset);
-    match is_in {
-        true => ((x, y), true),
-        false => ((x.clamp(view.left + inset, right), y.clamp(view.top + inset, bottom)), false),
+    if is_in(view, light) {
+        return (x, y);
     }
+    let inset = 22.0_f64.min(0.5 * view.width()).min(0.5 * view.height());
+    let (right, bottom) = (view.left + view.width() - inset, view.top + view.height() - inset);
+    (x.clamp(view.left + inset, right), y.clamp(view.top + inset, bottom))
 }
 
-fn distance(view: &View, light: &Light) -> f64 {
-    (light.position - view.world.center()).norm()
+fn is_in(view: &View, light: &Light) -> bool {
+    view.shows(&extent::of_disc(light.position, 0.0))
+}
+
+/// How bright a lamp is; a sun has many zeros.
+pub(super) fn candela(intensity_cd: f64) -> String {
+    if intensity_cd < 1e6 { format!("{} cd", handy(intensity_cd)) } else { format!("{intensity_cd:.1e} cd") }
 }
 
 /// A middle, and places below and above it.

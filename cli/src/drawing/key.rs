@@ -5,6 +5,7 @@ use baudbot_sim::sensor::{Device, Sensor};
 
 use super::block::{Block, WIDTH};
 use super::frame::length;
+use super::ground::candela;
 use super::kinds::Kind;
 use super::labels::{shortened, wrapped};
 use super::palette::{self, FIELDS, INK, LAMP, MOVER, PALE_INK, hue};
@@ -17,11 +18,11 @@ use crate::text::{NOTHING, count};
 pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     let mut canvas = Canvas::default();
     let more = if kind.count > 1 { format!(" and {} more like it", kind.count - 1) } else { String::new() };
-    let name = format!("robot {}{more}", shortened(&kind.robot.name, 13.0, 150.0));
+    let name = format!("{}{more}", shortened(&kind.robot.name, 13.0, 170.0));
     canvas.put(text((0.0, 12.0), &name, 13.0, INK).set("font-weight", "600"));
     let drive = &kind.robot.drive;
     let wheels = format!("wheels of {}, {} apart", length(drive.wheel_radius_m), length(2.0 * drive.half_track_m));
-    canvas.put(text((0.0, 28.0), &format!("radius {}, {wheels}", length(drive.radius_m)), SIZE, PALE_INK));
+    canvas.put(text((0.0, 28.0), &format!("robot of radius {}, {wheels}", length(drive.radius_m)), SIZE, PALE_INK));
     let mut y = 46.0;
     if !kind.robot.sensors.is_empty() {
         row(&mut canvas, y, ["sensor", "kind", "range", "period"], PALE_INK);
@@ -72,7 +73,7 @@ fn entries(scenario: &Scenario) -> Vec<(Element, String)> {
     }
     for light in &around.lights {
         let mark = Element::new("circle").set("cx", "7.5").set("cy", "5").set("r", "5").set("fill", LAMP);
-        let what = format!("lamp {}: {} cd, {} high", light.name, light.intensity_cd, length(light.height_m));
+        let what = format!("lamp {}: {}, {} high", light.name, candela(light.intensity_cd), length(light.height_m));
         entries.push((mark.set("stroke", "#8a6100"), what));
     }
     for (i, field) in around.fields.iter().enumerate() {
@@ -96,7 +97,10 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
     let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", "#8a93a3");
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", &things::movable_color());
     let wheel = drawn("M0 2H15V8H0ZM3 2V8M7 2V8M11 2V8").set("fill", INK).set("stroke", "#ffffff");
+    let rays = devices.clone().any(|device| device.fan().is_some());
+    let ray = drawn("M0 8L13 3M13 3h.01").set("fill", "none").set("stroke", "#d55e00").set("stroke-linecap", "round");
     let all = [
+        (rays, ray.set("stroke-width", "1"), "a fan of rays, each with a dot where it meets something"),
         (
             looks.any(|look| look.height_m.is_finite()),
             dashed.set("stroke-dasharray", "4 2"),

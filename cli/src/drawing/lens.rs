@@ -7,7 +7,7 @@ use baudbot_sim::{Scenario, World};
 use super::block::{Block, WIDTH};
 use super::kinds::Kind;
 use super::labels::{Labels, Style, shortened};
-use super::palette::{FRAME, INK, PALE_INK, hue};
+use super::palette::{FRAME, INK, PALE_INK, text_hue};
 use super::view::{Place, View, rectangle};
 use super::xml::{Canvas, Element};
 use super::{body, extent, frame, ground, senses, things, walls};
@@ -41,6 +41,13 @@ pub(super) fn draw(
     Block { canvas, height: HEAD + view.height() }
 }
 
+/// The upper edge of what it shows, in the plan, as its middle.
+pub(super) fn above(plan: &View, kind: &Kind<'_>, height: f64) -> Place {
+    let world = window(kind, height).world;
+    let (x, y) = plan.at(baudbot_geometry::Point::new(world.center().x, world.max.y));
+    (x, y - 9.0)
+}
+
 /// The part of the world that it shows, in the plan.
 pub(super) fn mark(canvas: &mut Canvas, plan: &View, kind: &Kind<'_>, height: f64) {
     let world = window(kind, height).world;
@@ -58,7 +65,8 @@ pub(super) fn label_sensors(labels: &mut Labels, view: &View, onlooker: &Onlooke
     let rim = view.length(kind.robot.drive.radius_m);
     for sensor in &kind.robot.sensors {
         let Some(place) = senses::place(view, onlooker, robot, sensor) else { continue };
-        let style = Style { size: 10.5, color: hue(&sensor.device), bold: false };
+        let color = text_hue(&sensor.device);
+        let style = Style { size: 10.5, color: &color, bold: false };
         let off: Place = (place.0 - middle.0, middle.1 - place.1);
         let far = math::hypot(off.0, off.1);
         // One in the middle is told of where it looks.
@@ -77,7 +85,7 @@ fn draw_inside(
     onlooker: &Onlooker<'_>,
 ) {
     let scenario: &Scenario = world.scenario();
-    ground::draw(canvas, view, scenario);
+    ground::draw_near(canvas, view, scenario);
     walls::draw(canvas, view, scenario.arena());
     things::draw(canvas, view, scenario, false);
     let robot = (kind.first, kind.robot);

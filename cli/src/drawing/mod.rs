@@ -59,17 +59,9 @@ pub(crate) fn draw(scenario: &Scenario, label: &str) -> String {
     let mut canvas = Canvas::default();
     canvas.append(&head.canvas);
     draw_plan(&mut canvas, &plan, &world, &onlooker, (&kinds, &lenses));
+    let blocks = block::columns(&mut canvas, &blocks, columns(&plan, is_wide));
     let (right, bottom) = (plan.left + plan.width(), plan.top + plan.height() + frame::BELOW);
-    let size = if is_wide {
-        let columns = ((plan.width() + GAP) / (WIDTH + GAP)).floor().max(1.0) as usize;
-        let height = block::columns(&mut canvas, &blocks, (plan.left, bottom), columns);
-        ((right + GAP).max(plan.left + WIDTH + GAP), bottom + height)
-    } else {
-        let columns = columns_beside(&blocks, plan.height());
-        let height = block::columns(&mut canvas, &blocks, (right + GAP, plan.top), columns);
-        let width = if blocks.is_empty() { 0.0 } else { columns as f64 * (WIDTH + GAP) };
-        (right + GAP + width, bottom.max(plan.top + height))
-    };
+    let size = (right.max(blocks.0) + GAP, bottom.max(blocks.1));
     document(scenario, label, size, &canvas)
 }
 
@@ -146,10 +138,13 @@ fn blocks(
     lenses.chain(keys).chain(key::of_surroundings(world.scenario())).collect()
 }
 
-/// As many columns as keep the blocks about as high as the plan.
-fn columns_beside(blocks: &[Block], plan_height: f64) -> usize {
-    let height: f64 = blocks.iter().map(|block| block.height + GAP).sum();
-    (height / (plan_height + frame::BELOW + 160.0).max(700.0)).ceil().clamp(1.0, 3.0) as usize
+/// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.
+fn columns(plan: &View, is_wide: bool) -> Vec<view::Place> {
+    let beside = (!is_wide).then_some((plan.left + plan.width() + GAP, plan.top));
+    let fit = ((plan.width() + GAP + 4.0) / (WIDTH + GAP)).floor() as usize;
+    let bottom = plan.top + plan.height() + frame::BELOW;
+    let below = (0..fit).map(|i| (plan.left + i as f64 * (WIDTH + GAP), bottom));
+    beside.into_iter().chain(below).collect()
 }
 
 fn draw_plan(
@@ -207,14 +202,16 @@ fn label_plan(
     for kind in kinds.iter().filter(|kind| !lenses.has(kind) && robots.len() <= CROWD) {
         lens::label_sensors(labels, view, onlooker, kind);
     }
-    for robot in robots {
+    for (i, robot) in robots.iter().enumerate() {
         let (x, y) = view.at(robot.start.pose.position);
+        let lens = lenses.kinds.iter().find(|kind| kind.first == i);
+        let above = lens.map(|kind| lens::above(view, kind, lenses.height));
         let style = Style { size: 12.0, color: palette::ROBOT, bold: true };
         let off = view.length(robot.drive.radius_m) + 10.0;
         let side = off + 0.5 * labels::width(&robot.name, 13.0);
         let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
         let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
-        labels.put(&robot.name, style, places.into_iter().chain(far));
+        labels.put(&robot.name, style, above.into_iter().chain(places).chain(far));
     }
     things::label(labels, view, scenario);
     ground::label(labels, view, scenario);

@@ -54,6 +54,12 @@ pub(super) fn hue(device: &Device) -> &'static str {
     }
 }
 
+/// The hue of a kind of sensor, dark enough for text on its fan.
+pub(super) fn text_hue(device: &Device) -> String {
+    let level = |at: usize| u8::from_str_radix(&hue(device)[at..at + 2], 16).unwrap_or(0);
+    darker([level(1), level(3), level(5)], 0.62)
+}
+
 /// What a zone is for, in words, and the hue of its first use.
 pub(super) fn uses(zone: &Zone) -> (&'static str, Vec<String>) {
     let all = [

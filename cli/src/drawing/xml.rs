@@ -15,24 +15,22 @@ pub(super) struct Canvas {
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     name: &'static str,
-    attributes: String,
+    attributes: Vec<(&'static str, String)>,
     inside: String,
 }
 
 impl Canvas {
     /// An element that has an end.
     pub(super) fn put(&mut self, element: Element) {
-        let Element { name, attributes, inside } = element;
-        let _ = match inside.is_empty() {
-            true => writeln!(self.text, "<{name}{attributes}/>"),
-            false => writeln!(self.text, "<{name}{attributes}>{inside}</{name}>"),
+        let _ = match element.inside.is_empty() {
+            true => writeln!(self.text, "<{}/>", element.tag()),
+            false => writeln!(self.text, "<{}>{}</{}>", element.tag(), element.inside, element.name),
         };
     }
 
     /// The begin of an element: what is put is in it until it is closed.
     pub(super) fn open(&mut self, element: Element) {
-        let Element { name, attributes, inside } = element;
-        let _ = writeln!(self.text, "<{name}{attributes}>{inside}");
+        let _ = writeln!(self.text, "<{}>{}", element.tag(), element.inside);
     }
 
     /// The end of an element that was opened.
@@ -64,7 +62,7 @@ impl Canvas {
 
 impl Element {
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, attributes: String::new(), inside: String::new() }
+        Self { name, attributes: Vec::new(), inside: String::new() }
     }
 
     /// A group, to share attributes and a title.
@@ -72,16 +70,18 @@ impl Element {
         Self::new("g")
     }
 
-    /// An attribute of any text.
-    pub(super) fn set(mut self, name: &str, value: &str) -> Self {
-        let _ = write!(self.attributes, " {name}=\"{}\"", escape(value));
+    /// An attribute of any text, in place of the one of this name that it may have: XML allows only one.
+    pub(super) fn set(mut self, name: &'static str, value: &str) -> Self {
+        match self.attributes.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, old)) => *old = escape(value),
+            None => self.attributes.push((name, escape(value))),
+        }
         self
     }
 
     /// An attribute that is a number.
-    pub(super) fn number(mut self, name: &str, value: f64) -> Self {
-        let _ = write!(self.attributes, " {name}=\"{}\"", px(value));
-        self
+    pub(super) fn number(self, name: &'static str, value: f64) -> Self {
+        self.set(name, &px(value))
     }
 
     /// What a browser shows when the mouse rests on it.
@@ -102,6 +102,12 @@ impl Element {
         canvas.put(child);
         self.inside += canvas.text.trim_end();
         self
+    }
+
+    /// What stands between the brackets that begin it.
+    fn tag(&self) -> String {
+        let attribute = |(name, value): &(&str, String)| format!(" {name}=\"{value}\"");
+        self.name.to_owned() + &self.attributes.iter().map(attribute).collect::<String>()
     }
 }
 
@@ -153,7 +159,7 @@ mod tests {
     fn elements_nest() {
         let mut canvas = Canvas::default();
         canvas.open(Element::group().titled("1 < 2"));
-        canvas.put(Element::new("circle").number("r", 1.5).set("fill", "red"));
+        canvas.put(Element::new("circle").number("r", 2.5).set("fill", "red").number("r", 1.5));
         canvas.close("g");
         let expected = "<g><title>1 &lt; 2</title>\n<circle r=\"1.5\" fill=\"red\"/>\n</g>\n";
         assert_eq!(canvas.into_text(), expected);
