@@ -126,6 +126,9 @@ pub(crate) struct BrainArgs {
 pub(crate) struct CheckArgs {
     /// A scenario file, or one that is part of the program: arsim, khepera, wander
     pub(crate) scenario: String,
+    /// Draw it from above as a picture in SVG; `-` is stdout, and nothing else is then written there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
@@ -303,7 +306,8 @@ Examples:
 const CHECK_EXAMPLES: &str = "\
 Examples:
   baudbot check wander
-  baudbot check my.toml --set robots.alice.link.baud=4800";
+  baudbot check my.toml --set robots.alice.link.baud=4800
+  baudbot check khepera --svg khepera.svg        a picture for a browser";
 
 const PRESET_EXAMPLES: &str = "\
 Examples:

@@ -1,7 +1,9 @@
 //! `baudbot check`: what a scenario is.
 
 use std::fmt::Write;
+use std::fs;
 
+use anyhow::Context;
 use baudbot_geometry::{Bounds, Circle, Segment};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
@@ -12,6 +14,7 @@ use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame};
 
 use crate::args::CheckArgs;
+use crate::drawing;
 use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
@@ -20,6 +23,14 @@ use crate::text::{self, count, duration, handy, pairs, percent, table};
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
+    if let Some(path) = &args.svg {
+        let picture = drawing::draw(&scenario, source.label());
+        // A picture on stdout is for another program, which a text behind it would confuse.
+        if path.as_os_str() == "-" {
+            return text::print(&picture);
+        }
+        fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))?;
+    }
     text::print(&describe(&source, &scenario))
 }
 

@@ -6,7 +6,7 @@
 //! 2. `run`, `serve`, `brain`, `check`, `preset` and `watch` are the commands, one a file.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
-//!    `map` an arena in characters, and `text` lays out columns.
+//!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
@@ -16,6 +16,7 @@ mod check;
 mod connect;
 mod crew;
 mod csv;
+mod drawing;
 mod error;
 mod link;
 mod map;

@@ -45,6 +45,7 @@ pub mod scenario;
 mod scene;
 pub mod schedule;
 pub mod sensor;
+pub mod sight;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]
 mod statistics;
