@@ -163,11 +163,16 @@ fn items(keyword: &str) -> Vec<Item> {
             let item = line.trim_start_matches("pub(super) ").strip_prefix(keyword);
             match item.and_then(|item| item.strip_suffix(" {")) {
                 Some(name) if is_read => {
-                    items.push(Item { file, name, lines: lines.by_ref().take_while(|line| *line != "}").collect() });
+                    items.push(Item {
+                        file,
+                        name,
+                        lines: lines.by_ref().take_while(|line| *line != "}").collect(),
+                    });
                 }
                 _ => {}
             }
-            is_read = if line.starts_with("#[") { is_read || line.contains("serde::Deserialize") } else { false };
+            is_read =
+                if line.starts_with("#[") { is_read || line.contains("serde::Deserialize") } else { false };
         }
     }
     items
