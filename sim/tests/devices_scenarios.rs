@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::{Override, Scenario, World};
 
 const TICKS: u64 = 200;
 
@@ -40,6 +40,32 @@ fn each_is_called_as_its_file_and_says_what_to_try() {
         let command = format!("baudbot run scenarios/devices/{name}.toml");
         assert!(head.iter().any(|line| line.contains(&command)), "{name} does not say how to run it");
     }
+}
+
+#[test]
+fn what_they_say_to_set_can_be_set() {
+    let mut found = 0;
+    for (name, text) in files() {
+        let head: Vec<_> = text.lines().map_while(|line| line.strip_prefix('#')).collect();
+        for paragraph in head.split(|line| line.is_empty()) {
+            let paragraph = paragraph.concat();
+            let sets: Vec<_> = paragraph.split("--set ").skip(1).map(quoted_or_word).collect();
+            let changes: Vec<_> = sets.iter().map(|set| Override::parse(set).unwrap()).collect();
+            if let Err(error) = Scenario::parse_with(&text, &changes) {
+                panic!("{name} with {sets:?}: {error}");
+            }
+            found += sets.len();
+        }
+    }
+    assert!(found >= 10, "found only {found}");
+}
+
+/// What an argument of a command is, as a text that goes on behind it.
+fn quoted_or_word(text: &str) -> &str {
+    if let Some((quoted, _)) = text.strip_prefix('\'').and_then(|text| text.split_once('\'')) {
+        return quoted;
+    }
+    text.split(' ').next().unwrap_or_default().trim_end_matches([',', ';', '.'])
 }
 
 #[test]

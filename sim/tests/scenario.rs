@@ -305,3 +305,30 @@ fn a_cable_that_no_message_gets_through_is_refused() {
     let bare = format!("firmware = {{ protocol = \"bare\", gap_ms = 1.0 }}\n{}", link(""));
     refused(&robot(&bare), "robots[0].firmware.gap_ms", "must be longer than a character on this link");
 }
+
+#[test]
+fn ends_that_cannot_come_or_have_come_already_are_refused() {
+    let end = |field: &str| format!("[end]\n{field}\n{}", robot(""));
+    refused(&end("collisions = 0"), "end.collisions", "must be within 1 and");
+    refused(&end("all_goals = true"), "end.all_goals", "no zone of the arena has goal = true");
+    refused(&end("battery_empty = true"), "end.battery_empty", "no robot has a battery");
+    let goal = "[[arena.zones]]\nname = \"there\"\nx_m = 1.0\ny_m = 1.0\nradius_m = 0.1\ngoal = true\n";
+    Scenario::parse(&format!("{}{goal}", end("collisions = 1\nall_goals = true"))).unwrap();
+}
+
+#[test]
+fn a_brain_on_board_has_no_cable_and_a_port_is_one() {
+    Scenario::parse(&robot("link = { kind = \"onboard\" }")).unwrap();
+    let baud = "link = { kind = \"onboard\", baud = 9600 }";
+    refused(&robot(baud), "robots[0].link.baud", "a link without a cable has none");
+    let laser = "[robots.sensors.l]\nkind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 1.0\nrays = 300\nrange_m = 4.0";
+    let port = "port = { link = { kind = \"onboard\" } }";
+    refused(&robot(&format!("{laser}\n{port}")), "robots[0].sensors.l.port.link.kind", "a port is a cable");
+    refused(&robot(&format!("{laser}\nbits = 8")), "robots[0].sensors.l", "has 300 values");
+}
+
+#[test]
+fn noise_that_is_given_twice_is_refused() {
+    let compass = "[robots.sensors.c]\nkind = \"compass\"\nsigma_rad = 0.1\nnoise = { additive = 0.1 }";
+    refused(&robot(compass), "robots[0].sensors.c.sigma_rad", "is short for noise.additive");
+}
