@@ -72,7 +72,8 @@ fn every_part_fits_a_robot() {
             kind => kind.word(),
         };
         // The Pololu's gears make ARSim's body stiff.
-        let toml = format!("substeps = 100\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
+        let toml =
+            format!("substeps = 100\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
         parse(&toml, &[]);
     }
 }
@@ -265,7 +266,8 @@ fn docs_presets_md_lists_every_preset_and_its_examples_are_scenarios() {
         let row = format!("| `{}` | {} |", preset.name, preset.description);
         assert!(DOCS.contains(&row), "no row `{row}`");
     }
-    let examples: Vec<_> = DOCS.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let examples: Vec<_> =
+        DOCS.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     assert_eq!(examples.len(), 2);
     examples.into_iter().for_each(|example| drop(parse(example, &[])));
 }

@@ -119,6 +119,9 @@ mod tests {
 
     #[test]
     fn lengths_have_a_unit_that_suits_them() {
-        assert_eq!([0.0275, 0.005, 3.0, 100.4, 25e3].map(length), ["0.028 m", "5 mm", "3 m", "100 m", "25 km"]);
+        assert_eq!(
+            [0.0275, 0.005, 3.0, 100.4, 25e3].map(length),
+            ["0.028 m", "5 mm", "3 m", "100 m", "25 km"]
+        );
     }
 }

@@ -34,7 +34,13 @@ pub(super) struct Style<'a> {
 impl Labels {
     /// No labels, for a window of the picture.
     pub(super) fn new(min: Place, max: Place) -> Self {
-        Self { canvas: Canvas::default(), frame: Area { min, max }, taken: Vec::new(), discs: Vec::new(), left: MOST }
+        Self {
+            canvas: Canvas::default(),
+            frame: Area { min, max },
+            taken: Vec::new(),
+            discs: Vec::new(),
+            left: MOST,
+        }
     }
 
     /// Keeps a rectangle free of labels.
@@ -48,7 +54,12 @@ impl Labels {
     }
 
     /// Writes at the first of these middles where there is room; whether there was.
-    pub(super) fn put(&mut self, text: &str, style: Style<'_>, middles: impl IntoIterator<Item = Place>) -> bool {
+    pub(super) fn put(
+        &mut self,
+        text: &str,
+        style: Style<'_>,
+        middles: impl IntoIterator<Item = Place>,
+    ) -> bool {
         if self.left == 0 || text.is_empty() {
             return false;
         }
