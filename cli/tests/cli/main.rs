@@ -1,5 +1,6 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
+mod devices;
 mod processes;
 mod refusals;
 mod runs;
