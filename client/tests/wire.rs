@@ -125,7 +125,7 @@ fn scan() -> Vec<u8> {
     let format =
         scip::Format { characters: scip::Characters::Three, first_step: 0, last_step: 2, cluster: 1 };
     let mut bytes = vec![0; format.message_len()];
-    let len = scip::encode(&format, 250, [1000, 0, 2500], &mut bytes).unwrap();
+    let len = scip::encode(&format, 250, [1000, 0, 2500].into_iter(), &mut bytes).unwrap();
     bytes.truncate(len);
     bytes
 }
@@ -178,7 +178,7 @@ fn an_image_is_found_among_other_bytes() {
     let column = |red, depth_mm| line_image::Column { rgb: [red, 0, 255], depth_mm };
     let mut bytes = vec![0xa5, 1, 2, 3];
     bytes.resize(4 + line_image::encoded_len(2, 1), 0);
-    line_image::encode(9, [column(0, 0), column(255, 1500)], 1, &mut bytes[4..]).unwrap();
+    line_image::encode(9, [column(0, 0), column(255, 1500)].into_iter(), 1, &mut bytes[4..]).unwrap();
     let mut turn = raw(0, &[]);
     turn.ports = vec![(body.sensor_index("line-image").unwrap(), bytes)];
     let image = readings.turn(&turn).reading("line-image").cloned().unwrap();

@@ -3,8 +3,8 @@
 use baudbot_client::{Action, Brain, Client, Error, RawCommands, RawReadings, Signals, Turn, run};
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
-use baudbot_server::Server;
-use baudbot_tests::system::{client, lockstep, serve, status};
+use baudbot_server::{Pace, Server, Watchdog};
+use baudbot_tests::system::{client, lockstep, operator, serve, status};
 use baudbot_tests::{Pair, scenario};
 use baudbot_wire::scip;
 use tonic::Code;
@@ -419,6 +419,44 @@ async fn a_program_that_does_not_fit_is_refused() {
 }
 
 #[tokio::test]
+async fn what_was_last_sent_goes_back_in_time_with_the_world() {
+    let server = serve(scenario(SCOUT, &[]), Pace::Stepped(Watchdog::default())).await;
+    let mut robot = client(&server).await.attach("w", "scout").await.unwrap();
+    let brain = tokio::spawn(async move {
+        while let Some(turn) = robot.turn().await? {
+            let others = match turn.tick {
+                0 => vec![0.5, 1.0],
+                30 => vec![0.0, -1.0],
+                _ => Vec::new(),
+            };
+            robot.act(Action::drive(0.0, 0.0).with_others(others)).await?;
+        }
+        Ok::<_, Error>(())
+    });
+    let mut operator = operator(&server).await;
+    let world = || "w".to_owned();
+    let step = |ticks| v1::StepWorldRequest { world: world(), ticks };
+    operator.step_world(step(20)).await.unwrap();
+    let kept = operator.snapshot_world(v1::SnapshotWorldRequest { world: world() }).await.unwrap();
+    operator.step_world(step(20)).await.unwrap();
+    assert_eq!(signals(&server).await, [0.0, -1.0]);
+    let snapshot = kept.into_inner().snapshot;
+    operator.restore_world(v1::RestoreWorldRequest { world: world(), snapshot }).await.unwrap();
+    operator.step_world(step(5)).await.unwrap();
+    assert_eq!(signals(&server).await, [0.5, 1.0]);
+    server.shutdown().await;
+    brain.await.unwrap().unwrap_err();
+}
+
+/// Those in force on the scout's actuators.
+async fn signals(server: &Server) -> Vec<f64> {
+    let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
+    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 1 };
+    let frame = observer.watch(watch).await.unwrap().into_inner().message().await.unwrap().unwrap();
+    frame.robots[0].actuators.iter().map(|actuator| actuator.signal).collect()
+}
+
+#[tokio::test]
 async fn a_new_brain_finds_the_actuators_as_the_last_one_left_them() {
     let (server, client) = scout().await;
     let mut first = client.attach("w", "scout").await.unwrap();
@@ -437,10 +475,6 @@ async fn a_new_brain_finds_the_actuators_as_the_last_one_left_them() {
     while second.turn().await.unwrap().is_some() {
         second.drive(Signals::default()).await.unwrap();
     }
-    let mut observer = ObserveServiceClient::new(server.channel().await.unwrap());
-    let watch = v1::WatchRequest { world: "w".into(), every_ticks: 1 };
-    let frame = observer.watch(watch).await.unwrap().into_inner().message().await.unwrap().unwrap();
-    let signals: Vec<_> = frame.robots[0].actuators.iter().map(|actuator| actuator.signal).collect();
-    assert_eq!(signals, [0.5, 1.0]);
+    assert_eq!(signals(&server).await, [0.5, 1.0]);
     server.shutdown().await;
 }
