@@ -18,7 +18,7 @@ use crate::drawing;
 use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::text::{self, count, duration, handy, pairs, percent, table};
+use crate::text::{self, NOTHING, count, duration, handy, pairs, percent, table};
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
@@ -200,24 +200,35 @@ fn sample_bytes(sensor: &Sensor) -> usize {
 
 fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
     let row = |sensor: &Sensor| {
-        let encodings = match sensor.encodings.as_slice() {
-            [] => String::new(),
-            [one] => encoding(*one),
-            several => format!("{} × {}", several.len(), encoding(several[0])),
+        let encodings = match (sensor.encodings.as_slice(), &sensor.port) {
+            (values, Some(_)) => format!("{} on its own port", values.len()),
+            ([], None) => String::new(),
+            ([one], None) => encoding(*one),
+            (several, None) => format!("{} × {}", several.len(), encoding(several[0])),
         };
-        [
-            sensor.name.clone(),
-            sensor.device.kind().to_owned(),
-            duration(sensor.schedule.period_ns() as f64),
-            duration(sensor.schedule.phase_ns() as f64),
-            encodings,
-            sample_bytes(sensor).to_string(),
-        ]
+        let bytes = match &sensor.port {
+            Some(port) => port.format.message_len(&sensor.device),
+            None => sample_bytes(sensor),
+        };
+        let (period, phase) = times(sensor);
+        let kind = sensor.device.kind().to_owned();
+        [sensor.name.clone(), kind, period, phase, encodings, bytes.to_string()]
     };
     let head = ["", "kind", "period", "phase", "values", "bytes"];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(sensors.iter().map(row));
     rows
+}
+
+/// How often, and from when on, it is read; or, with a port of its own, it speaks.
+fn times(sensor: &Sensor) -> (String, String) {
+    let show = |ns: u64| duration(ns as f64);
+    match sensor.own_clock {
+        Some(clock) if sensor.port.is_some() => {
+            (show(clock.period_ns), clock.phase_ns.map_or_else(|| NOTHING.to_owned(), show))
+        }
+        _ => (show(sensor.schedule.period_ns()), show(sensor.schedule.phase_ns())),
+    }
 }
 
 fn encoding(encoding: Encoding) -> String {

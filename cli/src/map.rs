@@ -175,7 +175,7 @@ mod tests {
         let text = Map::new(&world, &[], 40, 61).with_frame(&world, &frame);
         let rows: Vec<Vec<char>> = text.lines().map(|line| line.chars().collect()).collect();
         assert!(rows[1..20].iter().all(|row| row[0] != '#' && row[60] == '#'), "{text}");
-        let (top, middle): (String, String) = (rows[8].iter().collect(), rows[10].iter().collect());
+        let (top, middle): (String, String) = (rows[7].iter().collect(), rows[10].iter().collect());
         assert!(top.contains("+++++++++++") && middle.contains("+         +"), "{text}");
     }
 

@@ -1,4 +1,4 @@
-//! What services write to a world's thread, and what it writes back. Domain types only; `convert.rs` turns
+//! What services write to a world's thread, and what it writes back. Domain types only; `convert` turns
 //! them into the contract's.
 
 use std::sync::Arc;
