@@ -1,6 +1,6 @@
 //! A robot's body: rim, wheels, heading, and the actuators on it.
 
-use baudbot_geometry::{Circle, Point, Pose};
+use baudbot_geometry::{Circle, Point, Pose, math};
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::arena::Look;
 use baudbot_sim::robot::RobotSpec;
@@ -32,6 +32,13 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     canvas.close("g");
 }
 
+/// How far the farthest of what is drawn is from its middle, in metres: wheels may stand out.
+pub(super) fn reach(robot: &RobotSpec) -> f64 {
+    let drive = &robot.drive;
+    let wheel = math::hypot(drive.half_track_m + 0.25 * drive.wheel_radius_m, drive.wheel_radius_m);
+    drive.radius_m.max(wheel)
+}
+
 /// Its outline or its disc.
 pub(super) fn rim_of(view: &View, robot: &RobotSpec) -> Element {
     let pose = &robot.start.pose;
@@ -60,10 +67,17 @@ fn draw_wheels(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
         let point = |x: f64, y: f64| wheel.transform(Point::new(x, y));
         let (x, y) = (half_length, half_width);
         let encoder = counted.map_or_else(String::new, |sensor| format!(", counted by {}", sensor.name));
-        let title = format!("{side} wheel of {}, radius {}{encoder}", robot.name, length(drive.wheel_radius_m));
+        let title =
+            format!("{side} wheel of {}, radius {}{encoder}", robot.name, length(drive.wheel_radius_m));
         canvas.open(Element::group().titled(&title));
         let rubber = drawn(&view.ring([point(-x, -y), point(x, -y), point(x, y), point(-x, y)]));
-        canvas.put(rubber.set("fill", INK).set("stroke", INK).set("stroke-width", "1").set("stroke-linejoin", "round"));
+        canvas.put(
+            rubber
+                .set("fill", INK)
+                .set("stroke", INK)
+                .set("stroke-width", "1")
+                .set("stroke-linejoin", "round"),
+        );
         if counted.is_some() {
             let stripe = |share: f64| view.line([point(share * x, -y), point(share * x, y)]);
             let stripes: String = [-0.66, -0.22, 0.22, 0.66].map(stripe).concat();
@@ -96,7 +110,9 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
             let title = format!("turret {name}: turns from {} to {} rad", handy(min), handy(max));
             canvas.open(Element::group().set("stroke", INNER).titled(&title));
             let sector = view.line(arc(pose, 0.46 * radius, min, max));
-            canvas.put(drawn(&sector).set("fill", "none").set("stroke-width", "3.5").set("stroke-opacity", "0.45"));
+            canvas.put(
+                drawn(&sector).set("fill", "none").set("stroke-width", "3.5").set("stroke-opacity", "0.45"),
+            );
             let ends = [min, max].map(|end| {
                 let at = |share: f64| arc(pose, share * radius, end, end).next().unwrap_or(pose.position);
                 view.line([at(0.38), at(0.54)])
@@ -112,7 +128,8 @@ fn draw_actuator(canvas: &mut Canvas, view: &View, robot: &RobotSpec, actuator: 
         ActuatorKind::Speaker { level } => {
             let title = format!("loudspeaker {name}: up to {}", handy(*level));
             let back = Pose { heading: pose.heading + std::f64::consts::PI, ..*pose };
-            let waves: String = [0.14, 0.2, 0.26].map(|share| view.line(arc(&back, share * radius, -0.7, 0.7))).concat();
+            let waves: String =
+                [0.14, 0.2, 0.26].map(|share| view.line(arc(&back, share * radius, -0.7, 0.7))).concat();
             canvas.put(drawn(&waves).set("stroke", INK).set("fill", "none").titled(&title));
         }
     }

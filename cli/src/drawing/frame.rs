@@ -44,7 +44,7 @@ pub(super) fn axes(canvas: &mut Canvas, view: &View) {
     }
     canvas.put(tick(view.left + 0.5 * view.width(), bottom + 36.0, "middle", "x in m"));
     let middle = Element::new("text").set("text-anchor", "middle");
-    let (x, y) = (view.left - 44.0, view.top + 0.5 * view.height());
+    let (x, y) = (view.left - 40.0, view.top + 0.5 * view.height());
     let turned = format!("translate({} {}) rotate(-90)", super::xml::px(x), super::xml::px(y));
     canvas.put(middle.set("transform", &turned).text("y in m"));
     canvas.close("g");
@@ -119,6 +119,9 @@ mod tests {
 
     #[test]
     fn lengths_have_a_unit_that_suits_them() {
-        assert_eq!([0.0275, 0.005, 3.0, 100.4, 25e3].map(length), ["0.028 m", "5 mm", "3 m", "100 m", "25 km"]);
+        assert_eq!(
+            [0.0275, 0.005, 3.0, 100.4, 25e3].map(length),
+            ["0.028 m", "5 mm", "3 m", "100 m", "25 km"]
+        );
     }
 }

@@ -18,7 +18,8 @@ pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
     hues.sort_unstable();
     hues.dedup();
     for hue in hues {
-        let line = drawn("M0 0V8").set("stroke", hue).set("stroke-width", "2.4").set("stroke-opacity", "0.55");
+        let line =
+            drawn("M0 0V8").set("stroke", hue).set("stroke-width", "2.4").set("stroke-opacity", "0.55");
         let pattern = Element::new("pattern").set("id", &format!("hatch-{}", &hue[1..]));
         let pattern = pattern.set("width", "8").set("height", "8").set("patternUnits", "userSpaceOnUse");
         canvas.put(pattern.set("patternTransform", "rotate(45)").with(line));
@@ -67,7 +68,8 @@ pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
         draw_light(canvas, view, light);
     }
     if let Some(goal) = &scenario.end().goal {
-        let ring = view.circle(goal).set("fill", "#0072b2").set("fill-opacity", "0.1").set("stroke", "#0072b2");
+        let ring =
+            view.circle(goal).set("fill", "#0072b2").set("fill-opacity", "0.1").set("stroke", "#0072b2");
         let ring = ring.set("stroke-width", "2").set("stroke-dasharray", "7 4");
         canvas.put(ring.titled("the run ends when a robot's centre is in here"));
     }
@@ -88,7 +90,8 @@ pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
         let text = format!("{} {}{away}", light.name, candela(light.intensity_cd));
         let off = 0.5 * super::labels::width(&text, NAME.size) + 10.0;
         let [below, above] = [16.0, -16.0].map(|off| (at.0, at.1 + off));
-        let sides = [(at.0 + off, at.1), (at.0 - off, at.1), (at.0 - off, at.1 + 16.0), (at.0 - off, at.1 - 16.0)];
+        let sides =
+            [(at.0 + off, at.1), (at.0 - off, at.1), (at.0 - off, at.1 + 16.0), (at.0 - off, at.1 - 16.0)];
         labels.put(&text, NAME, [below, above].into_iter().chain(sides));
     }
     for zone in &around.zones {

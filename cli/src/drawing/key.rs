@@ -7,7 +7,7 @@ use super::block::{Block, WIDTH};
 use super::frame::length;
 use super::ground::candela;
 use super::kinds::Kind;
-use super::labels::{shortened, wrapped};
+use super::labels::{shortened, without_middle, wrapped};
 use super::palette::{self, FIELDS, INK, LAMP, MOVER, PALE_INK, hue};
 use super::view::{drawn, rectangle};
 use super::xml::{Canvas, Element};
@@ -21,12 +21,22 @@ pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     let name = format!("{}{more}", shortened(&kind.robot.name, 13.0, 170.0));
     canvas.put(text((0.0, 12.0), &name, 13.0, INK).set("font-weight", "600"));
     let drive = &kind.robot.drive;
-    let wheels = format!("wheels of {}, {} apart", length(drive.wheel_radius_m), length(2.0 * drive.half_track_m));
-    canvas.put(text((0.0, 28.0), &format!("robot of radius {}, {wheels}", length(drive.radius_m)), SIZE, PALE_INK));
+    let wheels =
+        format!("wheels of {}, {} apart", length(drive.wheel_radius_m), length(2.0 * drive.half_track_m));
+    canvas.put(text(
+        (0.0, 28.0),
+        &format!("robot of radius {}, {wheels}", length(drive.radius_m)),
+        SIZE,
+        PALE_INK,
+    ));
     let mut y = 46.0;
     if !kind.robot.sensors.is_empty() {
         row(&mut canvas, y, ["sensor", "kind", "range", "period"], PALE_INK);
-        canvas.put(drawn(&format!("M0 {}H{WIDTH}", y + 4.5)).set("stroke", palette::FRAME).set("stroke-width", "0.7"));
+        canvas.put(
+            drawn(&format!("M0 {}H{WIDTH}", y + 4.5))
+                .set("stroke", palette::FRAME)
+                .set("stroke-width", "0.7"),
+        );
         y += LINE + 2.0;
     }
     let alike = alike(&kind.robot.sensors);
@@ -73,7 +83,8 @@ fn entries(scenario: &Scenario) -> Vec<(Element, String)> {
     }
     for light in &around.lights {
         let mark = Element::new("circle").set("cx", "7.5").set("cy", "5").set("r", "5").set("fill", LAMP);
-        let what = format!("lamp {}: {}, {} high", light.name, candela(light.intensity_cd), length(light.height_m));
+        let what =
+            format!("lamp {}: {}, {} high", light.name, candela(light.intensity_cd), length(light.height_m));
         entries.push((mark.set("stroke", "#8a6100"), what));
     }
     for (i, field) in around.fields.iter().enumerate() {
@@ -98,9 +109,8 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", &things::movable_color());
     let wheel = drawn("M0 2H15V8H0ZM3 2V8M7 2V8M11 2V8").set("fill", INK).set("stroke", "#ffffff");
     let rays = devices.clone().any(|device| device.fan().is_some());
-    let ray = drawn("M0 8L13 3M13 3h.01").set("fill", "none").set("stroke", "#d55e00").set("stroke-linecap", "round");
     let all = [
-        (rays, ray.set("stroke-width", "1"), "a fan of rays, each with a dot where it meets something"),
+        (rays, ray(), "a ray, with a dot where it meets something"),
         (
             looks.any(|look| look.height_m.is_finite()),
             dashed.set("stroke-dasharray", "4 2"),
@@ -111,11 +121,7 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
             line("M0 5H15").set("stroke", MOVER).set("stroke-dasharray", "5 3"),
             "the way of what moves by itself; dots around what wanders",
         ),
-        (
-            !scenario.movables().is_empty(),
-            movable.set("stroke", "#78603c"),
-            "can be pushed",
-        ),
+        (!scenario.movables().is_empty(), movable.set("stroke", "#78603c"), "can be pushed"),
         (
             devices.any(|device| matches!(device, Device::Encoders(_))),
             wheel.set("stroke-width", "1"),
@@ -128,6 +134,12 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
         ),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, mark, what)| (mark, what.to_owned())).collect()
+}
+
+fn ray() -> Element {
+    let dot = Element::new("circle").set("cx", "13").set("cy", "4").set("r", "2");
+    let group = Element::group().set("fill", "#d55e00").set("stroke", "#d55e00");
+    group.with(drawn("M0 8L13 4")).with(dot.set("stroke", "none"))
 }
 
 /// Sensors that differ in name and place only stand in one row.
@@ -156,9 +168,11 @@ fn sensor_row(canvas: &mut Canvas, y: f64, kind: &Kind<'_>, sensors: &[&Sensor])
     // What looks somewhere has a wedge, all else a dot.
     canvas.put(match first.device.fan() {
         Some(_) => drawn(&format!("M1 {}L14 {}V{}Z", y - 4.0, y - 9.5, y + 1.5)).set("fill", color),
-        None => Element::new("circle").set("cx", "7").number("cy", y - 4.0).set("r", "3.6").set("fill", color),
+        None => {
+            Element::new("circle").set("cx", "7").number("cy", y - 4.0).set("r", "3.6").set("fill", color)
+        }
     });
-    let names: Vec<_> = sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+    let names: Vec<_> = sensors.iter().map(|sensor| without_middle(&sensor.name, SIZE, NAMES)).collect();
     let lines = wrapped(&names.join(", "), SIZE, NAMES, 6);
     row(canvas, y, ["", first.device.kind(), &range(first), &senses::period(first)], INK);
     for (i, line) in lines.iter().enumerate() {

@@ -37,7 +37,12 @@ pub(super) fn draw(
     canvas.close("g");
     canvas.put(shape().set("fill", "none").set("stroke", FRAME));
     let bar = frame::step(view.scale).0;
-    frame::measure(&mut canvas, (WIDTH - view.length(bar) - 12.0, HEAD + view.height() - 24.0), bar, view.scale);
+    frame::measure(
+        &mut canvas,
+        (WIDTH - view.length(bar) - 12.0, HEAD + view.height() - 24.0),
+        bar,
+        view.scale,
+    );
     Block { canvas, height: HEAD + view.height() }
 }
 
@@ -55,7 +60,9 @@ pub(super) fn mark(canvas: &mut Canvas, plan: &View, kind: &Kind<'_>, height: f6
     let (right, top) = plan.at(world.max);
     let mark = rectangle((left, top), (right - left, bottom - top)).set("rx", "4").set("fill", "none");
     let title = format!("enlarged: {}", kind.robot.name);
-    canvas.put(mark.set("stroke", PALE_INK).set("stroke-width", "0.8").set("stroke-opacity", "0.7").titled(&title));
+    canvas.put(
+        mark.set("stroke", PALE_INK).set("stroke-width", "0.8").set("stroke-opacity", "0.7").titled(&title),
+    );
 }
 
 /// Labels at a robot's sensors.

@@ -42,7 +42,12 @@ pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, ro
 }
 
 /// The fans of a robot that is one of many: one shape a hue, and no rays.
-pub(super) fn brief_fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
+pub(super) fn brief_fans(
+    canvas: &mut Canvas,
+    view: &View,
+    onlooker: &Onlooker<'_>,
+    robot: (usize, &RobotSpec),
+) {
     let mut shapes: Vec<(&str, String)> = Vec::new();
     for device in robot.1.sensors.iter().map(|sensor| &sensor.device) {
         let (Some(mount), Some(fan), Some(range_m)) = (device.mount(), device.fan(), device.range_m()) else {
@@ -68,7 +73,8 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
         let color = hue(&sensor.device);
         let Some(place) = place(view, onlooker, robot, sensor) else { continue };
         canvas.open(Element::group().set("fill", color).set("stroke", color).titled(&title(spec, sensor)));
-        let circle = |r: f64| Element::new("circle").number("cx", place.0).number("cy", place.1).number("r", r);
+        let circle =
+            |r: f64| Element::new("circle").number("cx", place.0).number("cy", place.1).number("r", r);
         match &sensor.device {
             Device::Whisker(whisker) => {
                 for glance in onlooker.sees(robot.0, sensor) {
@@ -81,13 +87,17 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
                 let kappas = bumper.fan.kappas();
                 let bar = arc(&pose, spec.drive.radius_m, kappas[0], kappas[kappas.len() - 1]);
                 let bar = drawn(&view.line(bar)).set("fill", "none").set("stroke-linecap", "round");
-                canvas.put(bar.number("stroke-width", (0.1 * radius).clamp(2.0, 7.0)).set("stroke-opacity", "0.85"));
+                canvas.put(
+                    bar.number("stroke-width", (0.1 * radius).clamp(2.0, 7.0)).set("stroke-opacity", "0.85"),
+                );
             }
             Device::Floor(_) => {
                 let corner = (place.0 - dot, place.1 - dot);
                 canvas.put(rectangle(corner, (2.0 * dot, 2.0 * dot)).set("stroke", "#ffffff"));
             }
-            Device::Microphone(_) => canvas.put(circle(2.2 * dot).set("fill", "none").set("stroke-width", "1.4")),
+            Device::Microphone(_) => {
+                canvas.put(circle(2.2 * dot).set("fill", "none").set("stroke-width", "1.4"))
+            }
             _ => canvas.put(circle(dot).set("stroke", "#ffffff").set("stroke-width", "0.8")),
         }
         canvas.close("g");

@@ -37,14 +37,19 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_w
 /// Their names.
 pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
     let movers = scenario.movers().iter().map(|mover| (&mover.name, bounds_of(mover)));
-    let movables = scenario.movables().iter().map(|thing| {
-        (&thing.name, of_disc(thing.start.position, extent::radius(&thing.shape)))
-    });
+    let movables = scenario
+        .movables()
+        .iter()
+        .map(|thing| (&thing.name, of_disc(thing.start.position, extent::radius(&thing.shape))));
     for (name, bounds) in movers.chain(movables) {
         let (x, y) = view.at(bounds.center());
         let (wide, high) = (0.5 * view.length(bounds.size().x), 0.5 * view.length(bounds.size().y));
         let off = wide + 0.5 * width(name, NAME.size) + 4.0;
-        labels.put(name, NAME, [(x, y + high + 8.0), (x, y - high - 8.0), (x + off, y), (x - off, y), (x, y)]);
+        labels.put(
+            name,
+            NAME,
+            [(x, y + high + 8.0), (x, y - high - 8.0), (x + off, y), (x - off, y), (x, y)],
+        );
     }
 }
 
@@ -66,7 +71,8 @@ fn draw_movable(canvas: &mut Canvas, view: &View, thing: &Movable) {
     let mark = match &thing.shape {
         MovableShape::Ball { radius_m } => view.line(arc(&thing.start, 0.6 * radius_m, 0.6, 2.4)),
         MovableShape::Box { outline } => {
-            let middle = view.at(thing.start.transform(polygon::centroid(outline).unwrap_or_else(Point::origin)));
+            let middle =
+                view.at(thing.start.transform(polygon::centroid(outline).unwrap_or_else(Point::origin)));
             let ends = outline.iter().map(|&corner| view.at(thing.start.transform(corner)));
             ends.map(|end| path([middle, end])).collect()
         }
@@ -117,7 +123,11 @@ fn draw_way(canvas: &mut Canvas, view: &View, mover: &Mover) {
         Path::Swing { ends_rad: [from, to], .. } => {
             let hinge = Pose { heading: 0.0, ..mover.start };
             canvas.put(ghost(&Pose { heading: *to, ..mover.start }));
-            let tip = mover.outline.iter().copied().reduce(|a, b| if b.coords.norm() > a.coords.norm() { b } else { a });
+            let tip = mover
+                .outline
+                .iter()
+                .copied()
+                .reduce(|a, b| if b.coords.norm() > a.coords.norm() { b } else { a });
             let (radius, off) = tip.map_or((mover.radius_m, 0.0), |tip| {
                 (tip.coords.norm(), baudbot_geometry::math::atan2(tip.y, tip.x))
             });

@@ -83,7 +83,9 @@ fn draw_polygon(view: &View, polygon: &Polygon) -> Element {
     let color = own_color(&polygon.look, GREY);
     let line = drawn(&data).set("fill", "none").set("stroke-linecap", "round");
     match polygon.look.height_m.is_finite() {
-        true => line.set("stroke", &lighter(color, 0.6)).set("stroke-width", "2.5").set("stroke-dasharray", "6 4"),
+        true => {
+            line.set("stroke", &lighter(color, 0.6)).set("stroke-width", "2.5").set("stroke-dasharray", "6 4")
+        }
         false => line.set("stroke", &css(color)).set("stroke-width", "3"),
     }
     .titled(&title)
