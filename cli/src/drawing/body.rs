@@ -1,6 +1,6 @@
 //! A robot's body: rim, wheels, heading, and the actuators on it.
 
-use baudbot_geometry::{Circle, Point, Pose};
+use baudbot_geometry::{Circle, Point, Pose, math};
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::arena::Look;
 use baudbot_sim::robot::RobotSpec;
@@ -30,6 +30,13 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
         }
     }
     canvas.close("g");
+}
+
+/// How far the farthest of what is drawn is from its middle, in metres: wheels may stand out.
+pub(super) fn reach(robot: &RobotSpec) -> f64 {
+    let drive = &robot.drive;
+    let wheel = math::hypot(drive.half_track_m + 0.25 * drive.wheel_radius_m, drive.wheel_radius_m);
+    drive.radius_m.max(wheel)
 }
 
 /// Its outline or its disc.

@@ -44,7 +44,7 @@ pub(super) fn axes(canvas: &mut Canvas, view: &View) {
     }
     canvas.put(tick(view.left + 0.5 * view.width(), bottom + 36.0, "middle", "x in m"));
     let middle = Element::new("text").set("text-anchor", "middle");
-    let (x, y) = (view.left - 44.0, view.top + 0.5 * view.height());
+    let (x, y) = (view.left - 40.0, view.top + 0.5 * view.height());
     let turned = format!("translate({} {}) rotate(-90)", super::xml::px(x), super::xml::px(y));
     canvas.put(middle.set("transform", &turned).text("y in m"));
     canvas.close("g");

@@ -7,7 +7,7 @@ use super::block::{Block, WIDTH};
 use super::frame::length;
 use super::ground::candela;
 use super::kinds::Kind;
-use super::labels::{shortened, wrapped};
+use super::labels::{shortened, without_middle, wrapped};
 use super::palette::{self, FIELDS, INK, LAMP, MOVER, PALE_INK, hue};
 use super::view::{drawn, rectangle};
 use super::xml::{Canvas, Element};
@@ -109,12 +109,8 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", &things::movable_color());
     let wheel = drawn("M0 2H15V8H0ZM3 2V8M7 2V8M11 2V8").set("fill", INK).set("stroke", "#ffffff");
     let rays = devices.clone().any(|device| device.fan().is_some());
-    let ray = drawn("M0 8L13 3M13 3h.01")
-        .set("fill", "none")
-        .set("stroke", "#d55e00")
-        .set("stroke-linecap", "round");
     let all = [
-        (rays, ray.set("stroke-width", "1"), "a fan of rays, each with a dot where it meets something"),
+        (rays, ray(), "a ray, with a dot where it meets something"),
         (
             looks.any(|look| look.height_m.is_finite()),
             dashed.set("stroke-dasharray", "4 2"),
@@ -138,6 +134,12 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
         ),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, mark, what)| (mark, what.to_owned())).collect()
+}
+
+fn ray() -> Element {
+    let dot = Element::new("circle").set("cx", "13").set("cy", "4").set("r", "2");
+    let group = Element::group().set("fill", "#d55e00").set("stroke", "#d55e00");
+    group.with(drawn("M0 8L13 4")).with(dot.set("stroke", "none"))
 }
 
 /// Sensors that differ in name and place only stand in one row.
@@ -170,7 +172,7 @@ fn sensor_row(canvas: &mut Canvas, y: f64, kind: &Kind<'_>, sensors: &[&Sensor])
             Element::new("circle").set("cx", "7").number("cy", y - 4.0).set("r", "3.6").set("fill", color)
         }
     });
-    let names: Vec<_> = sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+    let names: Vec<_> = sensors.iter().map(|sensor| without_middle(&sensor.name, SIZE, NAMES)).collect();
     let lines = wrapped(&names.join(", "), SIZE, NAMES, 6);
     row(canvas, y, ["", first.device.kind(), &range(first), &senses::period(first)], INK);
     for (i, line) in lines.iter().enumerate() {

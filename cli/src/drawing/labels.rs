@@ -162,6 +162,17 @@ pub(super) fn shortened(text: &str, size: f64, room: f64) -> String {
     short + "…"
 }
 
+/// A name that fits into this width: its ends tell more than its middle.
+pub(super) fn without_middle(name: &str, size: f64, room: f64) -> String {
+    if width(name, size) <= room {
+        return name.to_owned();
+    }
+    let half = shortened(name, size, 0.5 * room);
+    let end: String = name.chars().rev().collect();
+    let end = shortened(&end, size, 0.5 * room);
+    half.trim_end_matches('…').chars().chain(end.chars().rev()).collect()
+}
+
 /// A text in lines that fit into this width; at most so many, the last of them shortened.
 pub(super) fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
@@ -214,5 +225,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert!(lines.iter().all(|line| width(line, 10.0) <= 100.0) && lines[1].ends_with('…'), "{lines:?}");
         assert_eq!(shortened("short", 10.0, 100.0), "short");
+        let name = without_middle("ir_sensor_of_the_left_side_number_7", 10.0, 100.0);
+        assert!(name.starts_with("ir_s") && name.contains('…') && name.ends_with("r_7"), "{name}");
     }
 }

@@ -196,18 +196,19 @@ fn label_plan(
 ) {
     let robots = scenario.robots();
     for robot in robots {
-        labels.keep_disc(view.at(robot.start.pose.position), view.length(robot.drive.radius_m) + 1.0);
+        labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
     }
     let outside = walls::label_inside(labels, view, scenario.arena());
     for kind in kinds.iter().filter(|kind| !lenses.has(kind) && robots.len() <= CROWD) {
         lens::label_sensors(labels, view, onlooker, kind);
     }
-    for (i, robot) in robots.iter().enumerate() {
+    let named = if robots.len() > MOST_NAMES { 0 } else { robots.len() };
+    for (i, robot) in robots.iter().enumerate().take(named) {
         let (x, y) = view.at(robot.start.pose.position);
         let lens = lenses.kinds.iter().find(|kind| kind.first == i);
         let above = lens.map(|kind| lens::above(view, kind, lenses.height));
         let style = Style { size: 12.0, color: palette::ROBOT, bold: true };
-        let off = view.length(robot.drive.radius_m) + 10.0;
+        let off = view.length(body::reach(robot)) + 10.0;
         let side = off + 0.5 * labels::width(&robot.name, 13.0);
         let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
         let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
@@ -224,5 +225,7 @@ const SMALL_PX: f64 = 40.0;
 const MOST_LENSES: usize = 4;
 /// Of more robots than this, rays and mounts are drawn in the windows only.
 const CROWD: usize = 50;
+/// More robots than this are not named, but for their titles: only those at the crowd's edge would be.
+const MOST_NAMES: usize = 200;
 /// Fans of so many robots are drawn: each costs time, and a picture of more is one colour.
 const MOST_FANS: usize = 2000;
