@@ -97,6 +97,7 @@ impl Line {
 
     /// When the next byte is delivered, as far as can be told now. Only what is sent before then can change it,
     /// and never to an instant that is over.
+    #[inline]
     pub(crate) fn arrival(&self, link: &Link) -> SimTime {
         match &self.detour {
             None => self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at),
@@ -105,6 +106,7 @@ impl Line {
     }
 
     /// Takes the next byte with the instant of its delivery, if that is not after `now`.
+    #[inline]
     pub(crate) fn take(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
         if self.detour.is_some() {
             return self.take_by_detour(link, now);

@@ -20,54 +20,57 @@ use crate::time::{SECOND_NS, SimTime};
 impl World {
     /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
     pub(super) fn move_all(&mut self) {
-        let (now, dt_ns) = (self.time(), self.scenario.step_ns / u64::from(self.scenario.substeps));
+        let scenario = Arc::clone(&self.scenario);
+        let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
-        let before = self.poses();
-        for (robot, spec) in self.state.robots.iter_mut().zip(self.scenario.robots()) {
+        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
             robot.collided = false;
             robot.pings = [None, robot.pings[0].or(robot.pings[1])];
-            if self.scenario.noise {
+            if scenario.noise {
                 robot.motor_noise.tick(&spec.drive.motor_noise);
             }
         }
-        for i in 0..u64::from(self.scenario.substeps) {
+        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
+        let (mut at_start, mut poses) = (Vec::new(), Poses::default());
+        self.note_poses(&mut at_start);
+        for i in 0..u64::from(scenario.substeps) {
             if self.state.ending.is_none() {
-                self.substep(now + i * dt_ns, dt_ns as f64 / SECOND_NS as f64);
+                let dt = dt_ns as f64 / SECOND_NS as f64;
+                self.substep(&scenario, &forms, &mut poses, now + i * dt_ns, dt);
             }
         }
-        self.keep_score(&before);
+        self.keep_score(&at_start);
     }
 
-    fn substep(&mut self, now: SimTime, dt: f64) {
-        let scenario = Arc::clone(&self.scenario);
-        let before = self.poses();
+    fn substep(
+        &mut self,
+        scenario: &Scenario,
+        forms: &[Form<'_>],
+        Poses { before, after }: &mut Poses,
+        now: SimTime,
+        dt: f64,
+    ) {
+        self.note_poses(before);
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
-            robot.drive(spec, &scenario, now, dt);
+            robot.drive(spec, scenario, now, dt);
         }
-        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
-        let obstacles = self.obstacles(&scenario);
-        let step = |after| Step {
-            arena: &scenario.arena,
-            obstacles: &obstacles,
-            forms: &forms,
-            before: &before,
-            after,
-        };
-        let held = if scenario.movables.is_empty() {
-            Vec::new()
-        } else {
-            self.push(&scenario, step(self.poses()), dt)
-        };
-        let step = step(self.poses());
+        let (arena, obstacles) = (&scenario.arena, &self.obstacles(scenario)[..]);
+        let mut held = Vec::new();
+        if !scenario.movables.is_empty() {
+            self.note_poses(after);
+            held = self.push(scenario, Step { arena, obstacles, forms, before, after }, dt);
+        }
+        self.note_poses(after);
+        let step = Step { arena, obstacles, forms, before, after };
         match scenario.collision {
             CollisionPolicy::StopRun => self.stop_run(&step),
-            CollisionPolicy::StopRobot => self.stop_robots(step, held),
+            CollisionPolicy::StopRobot => self.stop_robots(step, &held),
         }
         for robot in &mut self.state.robots {
             robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
         }
         if !scenario.movers.is_empty() {
-            self.move_movers(&scenario, now, dt);
+            self.move_movers(scenario, now, dt);
         }
     }
 
@@ -127,15 +130,15 @@ impl World {
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    /// `held` are those that have been held back already.
-    fn stop_robots(&mut self, step: Step<'_>, mut held: Vec<Option<Partner>>) {
+    /// `held` are those that have been held back already, if anybody has looked.
+    fn stop_robots(&mut self, step: Step<'_>, held: &[Option<Partner>]) {
         let before = step.before;
-        held.resize(before.len(), None);
-        for (own, (partner, earlier)) in step.held_back().into_iter().zip(held).enumerate() {
+        for (own, partner) in step.held_back().into_iter().enumerate() {
             if partner.is_some() {
                 self.hold(own, &before[own]);
             }
-            self.note_contact(own, partner.or(earlier));
+            let earlier = || held.get(own).cloned().flatten();
+            self.note_contact(own, partner.or_else(earlier));
         }
     }
 
@@ -189,9 +192,17 @@ impl World {
             || others.into_iter().any(|(_, (robot, spec))| spec.form().at(&robot.motion.pose).overlaps(&room))
     }
 
-    fn poses(&self) -> Vec<Pose> {
-        self.state.robots.iter().map(|robot| robot.motion.pose).collect()
+    fn note_poses(&self, poses: &mut Vec<Pose>) {
+        poses.clear();
+        poses.extend(self.state.robots.iter().map(|robot| robot.motion.pose));
     }
+}
+
+/// The poses of all robots, in lists that serve all substeps of a tick.
+#[derive(Default)]
+struct Poses {
+    before: Vec<Pose>,
+    after: Vec<Pose>,
 }
 
 fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
