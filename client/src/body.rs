@@ -49,8 +49,8 @@ pub struct Actuator {
     /// `turret`, `lamp` or `speaker`; text, as a newer server may have others. Of a lamp and a speaker 1 is full
     /// strength, and 0 and less is nothing.
     pub kind: String,
-    /// Least and greatest angle of a turret, in radians. It turns to signal times the greatest, if that is not
-    /// less than the least.
+    /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
+    /// farther from 0, and no farther than either end.
     pub range_rad: Option<[f64; 2]>,
 }
 
