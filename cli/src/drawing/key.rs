@@ -51,6 +51,13 @@ pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     Block { canvas, height: y - 8.0 }
 }
 
+/// That there are robots of more kinds than are told of.
+pub(super) fn of_rest() -> Block {
+    let mut canvas = Canvas::default();
+    canvas.put(text((0.0, 12.0), "There are robots of other kinds, too.", SIZE, PALE_INK));
+    Block { canvas, height: 14.0 }
+}
+
 /// Zones, lamps, fields and marks; none if there is nothing to tell.
 pub(super) fn of_surroundings(scenario: &Scenario) -> Option<Block> {
     let mut canvas = Canvas::default();

@@ -13,7 +13,10 @@ pub(super) struct Labels {
     frame: Area,
     taken: Vec<Area>,
     discs: Vec<(Place, f64)>,
+    /// How many more labels there may be.
     left: usize,
+    /// How many more comparisons the search for places may take.
+    effort: usize,
 }
 
 /// A rectangle in the picture.
@@ -40,6 +43,7 @@ impl Labels {
             taken: Vec::new(),
             discs: Vec::new(),
             left: MOST,
+            effort: MOST_EFFORT,
         }
     }
 
@@ -65,6 +69,10 @@ impl Labels {
         }
         let (half_width, half_height) = (0.5 * width(text, style.size) + 1.0, 0.5 * style.size + 1.0);
         for (x, y) in middles {
+            self.effort = self.effort.saturating_sub(self.taken.len() + self.discs.len() + 1);
+            if self.effort == 0 {
+                return false;
+            }
             let place =
                 Area { min: (x - half_width, y - half_height), max: (x + half_width, y + half_height) };
             if self.is_free(&place) {
@@ -203,6 +211,8 @@ pub(super) const NAME: Style<'_> = Style { size: 11.0, color: INK, bold: false }
 
 /// More labels than this are no help to anybody, and finding places for them takes time.
 const MOST: usize = 250;
+/// In a world of many thousands of things a label is a rare luck.
+const MOST_EFFORT: usize = 20_000_000;
 
 #[cfg(test)]
 mod tests {

@@ -135,7 +135,8 @@ fn blocks(
     let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, world, onlooker, (lenses.height, scale));
     let lenses = lenses.kinds.iter().enumerate().map(lens);
     let keys = kinds.iter().take(MOST_LENSES).map(key::of_kind);
-    lenses.chain(keys).chain(key::of_surroundings(world.scenario())).collect()
+    let rest = (kinds.len() > MOST_LENSES).then(key::of_rest);
+    lenses.chain(keys).chain(rest).chain(key::of_surroundings(world.scenario())).collect()
 }
 
 /// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.

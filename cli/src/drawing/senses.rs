@@ -96,7 +96,7 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
                 canvas.put(rectangle(corner, (2.0 * dot, 2.0 * dot)).set("stroke", "#ffffff"));
             }
             Device::Microphone(_) => {
-                canvas.put(circle(2.2 * dot).set("fill", "none").set("stroke-width", "1.4"))
+                canvas.put(circle(2.2 * dot).set("fill", "none").set("stroke-width", "1.4"));
             }
             _ => canvas.put(circle(dot).set("stroke", "#ffffff").set("stroke-width", "0.8")),
         }

@@ -156,6 +156,16 @@ fn a_fan_ends_where_the_ray_does() {
     assert!(drawn.contains(&line), "{line} is not in {drawn}");
 }
 
+#[test]
+fn robots_of_too_many_kinds_are_not_hidden() {
+    let robots = |n: usize| -> String {
+        let more = |i: usize| format!("actuators.horn = {{ kind = \"speaker\", level = {}.0 }}", i + 1);
+        (0..n).map(|i| robot(&format!("r{i}"), i as f64, &more(i))).collect()
+    };
+    let told = |n: usize| texts(&drawing(&robots(n))).contains("robots of other kinds");
+    assert_eq!([told(4), told(5)], [false, true]);
+}
+
 /// The pictures in the documents are what the program draws.
 #[test]
 fn the_documents_have_the_pictures_of_today() {
