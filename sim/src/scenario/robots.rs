@@ -71,7 +71,7 @@ fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
     if worst < 2.0 {
         return Ok(());
     }
-    let needed = (step.substeps as f64 * worst) as u64 + 1;
+    let needed = ((step.substeps as f64 * worst) as u64).saturating_add(1);
     let problem = format!(
         "Euler steps of {} ms are too long for this body and would blow up; set substeps to {needed} or more",
         dt * 1e3
