@@ -57,6 +57,9 @@ pub(super) fn sensor(
     if shorthand != 0.0 && noise.multiplicative != 0.0 {
         return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
     }
+    if built.additive != 0.0 && noise.additive != 0.0 {
+        return Err(path.field("sigma_rad").error("is short for noise.additive, which is given, too"));
+    }
     noise.multiplicative += shorthand + 0.0;
     noise.additive += built.additive;
     if !device.is_analog() && !noise.is_none() {
