@@ -145,7 +145,7 @@ pub struct RobotCounters {
 }
 
 impl Robot {
-    pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
+    pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let stream = |name: &str| Stream::new(seed, &format!("{}/{name}", spec.name));
         let line = |name: &str| Line::new(stream(name));
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
@@ -159,7 +159,7 @@ impl Robot {
             motor_noise: NoiseState::new(&spec.drive.motor_noise, stream("motors:noise")),
             collided: false,
             contacts: Vec::new(),
-            microcontroller: Microcontroller::new(spec, seed),
+            microcontroller: Microcontroller::new(spec, seed, noise),
             uplink: line("link:up"),
             downlink: line("link:down"),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
