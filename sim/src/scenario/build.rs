@@ -17,6 +17,8 @@ use crate::movable::{Body, Movable};
 use crate::mover::Mover;
 use crate::referee::Rules;
 use crate::robot::RobotSpec;
+use crate::sensor::Device;
+use crate::surroundings::Surroundings;
 use crate::time::{SECOND_NS, SimTime};
 
 /// Shortest period of anything that repeats: below it a run would do nothing else.
@@ -55,7 +57,7 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
             raw::Collision::StopRun => CollisionPolicy::StopRun,
             raw::Collision::StopRobot => CollisionPolicy::StopRobot,
         },
-        rules: rules(&path, &raw.end, &raw.metrics, &arena, &robots)?,
+        rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
         end: end(&path.field("end"), raw.end)?,
         arena,
         surroundings,
@@ -91,7 +93,7 @@ fn rules(
     path: &Path,
     end: &raw::End,
     metrics: &raw::Metrics,
-    arena: &Arena,
+    (arena, surroundings): (&Arena, &Surroundings),
     robots: &[RobotSpec],
 ) -> Result<Rules> {
     let (at, end_at) = (path.field("metrics"), path.field("end"));
@@ -106,6 +108,7 @@ fn rules(
     if (covered.is_some() || sensed.is_some() || metrics.sensed_by.is_some()) && floor.is_none() {
         return Err(at.field("cell_m").error("is missing: the size of the floor's cells that are counted"));
     }
+    can_come(&end_at, end, surroundings, robots)?;
     if sensed.is_some() && metrics.sensed_by.is_none() {
         return Err(at.field("sensed_by").error("is missing: the name of the sensor whose rays are counted"));
     }
@@ -121,9 +124,22 @@ fn rules(
     })
 }
 
+/// An end that comes at once, or never, is a mistake.
+fn can_come(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[RobotSpec]) -> Result<()> {
+    if end.all_goals && !surroundings.zones.iter().any(|zone| zone.goal) {
+        return Err(path.field("all_goals").error("no zone of the arena is a goal"));
+    }
+    if end.battery_empty && robots.iter().all(|robot| robot.battery.is_none()) {
+        return Err(path.field("battery_empty").error("no robot has a battery"));
+    }
+    end.collisions.map(|n| path.whole_within("collisions", n, 1, u64::MAX)).transpose()?;
+    Ok(())
+}
+
 fn sensed_by(path: &Path, name: &str, robots: &[RobotSpec]) -> Result<Vec<Option<usize>>> {
     let place = |robot: &RobotSpec| {
-        robot.sensors.iter().position(|sensor| sensor.name == name && sensor.device.fan().is_some())
+        let looks = |device: &Device| device.fan().is_some() && device.range_m().is_some();
+        robot.sensors.iter().position(|sensor| sensor.name == name && looks(&sensor.device))
     };
     let places: Vec<_> = robots.iter().map(place).collect();
     if places.iter().all(Option::is_none) {
