@@ -152,10 +152,12 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     // Those on the wire keep their order and come first, so that their places are those on the wire.
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
+    motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
     let link = cable::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
+    cable::check_values(&path.field("sensors"), &on_wire)?;
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;
