@@ -212,9 +212,6 @@ counts_per_turn = 600
 quadrature = false
 loss = 0.05
 bits = 16
-[robots.sensors.steps]
-kind = "steps"
-bits = 16
 [robots.sensors.odometer]
 kind = "odometer"
 sigma_m = 0.001
