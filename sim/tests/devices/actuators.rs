@@ -6,7 +6,9 @@ use crate::common::{BODY, run, tick, world};
 use crate::scene::{named, near, scene, signals, tick_of, view};
 
 fn turret(more: &str) -> World {
-    let actuator = format!("[robots.actuators.head]\nkind = \"turret\"\nmin_rad = -1.0\nmax_rad = 2.0\nrate_rad_s = 4.0\n{more}\n");
+    let actuator = format!(
+        "[robots.actuators.head]\nkind = \"turret\"\nmin_rad = -1.0\nmax_rad = 2.0\nrate_rad_s = 4.0\n{more}\n"
+    );
     world(&scene("step_ms = 5.0", "", &actuator))
 }
 
@@ -45,7 +47,8 @@ fn a_turret_does_not_move_within_its_dead_band() {
 fn wheels_on_a_velocity_regulator_have_their_time_constant() {
     let body = BODY.replace("damping_n_s_m = 15.0", "damping_n_s_m = 0.0");
     let robot = "motors = { kind = \"velocity\", full_speed_m_s = 0.5, gain_n_s = 1.5 }\nlink = { kind = \"uart\", baud = 115200 }";
-    let toml = scene("substeps = 100", robot, &named("s", "kind = \"encoders\"\ncounts_per_turn = 600")).replace(BODY, &body);
+    let toml = scene("substeps = 100", robot, &named("s", "kind = \"encoders\"\ncounts_per_turn = 600"))
+        .replace(BODY, &body);
     let mut world = world(&toml);
     let mut speeds = Vec::new();
     for _ in 0..100 {
@@ -89,14 +92,16 @@ fn think(world: &mut World, ticks: usize) {
         let turns = world.begin().to_vec();
         let thinking_ns = world.robot(0).spec().thinking_ns;
         let bytes = signals(world.robot(0).spec(), &[0.5, 0.5]);
-        let inputs: Vec<_> = turns.iter().map(|turn| Input { robot: 0, at: turn.at + thinking_ns, bytes: &bytes }).collect();
+        let inputs: Vec<_> =
+            turns.iter().map(|turn| Input { robot: 0, at: turn.at + thinking_ns, bytes: &bytes }).collect();
         world.finish(&inputs);
     }
 }
 
 #[test]
 fn a_brain_on_board_takes_the_microcontrollers_time() {
-    let mut world = world(&scene("step_ms = 1.0", ONBOARD, &named("c", "kind = \"compass\"\nperiod_ms = 1.0")));
+    let mut world =
+        world(&scene("step_ms = 1.0", ONBOARD, &named("c", "kind = \"compass\"\nperiod_ms = 1.0")));
     assert_eq!(world.robot(0).spec().thinking_ns, 20_000_000);
     think(&mut world, 1000);
     let compass = view(&world, "c");
@@ -131,5 +136,8 @@ fn a_brain_on_board_waits_for_the_processor_that_is_busy() {
 fn a_servo_turns_its_wheel_at_the_speed_of_its_pulse() {
     let mut world = world(&scene("", "motors = { kind = \"servo\", lag_ms = 60.0 }", ""));
     run(&mut world, 200, 1.0, 1.0);
-    near(world.robot(0).motion().speed_m_s, 0.1 * 48.0 * std::f64::consts::TAU / 60.0 * (1.0 - (-1.98_f64 / 0.06).exp()));
+    near(
+        world.robot(0).motion().speed_m_s,
+        0.1 * 48.0 * std::f64::consts::TAU / 60.0 * (1.0 - (-1.98_f64 / 0.06).exp()),
+    );
 }

@@ -17,7 +17,10 @@ fn distance(world: &World, name: &str) -> f64 {
         Outline::Disc(disc) => (disc.center - centre).norm() - disc.radius,
         Outline::Polygon(points) => {
             let edges = points.iter().zip(points.iter().cycle().skip(1));
-            edges.map(|(&start, &end)| baudbot_geometry::Segment { start, end }.distance_squared(centre)).fold(f64::MAX, f64::min).sqrt()
+            edges
+                .map(|(&start, &end)| baudbot_geometry::Segment { start, end }.distance_squared(centre))
+                .fold(f64::MAX, f64::min)
+                .sqrt()
         }
     }
 }
@@ -49,8 +52,14 @@ fn a_door_waits_for_the_robot_in_its_way_and_goes_on_when_that_has_left() {
 
 #[test]
 fn who_drives_into_a_door_has_collided_with_it() {
-    let shut = DOOR.replace("x_m = -0.5", "x_m = 0.5").replace("y_m = -0.5", "y_m = -0.4").replace("heading_rad", "h");
-    let standing = shut.replace("swing", "heading_rad = 1.5707963\nswing").replace("to_rad = 1.5", "to_rad = 1.6").replace("pause_s = 0.5", "pause_s = 1000.0");
+    let shut = DOOR
+        .replace("x_m = -0.5", "x_m = 0.5")
+        .replace("y_m = -0.5", "y_m = -0.4")
+        .replace("heading_rad", "h");
+    let standing = shut
+        .replace("swing", "heading_rad = 1.5707963\nswing")
+        .replace("to_rad = 1.5", "to_rad = 1.6")
+        .replace("pause_s = 0.5", "pause_s = 1000.0");
     let mut world = world(&scene(&standing, "", ""));
     let mut partners = Vec::new();
     for _ in 0..200 {
@@ -105,7 +114,10 @@ fn a_box_is_pushed_up_to_the_wall_and_not_into_it() {
 #[test]
 fn a_robot_cannot_start_in_what_can_be_pushed_or_moves() {
     let message = refusal(&scene(&CRATE.replace("x_m = 0.6", "x_m = 0.3"), "", ""));
-    assert!(message.starts_with("robots[0].start: at (0, 0) a robot of radius 0.2 m stands in `crate`"), "{message}");
+    assert!(
+        message.starts_with("robots[0].start: at (0, 0) a robot of radius 0.2 m stands in `crate`"),
+        "{message}"
+    );
     let message = refusal(&scene(&DOOR.replace("-0.5\ny_m = -0.5", "-0.1\ny_m = 0.0"), "", ""));
     assert!(message.contains("stands in `door`"), "{message}");
     let message = refusal(&scene(&(wall(0.7) + CRATE), "", ""));
@@ -130,7 +142,10 @@ fn a_robot_with_corners_runs_into_walls_by_turning() {
     // A corner (0.5, 0.1) gets up to 0.3 where 0.5 sin φ + 0.1 cos φ = 0.3.
     let highest = 0.5 * motion.pose.heading.sin() + 0.1 * motion.pose.heading.cos();
     assert!((0.25..=0.3 + 1e-9).contains(&highest), "{highest} at {:?}", motion.pose);
-    assert_eq!(turning("stop-run").ending().map(ToString::to_string).as_deref(), Some("`r` ran into `shelf`"));
+    assert_eq!(
+        turning("stop-run").ending().map(ToString::to_string).as_deref(),
+        Some("`r` ran into `shelf`")
+    );
 }
 
 #[test]
@@ -146,7 +161,8 @@ fn a_robot_with_corners_runs_into_another_by_turning() {
     assert!(world.robot(0).motion().pose.heading < 1.0);
 }
 
-const ROOM: &str = "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [3, -1], [3, 1], [-1, 1]]\n";
+const ROOM: &str =
+    "[[arena.polygons]]\nname = \"room\"\nsolid = false\npoints_m = [[-1, -1], [3, -1], [3, 1], [-1, 1]]\n";
 
 #[test]
 fn coverage_grows_with_the_way_and_ends_the_run() {
@@ -172,8 +188,14 @@ fn coverage_grows_with_the_way_and_ends_the_run() {
 
 #[test]
 fn the_rays_of_the_chosen_sensor_cover_the_floor_that_they_cross() {
-    let laser = named("eye", "kind = \"laser\"\nmount = {}\nopening_rad = 6.28\nrays = 200\nrange_m = 9.0\nbits = 8\nperiod_ms = 1000.0");
-    let top = format!("{ROOM}{}[metrics]\ncell_m = 0.1\nsensed_by = \"eye\"\n[end]\nsensed = 0.7\n", block("screen", [1.0, -0.3, 1.1, 0.3], ""));
+    let laser = named(
+        "eye",
+        "kind = \"laser\"\nmount = {}\nopening_rad = 6.28\nrays = 200\nrange_m = 9.0\nbits = 8\nperiod_ms = 1000.0",
+    );
+    let top = format!(
+        "{ROOM}{}[metrics]\ncell_m = 0.1\nsensed_by = \"eye\"\n[end]\nsensed = 0.7\n",
+        block("screen", [1.0, -0.3, 1.1, 0.3], "")
+    );
     let mut world = world(&scene(&top, "", &laser));
     let sensed = |world: &World| world.score().sensed(world.scenario().rules()).unwrap();
     assert_eq!(sensed(&world), 0.0);
@@ -186,7 +208,9 @@ fn the_rays_of_the_chosen_sensor_cover_the_floor_that_they_cross() {
 
 #[test]
 fn goals_are_zones_that_have_been_reached() {
-    let goal = |name: &str, x: f64| format!("[[arena.zones]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 0.2\ngoal = true\n");
+    let goal = |name: &str, x: f64| {
+        format!("[[arena.zones]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 0.2\ngoal = true\n")
+    };
     let other = "[[arena.zones]]\nname = \"no-goal\"\nx_m = 9.0\ny_m = 0.0\nradius_m = 0.2\n";
     let top = goal("near", 0.5) + &goal("far", 1.0) + other + "[end]\nall_goals = true\n";
     let mut world = world(&scene(&top, "", ""));

@@ -96,7 +96,8 @@ fn a_counter_of_8_bits_wraps_on_the_wire() {
 
 #[test]
 fn encoders_count_more_than_the_robot_moves_on_slippery_ground() {
-    let zone = "[[arena.zones]]\nname = \"ice\"\npoints_m = [[-5, -5], [5, -5], [5, 5], [-5, 5]]\nslip = 0.25\n";
+    let zone =
+        "[[arena.zones]]\nname = \"ice\"\npoints_m = [[-5, -5], [5, -5], [5, 5], [-5, 5]]\nslip = 0.25\n";
     let mut world = driving("counts_per_turn = 600", zone);
     run(&mut world, 300, 0.5, 0.5);
     let motion = *world.robot(0).motion();
@@ -108,7 +109,8 @@ fn encoders_count_more_than_the_robot_moves_on_slippery_ground() {
 #[test]
 fn slip_under_one_wheel_turns_the_robot() {
     // The left wheel, at y = 0.2, stands on ice.
-    let zone = "[[arena.zones]]\nname = \"ice\"\npoints_m = [[-9, 0.1], [9, 0.1], [9, 9], [-9, 9]]\nslip = 0.5\n";
+    let zone =
+        "[[arena.zones]]\nname = \"ice\"\npoints_m = [[-9, 0.1], [9, 0.1], [9, 9], [-9, 9]]\nslip = 0.5\n";
     let mut world = driving("counts_per_turn = 600", zone);
     run(&mut world, 20, 0.5, 0.5);
     assert!(world.robot(0).motion().pose.heading > 0.0, "{:?}", world.robot(0).motion());

@@ -33,7 +33,11 @@ fn an_accelerometer_feels_the_change_of_speed_and_the_curve() {
 
 #[test]
 fn an_accelerometer_says_no_more_than_its_range() {
-    let toml = scene("", "start = { speed_m_s = -3.0, turn_rate_rad_s = 8.0 }", &crate::scene::named("s", ACCELEROMETER));
+    let toml = scene(
+        "",
+        "start = { speed_m_s = -3.0, turn_rate_rad_s = 8.0 }",
+        &crate::scene::named("s", ACCELEROMETER),
+    );
     let readings = collect(&toml, 3);
     assert_eq!(readings[0], [0.0, -5.0]);
     assert_eq!(readings[1][0], 5.0);
@@ -119,10 +123,13 @@ fn heading(heading: f64, compass: &str, top: &str) -> f64 {
 fn a_compass_reads_the_heading_turned_by_iron_and_by_zones() {
     near(heading(0.5, "", ""), 0.5);
     near(heading(-3.0, "", ""), -3.0);
-    let iron = "hard_iron_rad = 0.1\nhard_iron_phase_rad = 0.2\nsoft_iron_rad = 0.05\nsoft_iron_phase_rad = 0.3";
+    let iron =
+        "hard_iron_rad = 0.1\nhard_iron_phase_rad = 0.2\nsoft_iron_rad = 0.05\nsoft_iron_phase_rad = 0.3";
     near(heading(0.5, iron, ""), 0.5 + 0.1 * 0.7_f64.sin() + 0.05 * 1.3_f64.sin());
     let zone = |name: &str, x: f64| {
-        format!("[[arena.zones]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 1.0\ncompass_offset_rad = 0.3\n")
+        format!(
+            "[[arena.zones]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 1.0\ncompass_offset_rad = 0.3\n"
+        )
     };
     near(heading(0.5, "", &zone("a", 0.5)), 0.8);
     near(heading(0.5, "", &(zone("a", 0.5) + &zone("b", -0.5))), 1.1);
@@ -135,7 +142,11 @@ fn a_compass_reads_the_heading_turned_by_iron_and_by_zones() {
 fn a_compass_has_normal_noise_that_wraps() {
     let toml = with_sensor("step_ms = 0.05", "kind = \"compass\"\nsigma_rad = 0.02");
     assert_distributed(&mut singles(&toml, SAMPLES), |scale| normal(0.0, 0.02 * scale));
-    let south = scene("step_ms = 0.05", "start = { heading_rad = 3.141592653589793 }", &crate::scene::named("s", "kind = \"compass\"\nsigma_rad = 0.02"));
+    let south = scene(
+        "step_ms = 0.05",
+        "start = { heading_rad = 3.141592653589793 }",
+        &crate::scene::named("s", "kind = \"compass\"\nsigma_rad = 0.02"),
+    );
     let readings = singles(&south, 1000);
     assert!(readings.iter().all(|r| r.abs() <= PI && r.abs() > 3.0), "{readings:?}");
     assert!(readings.iter().any(|r| *r < 0.0) && readings.iter().any(|r| *r > 0.0));

@@ -70,7 +70,9 @@ fn the_truth_knows_how_old_a_held_value_is() {
 
 /// A receiver on an ideal cable of its own: the truth tells to the nanosecond when it measured.
 fn instants(clock: &str, ticks: usize) -> Vec<u64> {
-    let sensor = format!("kind = \"gps\"\nport = {{ link = {{ kind = \"ideal\" }}, sentences = \"rmc\" }}\nclock = {{ {clock} }}");
+    let sensor = format!(
+        "kind = \"gps\"\nport = {{ link = {{ kind = \"ideal\" }}, sentences = \"rmc\" }}\nclock = {{ {clock} }}"
+    );
     let mut world = world(&with_sensor("step_ms = 1.0", &sensor));
     let mut instants: Vec<u64> = Vec::new();
     for _ in 0..ticks {
@@ -101,7 +103,10 @@ fn jitter_is_uniform_and_does_not_add_up() {
 fn without_jitter_a_clock_is_exact_for_ever() {
     let instants = instants("period_ms = 7.3, phase_ms = 1.7", 8000);
     assert!(instants.len() > 1000);
-    assert!(instants.iter().enumerate().all(|(i, &at)| at == 1_700_000 + 7_300_000 * i as u64), "{instants:?}");
+    assert!(
+        instants.iter().enumerate().all(|(i, &at)| at == 1_700_000 + 7_300_000 * i as u64),
+        "{instants:?}"
+    );
 }
 
 /// Where the robot was at each tick, and the scans that it took meanwhile.

@@ -119,7 +119,11 @@ fn a_cable_on_which_every_byte_is_wrong_gives_up_message_after_message() {
         let toml = if sensor == "laser" {
             urg(link, "")
         } else {
-            scene("", POLLED, &named("s", &format!("kind = \"gps\"\nperiod_ms = 20.0\nport = {{ link = {link} }}")))
+            scene(
+                "",
+                POLLED,
+                &named("s", &format!("kind = \"gps\"\nperiod_ms = 20.0\nport = {{ link = {link} }}")),
+            )
         };
         let mut world = world(&toml);
         run(&mut world, 1000, 0.0, 0.0);
@@ -164,17 +168,24 @@ fn a_fix_comes_through_its_sentences_to_a_fifth_of_a_metre() {
     let bytes = listen(&mut world, 100);
     let reading = &world.robot(0).readings()[0].values;
     let metres = 6_371_008.8 * std::f64::consts::PI / 180.0;
-    let (north, east) = ((reading[0] - 57.7) * metres, (reading[1] - 11.97) * metres * 57.7_f64.to_radians().cos());
+    let (north, east) =
+        ((reading[0] - 57.7) * metres, (reading[1] - 11.97) * metres * 57.7_f64.to_radians().cos());
     assert!((north + 4.0).abs() < 0.2 && (east - 3.0).abs() < 0.2, "{north} {east}");
     assert_eq!(reading[2], 1.0);
-    let kinds: Vec<_> = bytes.split_inclusive(|&b| b == b'\n').map(|line| String::from_utf8_lossy(&line[1..6]).into_owned()).collect();
+    let kinds: Vec<_> = bytes
+        .split_inclusive(|&b| b == b'\n')
+        .map(|line| String::from_utf8_lossy(&line[1..6]).into_owned())
+        .collect();
     assert_eq!(kinds, ["GPGGA", "GPGSA", "GPGSV", "GPGSV", "GPGSV", "GPRMC"]);
 }
 
 #[test]
 fn without_sky_a_receiver_says_v_and_has_no_fix() {
     let zone = "[[arena.zones]]\nname = \"house\"\nx_m = 3.0\ny_m = -4.0\nradius_m = 1.0\nindoors = true\n";
-    let port = format!("kind = \"gps\"\nperiod_ms = 1000.0\nport = {{ link = {}, sentences = \"rmc\" }}", uart(4800));
+    let port = format!(
+        "kind = \"gps\"\nperiod_ms = 1000.0\nport = {{ link = {}, sentences = \"rmc\" }}",
+        uart(4800)
+    );
     let mut world = world(&scene(zone, "start = { x_m = 3.0, y_m = -4.0 }", &named("s", &port)));
     let bytes = listen(&mut world, 100);
     let nmea::Sentence::Rmc(rmc) = nmea::parse(&bytes).unwrap() else { panic!("no RMC") };

@@ -4,9 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, chi_squared, normal};
 use crate::common::{refusal, world};
-use crate::scene::{all_near, block, collect, first, named, near, scene, single, singles, view, wall, with_sensor};
+use crate::scene::{
+    all_near, block, collect, first, named, near, scene, single, singles, view, wall, with_sensor,
+};
 
-const IR: &str = "kind = \"ir\"\nbearing_rad = 0.0\nopening_rad = 0.5\nrays = 3\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1";
+const IR: &str =
+    "kind = \"ir\"\nbearing_rad = 0.0\nopening_rad = 0.5\nrays = 3\nrange_m = 1.0\nc1_m2 = 0.03\nc2 = 0.1";
 
 /// (3.12) and (3.13) for three rays at a wall `d` ahead of the sensor.
 fn reflected(d: f64) -> f64 {
@@ -45,7 +48,8 @@ const LOOKUP: &str = "kind = \"ir\"\nbearing_rad = 0.0\nopening_rad = 0.0\nrays 
 
 #[test]
 fn a_lookup_interpolates_between_distances_and_holds_its_ends() {
-    let table = format!("{LOOKUP}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.7, 0.9]], [[0.2]]] }}");
+    let table =
+        format!("{LOOKUP}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.7, 0.9]], [[0.2]]] }}");
     for (d, expected) in [(0.1, 0.8), (0.3, 0.5), (0.5, 0.2), (0.05, 0.8), (0.7, 0.2), (3.0, 0.2)] {
         near(single(&with_sensor(&format!("noise = false\n{}", wall(0.2 + d)), &table)), expected);
     }
@@ -65,7 +69,9 @@ fn a_lookup_interpolates_between_angles_of_incidence() {
 
 #[test]
 fn a_lookup_chooses_each_sample_as_often_as_another() {
-    let table = format!("{LOOKUP}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.2, 0.4, 0.6, 0.8]], [[0.0]]] }}");
+    let table = format!(
+        "{LOOKUP}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.2, 0.4, 0.6, 0.8]], [[0.0]]] }}"
+    );
     let toml = with_sensor(&format!("step_ms = 0.05\n{}", wall(0.25)), &table);
     let mut counts = [0; 4];
     for value in singles(&toml, 20_000) {
@@ -114,18 +120,26 @@ fn a_voltage_ranger_follows_its_curve_and_folds_back_when_too_near() {
 
 #[test]
 fn a_voltage_ranger_has_additive_noise_and_no_voltage_beyond_its_supply() {
-    let noisy = |sigma: f64| with_sensor(&format!("step_ms = 0.05\n{}", wall(0.3)), &format!("{VOLTAGE}\nnoise = {{ additive = {sigma} }}"));
+    let noisy = |sigma: f64| {
+        with_sensor(
+            &format!("step_ms = 0.05\n{}", wall(0.3)),
+            &format!("{VOLTAGE}\nnoise = {{ additive = {sigma} }}"),
+        )
+    };
     assert_distributed(&mut singles(&noisy(0.03), SAMPLES), |scale| normal(2.3, 0.03 * scale));
     let wild = singles(&noisy(10.0), 1000);
     assert!(wild.iter().all(|v| (0.0..=5.0).contains(v)), "{wild:?}");
     assert!(wild.contains(&0.0) && wild.contains(&5.0));
 }
 
-const SONAR: &str = "kind = \"sonar\"\nbearing_rad = 0.0\nopening_rad = 0.6\nrays = 7\nmin_m = 0.02\nmax_m = 3.0";
+const SONAR: &str =
+    "kind = \"sonar\"\nbearing_rad = 0.0\nopening_rad = 0.6\nrays = 7\nmin_m = 0.02\nmax_m = 3.0";
 
 #[test]
 fn a_sonar_reads_the_nearest_thing_in_its_cone() {
-    let pole = |y: f64| format!("[[arena.circles]]\nname = \"pole\"\nx_m = 1.2\ny_m = {y}\nradius_m = 0.1\n{}", wall(2.2));
+    let pole = |y: f64| {
+        format!("[[arena.circles]]\nname = \"pole\"\nx_m = 1.2\ny_m = {y}\nradius_m = 0.1\n{}", wall(2.2))
+    };
     near(single(&with_sensor(&pole(0.0), SONAR)), 0.9);
     near(single(&with_sensor(&pole(1.0), SONAR)), 2.0);
     near(single(&with_sensor(&wall(4.0), SONAR)), 3.0);
@@ -134,7 +148,10 @@ fn a_sonar_reads_the_nearest_thing_in_its_cone() {
 
 #[test]
 fn a_sonar_hears_an_echo_as_often_as_its_detection_says() {
-    let toml = with_sensor(&format!("step_ms = 0.05\n{}", wall(1.2)), &format!("{SONAR}\ndetection = 0.7\nsound_m_s = 100000"));
+    let toml = with_sensor(
+        &format!("step_ms = 0.05\n{}", wall(1.2)),
+        &format!("{SONAR}\ndetection = 0.7\nsound_m_s = 100000"),
+    );
     let mut heard = 0;
     for value in singles(&toml, 30_000) {
         assert!(value == 3.0 || (value - 1.0).abs() < 1e-9, "{value}");
@@ -177,7 +194,8 @@ fn the_compass_is_read_at_the_very_instant_at_which_the_echo_is_back() {
 #[test]
 fn a_sonar_may_take_the_pulse_of_another_for_its_echo() {
     let read = |cross_talk: bool| {
-        let sonar = format!("[robots.sensors.s]\n{SONAR}\nperiod_ms = 10.0\ncross_talk = {cross_talk}\nphase_ms = ");
+        let sonar =
+            format!("[robots.sensors.s]\n{SONAR}\nperiod_ms = 10.0\ncross_talk = {cross_talk}\nphase_ms = ");
         let toml = scene("noise = false", "", &format!("{sonar}1.0"))
             + &scene("", "start = { x_m = 2.4, heading_rad = 3.141592653589793 }", &format!("{sonar}0.0"))
                 .replace("name = \"r\"", "name = \"z\"");
@@ -197,7 +215,8 @@ const LASER: &str = "kind = \"laser\"\nmount = {}\nopening_rad = 3.1415926535897
 
 #[test]
 fn a_laser_reads_each_direction_from_right_to_left_and_minus_1_for_nothing() {
-    let walls = wall(1.0) + &block("right", [-1.0, -2.1, 0.5, -2.0], "") + &block("left", [-1.0, 6.0, 0.5, 6.1], "");
+    let walls =
+        wall(1.0) + &block("right", [-1.0, -2.1, 0.5, -2.0], "") + &block("left", [-1.0, 6.0, 0.5, 6.1], "");
     let slant = 2.0_f64.sqrt();
     let expected = [2.0, slant, 1.0, slant, -1.0];
     all_near(&first(&with_sensor(&walls, LASER)), &expected);
@@ -217,11 +236,20 @@ fn noise_of_a_laser_is_normal_on_each_ray_and_makes_no_echo_of_nothing() {
     let scans = collect(&with_sensor(&walls, &format!("{LASER}\nnoise = {{ additive = 0.01 }}")), 50_000);
     let mut ahead: Vec<_> = scans.iter().map(|scan| scan[2]).collect();
     assert_distributed(&mut ahead, |scale| normal(1.0, 0.01 * scale));
-    for noise in ["additive = 2.0", "uniform = 3.0", "spikes = { probability = 0.5, magnitude = 5.0 }", "offset_spread = 3.0", "drift = { sigma = 3.0, time_constant_s = 0.001 }"] {
+    for noise in [
+        "additive = 2.0",
+        "uniform = 3.0",
+        "spikes = { probability = 0.5, magnitude = 5.0 }",
+        "offset_spread = 3.0",
+        "drift = { sigma = 3.0, time_constant_s = 0.001 }",
+    ] {
         let scans = collect(&with_sensor(&walls, &format!("{LASER}\nnoise = {{ {noise} }}")), 200);
         assert!(scans.iter().all(|scan| scan[0] == -1.0 && scan[4] == -1.0), "{noise}: {:?}", &scans[..5]);
     }
-    let dropout = with_sensor(&walls, &format!("{LASER}\nnoise = {{ dropout = {{ probability = 1.0, value = 4.0 }} }}"));
+    let dropout = with_sensor(
+        &walls,
+        &format!("{LASER}\nnoise = {{ dropout = {{ probability = 1.0, value = 4.0 }} }}"),
+    );
     assert_eq!(first(&dropout), [4.0; 5]);
 }
 
@@ -240,7 +268,8 @@ fn a_high_laser_overlooks_what_a_low_infrared_sensor_sees() {
 
 #[test]
 fn a_low_robot_or_box_is_overlooked_too() {
-    let laser = "kind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 0.0\nrays = 1\nrange_m = 5.0\nheight_m = ";
+    let laser =
+        "kind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 0.0\nrays = 1\nrange_m = 5.0\nheight_m = ";
     let thing = "[[arena.movables]]\nname = \"box\"\nsize_m = [0.4, 0.4]\nx_m = 1.2\ny_m = 0.0\nmass_kg = 1.0\nfriction = 0.5\nheight_m = 0.3\n";
     let mover = "[[arena.movers]]\nname = \"cart\"\nradius_m = 0.2\nheight_m = 0.3\nstops = { points_m = [[1.2, 0.0], [1.2, 0.1]], speed_m_s = 0.001 }\n";
     let other = "[[robots]]\nname = \"z\"\nstart = { x_m = 1.2 }\nbody = { radius_m = 0.2, height_m = 0.3, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n";
@@ -280,8 +309,15 @@ fn a_line_camera_sees_robots_in_their_colour() {
 
 #[test]
 fn a_robot_does_not_see_itself_from_anywhere_on_its_body() {
-    for mount in ["bearing_rad = 0.0", "mount = {}", "mount = { x_m = -0.4, y_m = 0.1 }", "mount = { x_m = -0.1, heading_rad = 3.0 }"] {
-        let laser = format!("kind = \"laser\"\n{mount}\nopening_rad = 6.28\nrays = 64\nrange_m = 5.0\nbits = 8\nperiod_ms = 10.0");
+    for mount in [
+        "bearing_rad = 0.0",
+        "mount = {}",
+        "mount = { x_m = -0.4, y_m = 0.1 }",
+        "mount = { x_m = -0.1, heading_rad = 3.0 }",
+    ] {
+        let laser = format!(
+            "kind = \"laser\"\n{mount}\nopening_rad = 6.28\nrays = 64\nrange_m = 5.0\nbits = 8\nperiod_ms = 10.0"
+        );
         let toml = with_sensor("", &laser);
         assert!(first(&toml).iter().all(|&d| d == -1.0), "{mount}");
     }
@@ -291,8 +327,14 @@ fn a_robot_does_not_see_itself_from_anywhere_on_its_body() {
 fn a_sensor_that_stands_in_a_wall_reads_something_finite() {
     // Its mount is half a metre ahead of a robot that stands before the wall.
     for sensor in [IR, LOOKUP, VOLTAGE, SONAR, LASER, CAMERA] {
-        let inside = sensor.replace("bearing_rad = 0.0", "mount = { x_m = 0.3 }").replace("mount = {}", "mount = { x_m = 0.3 }");
-        let inside = if sensor == LOOKUP { format!("{inside}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.7]], [[0.2]]] }}") } else { inside };
+        let inside = sensor
+            .replace("bearing_rad = 0.0", "mount = { x_m = 0.3 }")
+            .replace("mount = {}", "mount = { x_m = 0.3 }");
+        let inside = if sensor == LOOKUP {
+            format!("{inside}\nlookup = {{ distances_m = [0.1, 0.5], samples = [[[0.7]], [[0.2]]] }}")
+        } else {
+            inside
+        };
         for x in [0.25, 0.3, 0.2] {
             let values = first(&with_sensor(&wall(x), &inside));
             assert!(values.iter().all(|value| value.is_finite()), "{inside}: {values:?}");
@@ -302,7 +344,11 @@ fn a_sensor_that_stands_in_a_wall_reads_something_finite() {
 
 #[test]
 fn ten_thousand_rays_are_taken_and_ten_thousand_and_one_are_not() {
-    let laser = |rays: u32| format!("kind = \"laser\"\nmount = {{}}\nopening_rad = 6.28\nrays = {rays}\nrange_m = 5.0\nport = {{ link = {{ kind = \"ideal\" }} }}");
+    let laser = |rays: u32| {
+        format!(
+            "kind = \"laser\"\nmount = {{}}\nopening_rad = 6.28\nrays = {rays}\nrange_m = 5.0\nport = {{ link = {{ kind = \"ideal\" }} }}"
+        )
+    };
     assert_eq!(first(&with_sensor(&wall(1.0), &laser(9_999))).len(), 9_999);
     let message = refusal(&with_sensor("", &laser(10_001)));
     assert!(message.contains("sensors.s.rays: must be within 1 and 10000, is 10001"), "{message}");

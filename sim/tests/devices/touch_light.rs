@@ -6,7 +6,9 @@ use baudbot_sim::{Ending, World};
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, normal};
 use crate::common::{run, tick, world};
-use crate::scene::{all_near, block, first, named, near, scene, single, singles, tick_of, view, wall, with_sensor};
+use crate::scene::{
+    all_near, block, first, named, near, scene, single, singles, tick_of, view, wall, with_sensor,
+};
 
 const WHISKER: &str = "kind = \"whisker\"\nbearing_rad = 0.0\nlength_m = 0.1";
 
@@ -17,14 +19,21 @@ fn a_whisker_touches_what_is_within_its_length() {
         near(single(&with_sensor(&wall(x), &format!("{WHISKER}\nactive_low = true"))), 1.0 - touched);
     }
     near(single(&with_sensor(&block("back", [-0.4, -1.0, -0.25, 1.0], ""), WHISKER)), 0.0);
-    near(single(&with_sensor(&block("low", [0.25, -1.0, 0.4, 1.0], "height_m = 0.03"), &format!("{WHISKER}\nheight_m = 0.05"))), 0.0);
+    near(
+        single(&with_sensor(
+            &block("low", [0.25, -1.0, 0.4, 1.0], "height_m = 0.03"),
+            &format!("{WHISKER}\nheight_m = 0.05"),
+        )),
+        0.0,
+    );
 }
 
 #[test]
 fn a_whisker_bounces_for_a_while_after_a_change_only() {
     let sensor = named("s", &format!("{WHISKER}\nbounce_ms = 20.0"));
     let top = format!("step_ms = 0.02\n{}", wall(0.305));
-    let mut world = world(&scene(&top, "start = { speed_m_s = 0.6 }\nfirmware = { mode = \"poll\" }", &sensor));
+    let mut world =
+        world(&scene(&top, "start = { speed_m_s = 0.6 }\nfirmware = { mode = \"poll\" }", &sensor));
     let (mut touched_at, mut bounced, mut settled) = (None, Vec::new(), Vec::new());
     for i in 0..3000 {
         world.begin();
@@ -86,7 +95,8 @@ fn a_photoresistors_count_is_the_time_in_which_its_capacitor_falls() {
 #[test]
 fn a_photoresistor_in_the_dark_blocks_the_processor_for_131_ms() {
     let missed = |top: &str| {
-        let sensors = named("s", &format!("{PHOTORESISTOR}\nperiod_ms = 1000.0")) + &named("c", "kind = \"compass\"\nperiod_ms = 10.0");
+        let sensors = named("s", &format!("{PHOTORESISTOR}\nperiod_ms = 1000.0"))
+            + &named("c", "kind = \"compass\"\nperiod_ms = 10.0");
         let mut world = world(&scene(top, "", &sensors));
         run(&mut world, 20, 0.0, 0.0);
         (view(&world, "c").missed, view(&world, "c").samples)
@@ -98,7 +108,8 @@ fn a_photoresistor_in_the_dark_blocks_the_processor_for_131_ms() {
 
 #[test]
 fn a_photoresistor_faces_its_lamp() {
-    let lamp = |x: f64| format!("[[arena.lights]]\nname = \"l\"\nx_m = {x:?}\ny_m = 0.0\nintensity_cd = 10.0\n");
+    let lamp =
+        |x: f64| format!("[[arena.lights]]\nname = \"l\"\nx_m = {x:?}\ny_m = 0.0\nintensity_cd = 10.0\n");
     near(single(&with_sensor(&lamp(1.2), PHOTORESISTOR)), 63.0);
     near(single(&with_sensor(&lamp(-1.2), PHOTORESISTOR)), 0.0);
 }
@@ -147,9 +158,13 @@ fn a_light_sensor_lags() {
 
 #[test]
 fn a_light_sensor_has_normal_noise_and_is_never_below_darkness() {
-    let toml = with_sensor(&format!("step_ms = 0.05\n{}", lit(50.0)), &format!("{LIGHT}\nnoise = {{ additive = 2.0 }}"));
+    let toml = with_sensor(
+        &format!("step_ms = 0.05\n{}", lit(50.0)),
+        &format!("{LIGHT}\nnoise = {{ additive = 2.0 }}"),
+    );
     assert_distributed(&mut singles(&toml, SAMPLES), |scale| normal(50.0, 2.0 * scale));
-    let dark = singles(&with_sensor("step_ms = 0.05", &format!("{LIGHT}\nnoise = {{ additive = 2.0 }}")), 1000);
+    let dark =
+        singles(&with_sensor("step_ms = 0.05", &format!("{LIGHT}\nnoise = {{ additive = 2.0 }}")), 1000);
     assert!(dark.iter().all(|lux| *lux >= 0.0) && dark.iter().any(|lux| *lux > 0.0));
 }
 
@@ -185,7 +200,8 @@ const SCENT: &str = "[[arena.fields]]\nname = \"scent\"\nbackground = 1.0\nslope
 
 #[test]
 fn a_field_sensor_reads_background_slope_and_bells_where_it_sits() {
-    let read = |mount: &str| single(&with_sensor(SCENT, &format!("kind = \"field\"\nfield = \"scent\"\n{mount}")));
+    let read =
+        |mount: &str| single(&with_sensor(SCENT, &format!("kind = \"field\"\nfield = \"scent\"\n{mount}")));
     near(read("mount = { x_m = 0.2 }"), 1.0 + 0.1 + 3.0 * (-2.0_f64).exp());
     near(read("mount = { x_m = 0.2, y_m = 0.4 }"), 1.1 - 0.1 + 3.0 * (-(1.0 + 0.16) / 0.5_f64).exp());
     near(read("bearing_rad = 0.0"), 1.1 + 3.0 * (-2.0_f64).exp());
@@ -195,14 +211,18 @@ fn a_field_sensor_reads_background_slope_and_bells_where_it_sits() {
 fn a_field_sensor_has_noise() {
     let sensor = "kind = \"field\"\nfield = \"scent\"\nmount = {}\nnoise = { additive = 0.1 }";
     let truth = 1.0 + 3.0 * (-1.44 / 0.5_f64).exp();
-    assert_distributed(&mut singles(&with_sensor(&format!("step_ms = 0.05\n{SCENT}"), sensor), SAMPLES), |scale| normal(truth, 0.1 * scale));
+    assert_distributed(
+        &mut singles(&with_sensor(&format!("step_ms = 0.05\n{SCENT}"), sensor), SAMPLES),
+        |scale| normal(truth, 0.1 * scale),
+    );
 }
 
 #[test]
 fn a_microphone_hears_others_as_one_by_distance() {
     let speaker = "[robots.actuators.voice]\nkind = \"speaker\"\nlevel = 2.0\n";
     let other = |name: &str, x: f64, y: f64| {
-        scene("", &format!("start = {{ x_m = {x:?}, y_m = {y:?} }}"), speaker).replace("name = \"r\"", &format!("name = \"{name}\""))
+        scene("", &format!("start = {{ x_m = {x:?}, y_m = {y:?} }}"), speaker)
+            .replace("name = \"r\"", &format!("name = \"{name}\""))
     };
     let own = format!("{speaker}{}", named("s", "kind = \"microphone\""));
     // A wall between does not matter.
@@ -226,7 +246,9 @@ fn a_floor_sensor_reads_the_zone_under_it() {
     let zones = "[arena]\nfloor = 0.9\n[[arena.zones]]\nname = \"line\"\npoints_m = [[0.1, -1], [0.3, -1], [0.3, 1], [0.1, 1]]\nfloor = 0.1\n\
                  [[arena.zones]]\nname = \"spot\"\nx_m = 0.2\ny_m = 0.0\nradius_m = 0.05\nfloor = 0.5\n\
                  [[arena.zones]]\nname = \"charger\"\nx_m = 0.2\ny_m = 0.0\nradius_m = 0.5\ncharger_w = 1.0\n";
-    let read = |x: f64, y: f64| single(&with_sensor(zones, &format!("kind = \"floor\"\nmount = {{ x_m = {x:?}, y_m = {y:?} }}")));
+    let read = |x: f64, y: f64| {
+        single(&with_sensor(zones, &format!("kind = \"floor\"\nmount = {{ x_m = {x:?}, y_m = {y:?} }}")))
+    };
     near(read(0.0, 0.0), 0.9);
     near(read(0.2, 0.2), 0.1);
     near(read(0.2, 0.0), 0.5);
@@ -234,9 +256,17 @@ fn a_floor_sensor_reads_the_zone_under_it() {
 
 #[test]
 fn a_floor_sensors_noise_stays_within_0_and_1() {
-    let noisy = with_sensor("step_ms = 0.05\n[arena]\nfloor = 0.5\n", "kind = \"floor\"\nmount = {}\nnoise = { uniform = 0.2 }");
-    assert_distributed(&mut singles(&noisy, SAMPLES), |scale| crate::common::statistics::uniform(0.5 - 0.2 * scale, 0.5 + 0.2 * scale));
-    let wild = singles(&with_sensor("step_ms = 0.05", "kind = \"floor\"\nmount = {}\nnoise = { additive = 5.0 }"), 20_000);
+    let noisy = with_sensor(
+        "step_ms = 0.05\n[arena]\nfloor = 0.5\n",
+        "kind = \"floor\"\nmount = {}\nnoise = { uniform = 0.2 }",
+    );
+    assert_distributed(&mut singles(&noisy, SAMPLES), |scale| {
+        crate::common::statistics::uniform(0.5 - 0.2 * scale, 0.5 + 0.2 * scale)
+    });
+    let wild = singles(
+        &with_sensor("step_ms = 0.05", "kind = \"floor\"\nmount = {}\nnoise = { additive = 5.0 }"),
+        20_000,
+    );
     // The bare floor is white: every second reading is above 1.
     let ones = wild.iter().filter(|&&value| value == 1.0).count() as u64;
     assert!(wild.iter().all(|value| (0.0..=1.0).contains(value)));
@@ -244,7 +274,9 @@ fn a_floor_sensors_noise_stays_within_0_and_1() {
 }
 
 fn battery(more: &str) -> String {
-    format!("battery = {{ nominal_v = 10.0, capacity_mah = 1000.0, curve_share_v = [[0.0, 0.8], [1.0, 1.2]], {more} }}")
+    format!(
+        "battery = {{ nominal_v = 10.0, capacity_mah = 1000.0, curve_share_v = [[0.0, 0.8], [1.0, 1.2]], {more} }}"
+    )
 }
 
 fn gauged(top: &str, more: &str, robot: &str) -> World {
@@ -260,12 +292,19 @@ fn a_battery_gauge_reads_voltage_and_charge() {
     world.begin();
     // 36 W at 10 V are 3.6 A: of 3600 C one thousandth a second; meanwhile the voltage hardly sinks.
     let sample = view(&world, "s").sample;
-    assert!((sample[1] - 0.499).abs() < 1e-6 && (sample[0] - (8.0 + 4.0 * sample[1])).abs() < 1e-3, "{sample:?}");
+    assert!(
+        (sample[1] - 0.499).abs() < 1e-6 && (sample[0] - (8.0 + 4.0 * sample[1])).abs() < 1e-3,
+        "{sample:?}"
+    );
 }
 
 #[test]
 fn internal_resistance_lowers_the_voltage_under_load() {
-    let mut world = gauged("", "idle_w = 16.0, charge = 0.5, internal_resistance_ohm = 1.0", "motors = { kind = \"servo\", idle_w = 0.0 }");
+    let mut world = gauged(
+        "",
+        "idle_w = 16.0, charge = 0.5, internal_resistance_ohm = 1.0",
+        "motors = { kind = \"servo\", idle_w = 0.0 }",
+    );
     run(&mut world, 1, 0.0, 0.0);
     world.begin();
     // (10 − I) I = 16: 2 A, 8 V.
@@ -288,7 +327,11 @@ fn an_empty_battery_stops_the_motors_and_may_end_the_run() {
 
 #[test]
 fn a_charger_fills_the_battery_of_who_stands_on_it() {
-    let zone = |x: f64| format!("[[arena.zones]]\nname = \"dock\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 0.5\ncharger_w = 360.0\n");
+    let zone = |x: f64| {
+        format!(
+            "[[arena.zones]]\nname = \"dock\"\nx_m = {x:?}\ny_m = 0.0\nradius_m = 0.5\ncharger_w = 360.0\n"
+        )
+    };
     let share = |x: f64| {
         let mut world = gauged(&zone(x), "charge = 0.5", "motors = { kind = \"servo\", idle_w = 0.0 }");
         run(&mut world, 100, 0.0, 0.0);
@@ -314,9 +357,16 @@ fn a_full_battery_takes_no_more() {
 
 #[test]
 fn a_battery_gauge_has_noise() {
-    let toml = scene("step_ms = 0.05", &battery("charge = 0.5"), &named("s", "kind = \"battery\"\nnoise = { additive = 0.01 }"))
-        .replace("motors", "# motors");
-    let servo = toml.replace("[robots.sensors.s]", "motors = { kind = \"servo\", idle_w = 0.0 }\nfirmware = { mode = \"poll\" }\n[robots.sensors.s]");
+    let toml = scene(
+        "step_ms = 0.05",
+        &battery("charge = 0.5"),
+        &named("s", "kind = \"battery\"\nnoise = { additive = 0.01 }"),
+    )
+    .replace("motors", "# motors");
+    let servo = toml.replace(
+        "[robots.sensors.s]",
+        "motors = { kind = \"servo\", idle_w = 0.0 }\nfirmware = { mode = \"poll\" }\n[robots.sensors.s]",
+    );
     assert_distributed(&mut singles(&servo, SAMPLES), |scale| normal(10.0, 0.01 * scale));
     assert_eq!(first(&servo).len(), 2);
 }
