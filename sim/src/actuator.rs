@@ -40,6 +40,8 @@ pub enum ActuatorKind {
 pub struct ActuatorState {
     /// The signal in force.
     pub signal: f64,
+    /// The signal that a turret's last pulse brought.
+    pub pulse: f64,
     /// Where a turret stands, in radians, positive to the left.
     pub angle_rad: f64,
 }

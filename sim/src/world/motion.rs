@@ -197,7 +197,11 @@ impl Robot {
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
-                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.signal), dt);
+                // A pulse begins in the first substep of each frame.
+                if now.since(servo.frame_start(now)) < (dt * SECOND_NS as f64 + 0.5) as u64 {
+                    state.pulse = state.signal;
+                }
+                state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
         if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery) {

@@ -44,6 +44,18 @@ fn a_turret_does_not_move_within_its_dead_band() {
 }
 
 #[test]
+fn a_turret_obeys_with_its_next_pulse() {
+    let mut world = turret("frame_ms = 20.0");
+    angles(&mut world, 1, 0.0);
+    // Commanded at 5 ms; the next pulse begins at 20 ms, which is tick 4.
+    let moves: Vec<_> = angles(&mut world, 5, 1.0).into_iter().map(|angle| angle > 0.0).collect();
+    assert_eq!(moves, [false, false, false, true, true]);
+    // And it goes on to where that pulse sent it until the one at 40 ms.
+    let back: Vec<_> = angles(&mut world, 4, -1.0);
+    assert!(back[0] < back[1] && back[2] > back[3], "{back:?}");
+}
+
+#[test]
 fn wheels_on_a_velocity_regulator_have_their_time_constant() {
     let body = BODY.replace("damping_n_s_m = 15.0", "damping_n_s_m = 0.0");
     let robot = "motors = { kind = \"velocity\", full_speed_m_s = 0.5, gain_n_s = 1.5 }\nlink = { kind = \"uart\", baud = 115200 }";
