@@ -129,16 +129,15 @@ impl Drive {
             Motors::Servo(servo) => {
                 let speed = |signal, speed| servo.approach(speed, servo.target_rad_s(signal), dt);
                 let left = speed(signals.left, wheels.left);
-                self.roll(&mut next, Wheels { left, right: speed(signals.right, wheels.right) });
+                self.roll(&mut next, Wheels { left, right: speed(signals.right, wheels.right) }, dt);
             }
             Motors::Stepper(stepper) => {
                 let Steps { left, right } = next.steps.get_or_insert_default();
                 let left = stepper.step(left, wheels.left, signals.left, dt);
                 let right = stepper.step(right, wheels.right, signals.right, dt);
-                self.roll(&mut next, Wheels { left, right });
+                self.roll(&mut next, Wheels { left, right }, dt);
             }
         }
-        next.acceleration_m_s2 = (next.speed_m_s - motion.speed_m_s) / dt;
         self.advance(&mut next, slip, dt);
         next
     }
@@ -151,15 +150,18 @@ impl Drive {
         let turn_acceleration = (-self.turn_damping_nm_s * motion.turn_rate_rad_s
             + self.turn_gain * (right_nm - left_nm))
             / self.inertia_kg_m2;
+        motion.acceleration_m_s2 = acceleration;
         motion.speed_m_s += acceleration * dt;
         motion.turn_rate_rad_s += turn_acceleration * dt;
     }
 
     /// Wheels that hold their speeds give the robot its own: (2.5), (2.6).
-    fn roll(&self, motion: &mut Motion, wheels: Wheels) {
+    fn roll(&self, motion: &mut Motion, wheels: Wheels, dt: f64) {
         let rim =
             Wheels { left: self.wheel_radius_m * wheels.left, right: self.wheel_radius_m * wheels.right };
-        motion.speed_m_s = (rim.left + rim.right) / 2.0;
+        let speed = (rim.left + rim.right) / 2.0;
+        motion.acceleration_m_s2 = (speed - motion.speed_m_s) / dt;
+        motion.speed_m_s = speed;
         motion.turn_rate_rad_s = (rim.right - rim.left) / (2.0 * self.half_track_m);
     }
 

@@ -96,14 +96,14 @@ pub(crate) enum Task {
 }
 
 impl Microcontroller {
-    pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
+    pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let frame = match spec.firmware.mode {
             Mode::Stream(schedule) => schedule.start(),
             Mode::Poll => Due { next: SimTime::NEVER, missed: 0 },
         };
         Self {
             free_at: SimTime::ZERO,
-            channels: spec.sensors.iter().map(|sensor| Channel::new(spec, sensor, seed)).collect(),
+            channels: spec.sensors.iter().map(|sensor| Channel::new(spec, sensor, seed, noise)).collect(),
             frame,
             sequence: 0,
             decoder: spec.firmware.command_decoder(),
@@ -300,7 +300,7 @@ impl Microcontroller {
 }
 
 impl Channel {
-    fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64) -> Self {
+    fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64, noise: bool) -> Self {
         let name = alloc::format!("{}/{}", spec.name, sensor.name);
         // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
         // it.
@@ -313,7 +313,7 @@ impl Channel {
         Self {
             due,
             noise: sensor.noise.start(sensor.device.values(), specimen),
-            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen)),
+            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen, noise)),
             memory: sensor.device.remember(&spec.start.pose, specimen),
             stream: Stream::new(seed, &name),
             values: vec![],

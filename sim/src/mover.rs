@@ -6,7 +6,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Direction, Point, Pose, Vector, angle};
+use baudbot_geometry::{Direction, Point, Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Look};
@@ -118,8 +118,20 @@ impl Mover {
         }
     }
 
-    /// Moves for `dt` seconds from `now` on, unless something is in the way.
+    /// Moves for `dt` seconds from `now` on, unless something is in the way. A way that is long against its own
+    /// body is gone in parts, so that it gets past nothing in between.
     pub(crate) fn step(&self, state: &mut MoverState, around: &Around<'_>, now: SimTime, dt: f64) {
+        let speed_m_s = match self.path {
+            Path::Stops { speed_m_s, .. } | Path::Wander { speed_m_s, .. } => speed_m_s,
+            Path::Swing { rate_rad_s, .. } => rate_rad_s * self.form().reach_m(),
+        };
+        let parts = math::ceil(speed_m_s * dt / self.form().thickness_m()).clamp(1.0, MAX_PARTS);
+        for _ in 0..parts as u32 {
+            self.part_of_step(state, around, now, dt / parts);
+        }
+    }
+
+    fn part_of_step(&self, state: &mut MoverState, around: &Around<'_>, now: SimTime, dt: f64) {
         let wanders = matches!(self.path, Path::Wander { .. });
         if now < state.waits_until && !wanders {
             return;
@@ -207,6 +219,9 @@ impl Mover {
         }
     }
 }
+
+/// Nothing is so fast that its step has more parts.
+const MAX_PARTS: f64 = 10_000.0;
 
 #[cfg(test)]
 mod tests {

@@ -101,7 +101,11 @@ impl PortState {
         }
         self.unread.push(byte);
         self.message.push(byte);
-        let heard = port.format.hear(device, &mut self.message, at);
+        let mut heard = port.format.hear(device, &mut self.message, at);
+        if self.message.len() > port.format.longest(device) {
+            self.message.clear();
+            heard = Heard::Bad;
+        }
         match heard {
             Heard::Nothing => {}
             Heard::Bad => self.line.counters.bad_frames += 1,
@@ -124,6 +128,14 @@ impl Format {
             }
             (Self::LineImage, _) => 0,
             (Self::Nmea { full }, _) => self.nmea_len(*full),
+        }
+    }
+
+    /// More bytes than these without an end are no message: the rest of a broken one, and a whole one.
+    fn longest(&self, device: &Device) -> usize {
+        match self {
+            Self::Scip(_) | Self::LineImage => 2 * self.message_len(device),
+            Self::Nmea { .. } => nmea::MAX_SENTENCE,
         }
     }
 

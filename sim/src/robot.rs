@@ -150,7 +150,7 @@ pub struct RobotCounters {
 }
 
 impl Robot {
-    pub(crate) fn new(spec: &RobotSpec, seed: u64) -> Self {
+    pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let name = |part: &str| format!("{}/{part}", spec.name);
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
@@ -163,7 +163,7 @@ impl Robot {
             motor_noise: NoiseState::new(&spec.drive.motor_noise, Stream::new(seed, &name("motors:noise"))),
             collided: false,
             contacts: Vec::new(),
-            microcontroller: Microcontroller::new(spec, seed),
+            microcontroller: Microcontroller::new(spec, seed, noise),
             uplink: Line::up(&spec.link, seed, &name("link:up")),
             downlink: Line::down(&spec.link, seed, &name("link:down")),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),

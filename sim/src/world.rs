@@ -128,7 +128,8 @@ impl fmt::Display for Ending {
 impl World {
     /// A world at its start.
     pub fn new(scenario: Arc<Scenario>) -> Self {
-        let robots = scenario.robots().iter().map(|spec| Robot::new(spec, scenario.seed)).collect();
+        let robots =
+            scenario.robots().iter().map(|spec| Robot::new(spec, scenario.seed, scenario.noise)).collect();
         let state = State {
             tick: 0,
             begun: false,

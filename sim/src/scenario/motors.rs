@@ -189,6 +189,18 @@ pub(super) fn motors(path: &Path, mut table: Table) -> Result<ParsedMotors> {
     })
 }
 
+/// Only steppers have steps to count.
+pub(super) fn can_be_counted(path: &Path, motors: &Motors, sensors: &[Sensor]) -> Result<()> {
+    let counter = sensors.iter().find(|sensor| matches!(sensor.device, Device::StepCounter(_)));
+    match (counter, motors) {
+        (None, _) | (_, Motors::Stepper(_)) => Ok(()),
+        (Some(counter), Motors::Dc(_) | Motors::Velocity(_) | Motors::Servo(_)) => {
+            let problem = "counts the steps of stepper motors; motors = { kind = \"stepper\" }";
+            Err(path.field(&counter.name).field("kind").error(problem))
+        }
+    }
+}
+
 /// A regulator needs to know how fast its wheel turns (§3.2.4).
 pub(super) fn can_be_regulated(path: &Path, motors: &Motors, sensors: &[Sensor]) -> Result<()> {
     let has_encoders = sensors.iter().any(|sensor| matches!(sensor.device, Device::Encoders(_)));

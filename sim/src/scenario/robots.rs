@@ -71,7 +71,7 @@ fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
     if worst < 2.0 {
         return Ok(());
     }
-    let needed = (step.substeps as f64 * worst) as u64 + 1;
+    let needed = ((step.substeps as f64 * worst) as u64).saturating_add(1);
     let problem = format!(
         "Euler steps of {} ms are too long for this body and would blow up; set substeps to {needed} or more",
         dt * 1e3
@@ -152,10 +152,12 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     // Those on the wire keep their order and come first, so that their places are those on the wire.
     sensors.sort_by_key(|sensor| !sensor.is_on_wire());
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
+    motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
     let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
+    cable::check_values(&path.field("sensors"), &on_wire)?;
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;

@@ -116,7 +116,7 @@ pub(super) fn mover(path: &Path, raw: &RawMover, names: &mut Names) -> Result<Mo
             }
             let path = path.field("wander");
             Way::Wander {
-                speed_m_s: path.positive("speed_m_s", raw.speed_m_s)?,
+                speed_m_s: speed(&path, "speed_m_s", raw.speed_m_s)?,
                 turn_ns: seconds(&path, "turn_s", raw.turn_s)?.max(1),
             }
         }
@@ -141,7 +141,7 @@ fn stops(path: &Path, raw: &RawStops) -> Result<(Way, Point)> {
     };
     let way = Way::Stops {
         points,
-        speed_m_s: path.positive("speed_m_s", raw.speed_m_s)?,
+        speed_m_s: speed(path, "speed_m_s", raw.speed_m_s)?,
         pause_ns: seconds(path, "pause_s", raw.pause_s)?,
         after: match raw.then {
             RawThen::Stay => AfterLast::Stay,
@@ -156,7 +156,7 @@ fn stops(path: &Path, raw: &RawStops) -> Result<(Way, Point)> {
 fn swing(path: &Path, raw: &RawSwing, from_rad: f64) -> Result<Way> {
     Ok(Way::Swing {
         ends_rad: [from_rad, path.within("to_rad", raw.to_rad, -10.0, 10.0)?],
-        rate_rad_s: path.positive("rate_rad_s", raw.rate_rad_s)?,
+        rate_rad_s: speed(path, "rate_rad_s", raw.rate_rad_s)?,
         pause_ns: seconds(path, "pause_s", raw.pause_s)?,
     })
 }
@@ -210,6 +210,12 @@ fn signed_area(corners: &[Point]) -> f64 {
 fn pose(path: &Path, x_m: f64, y_m: f64, heading_rad: f64) -> Result<Pose> {
     let (x, y) = (path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?);
     Ok(Pose::new(x, y, path.within("heading_rad", heading_rad, -10.0, 10.0)?))
+}
+
+/// Metres or radians a second, no more than a robot may start with.
+fn speed(path: &Path, field: &str, value: f64) -> Result<f64> {
+    path.positive(field, value)?;
+    path.within(field, value, 0.0, 1e3)
 }
 
 /// Seconds to nanoseconds.

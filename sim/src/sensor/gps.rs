@@ -53,7 +53,9 @@ impl Gps {
     /// Latitude and longitude in degrees, 1 with a fix and 0 without, speed over ground in m/s, and the course
     /// in radians, counter-clockwise from east.
     pub(super) fn read(&self, at: &Measurement<'_>, wander: &mut Wander, stream: &mut Stream) -> [f64; 5] {
-        self.wander_on(wander, at.now, stream);
+        if at.noise {
+            self.wander_on(wander, at.now, stream);
+        }
         let position = at.motion.pose.position;
         let sky = at.scene.surroundings.sky_at(position);
         wander.sky_since = if sky { wander.sky_since.or(Some(at.now)) } else { None };

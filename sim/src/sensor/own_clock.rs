@@ -73,11 +73,13 @@ pub(crate) struct Parts<'a> {
 }
 
 impl Running {
-    pub(crate) fn start(clock: &OwnClock, specimen: &mut Stream) -> Self {
-        let spread = if clock.spread_ns == 0 { 0.0 } else { 2.0 * specimen.uniform() - 1.0 };
+    /// Without noise all specimens have the same period and begin at once, and none is late.
+    pub(crate) fn start(clock: &OwnClock, specimen: &mut Stream, noise: bool) -> Self {
+        let spread = if clock.spread_ns == 0 || !noise { 0.0 } else { 2.0 * specimen.uniform() - 1.0 };
         let period_ns =
             clock.period_ns.saturating_add_signed((spread * clock.spread_ns as f64) as i64).max(1);
-        let anywhere = |stream: &mut Stream| (stream.uniform() * period_ns as f64) as u64;
+        let anywhere =
+            |stream: &mut Stream| if noise { (stream.uniform() * period_ns as f64) as u64 } else { 0 };
         let begins = SimTime::from_ns(clock.phase_ns.unwrap_or_else(|| anywhere(specimen)));
         Self { period_ns, due: begins, begins, taken: 0, scan: Vec::new(), pending: None, held: None }
     }
@@ -126,7 +128,8 @@ impl Running {
         self.pending = Some(Held { values, measured_at: self.begins, ready_at: end + clock.latency_ns });
         self.taken = 0;
         self.due = self.due + self.period_ns;
-        let late = if clock.jitter_ns == 0 { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
+        let late =
+            if clock.jitter_ns == 0 || !at.noise { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
         // A measurement that begins late does not begin before the last one is over.
         self.begins = (self.due + late as u64).max(end);
     }

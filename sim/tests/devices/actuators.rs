@@ -39,7 +39,20 @@ fn a_turret_slews_at_its_rate_to_its_target_and_stays_there() {
 fn a_turret_does_not_move_within_its_dead_band() {
     let mut world = turret("frame_ms = 0.0\ndead_band_rad = 0.1");
     near(*angles(&mut world, 50, 0.04).last().unwrap(), 0.0);
-    near(*angles(&mut world, 50, 0.06).last().unwrap(), 0.12);
+    // It goes for 0.12 rad, by 0.02 a tick, and is content when that is near.
+    near(*angles(&mut world, 50, 0.06).last().unwrap(), 0.02);
+}
+
+#[test]
+fn a_turret_obeys_with_its_next_pulse() {
+    let mut world = turret("frame_ms = 20.0");
+    angles(&mut world, 1, 0.0);
+    // Commanded at 5 ms; the next pulse begins at 20 ms, which is tick 4.
+    let moves: Vec<_> = angles(&mut world, 5, 1.0).into_iter().map(|angle| angle > 0.0).collect();
+    assert_eq!(moves, [false, false, false, true, true]);
+    // And it goes on to where that pulse sent it until the one at 40 ms.
+    let back: Vec<_> = angles(&mut world, 4, -1.0);
+    assert!(back[0] < back[1] && back[2] > back[3], "{back:?}");
 }
 
 #[test]

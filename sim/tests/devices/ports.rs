@@ -8,6 +8,9 @@ use baudbot_wire::{line_image, nmea, scip};
 use crate::common::{run, world};
 use crate::scene::{block, named, scene, view, wall};
 
+/// The microcontroller says nothing by itself, so that the brain steps when something has come through a port.
+const POLLED: &str = "firmware = { mode = \"poll\" }";
+
 /// An URG-04LX: 682 of 1024 steps, ten scans a second.
 fn urg(link: &str, more: &str) -> String {
     let opening = TAU * 681.0 / 1024.0;
@@ -16,7 +19,7 @@ fn urg(link: &str, more: &str) -> String {
          clock = {{ period_ms = 100.0, phase_ms = 0.0 }}\nport = {{ link = {link}, first_step = 44{more} }}"
     );
     let walls = wall(1.5) + &block("left", [-3.0, 2.0, 1.0, 2.1], "");
-    scene(&walls, "", &named("s", &laser))
+    scene(&walls, POLLED, &named("s", &laser))
 }
 
 fn uart(baud: u32) -> String {
@@ -69,7 +72,8 @@ fn a_fast_cable_carries_ten_scans_a_second_and_a_slow_one_every_second() {
         let mut world = world(&urg(&uart(baud), ""));
         let bytes = listen(&mut world, 1001);
         let port = *world.robot(0).port(0).unwrap();
-        assert_eq!(port.bytes, bytes.len() as u64);
+        // What arrives after the brain's step in the last tick it has not been given.
+        assert!(port.bytes - bytes.len() as u64 <= 750, "{port:?}");
         assert_eq!((port.bad_frames, port.messages), (0, port.bytes / 2137));
         (port.messages, view(&world, "s").samples, view(&world, "s").missed)
     };
@@ -83,7 +87,7 @@ fn a_fast_cable_carries_ten_scans_a_second_and_a_slow_one_every_second() {
 #[test]
 fn a_scan_is_as_old_as_its_sweep_and_its_way() {
     let mut world = world(&urg(&uart(115_200), ""));
-    run(&mut world, 1000, 0.0, 0.0);
+    listen(&mut world, 1000);
     let freshness = view(&world, "s").freshness;
     let way_ns = 2137 * 10 * 1_000_000_000_u64 / 115_200 + 1;
     assert_eq!(freshness.age_max_ns, 66_600_000 + way_ns);
@@ -93,7 +97,7 @@ fn a_scan_is_as_old_as_its_sweep_and_its_way() {
 #[test]
 fn an_ideal_cable_takes_no_time() {
     let mut world = world(&urg("{ kind = \"ideal\" }", ""));
-    run(&mut world, 100, 0.0, 0.0);
+    listen(&mut world, 100);
     assert_eq!(view(&world, "s").freshness.age_max_ns, 66_600_000);
     assert_eq!(world.robot(0).port(0).unwrap().messages, 10);
 }
@@ -117,7 +121,7 @@ fn a_cable_on_which_every_byte_is_wrong_gives_up_message_after_message() {
         } else {
             scene(
                 "",
-                "",
+                POLLED,
                 &named("s", &format!("kind = \"gps\"\nperiod_ms = 20.0\nport = {{ link = {link} }}")),
             )
         };
@@ -132,11 +136,8 @@ fn a_cable_on_which_every_byte_is_wrong_gives_up_message_after_message() {
 fn gps(top: &str, more: &str) -> World {
     let top = format!("{top}\n[arena]\nlatitude_deg = 57.7\nlongitude_deg = 11.97\n");
     let port = format!("port = {{ link = {}{more} }}", uart(4800));
-    world(&scene(
-        &top,
-        "start = { x_m = 3.0, y_m = -4.0, heading_rad = 1.0 }",
-        &named("s", &format!("kind = \"gps\"\nperiod_ms = 1000.0\n{port}")),
-    ))
+    let start = format!("start = {{ x_m = 3.0, y_m = -4.0, heading_rad = 1.0 }}\n{POLLED}");
+    world(&scene(&top, &start, &named("s", &format!("kind = \"gps\"\nperiod_ms = 1000.0\n{port}"))))
 }
 
 #[test]
@@ -200,7 +201,7 @@ fn camera(link: &str) -> World {
         "kind = \"line-camera\"\nmount = {{}}\nopening_rad = 3.141592653589793\ncolumns = 41\nrows = 30\nrange_m = 5.0\n\
          background = [1, 2, 3]\nperiod_ms = 50.0\nport = {{ link = {link} }}"
     );
-    world(&scene(&top, "", &named("s", &sensor)))
+    world(&scene(&top, POLLED, &named("s", &sensor)))
 }
 
 #[test]
@@ -228,15 +229,14 @@ fn images_that_the_cable_cannot_carry_are_left_out() {
     // An image takes 328.3 ms: every seventh is sent.
     assert_eq!(view(&world, "s").samples, 200);
     assert_eq!(view(&world, "s").missed, 200 - 29);
-    assert!(port.messages >= 28 && bytes.len() as u64 == port.bytes, "{port:?}");
+    assert!(port.messages >= 28 && port.bytes - bytes.len() as u64 <= 115, "{port:?}");
 }
 
 #[test]
 fn a_brain_with_a_port_is_woken_by_it() {
     let mut world = camera(&uart(1_000_000));
-    let turn = world.begin()[0];
-    assert!(turn.at.as_ns() < 10_000_000, "{turn:?}");
-    // Frames of the microcontroller come at once; the image 37.8 ms later.
+    assert_eq!(world.begin()[0].at.as_ns(), 10_000_000, "nothing has come, so the tick ends");
+    // The image has 3782 bytes, 37.82 ms.
     world.finish(&[]);
     let first = (1..10).find(|_| {
         let arrived = !world.begin().is_empty() && world.robot(0).readings()[0].readable;
