@@ -317,7 +317,7 @@ fn another_way_to_say_it_drops_the_presets() {
 
 #[test]
 fn sensors_can_be_left_out_and_added_behind_the_presets() {
-    let fields = "without = [\"ir_6\", \"ir_7\", \"ir_0\"]\n\
+    let fields = "without = [\"ir_6\", \"ir_7\", \"ir_0\", \"ir_6\"]\n\
                   [robots.sensors.zebra]\nkind = \"compass\"\n\
                   [robots.sensors.ir_2]\nrange_m = 0.06\n\
                   [robots.sensors.abacus]\npreset = \"hmc6352\"\n";
@@ -356,7 +356,7 @@ fn what_cannot_be_filled_is_refused() {
         "robots[0].preset: there is no preset `xyzzyplugh`; `baudbot preset` lists all",
     );
     refused("preset = \"gp2d12\"", "robots[0].preset: `gp2d12` is a sensor, needed is a robot");
-    refused("preset = 3", "robots[0].preset: must be the name of a preset, is a integer");
+    refused("preset = 3", "robots[0].preset: must be the name of a preset, is of type integer");
     refused(
         "without = [\"ir_6\"]",
         "robots[0].without: says what of a `preset` is left out, and there is none",
@@ -367,7 +367,7 @@ fn what_cannot_be_filled_is_refused() {
     );
     refused(
         "preset = \"arsim\"\nwithout = \"ir_6\"",
-        "robots[0].without: must be a list of sensors' names, is a string",
+        "robots[0].without: must be a list of sensors' names, is of type string",
     );
     let place = |place: &str| refusal(&robot(&format!("{BODY}{place}.preset = \"arsim\"")));
     assert_eq!(

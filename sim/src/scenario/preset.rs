@@ -115,7 +115,7 @@ impl Expander {
         let Some(value) = table.remove("preset") else { return Ok(None) };
         let path = path.field("preset");
         let Value::String(name) = &value else {
-            return Err(path.error(format!("must be the name of a preset, is a {}", value.type_str())));
+            return Err(path.error(format!("must be the name of a preset, is of type {}", value.type_str())));
         };
         self.uses += 1;
         if self.uses > MAX_USES {
@@ -167,7 +167,9 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
     let names = match without {
         Value::Array(names) => names,
         other => {
-            return Err(path.error(format!("must be a list of sensors' names, is a {}", other.type_str())));
+            return Err(
+                path.error(format!("must be a list of sensors' names, is of type {}", other.type_str()))
+            );
         }
     };
     let mut none = Table::new();
@@ -176,9 +178,9 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
     for (i, name) in names.iter().enumerate() {
         let path = path.index(i);
         let Value::String(name) = name else {
-            return Err(path.error(format!("must be the name of a sensor, is a {}", name.type_str())));
+            return Err(path.error(format!("must be the name of a sensor, is of type {}", name.type_str())));
         };
-        if sensors.remove(name).is_none() {
+        if !there.contains(name) {
             let shortened: String = name.chars().take(80).collect();
             let problem = match there.join(", ") {
                 none if none.is_empty() => {
@@ -188,6 +190,7 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
             };
             return Err(path.error(problem));
         }
+        sensors.remove(name);
     }
     Ok(())
 }
