@@ -244,6 +244,8 @@ fn actuators_and_batteries() {
     let battery = |fields: &str| {
         scene("", &format!("battery = {{ nominal_v = 12.0, capacity_mah = 1000.0, {fields} }}"), "")
     };
+    let flat = scene("", "battery = { nominal_v = 1e-320, capacity_mah = 1000.0 }", "");
+    refused(&flat, "robots[0].battery.nominal_v: must be within 0.001 and 1000000");
     refused(&battery("charge = 1.5"), "robots[0].battery.charge: must be within 0 and 1, is 1.5");
     refused(&battery("curve_share_v = []"), "robots[0].battery.curve_share_v: needs at least one pair");
     refused(
@@ -332,6 +334,11 @@ fn things_in_the_arena() {
         &format!("{mover}radius_m = 0.1\nwander = {{ speed_m_s = 1e300, turn_s = 1.0 }}\n"),
         "arena.movers[0].wander.speed_m_s: must be within",
     );
+    let stuck = format!(
+        "{}{mover}radius_m = 0.2\nwander = {{ speed_m_s = 1.0, turn_s = 1.0 }}\n",
+        crate::scene::wall(3.1)
+    );
+    top(&stuck, "arena.movers[0]: `m` stands in `wall`, so it could never wander");
     let movable = "[[arena.movables]]\nname = \"m\"\nx_m = 3.0\ny_m = 0.0\nfriction = 0.1\n";
     top(&format!("{movable}mass_kg = 1.0\n"), "arena.movables[0]: needs one of `radius_m`");
     top(
