@@ -258,7 +258,7 @@ fn actuators_and_batteries() {
 }
 
 #[test]
-fn motors_and_brains() {
+fn motors_that_cannot_be() {
     refused(
         &scene("", "motors = { kind = \"velocity\" }", ""),
         "robots[0].motors.kind: a velocity-regulated motor needs encoders",
@@ -267,6 +267,10 @@ fn motors_and_brains() {
         &scene("", "motors = { timeout_ms = 0.0 }", ""),
         "robots[0].motors.timeout_ms: must be within 0.01",
     );
+}
+
+#[test]
+fn brains_and_their_processors() {
     let onboard = "link = { kind = \"onboard\" }\n";
     refused(
         &scene(
@@ -339,6 +343,10 @@ fn things_in_the_arena() {
         crate::scene::wall(3.1)
     );
     top(&stuck, "arena.movers[0]: `m` stands in `wall`, so it could never wander");
+}
+
+#[test]
+fn things_to_push_zones_and_lights() {
     let movable = "[[arena.movables]]\nname = \"m\"\nx_m = 3.0\ny_m = 0.0\nfriction = 0.1\n";
     top(&format!("{movable}mass_kg = 1.0\n"), "arena.movables[0]: needs one of `radius_m`");
     top(
