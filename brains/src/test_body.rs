@@ -6,7 +6,8 @@ use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Readi
 
 /// A body with sensors of these names, kinds and headings.
 pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
-    let component = Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64 };
+    let component =
+        Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count: 1 };
     let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
         name: name.to_owned(),
         kind: kind.to_owned(),
@@ -16,6 +17,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         mount: Some(Mount { heading_rad, ..Mount::default() }),
         range_m: Some(1.0),
         counts_per_turn: None,
+        port: None,
     };
     Body {
         name: "alice".to_owned(),
@@ -28,6 +30,11 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         firmware: Firmware { protocol: Protocol::Framed { ages: true }, period_ns: Some(20_000_000) },
         baud: Some(9600),
         bits_per_character: Some(10),
+        motor_kind: "dc".to_owned(),
+        actuators: Vec::new(),
+        onboard: false,
+        operations_per_s: None,
+        ram_bytes: None,
     }
 }
 

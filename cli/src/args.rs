@@ -41,6 +41,9 @@ pub(crate) enum Command {
     /// Says what a scenario is, or what is wrong with it
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
+    /// Lists presets of robots and their parts, or shows one with where its numbers are from
+    #[command(after_long_help = PRESET_EXAMPLES)]
+    Preset(PresetArgs),
     /// Shows a world of a server as it moves
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
@@ -123,8 +126,20 @@ pub(crate) struct BrainArgs {
 pub(crate) struct CheckArgs {
     /// A scenario file, or one that is part of the program: arsim, khepera, wander
     pub(crate) scenario: String,
+    /// Draw it from above as a picture in SVG; `-` is stdout, and nothing else is then written there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PresetArgs {
+    /// A preset [default: list them all]
+    pub(crate) name: Option<String>,
+    /// Write JSON: the list, or a preset's values, each with its standing and its source
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -291,7 +306,17 @@ Examples:
 const CHECK_EXAMPLES: &str = "\
 Examples:
   baudbot check wander
-  baudbot check my.toml --set robots.alice.link.baud=4800";
+  baudbot check my.toml --set robots.alice.link.baud=4800
+  baudbot check khepera --svg khepera.svg        a picture for a browser";
+
+const PRESET_EXAMPLES: &str = "\
+Examples:
+  baudbot preset                                 all that there are, kind by kind
+  baudbot preset khepera-1                       its file, each number with where it is from
+  baudbot preset gp2d12 --json
+  baudbot preset khepera-1 --json | jq '.values[] | select(.standing == \"guess\")'
+
+A scenario uses one as `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table that they are for.";
 
 const WATCH_EXAMPLES: &str = "\
 Examples:

@@ -1,26 +1,36 @@
 //! `baudbot check`: what a scenario is.
 
 use std::fmt::Write;
+use std::fs;
 
+use anyhow::Context;
 use baudbot_geometry::{Bounds, Circle, Segment};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::firmware::{Mode, Protocol};
-use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame};
 
 use crate::args::CheckArgs;
+use crate::drawing;
+use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::summary::bytes_per_second;
-use crate::text::{self, count, duration, handy, pairs, percent, table};
+use crate::text::{self, NOTHING, count, duration, handy, pairs, percent, table};
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
+    if let Some(path) = &args.svg {
+        let picture = drawing::draw(&scenario, source.label());
+        // A picture on stdout is for another program, which a text behind it would confuse.
+        if path.as_os_str() == "-" {
+            return text::print(&picture);
+        }
+        fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))?;
+    }
     text::print(&describe(&source, &scenario))
 }
 
@@ -30,6 +40,9 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
     for robot in scenario.robots() {
         text.push('\n');
         text += &describe_robot(robot);
+    }
+    for warning in scenario.warnings() {
+        let _ = writeln!(text, "\nwarning: {warning}");
     }
     text
 }
@@ -101,9 +114,12 @@ fn describe_robot(robot: &RobotSpec) -> String {
             format!("x {} m, y {} m, heading {} rad", position.x, position.y, robot.start.pose.heading),
         ),
         ("body", body),
-        ("motors", format!("signals of {}", encoding(robot.firmware.motor_encoding()))),
+        (
+            "motors",
+            format!("{}, signals of {}", drive.motor.kind(), encoding(robot.firmware.motor_encoding())),
+        ),
         ("firmware", firmware(robot)),
-        ("link", link(&robot.link)),
+        ("link", link::text(&robot.link)),
         ("readings", message(robot, frame_bytes(robot), "with all sensors")),
         ("command", message(robot, command_bytes(robot), "each")),
     ];
@@ -137,29 +153,11 @@ fn firmware(robot: &RobotSpec) -> String {
     }
 }
 
-fn link(link: &Link) -> String {
-    match link {
-        Link::Ideal => "ideal: no time, no loss".to_owned(),
-        Link::Onboard => "none: the brain is the microcontroller's program".to_owned(),
-        Link::Uart(uart) => {
-            let rate = handy(f64::from(uart.baud) / f64::from(uart.bits_per_character));
-            let errors = match uart.byte_error_rate {
-                0.0 => String::new(),
-                rate => format!(", a byte is wrong with probability {rate}"),
-            };
-            format!(
-                "{} baud, {} bits a character: {rate} bytes/s{errors}",
-                uart.baud, uart.bits_per_character
-            )
-        }
-    }
-}
-
 fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
     let bytes_text = count(bytes, "byte");
-    match bytes_per_second(&robot.link) {
+    match link::transfer_ns(&robot.link, bytes) {
         None => format!("{bytes_text} {which}"),
-        Some(rate) => format!("{bytes_text} {which}, {} on the link", duration(bytes as f64 / rate * 1e9)),
+        Some(ns) => format!("{bytes_text} {which}, {} on the link", duration(ns)),
     }
 }
 
@@ -187,13 +185,13 @@ fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let frames = 1e9 / schedule.period_ns() as f64;
     let mut bytes = frame_bytes(robot) as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
-        for sensor in &robot.sensors {
+        for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
             let entry = sample_bytes(sensor) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
         }
     }
-    Some((bytes, bytes / bytes_per_second(&robot.link)?))
+    Some((bytes, bytes / link::bytes_per_second(&robot.link)?))
 }
 
 fn sample_bytes(sensor: &Sensor) -> usize {
@@ -202,24 +200,35 @@ fn sample_bytes(sensor: &Sensor) -> usize {
 
 fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
     let row = |sensor: &Sensor| {
-        let encodings = match sensor.encodings.as_slice() {
-            [] => String::new(),
-            [one] => encoding(*one),
-            several => format!("{} × {}", several.len(), encoding(several[0])),
+        let encodings = match (sensor.encodings.as_slice(), &sensor.port) {
+            (values, Some(_)) => format!("{} on its own port", values.len()),
+            ([], None) => String::new(),
+            ([one], None) => encoding(*one),
+            (several, None) => format!("{} × {}", several.len(), encoding(several[0])),
         };
-        [
-            sensor.name.clone(),
-            sensor.device.kind().to_owned(),
-            duration(sensor.schedule.period_ns() as f64),
-            duration(sensor.schedule.phase_ns() as f64),
-            encodings,
-            sample_bytes(sensor).to_string(),
-        ]
+        let bytes = match &sensor.port {
+            Some(port) => port.format.message_len(&sensor.device),
+            None => sample_bytes(sensor),
+        };
+        let (period, phase) = times(sensor);
+        let kind = sensor.device.kind().to_owned();
+        [sensor.name.clone(), kind, period, phase, encodings, bytes.to_string()]
     };
     let head = ["", "kind", "period", "phase", "values", "bytes"];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(sensors.iter().map(row));
     rows
+}
+
+/// How often, and from when on, it is read; or, with a port of its own, it speaks.
+fn times(sensor: &Sensor) -> (String, String) {
+    let show = |ns: u64| duration(ns as f64);
+    match sensor.own_clock {
+        Some(clock) if sensor.port.is_some() => {
+            (show(clock.period_ns), clock.phase_ns.map_or_else(|| NOTHING.to_owned(), show))
+        }
+        _ => (show(sensor.schedule.period_ns()), show(sensor.schedule.phase_ns())),
+    }
 }
 
 fn encoding(encoding: Encoding) -> String {

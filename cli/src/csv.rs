@@ -4,12 +4,13 @@
 //! significant digits: read back, they are the same bits. What a robot does not have, or not yet, is an
 //! empty cell.
 
+use std::collections::{HashMap, HashSet};
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::os::fd::AsFd;
 use std::path::Path;
 
-use baudbot_server::sensor_columns;
+use baudbot_server::{sensor_columns, state_columns, state_values};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::{RobotView, World};
 use tokio::sync::oneshot;
@@ -19,6 +20,8 @@ pub(crate) struct Table {
     out: BufWriter<Box<dyn Write + Send>>,
     /// For each robot and each sensor column, which of the robot's values stands there.
     cells: Vec<Vec<Option<usize>>>,
+    /// The same for the columns of the robots' own state.
+    state_cells: Vec<Vec<Option<usize>>>,
     /// Taken when the first write fails; otherwise told when the table is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
     values: Vec<f64>,
@@ -64,19 +67,12 @@ impl Table {
         out: Box<dyn Write + Send>,
         robots: &[RobotSpec],
     ) -> (Self, oneshot::Receiver<io::Result<()>>) {
-        let own: Vec<Vec<String>> = robots.iter().map(sensor_columns).collect();
-        let mut union: Vec<&str> = Vec::new();
-        for column in own.iter().flatten() {
-            if !union.contains(&column.as_str()) {
-                union.push(column);
-            }
-        }
-        let place = |own: &Vec<String>, column: &str| own.iter().position(|name| name == column);
-        let cells = own.iter().map(|own| union.iter().map(|column| place(own, column)).collect()).collect();
+        let (sensors, cells) = shared(robots.iter().map(sensor_columns));
+        let (state, state_cells) = shared(robots.iter().map(state_columns));
         let (outcome, receiver) = oneshot::channel();
         let out = BufWriter::with_capacity(BUFFER, out);
-        let header = Some(header(&union));
-        (Self { out, cells, outcome: Some(outcome), values: Vec::new(), header }, receiver)
+        let header = Some(header(&sensors, &state));
+        (Self { out, cells, state_cells, outcome: Some(outcome), values: Vec::new(), header }, receiver)
     }
 
     /// One row a robot: the state at the start of a tick, with the readings that were taken at it.
@@ -104,7 +100,12 @@ impl Table {
             }
             number_cell(&mut self.out, Some(robot.signals().left))?;
             number_cell(&mut self.out, Some(robot.signals().right))?;
-            writeln!(self.out, ",{}", u8::from(robot.collided()))?;
+            write!(self.out, ",{}", u8::from(robot.collided()))?;
+            let state = state_values(&robot);
+            for cell in &self.state_cells[i] {
+                number_cell(&mut self.out, cell.map(|value| state[value]))?;
+            }
+            writeln!(self.out)?;
         }
         Ok(())
     }
@@ -127,13 +128,28 @@ impl Drop for Table {
     }
 }
 
-fn header(sensors: &[&str]) -> String {
+/// The columns that robots have, each once, and for each robot and each of these columns the place among its own.
+fn shared(own: impl Iterator<Item = Vec<String>>) -> (Vec<String>, Vec<Vec<Option<usize>>>) {
+    let own: Vec<_> = own.collect();
+    let mut seen = HashSet::new();
+    let union: Vec<String> = own.iter().flatten().filter(|column| seen.insert(*column)).cloned().collect();
+    let cells = own.iter().map(|own| {
+        let places: HashMap<_, _> = own.iter().enumerate().map(|(i, column)| (column, i)).collect();
+        union.iter().map(|column| places.get(column).copied()).collect()
+    });
+    let cells = cells.collect();
+    (union, cells)
+}
+
+fn header(sensors: &[String], state: &[String]) -> String {
     let mut header = "t_s,robot,x_m,y_m,heading_rad,speed_m_s,turn_rate_rad_s".to_owned();
-    for column in sensors {
+    let columns = sensors.iter().map(String::as_str);
+    let columns = columns.chain(["left_signal", "right_signal", "collided"]);
+    for column in columns.chain(state.iter().map(String::as_str)) {
         header.push(',');
         header.push_str(column);
     }
-    header + ",left_signal,right_signal,collided\n"
+    header + "\n"
 }
 
 /// The last samples of all of a robot's sensors, NaN before the first.

@@ -1,4 +1,4 @@
-//! An arena and its robots in characters.
+//! An arena and what moves in it in characters.
 
 use baudbot_proto::v1;
 
@@ -26,10 +26,7 @@ impl Map {
         let rows = (height / scale / 2.0).round() as usize + 1;
         let mut map = Self { cells: vec![vec![' '; columns]; rows], min, scale };
         for polygon in &world.polygons {
-            let ends = polygon.points.iter().cycle().skip(1);
-            for (start, end) in polygon.points.iter().zip(ends) {
-                map.line((start.x_m, start.y_m), (end.x_m, end.y_m), '#');
-            }
+            map.corners(polygon.points.iter().map(|p| (p.x_m, p.y_m)), polygon.closed, '#');
         }
         for disc in &world.circles {
             let center = disc.center.unwrap_or_default();
@@ -38,13 +35,19 @@ impl Map {
         map
     }
 
-    /// The picture with robots in it: outlines, and arrows that point where they head.
-    pub(crate) fn with_robots(&self, world: &v1::DescribeWorldResponse, robots: &[v1::RobotTruth]) -> String {
+    /// The picture with all that moves in it: outlines, and arrows that point where robots head.
+    pub(crate) fn with_frame(&self, world: &v1::DescribeWorldResponse, frame: &v1::WatchResponse) -> String {
         let mut map = Self { cells: self.cells.clone(), ..*self };
-        for (robot, body) in robots.iter().zip(&world.robots) {
-            map.circle((robot.x_m, robot.y_m), body.radius_m, '·');
+        for (thing, body) in frame.things.iter().zip(&world.things) {
+            let outline = body.outline.clone().unwrap_or_default();
+            let pose = (thing.x_m, thing.y_m, thing.heading_rad);
+            map.outline(pose, &outline.points, outline.radius_m, '+');
         }
-        for robot in robots {
+        for (robot, body) in frame.robots.iter().zip(&world.robots) {
+            let pose = (robot.x_m, robot.y_m, robot.heading_rad);
+            map.outline(pose, &body.outline, body.radius_m, '·');
+        }
+        for robot in &frame.robots {
             map.dot((robot.x_m, robot.y_m), if robot.collided { 'X' } else { arrow(robot.heading_rad) });
         }
         let rows = map.cells.iter().rev().map(|row| row.iter().collect::<String>());
@@ -70,6 +73,29 @@ impl Map {
             let t = i as f64 / steps as f64;
             self.dot((a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)), mark);
         }
+    }
+
+    fn corners(
+        &mut self,
+        corners: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
+        closed: bool,
+        mark: char,
+    ) {
+        let sides = if closed { corners.len() } else { corners.len().saturating_sub(1) };
+        let ends = corners.clone().cycle().skip(1);
+        for (start, end) in corners.zip(ends).take(sides) {
+            self.line(start, end, mark);
+        }
+    }
+
+    /// A body at a pose: its corners in its own frame, or a disc if it has none.
+    fn outline(&mut self, (x, y, heading): (f64, f64, f64), corners: &[v1::Point], radius: f64, mark: char) {
+        if corners.is_empty() {
+            return self.circle((x, y), radius, mark);
+        }
+        let (sin, cos) = heading.sin_cos();
+        let place = |p: &v1::Point| (x + p.x_m * cos - p.y_m * sin, y + p.x_m * sin + p.y_m * cos);
+        self.corners(corners.iter().map(place), true, mark);
     }
 
     fn circle(&mut self, center: (f64, f64), radius: f64, mark: char) {
@@ -114,22 +140,43 @@ mod tests {
         let point = |x_m, y_m| v1::Point { x_m, y_m };
         let points = vec![point(0.0, 0.0), point(6.0, 0.0), point(6.0, 4.0), point(0.0, 4.0)];
         v1::DescribeWorldResponse {
-            polygons: vec![v1::Polygon { points, ..Default::default() }],
+            polygons: vec![v1::Polygon { points, closed: true, ..Default::default() }],
             robots: vec![v1::ObservedRobot { radius_m: 0.0, ..Default::default() }],
             ..Default::default()
         }
     }
 
+    fn frame(robots: &[v1::RobotTruth]) -> v1::WatchResponse {
+        v1::WatchResponse { robots: robots.to_vec(), ..Default::default() }
+    }
+
     #[test]
     fn a_room_with_a_robot() {
         let robots = [v1::RobotTruth { x_m: 3.0, y_m: 4.0 - 0.2, heading_rad: 1.6, ..Default::default() }];
-        let text = Map::new(&room(), &robots, 40, 61).with_robots(&room(), &robots);
+        let text = Map::new(&room(), &robots, 40, 61).with_frame(&room(), &frame(&robots));
         let rows: Vec<Vec<char>> = text.lines().map(|line| line.chars().collect()).collect();
         assert_eq!((rows.len(), rows[0].len()), (21, 61));
         assert!(rows[0].iter().chain(&rows[20]).all(|&c| c == '#'));
         assert!(rows[1..20].iter().all(|row| row[0] == '#' && row[60] == '#'));
         assert_eq!(rows[1][30], '↑');
         assert_eq!(text.matches(' ').count(), 19 * 59 - 1);
+    }
+
+    #[test]
+    fn an_open_line_stays_open_and_a_box_is_drawn_where_it_is() {
+        let mut world = room();
+        world.polygons[0].closed = false;
+        let corner = |x_m, y_m| v1::Point { x_m, y_m };
+        let points = vec![corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+        let outline = Some(v1::Outline { points, ..Default::default() });
+        world.things.push(v1::ObservedThing { outline, ..Default::default() });
+        let thing = v1::ThingTruth { x_m: 3.0, y_m: 2.0, ..Default::default() };
+        let frame = v1::WatchResponse { things: vec![thing], ..Default::default() };
+        let text = Map::new(&world, &[], 40, 61).with_frame(&world, &frame);
+        let rows: Vec<Vec<char>> = text.lines().map(|line| line.chars().collect()).collect();
+        assert!(rows[1..20].iter().all(|row| row[0] != '#' && row[60] == '#'), "{text}");
+        let (top, middle): (String, String) = (rows[7].iter().collect(), rows[10].iter().collect());
+        assert!(top.contains("+++++++++++") && middle.contains("+         +"), "{text}");
     }
 
     #[test]
@@ -142,8 +189,8 @@ mod tests {
     fn who_is_outside_is_not_drawn_and_an_empty_world_is() {
         let far = [v1::RobotTruth { x_m: -100.0, y_m: 1e300, ..Default::default() }];
         let near = [v1::RobotTruth { x_m: 1.0, y_m: 1.0, ..Default::default() }];
-        assert!(!Map::new(&room(), &near, 40, 61).with_robots(&room(), &far).contains('→'));
+        assert!(!Map::new(&room(), &near, 40, 61).with_frame(&room(), &frame(&far)).contains('→'));
         let nothing = v1::DescribeWorldResponse::default();
-        assert_eq!(Map::new(&nothing, &[], 40, 61).with_robots(&nothing, &[]), "\n");
+        assert_eq!(Map::new(&nothing, &[], 40, 61).with_frame(&nothing, &frame(&[])), "\n");
     }
 }

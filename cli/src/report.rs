@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::summary::{Clock, Lateness, Line, Robot, Sensor, Summary};
+use crate::summary::{Battery, Blocked, Clock, Lateness, Line, Robot, Score, Sensor, Summary, Zone};
 use crate::text::{NOTHING, count, duration, handy, pairs, percent, table};
 
 /// The whole summary.
@@ -48,7 +48,26 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
             format!("{} overruns, at most {late} late, drift {:+.4} %", clock.overruns, clock.drift_percent);
         head.push(("clock", text));
     }
+    head.extend(summary.score.iter().flat_map(score));
+    for Blocked { mover, blocked_s } in &summary.blocked {
+        let text = format!("`{mover}` stood still for {} s, as something was in its way", handy(*blocked_s));
+        head.push(("warning", text));
+    }
     head
+}
+
+fn score(score: &Score) -> Vec<(&'static str, String)> {
+    let share = |share: f64| format!("{} of the free floor", percent(share / 100.0));
+    let mut facts = Vec::new();
+    facts.extend(score.covered_percent.map(|covered| ("covered", share(covered))));
+    facts.extend(score.sensed_percent.map(|sensed| ("sensed", share(sensed))));
+    if score.goals > 0 {
+        facts.push(("goals", format!("{} of {} reached", score.goals_reached, score.goals)));
+    }
+    if !score.visited.is_empty() {
+        facts.push(("visited", score.visited.join(", ")));
+    }
+    facts
 }
 
 /// A bar for each power of two of microseconds, from the first that occurred to the last.
@@ -95,6 +114,11 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     if robot.frames_missed > 0 {
         facts.push(("busy", format!("{} frames left out by the microcontroller", robot.frames_missed)));
     }
+    facts.extend(robot.battery.as_ref().map(|battery| ("battery", self::battery(battery))));
+    if !robot.zones.is_empty() {
+        let zone = |zone: &Zone| format!("{} {} s", zone.zone, handy(zone.time_s));
+        facts.push(("zones", robot.zones.iter().map(zone).collect::<Vec<_>>().join(", ")));
+    }
     text += &pairs("  ", &facts);
     text += &table("    ", &lines(robot));
     if !robot.sensors.is_empty() {
@@ -104,10 +128,20 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     text
 }
 
+fn battery(battery: &Battery) -> String {
+    let Battery { charge_percent, voltage_v, used_j, charged_j } = *battery;
+    let left = format!("{} left, {} V", percent(charge_percent / 100.0), handy(voltage_v));
+    let charged = if charged_j > 0.0 { format!(", {} J put in", handy(charged_j)) } else { String::new() };
+    format!("{left}, {} J used{charged}", handy(used_j))
+}
+
 fn link(robot: &Robot) -> String {
+    if robot.onboard {
+        return "none: the brain is the microcontroller's program".to_owned();
+    }
     match (robot.baud, robot.bits_per_character) {
         (Some(baud), Some(bits)) => format!("{baud} baud, {bits} bits a character"),
-        _ => "ideal".to_owned(),
+        _ => robot.link.to_owned(),
     }
 }
 
@@ -115,7 +149,7 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
     let row = |name: &str, line: &Line| {
         let counts = [line.bytes, line.messages];
         let losses = [
-            line.overrun_bytes + line.refused_bytes,
+            line.overrun_bytes + line.refused_bytes + line.lost_bytes,
             line.corrupted_bytes,
             line.bad_frames,
             line.bad_messages,
@@ -126,7 +160,10 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
         [name.to_owned(), bytes, messages, used, lost, corrupted, frames, content]
     };
     let head = ["", "bytes", "messages", "used", "lost", "corrupted", "bad frames", "bad messages"];
-    vec![head.map(str::to_owned), row("up", &robot.uplink), row("down", &robot.downlink)]
+    let mut rows = vec![head.map(str::to_owned), row("up", &robot.uplink), row("down", &robot.downlink)];
+    let ports = robot.sensors.iter().filter_map(|sensor| Some((&sensor.sensor, sensor.port.as_ref()?)));
+    rows.extend(ports.map(|(sensor, line)| row(sensor, line)));
+    rows
 }
 
 fn sensors(robot: &Robot) -> Vec<[String; 7]> {

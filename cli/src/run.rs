@@ -97,13 +97,14 @@ impl Plan {
             overrides.push(scenarios::set("end.after_s", format_args!("{after_s:?}")));
             let limited = source.parse(&overrides);
             scenario = limited.map_err(|error| Refused::error(format!("{option}: {error}")))?;
-        } else if end.after.is_none() && end.goal.is_none() {
+        } else if end.after.is_none() && end.goal.is_none() && !scenario.rules().end_runs() {
             overrides.push(scenarios::set("end.after_s", format_args!("{DEFAULT_SECONDS:?}")));
             scenario = source.parse(&overrides)?;
             let text =
                 || format!("note: {} sets no end; this run ends after {DEFAULT_SECONDS} s", source.label());
             note = args.scenario.is_some().then(text);
         }
+        scenarios::warn(&scenario);
         let jobs = crew::share_out(&args.brains, scenario.robots())?;
         jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed());

@@ -1,5 +1,6 @@
 //! Scenarios: files, and those that are part of this program.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
@@ -28,11 +29,11 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Finds an embedded scenario of this name, or reads a file.
+    /// Finds an embedded scenario of this name, or reads a file, and what that refers to by file.
     pub(crate) fn find(name: &str) -> anyhow::Result<Self> {
         let text = match EMBEDDED.iter().find(|(embedded, _)| *embedded == name) {
             Some((_, text)) => (*text).to_owned(),
-            None => read(name)?,
+            None => inline(name, &read(name)?)?,
         };
         Ok(Self { label: name.to_owned(), text })
     }
@@ -55,6 +56,13 @@ impl Source {
         let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         let name: String = name.chars().take(64).map(|c| if fits(c) { c } else { '-' }).collect();
         if name.is_empty() { "world".to_owned() } else { name }
+    }
+}
+
+/// Tells what is allowed and yet hardly meant.
+pub(crate) fn warn(scenario: &Scenario) {
+    for warning in scenario.warnings() {
+        eprintln!("warning: {warning}");
     }
 }
 
@@ -89,6 +97,13 @@ fn read(path: &str) -> anyhow::Result<String> {
         return Err(Refused::error(problem));
     }
     String::from_utf8(bytes).map_err(|_| unreadable(io::ErrorKind::InvalidData.into()))
+}
+
+/// Puts the maps and tables that a scenario refers to into their places.
+fn inline(path: &str, text: &str) -> anyhow::Result<String> {
+    let folder = Path::new(path).parent().unwrap_or_else(|| Path::new(""));
+    let whole = baudbot_import::inline(text, folder);
+    whole.map(Cow::into_owned).map_err(|error| Refused::error(format!("{path}: {error}")))
 }
 
 fn unreadable(path: &str, error: &io::Error) -> String {

@@ -31,6 +31,7 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
             describe(&world, &scenario),
             scenario.robots().first().map(|spec| spec.name.clone()),
         ));
+        scenarios::warn(&scenario);
         builder = builder.world(WorldConfig::new(world, scenario).pace(pace).paused(args.paused));
     }
     for address in addresses(args)? {

@@ -5,9 +5,11 @@ use baudbot_proto::v1::pace::Kind;
 use baudbot_sim::Scenario;
 use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 
 use crate::crew::Job;
+use crate::link;
 
 /// A run.
 #[derive(Debug, Serialize)]
@@ -31,7 +33,33 @@ pub(crate) struct Summary {
     pub(crate) clock: Option<Clock>,
     /// In lockstep.
     pub(crate) lockstep: Option<Lockstep>,
+    /// What the referee counted, if there was anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) score: Option<Score>,
+    /// Those of the things that move by themselves that something was in the way of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) blocked: Vec<Blocked>,
     pub(crate) robots: Vec<Robot>,
+}
+
+/// What the referee counted.
+#[derive(Debug, Serialize)]
+pub(crate) struct Score {
+    /// Of the free floor, what bodies covered.
+    pub(crate) covered_percent: Option<f64>,
+    /// Of the free floor, what rays reached.
+    pub(crate) sensed_percent: Option<f64>,
+    pub(crate) goals_reached: u32,
+    pub(crate) goals: u32,
+    /// Zones that any robot has been in.
+    pub(crate) visited: Vec<String>,
+}
+
+/// Something that moves by itself, and how long it stood still for what was in its way.
+#[derive(Debug, Serialize)]
+pub(crate) struct Blocked {
+    pub(crate) mover: String,
+    pub(crate) blocked_s: f64,
 }
 
 /// How well simulated time followed the wall clock.
@@ -70,12 +98,38 @@ pub(crate) struct Robot {
     pub(crate) commands: u64,
     pub(crate) lost_deliveries: u64,
     pub(crate) frames_missed: u64,
-    /// Absent if the link is ideal.
+    /// `ideal`, `uart` or `usb`.
+    pub(crate) link: &'static str,
+    /// Absent if the link has no baud rate.
     pub(crate) baud: Option<u32>,
     pub(crate) bits_per_character: Option<u8>,
+    /// The brain is the microcontroller's program; there is no link.
+    #[serde(skip_serializing_if = "is_false")]
+    pub(crate) onboard: bool,
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) battery: Option<Battery>,
+    /// Those that it has been in.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) zones: Vec<Zone>,
     pub(crate) sensors: Vec<Sensor>,
+}
+
+/// What feeds a robot, at the end.
+#[derive(Debug, Serialize)]
+pub(crate) struct Battery {
+    pub(crate) charge_percent: f64,
+    pub(crate) voltage_v: f64,
+    pub(crate) used_j: f64,
+    pub(crate) charged_j: f64,
+}
+
+/// A robot's time in a zone.
+#[derive(Debug, Serialize)]
+pub(crate) struct Zone {
+    pub(crate) zone: String,
+    pub(crate) time_s: f64,
 }
 
 /// One direction of a link.
@@ -90,6 +144,8 @@ pub(crate) struct Line {
     pub(crate) corrupted_bytes: u64,
     pub(crate) bad_frames: u64,
     pub(crate) bad_messages: u64,
+    /// In outages of the cable.
+    pub(crate) lost_bytes: u64,
 }
 
 /// A sensor and the freshness of its readings.
@@ -103,6 +159,9 @@ pub(crate) struct Sensor {
     /// Absent if the protocol does not tell ages.
     pub(crate) age_mean_ms: Option<f64>,
     pub(crate) age_max_ms: Option<f64>,
+    /// The cable of its own, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) port: Option<Line>,
 }
 
 impl Summary {
@@ -136,9 +195,47 @@ impl Summary {
                 waiting_s: seconds(pacing.waiting_wall_ns),
                 watchdog_timeouts: pacing.watchdog_timeouts,
             }),
-            robots: robots.map(|(spec, status)| Robot::new(spec, status, simulated_s, jobs)).collect(),
+            score: status.score.as_ref().map(Score::new),
+            blocked: status.movers.iter().filter(|mover| mover.blocked_ns > 0).map(Blocked::new).collect(),
+            robots: robots
+                .map(|(spec, robot)| {
+                    let zones = zones(status, robot);
+                    Robot { zones, ..Robot::new(spec, robot, simulated_s, jobs) }
+                })
+                .collect(),
         }
     }
+}
+
+impl Score {
+    fn new(score: &v1::Score) -> Self {
+        let visited = score.zones.iter().filter(|zone| zone.visited);
+        Self {
+            covered_percent: score.covered.map(|share| share * 100.0),
+            sensed_percent: score.sensed.map(|share| share * 100.0),
+            goals_reached: score.goals_reached,
+            goals: score.goals,
+            visited: visited.map(|zone| zone.zone.clone()).collect(),
+        }
+    }
+}
+
+impl Blocked {
+    fn new(mover: &v1::MoverStatus) -> Self {
+        Self { mover: mover.mover.clone(), blocked_s: seconds(mover.blocked_ns) }
+    }
+}
+
+/// The zones that a robot has been in.
+fn zones(status: &v1::WorldStatus, robot: &v1::RobotStatus) -> Vec<Zone> {
+    let all = status.score.iter().flat_map(|score| &score.zones).zip(&robot.in_zone_ns);
+    let been_in = all.filter(|(_, ns)| **ns > 0);
+    been_in.map(|(zone, &ns)| Zone { zone: zone.zone.clone(), time_s: seconds(ns) }).collect()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn seconds(ns: u64) -> f64 {
@@ -177,10 +274,10 @@ fn clock(pacing: &v1::PaceStatus, simulated_s: f64, due_s: f64) -> Clock {
 impl Robot {
     fn new(spec: &RobotSpec, status: &v1::RobotStatus, simulated_s: f64, jobs: &[Job]) -> Self {
         let (baud, bits_per_character) = match &spec.link {
-            Link::Ideal | Link::Onboard => (None, None),
+            Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
             Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character)),
         };
-        let capacity = bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
+        let capacity = link::bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
         let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
         Self {
             robot: status.robot.clone(),
@@ -191,20 +288,21 @@ impl Robot {
             commands: status.commands,
             lost_deliveries: status.lost_deliveries,
             frames_missed: status.frames_missed,
+            link: link::kind(&spec.link),
             baud,
             bits_per_character,
+            onboard: matches!(spec.link, Link::Onboard),
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
-            sensors: status.sensors.iter().map(Sensor::new).collect(),
+            battery: status.battery.as_ref().map(Battery::new),
+            zones: Vec::new(),
+            sensors: status
+                .sensors
+                .iter()
+                .zip(&spec.sensors)
+                .map(|(status, spec)| Sensor::new(status, spec, simulated_s))
+                .collect(),
         }
-    }
-}
-
-/// What a line can carry; `None` if it is ideal.
-pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
-    match link {
-        Link::Ideal | Link::Onboard => None,
-        Link::Uart(uart) => Some(f64::from(uart.baud) / f64::from(uart.bits_per_character)),
     }
 }
 
@@ -219,12 +317,22 @@ impl Line {
             corrupted_bytes: status.corrupted_bytes,
             bad_frames: status.bad_frames,
             bad_messages: status.bad_messages,
+            lost_bytes: status.lost_bytes,
         }
     }
 }
 
+impl Battery {
+    fn new(status: &v1::BatteryStatus) -> Self {
+        let v1::BatteryStatus { charge, voltage_v, used_j, charged_j, current_a: _ } = *status;
+        Self { charge_percent: charge * 100.0, voltage_v, used_j, charged_j }
+    }
+}
+
 impl Sensor {
-    fn new(status: &v1::SensorStatus) -> Self {
+    fn new(status: &v1::SensorStatus, spec: &SensorSpec, simulated_s: f64) -> Self {
+        let rate = spec.port.as_ref().and_then(|port| link::bytes_per_second(&port.link));
+        let capacity = rate.map(|rate| rate * simulated_s);
         Self {
             sensor: status.sensor.clone(),
             samples: status.samples,
@@ -232,6 +340,7 @@ impl Sensor {
             readable: status.readable,
             age_mean_ms: status.age_mean_ns.map(|ns| ns as f64 / 1e6),
             age_max_ms: status.age_max_ns.map(|ns| ns as f64 / 1e6),
+            port: status.port.as_ref().map(|line| Line::new(line, capacity)),
         }
     }
 }

@@ -119,7 +119,7 @@ impl View {
         }
         let rows = self.size.0.saturating_sub(numbers.lines().count() + OTHER_LINES);
         let map = self.map.get_or_insert_with(|| Map::new(&self.described, &frame.robots, rows, self.size.1));
-        text += &map.with_robots(&self.described, &frame.robots);
+        text += &map.with_frame(&self.described, frame);
         text += &numbers;
         let hits = frame.collisions.iter();
         self.collisions.extend(hits.map(|c| format!("{time_s:.3} s: {} ran into {}", c.robot, c.with)));
@@ -152,6 +152,9 @@ fn samples(robot: &v1::ObservedRobot, truth: &v1::RobotTruth, columns: usize) ->
     let mut text = String::new();
     let mut line = format!("{}:", robot.robot);
     for (column, &number) in robot.sensor_columns.iter().zip(&truth.samples) {
+        if is_one_of_many(column) {
+            continue;
+        }
         let value = if number.is_nan() { NOTHING.to_owned() } else { format!("{number:.3}") };
         let entry = format!("  {column} {value}");
         if line.chars().count() + entry.chars().count() > columns {
@@ -161,6 +164,12 @@ fn samples(robot: &v1::ObservedRobot, truth: &v1::RobotTruth, columns: usize) ->
         line += &entry;
     }
     format!("{text}{line}\n")
+}
+
+/// Whether it is a later value of a component of many: a scan would fill the screen.
+fn is_one_of_many(column: &str) -> bool {
+    let last = column.rsplit_once('.').and_then(|(_, last)| last.parse::<usize>().ok());
+    last.is_some_and(|place| place > 0)
 }
 
 /// From the top of the screen, each line's rest erased, and what is below.

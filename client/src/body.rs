@@ -20,14 +20,38 @@ pub struct Body {
     pub signal_limit: Option<f64>,
     /// How a motor signal crosses the wire.
     pub motor_encoding: Encoding,
-    /// In the order of the wire.
+    /// What turns the wheels: `dc`, `velocity`, `servo` or `stepper`; text, as a newer server may have others.
+    pub motor_kind: String,
+    /// Actuators besides the wheels, in the order of [`Action::others`].
+    pub actuators: Vec<Actuator>,
+    /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
     pub sensors: Vec<Sensor>,
     /// What the microcontroller says on its wire.
     pub firmware: Firmware,
-    /// Bits a second of the cable; `None` if it is ideal.
+    /// Bits a second of the cable; `None` if it has no baud rate: if it is ideal, or USB.
     pub baud: Option<u32>,
-    /// Bits a character; `None` if the cable is ideal.
+    /// Bits a character; `None` where there is no baud rate.
     pub bits_per_character: Option<u32>,
+    /// There is no cable: the brain is the microcontroller's program, and its thinking takes that processor's
+    /// time.
+    pub onboard: bool,
+    /// Operations of a brain's program that the microcontroller does a second, if that is known.
+    pub operations_per_s: Option<f64>,
+    /// Memory for the variables of a brain's program, in bytes, if that is known.
+    pub ram_bytes: Option<u64>,
+}
+
+/// An actuator besides the wheels, as its data sheet has it. It takes one signal, in [-1, 1].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator {
+    /// Its name, unique among the robot's actuators.
+    pub name: String,
+    /// `turret`, `lamp` or `speaker`; text, as a newer server may have others. Of a lamp and a speaker 1 is full
+    /// strength, and 0 and less is nothing.
+    pub kind: String,
+    /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
+    /// farther from 0, and no farther than either end.
+    pub range_rad: Option<[f64; 2]>,
 }
 
 /// A sensor as its data sheet has it.
@@ -35,9 +59,10 @@ pub struct Body {
 pub struct Sensor {
     /// Its name, unique on its robot.
     pub name: String,
-    /// `ir`, `encoders`, `odometer` or `compass`; text, as a newer server may have others.
+    /// What the scenario calls it, such as `ir`, `sonar`, `laser`, `encoders` or `compass`; text, as a newer
+    /// server may have others.
     pub kind: String,
-    /// One for each value of a reading.
+    /// The parts of a reading, in order.
     pub components: Vec<Component>,
     /// Time between two samples, in nanoseconds.
     pub period_ns: u64,
@@ -49,20 +74,38 @@ pub struct Sensor {
     pub range_m: Option<f64>,
     /// Counts a turn of the wheel, if it counts.
     pub counts_per_turn: Option<u32>,
+    /// A cable of its own to the laptop, past the microcontroller, if it has one.
+    pub port: Option<Port>,
 }
 
-/// One value of a reading.
+/// A sensor's own cable to the laptop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Port {
+    /// What is said on it: `scip2`, `line-image` or `nmea`; text, as a newer server may have others. The modules
+    /// of `baudbot-wire` read them.
+    pub format: String,
+    /// Bytes of one message.
+    pub message_bytes: u64,
+    /// Bits a second; `None` if the cable is ideal.
+    pub baud: Option<u32>,
+    /// Bits a character; `None` if the cable is ideal.
+    pub bits_per_character: Option<u32>,
+}
+
+/// A part of a reading: one value, or as many as a scan has rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
     /// Its name; empty if the sensor has only this one.
     pub name: String,
     /// SI unit; `1` for a ratio.
     pub unit: String,
-    /// How it crosses the wire.
+    /// How each value crosses the wire; without meaning for a sensor with a port of its own.
     pub encoding: Encoding,
+    /// How many values it has; at least 1.
+    pub count: usize,
 }
 
-/// Robot from sensor.
+/// Robot from sensor; on a turret, turret from sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mount {
     /// Forwards of the robot's centre, in metres.
@@ -71,6 +114,8 @@ pub struct Mount {
     pub y_m: f64,
     /// Counter-clockwise of the robot's heading, in radians.
     pub heading_rad: f64,
+    /// The actuator that turns it about the robot's centre, by its place in [`Body::actuators`].
+    pub turret: Option<usize>,
 }
 
 /// What a microcontroller says on its wire.
@@ -97,7 +142,24 @@ pub enum Protocol {
     },
 }
 
+impl Sensor {
+    /// How many values a reading has.
+    pub fn values(&self) -> usize {
+        self.components.iter().fold(0, |sum, component| sum.saturating_add(component.count))
+    }
+
+    /// Whether the microcontroller reads it and sends its readings.
+    pub fn is_on_wire(&self) -> bool {
+        self.port.is_none()
+    }
+}
+
 impl Body {
+    /// The place of the actuator of this name in [`actuators`](Self::actuators) and in [`Action::others`].
+    pub fn actuator_index(&self, name: &str) -> Option<usize> {
+        self.actuators.iter().position(|actuator| actuator.name == name)
+    }
+
     /// The sensor of this name.
     pub fn sensor(&self, name: &str) -> Option<&Sensor> {
         self.sensors.iter().find(|sensor| sensor.name == name)
@@ -125,7 +187,8 @@ impl Body {
         WireLayout::new(self)
     }
 
-    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on an ideal cable. A brain that
+    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on a cable without a
+    /// baud rate. An adapter's or a radio's delay is not in it. A brain that
     /// commands more often than that fills the cable's buffer, and its commands come ever later.
     pub fn command_ns(&self) -> u64 {
         let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };

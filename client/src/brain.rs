@@ -21,12 +21,18 @@ impl<B: Brain + ?Sized> Brain for Box<B> {
 }
 
 /// What a brain does in a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Action {
     /// Signals for the motors; `None` leaves those in force.
     pub signals: Option<Signals>,
+    /// Signals for the other actuators, all of them, in the order of [`Body::actuators`](crate::Body::actuators);
+    /// empty sends again what was sent last. A command has the signals of all motors and actuators, so these
+    /// count only beside [`signals`](Self::signals).
+    pub others: Vec<f64>,
     /// How long the brain says it thought, in simulated time; `None`: what the scenario says.
     pub thinking: Option<Duration>,
+    /// Instead of `thinking`, on a robot that is onboard: how many operations its program did.
+    pub operations: Option<u64>,
     /// Asks a firmware that answers only when asked. Signals ask too, so this counts only without them.
     pub poll: bool,
 }
@@ -34,23 +40,43 @@ pub struct Action {
 impl Action {
     /// Sends signals.
     pub const fn drive(left: f64, right: f64) -> Self {
-        Self { signals: Some(Signals { left, right }), thinking: None, poll: false }
+        let mut action = Self::wait();
+        action.signals = Some(Signals { left, right });
+        action
     }
 
     /// Sends nothing.
     pub const fn wait() -> Self {
-        Self { signals: None, thinking: None, poll: false }
+        Self { signals: None, others: Vec::new(), thinking: None, operations: None, poll: false }
     }
 
     /// Asks for readings.
     pub const fn poll() -> Self {
-        Self { signals: None, thinking: None, poll: true }
+        let mut action = Self::wait();
+        action.poll = true;
+        action
     }
 
     /// The same after so much simulated time of thought.
     #[must_use]
-    pub const fn after(self, thinking: Duration) -> Self {
-        Self { thinking: Some(thinking), ..self }
+    pub const fn after(mut self, thinking: Duration) -> Self {
+        self.thinking = Some(thinking);
+        self
+    }
+
+    /// The same after so many operations of the microcontroller that the brain runs on.
+    #[must_use]
+    pub const fn operations(mut self, operations: u64) -> Self {
+        self.operations = Some(operations);
+        self
+    }
+
+    /// The same with signals for the actuators besides the wheels, all of them, in the order of
+    /// [`Body::actuators`](crate::Body::actuators).
+    #[must_use]
+    pub fn with_others(mut self, others: Vec<f64>) -> Self {
+        self.others = others;
+        self
     }
 }
 

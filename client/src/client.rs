@@ -22,12 +22,13 @@ pub async fn connect(address: &str) -> Result<Client, Error> {
 pub struct Client {
     channel: Channel,
     brain: String,
+    memory_bytes: Option<u64>,
 }
 
 impl Client {
     /// A client of the server at the other end of `channel`, such as one in the same process.
     pub fn from_channel(channel: Channel) -> Self {
-        Self { channel, brain: "brain".to_owned() }
+        Self { channel, brain: "brain".to_owned(), memory_bytes: None }
     }
 
     /// The connection, for clients of the server's other services.
@@ -40,6 +41,14 @@ impl Client {
     #[must_use]
     pub fn brain(self, name: impl Into<String>) -> Self {
         Self { brain: name.into(), ..self }
+    }
+
+    /// Memory, in bytes, that the program's variables need on each robot to which it attaches from now on. Only
+    /// for robots that are [onboard](crate::Body::onboard); others refuse (`InvalidArgument`), and so does one
+    /// that has not as much (`ResourceExhausted`).
+    #[must_use]
+    pub fn memory_bytes(self, bytes: u64) -> Self {
+        Self { memory_bytes: Some(bytes), ..self }
     }
 
     /// Takes hold of a robot. It is let go when the [`Robot`] is dropped.
@@ -70,7 +79,8 @@ impl Client {
 
     async fn session(&self, world: &str, robots: &[&str], raw: bool) -> Result<Session, Error> {
         let robots = robots.iter().map(|&robot| robot.to_owned()).collect();
-        let hello = Hello { world: world.to_owned(), robots, raw, brain: self.brain.clone() };
+        let (brain, memory_bytes) = (self.brain.clone(), self.memory_bytes);
+        let hello = Hello { world: world.to_owned(), robots, raw, brain, memory_bytes };
         Session::open(self.channel.clone(), &hello).await
     }
 }

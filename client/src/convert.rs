@@ -10,7 +10,7 @@ use baudbot_proto::v1::encoding::Kind;
 use baudbot_proto::v1::robot_step::Output;
 use baudbot_wire::Encoding;
 
-use crate::body::{Body, Component, Firmware, Mount, Protocol, Sensor};
+use crate::body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor};
 use crate::brain::Action;
 use crate::error::Breach;
 use crate::session::{Answer, Event, Hello, Part, Welcome};
@@ -24,6 +24,7 @@ pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
         robots: hello.robots.clone(),
         mode: mode.into(),
         brain: hello.brain.clone(),
+        memory_bytes: hello.memory_bytes,
     }))
 }
 
@@ -62,17 +63,25 @@ fn request(request: Request) -> v1::AttachRequest {
 }
 
 fn robot_step(robot: usize, answer: &Answer<'_>) -> v1::RobotStep {
-    let (thinking, output) = match *answer {
-        Answer::Write { bytes, thinking } => (thinking, Some(Output::Raw(bytes.to_vec()))),
-        Answer::Act(Action { signals, thinking, poll }) => {
-            let command = signals.map(|Signals { left, right }| {
-                Output::Command(v1::Command { left_signal: left, right_signal: right })
-            });
-            (thinking, command.or_else(|| poll.then_some(Output::Poll(v1::Poll {}))))
+    let (thinking, operations, output) = match *answer {
+        Answer::Write { bytes, thinking, operations } => {
+            (thinking, operations, Some(Output::Raw(bytes.to_vec())))
         }
+        Answer::Act(action) => (action.thinking, action.operations, output(action)),
     };
     let thinking_ns = thinking.map(nanoseconds);
-    v1::RobotStep { robot: u32::try_from(robot).unwrap_or(u32::MAX), thinking_ns, output }
+    v1::RobotStep { robot: u32::try_from(robot).unwrap_or(u32::MAX), thinking_ns, output, operations }
+}
+
+fn output(action: &Action) -> Option<Output> {
+    match action.signals {
+        Some(Signals { left, right }) => Some(Output::Command(v1::Command {
+            left_signal: left,
+            right_signal: right,
+            other_signals: action.others.clone(),
+        })),
+        None => action.poll.then_some(Output::Poll(v1::Poll {})),
+    }
 }
 
 fn nanoseconds(duration: Duration) -> u64 {
@@ -110,11 +119,21 @@ fn body(described: v1::RobotDescription) -> Result<Body, Breach> {
         firmware: firmware(described.firmware)?,
         baud: described.baud,
         bits_per_character: described.bits_per_character,
+        motor_kind: described.motor_kind,
+        actuators: described.actuators.into_iter().map(actuator).collect(),
+        onboard: described.onboard,
+        operations_per_s: described.operations_per_s,
+        ram_bytes: described.ram_bytes,
     };
     match body.layout().borrow().check() {
         Ok(()) => Ok(body),
         Err(source) => Err(Breach::Layout { robot: body.name, source }),
     }
+}
+
+fn actuator(described: v1::ActuatorDescription) -> Actuator {
+    let v1::ActuatorDescription { actuator, kind, min_rad, max_rad } = described;
+    Actuator { name: actuator, kind, range_rad: min_rad.zip(max_rad).map(|(min, max)| [min, max]) }
 }
 
 fn sensor(described: v1::SensorDescription) -> Result<Sensor, Breach> {
@@ -124,15 +143,27 @@ fn sensor(described: v1::SensorDescription) -> Result<Sensor, Breach> {
         components: described.components.into_iter().map(component).collect::<Result<_, _>>()?,
         period_ns: described.period_ns,
         phase_ns: described.phase_ns,
-        mount: described.mount.map(|v1::Mount { x_m, y_m, heading_rad }| Mount { x_m, y_m, heading_rad }),
+        mount: described.mount.map(mount),
         range_m: described.range_m,
         counts_per_turn: described.counts_per_turn,
+        port: described.port.map(port),
     })
+}
+
+fn mount(described: v1::Mount) -> Mount {
+    let v1::Mount { x_m, y_m, heading_rad, turret } = described;
+    Mount { x_m, y_m, heading_rad, turret: turret.map(|place| place as usize) }
+}
+
+fn port(described: v1::Port) -> Port {
+    let v1::Port { format, message_bytes, baud, bits_per_character } = described;
+    Port { format, message_bytes, baud, bits_per_character }
 }
 
 fn component(described: v1::ComponentDescription) -> Result<Component, Breach> {
     let encoding = encoding(described.encoding, "ComponentDescription", "encoding")?;
-    Ok(Component { name: described.name, unit: described.unit, encoding })
+    let count = usize::try_from(described.count.max(1)).unwrap_or(usize::MAX);
+    Ok(Component { name: described.name, unit: described.unit, encoding, count })
 }
 
 fn encoding(
@@ -166,12 +197,17 @@ fn part(turn: v1::RobotTurn, bodies: &[Arc<Body>]) -> Result<Part, Breach> {
         let (index, sensor) = at(&body.sensors, given.sensor, "sensor")?;
         readings[index] = Some(reading(given, sensor)?);
     }
-    Ok(Part { robot, at_ns: turn.at_ns, bytes: turn.raw, readings })
+    let mut ports = Vec::new();
+    for v1::PortBytes { sensor, data } in turn.ports {
+        let (index, _) = at(&body.sensors, sensor, "sensor")?;
+        ports.push((index, data));
+    }
+    Ok(Part { robot, at_ns: turn.at_ns, bytes: turn.raw, ports, readings })
 }
 
 fn reading(given: v1::Reading, sensor: &Sensor) -> Result<Reading, Breach> {
     let v1::Reading { sensor: _, values, sampled_at_ns, sequence, readable } = given;
-    let (expected, found) = (sensor.components.len(), values.len());
+    let (expected, found) = (sensor.values(), values.len());
     if expected != found {
         return Err(Breach::Values { sensor: sensor.name.clone(), expected, found });
     }

@@ -59,7 +59,7 @@ impl Fleet {
     /// # Errors
     /// As [`Robot::drive`](crate::Robot::drive).
     pub async fn act(&mut self, actions: &[(usize, Action)]) -> Result<(), Error> {
-        let answers: Vec<_> = actions.iter().map(|&(robot, action)| (robot, Answer::Act(action))).collect();
+        let answers: Vec<_> = actions.iter().map(|(robot, action)| (*robot, Answer::Act(action))).collect();
         self.session.answer(&answers).await
     }
 }

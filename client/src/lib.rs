@@ -48,6 +48,7 @@ mod client;
 mod convert;
 mod error;
 mod fleet;
+mod listener;
 mod raw;
 mod robot;
 mod session;
@@ -57,7 +58,7 @@ mod wire;
 
 pub use baudbot_wire::Encoding;
 
-pub use body::{Body, Component, Firmware, Mount, Protocol, Sensor};
+pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor};
 pub use brain::{Action, Brain, Summary, run, run_fleet};
 pub use client::{Client, connect};
 pub use error::{Breach, Error};

@@ -25,6 +25,16 @@ pub struct RawTurn {
     pub at_ns: u64,
     /// What arrived since the last step.
     pub bytes: Vec<u8>,
+    /// What arrived since the last step on the cables of sensors' own, with the sensor's place in
+    /// [`Body::sensors`]; ports on which nothing came are left out.
+    pub ports: Vec<(usize, Vec<u8>)>,
+}
+
+impl RawTurn {
+    /// What arrived on the cable of the sensor in this place.
+    pub fn port(&self, sensor: usize) -> &[u8] {
+        self.ports.iter().find(|(place, _)| *place == sensor).map_or(&[], |(_, bytes)| bytes)
+    }
 }
 
 impl RawRobot {
@@ -61,7 +71,7 @@ impl RawRobot {
         loop {
             let Some((tick, mut parts)) = self.session.turn().await? else { return Ok(None) };
             if let Some(part) = parts.pop() {
-                return Ok(Some(RawTurn { tick, at_ns: part.at_ns, bytes: part.bytes }));
+                return Ok(Some(RawTurn { tick, at_ns: part.at_ns, bytes: part.bytes, ports: part.ports }));
             }
         }
     }
@@ -71,7 +81,7 @@ impl RawRobot {
     /// # Errors
     /// As [`Robot::drive`](crate::Robot::drive).
     pub async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        self.answer(bytes, None).await
+        self.answer(bytes, None, None).await
     }
 
     /// Answers the turn with bytes for the microcontroller after so much simulated time of thought.
@@ -79,7 +89,16 @@ impl RawRobot {
     /// # Errors
     /// As [`Robot::drive`](crate::Robot::drive).
     pub async fn write_after(&mut self, thinking: Duration, bytes: &[u8]) -> Result<(), Error> {
-        self.answer(bytes, Some(thinking)).await
+        self.answer(bytes, Some(thinking), None).await
+    }
+
+    /// Answers the turn with bytes for the microcontroller after so many operations of that microcontroller, on
+    /// which the brain runs.
+    ///
+    /// # Errors
+    /// As [`Robot::drive`](crate::Robot::drive).
+    pub async fn write_after_operations(&mut self, operations: u64, bytes: &[u8]) -> Result<(), Error> {
+        self.answer(bytes, None, Some(operations)).await
     }
 
     /// Answers the turn with nothing.
@@ -87,10 +106,15 @@ impl RawRobot {
     /// # Errors
     /// As [`Robot::drive`](crate::Robot::drive).
     pub async fn pass(&mut self) -> Result<(), Error> {
-        self.answer(&[], None).await
+        self.answer(&[], None, None).await
     }
 
-    async fn answer(&mut self, bytes: &[u8], thinking: Option<Duration>) -> Result<(), Error> {
-        self.session.answer(&[(0, Answer::Write { bytes, thinking })]).await
+    async fn answer(
+        &mut self,
+        bytes: &[u8],
+        thinking: Option<Duration>,
+        operations: Option<u64>,
+    ) -> Result<(), Error> {
+        self.session.answer(&[(0, Answer::Write { bytes, thinking, operations })]).await
     }
 }

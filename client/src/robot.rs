@@ -101,6 +101,6 @@ impl Robot {
     /// # Errors
     /// As [`drive`](Self::drive).
     pub async fn act(&mut self, action: Action) -> Result<(), Error> {
-        self.session.answer(&[(0, Answer::Act(action))]).await
+        self.session.answer(&[(0, Answer::Act(&action))]).await
     }
 }

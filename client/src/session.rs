@@ -19,6 +19,7 @@ pub(crate) struct Hello {
     pub(crate) robots: Vec<String>,
     pub(crate) raw: bool,
     pub(crate) brain: String,
+    pub(crate) memory_bytes: Option<u64>,
 }
 
 /// What the server says of the world and the bodies.
@@ -42,14 +43,15 @@ pub(crate) struct Part {
     pub(crate) robot: usize,
     pub(crate) at_ns: u64,
     pub(crate) bytes: Vec<u8>,
+    pub(crate) ports: Vec<(usize, Vec<u8>)>,
     pub(crate) readings: Vec<Option<Reading>>,
 }
 
 /// One robot's part of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Answer<'a> {
-    Act(Action),
-    Write { bytes: &'a [u8], thinking: Option<Duration> },
+    Act(&'a Action),
+    Write { bytes: &'a [u8], thinking: Option<Duration>, operations: Option<u64> },
 }
 
 /// An attached stream.

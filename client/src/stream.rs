@@ -21,7 +21,8 @@ impl Stream {
         let (requests, queue) = mpsc::channel(QUEUE);
         // The queue is new and has room, and its other end is in our hands.
         let _ = requests.try_send(hello);
-        let call = BrainLinkServiceClient::new(channel).attach(ReceiverStream::new(queue)).await?;
+        let mut client = BrainLinkServiceClient::new(channel).max_decoding_message_size(LARGEST);
+        let call = client.attach(ReceiverStream::new(queue)).await?;
         Ok(Self { requests, responses: call.into_inner(), closed: false })
     }
 
@@ -48,6 +49,9 @@ impl Stream {
         self.closed
     }
 }
+
+/// Largest response that is read, in bytes: a camera's images of the time that a slow brain thought.
+const LARGEST: usize = 64 << 20;
 
 /// Requests that may wait to be sent; a brain that is faster than its network then waits too.
 const QUEUE: usize = 16;

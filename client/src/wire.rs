@@ -8,7 +8,8 @@ use baudbot_wire::{
     write_values,
 };
 
-use crate::body::{Body, Protocol};
+use crate::body::{Body, Protocol, Sensor};
+use crate::listener::Listener;
 use crate::raw::RawTurn;
 use crate::turn::{Reading, Signals, Turn};
 
@@ -17,23 +18,21 @@ use crate::turn::{Reading, Signals, Turn};
 pub struct WireLayout {
     components: Vec<Encoding>,
     counts: Vec<u8>,
-    motors: [Encoding; 2],
+    /// The places of the sensors on the wire in the body.
+    places: Vec<usize>,
+    motors: Vec<Encoding>,
     ages: bool,
 }
 
 impl WireLayout {
     pub(crate) fn new(body: &Body) -> Self {
-        let counts =
-            body.sensors.iter().map(|sensor| u8::try_from(sensor.components.len()).unwrap_or(u8::MAX));
+        let on_wire = || body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.is_on_wire());
+        let counts = on_wire().map(|(_, sensor)| u8::try_from(sensor.values()).unwrap_or(u8::MAX));
         Self {
-            components: body
-                .sensors
-                .iter()
-                .flat_map(|sensor| &sensor.components)
-                .map(|part| part.encoding)
-                .collect(),
+            components: on_wire().flat_map(|(_, sensor)| encodings(sensor)).collect(),
             counts: counts.collect(),
-            motors: [body.motor_encoding; 2],
+            places: on_wire().map(|(place, _)| place).collect(),
+            motors: vec![body.motor_encoding; 2 + body.actuators.len()],
             ages: matches!(body.firmware.protocol, Protocol::Framed { ages: true }),
         }
     }
@@ -52,6 +51,13 @@ impl WireLayout {
     }
 }
 
+/// Those of all values of a sensor. No cable has sensors of more than 255 values; one more is enough for the
+/// layout's check to find that.
+fn encodings(sensor: &Sensor) -> impl Iterator<Item = Encoding> {
+    let values = sensor.components.iter().flat_map(|part| std::iter::repeat_n(part.encoding, part.count));
+    values.take(usize::from(u8::MAX) + 1)
+}
+
 /// Turns the bytes of [`RawTurn`]s into [`Turn`]s, by the rules by which the server does it for a brain of
 /// messages.
 ///
@@ -60,11 +66,15 @@ impl WireLayout {
 /// certain counts here: longer than the protocol's gap even if the bytes on both sides of it arrived as
 /// near to each other as their turns permit. So if bytes were lost, this decoder may take longer to
 /// recover than the server's.
+///
+/// What comes over the cables of sensors' own is decoded, too, if its format is known here.
 #[derive(Clone, Debug)]
 pub struct RawReadings {
     body: Arc<Body>,
     layout: WireLayout,
     port: Port,
+    /// Of the sensors with a port of their own, with their places.
+    listeners: Vec<(usize, Listener)>,
     readings: Vec<Option<Reading>>,
     /// Whole messages of readings so far; the bare protocol has no other sequence number.
     messages: u8,
@@ -93,7 +103,9 @@ impl RawReadings {
             }
         };
         let readings = vec![None; body.sensors.len()];
-        Ok(Self { body, layout, port, readings, messages: 0 })
+        let listeners = body.sensors.iter().enumerate();
+        let listeners = listeners.filter_map(|(i, sensor)| Some((i, Listener::new(sensor)?))).collect();
+        Ok(Self { body, layout, port, listeners, readings, messages: 0 })
     }
 
     /// The turn in messages.
@@ -101,14 +113,19 @@ impl RawReadings {
         for reading in self.readings.iter_mut().flatten() {
             reading.readable = false;
         }
-        let Self { body, layout, port, readings, messages } = self;
-        let layout = layout.borrow();
+        let Self { body, layout, port, listeners, readings, messages } = self;
+        for (place, listener) in listeners {
+            if let Some(reading) = listener.hear(raw.port(*place), raw.at_ns) {
+                readings[*place] = Some(reading);
+            }
+        }
+        let (layout, places) = (layout.borrow(), &layout.places);
         match port {
             Port::Framed(decoder) => {
                 for &byte in &raw.bytes {
                     // A damaged frame is lost, and its readings stay what they were.
                     if let Some(Ok(payload)) = decoder.push(byte) {
-                        note_frame(readings, &layout, payload, raw.at_ns);
+                        note_frame(readings, (&layout, places), payload, raw.at_ns);
                     }
                 }
             }
@@ -117,7 +134,7 @@ impl RawReadings {
                 for &byte in &raw.bytes {
                     if let Some(payload) = decoder.push(byte, at_ns) {
                         *messages = messages.wrapping_add(1);
-                        note_bare(readings, &layout, payload, *messages);
+                        note_bare(readings, (&layout, places), payload, *messages);
                     }
                 }
             }
@@ -127,7 +144,12 @@ impl RawReadings {
 }
 
 /// Notes the readings of a frame; a message that makes no sense is lost.
-fn note_frame(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[u8], at_ns: u64) {
+fn note_frame(
+    readings: &mut [Option<Reading>],
+    (layout, places): (&Layout<'_>, &[usize]),
+    payload: &[u8],
+    at_ns: u64,
+) {
     let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return };
     let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
     for entry in message.entries() {
@@ -140,16 +162,22 @@ fn note_frame(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[
             sequence: message.sequence.into(),
             readable: true,
         };
-        readings[entry.sensor] = Some(reading);
+        readings[places[entry.sensor]] = Some(reading);
     }
 }
 
 /// Notes a bare message: it knows no readability, so every value that arrives is readable.
-fn note_bare(readings: &mut [Option<Reading>], layout: &Layout<'_>, payload: &[u8], sequence: u8) {
+fn note_bare(
+    readings: &mut [Option<Reading>],
+    (layout, places): (&Layout<'_>, &[usize]),
+    payload: &[u8],
+    sequence: u8,
+) {
     let mut values = Values::new(layout.components, payload);
-    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
+    for (&place, components) in places.iter().zip(layout.sensors()) {
         let values = values.by_ref().take(components.len()).collect();
-        *reading = Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
+        readings[place] =
+            Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
     }
 }
 
@@ -181,6 +209,8 @@ pub struct RawCommands {
     layout: WireLayout,
     protocol: Protocol,
     sequence: u8,
+    /// What was last sent to the actuators besides the wheels.
+    others: Vec<f64>,
 }
 
 impl RawCommands {
@@ -191,19 +221,32 @@ impl RawCommands {
     pub fn new(body: &Body) -> Result<Self, LayoutError> {
         let layout = body.layout();
         layout.borrow().check()?;
-        Ok(Self { layout, protocol: body.firmware.protocol, sequence: 0 })
+        let others = vec![0.0; body.actuators.len()];
+        Ok(Self { layout, protocol: body.firmware.protocol, sequence: 0, others })
     }
 
-    /// The bytes of a command.
+    /// The bytes of a command; the actuators besides the wheels get what was last sent to them, at first 0.
     pub fn command(&mut self, signals: Signals) -> Vec<u8> {
-        let signals = [signals.left, signals.right];
+        self.command_with(signals, &[])
+    }
+
+    /// The bytes of a command with signals for the actuators besides the wheels, in the order of
+    /// [`Body::actuators`]. Those beyond the end of `others` get what was last sent to them, at first 0.
+    pub fn command_with(&mut self, signals: Signals, others: &[f64]) -> Vec<u8> {
+        for (last, &new) in self.others.iter_mut().zip(others) {
+            *last = new;
+        }
+        let sequence = match self.protocol {
+            Protocol::Bare { .. } => 0,
+            Protocol::Framed { .. } => self.next_sequence(),
+        };
+        let signals = [signals.left, signals.right].into_iter().chain(self.others.iter().copied());
         let mut bytes = [0; frame::MAX_PAYLOAD];
-        // Neither can fail: the layout was checked, has two motors and gets two values.
+        // Neither can fail: the layout was checked and gets a value for each of its motors.
         if let Protocol::Bare { .. } = self.protocol {
             let len = write_values(self.layout.borrow().motors, signals, &mut bytes).unwrap_or(0);
             return bytes[..len].to_vec();
         }
-        let sequence = self.next_sequence();
         let len = write_command(&self.layout.borrow(), sequence, signals, &mut bytes).unwrap_or(0);
         framed(&bytes[..len])
     }

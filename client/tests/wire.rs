@@ -3,15 +3,20 @@
 use std::sync::Arc;
 
 use baudbot_client::{
-    Body, Component, Encoding, Firmware, Protocol, RawCommands, RawReadings, RawTurn, Sensor, Signals,
+    Actuator, Body, Component, Encoding, Firmware, Port, Protocol, RawCommands, RawReadings, RawTurn, Sensor,
+    Signals,
 };
-use baudbot_wire::{Decoder, Message, Sample, frame, write_readings, write_values};
+use baudbot_wire::{Decoder, Message, Sample, frame, line_image, scip, write_readings, write_values};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 fn body(protocol: Protocol) -> Arc<Body> {
-    let component =
-        Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Counter { bits: 16 } };
+    let component = Component {
+        name: String::new(),
+        unit: "1".to_owned(),
+        encoding: Encoding::Counter { bits: 16 },
+        count: 1,
+    };
     let sensor = |name: &str, count| Sensor {
         name: name.to_owned(),
         kind: "ir".to_owned(),
@@ -21,6 +26,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
         mount: None,
         range_m: None,
         counts_per_turn: None,
+        port: None,
     };
     Arc::new(Body {
         name: "alice".to_owned(),
@@ -33,11 +39,16 @@ fn body(protocol: Protocol) -> Arc<Body> {
         firmware: Firmware { protocol, period_ns: Some(20_000_000) },
         baud: None,
         bits_per_character: None,
+        motor_kind: "dc".to_owned(),
+        actuators: Vec::new(),
+        onboard: false,
+        operations_per_s: None,
+        ram_bytes: None,
     })
 }
 
 fn raw(at_ns: u64, bytes: &[u8]) -> RawTurn {
-    RawTurn { tick: at_ns / 10_000_000, at_ns, bytes: bytes.to_vec() }
+    RawTurn { tick: at_ns / 10_000_000, at_ns, bytes: bytes.to_vec(), ports: Vec::new() }
 }
 
 /// A frame closed at 7 s with a sample of the second sensor, 0.3 ms old.
@@ -109,7 +120,102 @@ fn commands_arrive_as_they_were_meant() {
     assert_eq!(commands.poll(), None);
 }
 
+/// A laser's scan of three rays, taken at 250 ms; the middle one met nothing.
+fn scan() -> Vec<u8> {
+    let format =
+        scip::Format { characters: scip::Characters::Three, first_step: 0, last_step: 2, cluster: 1 };
+    let mut bytes = vec![0; format.message_len()];
+    let len = scip::encode(&format, 250, [1000, 0, 2500].into_iter(), &mut bytes).unwrap();
+    bytes.truncate(len);
+    bytes
+}
+
+/// A body with a turret and with sensors that have ports, one of them before those on the wire.
+fn with_ports() -> Arc<Body> {
+    let mut body = Arc::unwrap_or_clone(body(Protocol::Framed { ages: true }));
+    for (place, format, count) in [(0, "scip2", 3), (3, "line-image", 8), (4, "nmea", 5), (5, "morse", 1)] {
+        let mut sensor = body.sensors.last().unwrap().clone();
+        sensor.components.truncate(1);
+        sensor.components[0].count = count;
+        let message_bytes = line_image::encoded_len(2, 1) as u64;
+        let port = Port { format: format.into(), message_bytes, baud: None, bits_per_character: None };
+        (sensor.name, sensor.port) = (format.into(), Some(port));
+        body.sensors.insert(place, sensor);
+    }
+    body.actuators.push(Actuator {
+        name: "head".into(),
+        kind: "turret".into(),
+        range_rad: Some([-1.0, 1.0]),
+    });
+    Arc::new(body)
+}
+
+#[test]
+fn ports_are_heard_and_do_not_shift_the_sensors_on_the_wire() {
+    let body = with_ports();
+    let mut readings = RawReadings::new(Arc::clone(&body)).unwrap();
+    let scan = scan();
+    let (head, tail) = scan.split_at(9);
+    let mut turn = raw(7_000_000_000, &readings_frame(&body));
+    turn.ports = vec![(0, head.to_vec())];
+    let first = readings.turn(&turn);
+    assert_eq!(first.reading("two").unwrap().values, [5.0, -6.0]);
+    assert_eq!((first.reading("one"), first.reading("scip2")), (None, None));
+    turn = raw(7_010_000_000, &[]);
+    turn.ports = vec![(0, tail.to_vec())];
+    let second = readings.turn(&turn);
+    let reading = second.reading("scip2").unwrap();
+    assert_eq!(reading.values, [1.0, -1.0, 2.5]);
+    assert_eq!((reading.sampled_at_ns, reading.sequence, reading.readable), (Some(250_000_000), 1, true));
+    assert!(!second.reading("two").unwrap().readable);
+    assert!(!readings.turn(&raw(7_020_000_000, &[])).has_news());
+}
+
+#[test]
+fn an_image_is_found_among_other_bytes() {
+    let body = with_ports();
+    let mut readings = RawReadings::new(Arc::clone(&body)).unwrap();
+    let column = |red, depth_mm| line_image::Column { rgb: [red, 0, 255], depth_mm };
+    let mut bytes = vec![0xa5, 1, 2, 3];
+    bytes.resize(4 + line_image::encoded_len(2, 1), 0);
+    line_image::encode(9, [column(0, 0), column(255, 1500)].into_iter(), 1, &mut bytes[4..]).unwrap();
+    let mut turn = raw(0, &[]);
+    turn.ports = vec![(body.sensor_index("line-image").unwrap(), bytes)];
+    let image = readings.turn(&turn).reading("line-image").cloned().unwrap();
+    assert_eq!(image.values, [0.0, 1.0, 0.0, 0.0, 1.0, 1.0, -1.0, 1.5]);
+}
+
+#[test]
+fn other_actuators_get_what_they_were_last_sent() {
+    let body = with_ports();
+    let mut commands = RawCommands::new(&body).unwrap();
+    let layout = body.layout();
+    let mut values = |others: &[f64]| {
+        let bytes = commands.command_with(Signals { left: 1.0, right: 0.0 }, others);
+        let mut decoder = Decoder::new();
+        let payload = bytes.iter().find_map(|&byte| decoder.push(byte).map(|frame| frame.unwrap().to_vec()));
+        match Message::parse(&payload.unwrap(), &layout.borrow()) {
+            Ok(Message::Command(command)) => command.values().collect::<Vec<_>>(),
+            other => panic!("no command but {other:?}"),
+        }
+    };
+    assert_eq!(values(&[]), [1.0, 0.0, 0.0]);
+    assert_eq!(values(&[-1.0]), [1.0, 0.0, -1.0]);
+    assert_eq!(values(&[]), [1.0, 0.0, -1.0]);
+}
+
 proptest! {
+    #[test]
+    fn any_bytes_on_ports_do_no_harm(turns in vec((vec(any::<u8>(), 0..60), any::<u64>()), 0..20)) {
+        let body = with_ports();
+        let mut readings = RawReadings::new(Arc::clone(&body)).unwrap();
+        for (bytes, at_ns) in &turns {
+            let mut turn = raw(*at_ns, &[]);
+            turn.ports = (0..body.sensors.len()).map(|place| (place, bytes.clone())).collect();
+            prop_assert_eq!(readings.turn(&turn).readings.len(), body.sensors.len());
+        }
+    }
+
     #[test]
     fn any_bytes_do_no_harm(turns in vec((vec(any::<u8>(), 0..40), any::<u64>()), 0..20), gap_ns: u64) {
         for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }] {

@@ -53,6 +53,7 @@ impl BrainLinkService for BrainLink {
             robots: hello.robots,
             brain: hello.brain,
             raw,
+            memory_bytes: hello.memory_bytes,
             deliveries: deliveries.clone(),
             world: world.clone(),
         };

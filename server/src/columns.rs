@@ -1,17 +1,46 @@
-//! Columns of a robot's sensor values, in tables and for observers.
+//! Columns of what is written down of a robot at every tick, in tables and for observers.
 
+use baudbot_sim::RobotView;
+use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::robot::RobotSpec;
 
-/// One column a value: `ir_left` for a sensor of one, `odometer.x_m` for a component of several.
+/// One column a value of a sensor: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
+/// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
 pub fn sensor_columns(spec: &RobotSpec) -> Vec<String> {
     let mut columns = Vec::new();
     for sensor in &spec.sensors {
         for component in sensor.device.components() {
-            columns.push(match component.name {
+            let column = match component.name {
                 "" => sensor.name.clone(),
                 component => format!("{}.{component}", sensor.name),
-            });
+            };
+            match component.count {
+                1 => columns.push(column),
+                many => columns.extend((0..many).map(|i| format!("{column}.{i}"))),
+            }
         }
     }
     columns
+}
+
+/// One column a value of the robot's own state besides its motion: `head.angle_rad` for a turret, and two for a
+/// battery. Those are not called as a gauge's components are, which may be called `battery`, too.
+pub fn state_columns(spec: &RobotSpec) -> Vec<String> {
+    let turrets = spec.actuators.iter().filter(|actuator| matches!(actuator.kind, ActuatorKind::Turret(_)));
+    let mut columns: Vec<_> = turrets.map(|turret| format!("{}.angle_rad", turret.name)).collect();
+    if spec.battery.is_some() {
+        columns.extend(["battery.share", "battery.terminal_v"].map(str::to_owned));
+    }
+    columns
+}
+
+/// The values of [`state_columns`].
+pub fn state_values(robot: &RobotView<'_>) -> Vec<f64> {
+    let actuators = robot.spec().actuators.iter().zip(robot.actuators());
+    let turrets = actuators.filter(|(actuator, _)| matches!(actuator.kind, ActuatorKind::Turret(_)));
+    let mut values: Vec<_> = turrets.map(|(_, state)| state.angle_rad).collect();
+    if let Some((battery, state)) = robot.battery() {
+        values.extend([state.share(battery), state.terminal_v(battery)]);
+    }
+    values
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use baudbot_sim::Scenario;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Protocol;
+use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_wire::{frame, message, write_command, write_values};
 use tonic::Status;
@@ -20,14 +21,35 @@ const MAX_THINKING_NS: u64 = 3_600_000_000_000;
 pub(crate) struct Write {
     /// Place of the robot in the stream.
     pub(crate) slot: usize,
-    pub(crate) thinking_ns: Option<u64>,
+    pub(crate) thinking: Thinking,
     pub(crate) output: Option<Output>,
+}
+
+/// How long a brain says that it thought: a time, or operations of the processor that it runs on.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Thinking {
+    pub(crate) ns: Option<u64>,
+    pub(crate) operations: Option<u64>,
+}
+
+impl Thinking {
+    /// In nanoseconds of simulated time; without a word it is what the scenario says.
+    pub(crate) fn on(&self, spec: &RobotSpec) -> u64 {
+        let counted = self.operations.and_then(|operations| spec.processor.thinking_ns(operations));
+        self.ns.or(counted).unwrap_or(spec.thinking_ns)
+    }
 }
 
 pub(crate) enum Output {
     Raw(Vec<u8>),
-    Command(Wheels),
+    Command(Signals),
     Poll,
+}
+
+/// Signals for the wheels, and for the other actuators if those are to change.
+pub(crate) struct Signals {
+    pub(crate) wheels: Wheels,
+    pub(crate) others: Vec<f64>,
 }
 
 /// The ports of one stream.
@@ -62,10 +84,8 @@ impl Endpoint {
             let problem = format!("is {}, but this stream has {} robots", write.slot, self.robots.len());
             return Err(("robot", problem));
         };
-        if write.thinking_ns.is_some_and(|ns| ns > MAX_THINKING_NS) {
-            return Err(("thinking_ns", format!("must not exceed {MAX_THINKING_NS}")));
-        }
         let spec = &self.scenario.robots()[robot];
+        check_thinking(spec, write.thinking)?;
         match (&write.output, self.raw) {
             (None, _) => Ok(()),
             (Some(Output::Raw(bytes)), true) if bytes.len() <= MAX_WRITE => Ok(()),
@@ -76,7 +96,7 @@ impl Endpoint {
                 Err(("raw", "the stream is in MESSAGES mode; ask for RAW in the Hello".into()))
             }
             (Some(_), true) => Err(("output", "the stream is in RAW mode and takes only `raw`".into())),
-            (Some(Output::Command(signals)), false) => check_signals(spec, *signals),
+            (Some(Output::Command(signals)), false) => check_signals(spec, signals),
             (Some(Output::Poll), false) => check_poll(spec),
         }
     }
@@ -85,8 +105,35 @@ impl Endpoint {
 /// The field that is wrong, and how.
 type Problem = (&'static str, String);
 
-fn check_signals(spec: &RobotSpec, signals: Wheels) -> Result<(), Problem> {
-    for (field, signal) in [("command.left_signal", signals.left), ("command.right_signal", signals.right)] {
+fn check_thinking(spec: &RobotSpec, thinking: Thinking) -> Result<(), Problem> {
+    if thinking.ns.is_some_and(|ns| ns > MAX_THINKING_NS) {
+        return Err(("thinking_ns", format!("must not exceed {MAX_THINKING_NS}")));
+    }
+    let Some(operations) = thinking.operations else { return Ok(()) };
+    if thinking.ns.is_some() {
+        return Err(("operations", "say either this or thinking_ns".into()));
+    }
+    if !matches!(spec.link, Link::Onboard) {
+        let problem = format!("`{}` is not onboard: its brain thinks elsewhere; say thinking_ns", spec.name);
+        return Err(("operations", problem));
+    }
+    match spec.processor.thinking_ns(operations) {
+        None => Err(("operations", format!("`{}` has no operations_per_s; say thinking_ns", spec.name))),
+        Some(ns) if ns > MAX_THINKING_NS => {
+            Err(("operations", format!("{operations} would take {ns} ns, the limit is {MAX_THINKING_NS}")))
+        }
+        Some(_) => Ok(()),
+    }
+}
+
+fn check_signals(spec: &RobotSpec, Signals { wheels, others }: &Signals) -> Result<(), Problem> {
+    let (count, expected) = (others.len(), spec.actuators.len());
+    if count != 0 && count != expected {
+        let problem = format!("has {count} signals, but `{}` has {expected} other actuators", spec.name);
+        return Err(("command.other_signals", problem));
+    }
+    let wheels = [("command.left_signal", wheels.left), ("command.right_signal", wheels.right)];
+    for (field, signal) in wheels.into_iter().chain(others.iter().map(|&s| ("command.other_signals", s))) {
         if !signal.is_finite() {
             return Err((field, format!("must be a finite number, is {signal}")));
         }
@@ -106,29 +153,56 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
     }
 }
 
-/// The bytes of an output that was checked; `sequence` is that of the robot's next message.
-pub(crate) fn encode(spec: &RobotSpec, sequence: &mut u8, output: Option<Output>) -> Vec<u8> {
-    match output {
-        None => Vec::new(),
-        Some(Output::Raw(bytes)) => bytes,
-        Some(Output::Command(signals)) => encode_command(spec, sequence, signals),
-        Some(Output::Poll) => in_frame(&message::poll(next(sequence))),
-    }
+/// The writing end of a robot's port, where the server encodes for its brain.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sender {
+    /// Of the next message.
+    sequence: u8,
+    /// What was last sent to the actuators besides the wheels; sent again by a command without them.
+    others: Vec<f64>,
 }
 
-fn encode_command(spec: &RobotSpec, sequence: &mut u8, signals: Wheels) -> Vec<u8> {
-    let signals = [signals.left, signals.right];
-    let layout = spec.firmware.layout();
-    let mut payload = [0; frame::MAX_PAYLOAD];
-    match spec.firmware.protocol {
-        Protocol::Bare { .. } => {
-            let n = write_values(layout.motors, signals, &mut payload).expect(FITS);
-            payload[..n].to_vec()
+impl Sender {
+    /// The end of a port at which a new brain begins, with these signals in force.
+    pub(crate) fn new(others: impl Iterator<Item = f64>) -> Self {
+        Self { sequence: 0, others: others.collect() }
+    }
+
+    /// The bytes of an output that was checked.
+    pub(crate) fn encode(&mut self, spec: &RobotSpec, output: Option<Output>) -> Vec<u8> {
+        match output {
+            None => Vec::new(),
+            Some(Output::Raw(bytes)) => bytes,
+            Some(Output::Command(signals)) => self.command(spec, signals),
+            Some(Output::Poll) => in_frame(&message::poll(self.next())),
         }
-        Protocol::Framed { .. } => {
-            let n = write_command(&layout, next(sequence), signals, &mut payload).expect(FITS);
-            in_frame(&payload[..n])
+    }
+
+    fn command(&mut self, spec: &RobotSpec, Signals { wheels, others }: Signals) -> Vec<u8> {
+        if !others.is_empty() {
+            self.others = others;
         }
+        let sequence = self.sequence;
+        let signals = [wheels.left, wheels.right].into_iter().chain(self.others.iter().copied());
+        let layout = spec.firmware.layout();
+        let mut payload = [0; frame::MAX_PAYLOAD];
+        match spec.firmware.protocol {
+            Protocol::Bare { .. } => {
+                let n = write_values(layout.motors, signals, &mut payload).expect(FITS);
+                payload[..n].to_vec()
+            }
+            Protocol::Framed { .. } => {
+                let n = write_command(&layout, sequence, signals, &mut payload).expect(FITS);
+                self.next();
+                in_frame(&payload[..n])
+            }
+        }
+    }
+
+    fn next(&mut self) -> u8 {
+        let now = self.sequence;
+        self.sequence = now.wrapping_add(1);
+        now
     }
 }
 
@@ -138,11 +212,6 @@ fn in_frame(payload: &[u8]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
-fn next(sequence: &mut u8) -> u8 {
-    let now = *sequence;
-    *sequence = now.wrapping_add(1);
-    now
-}
-
-/// Why encoding cannot fail: two signals of at most eight bytes each are far shorter than a frame.
-const FITS: &str = "two motor signals fit into a frame";
+/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame, and there are
+/// as many signals as the robot has motors and actuators.
+const FITS: &str = "a robot's signals fit into a frame";

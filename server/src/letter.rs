@@ -1,12 +1,14 @@
-//! What services write to a world's thread, and what it writes back. Domain types only; `convert.rs` turns
+//! What services write to a world's thread, and what it writes back. Domain types only; `convert` turns
 //! them into the contract's.
 
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_sim::actuator::ActuatorState;
+use baudbot_sim::battery::BatteryState;
 use baudbot_sim::collision::Collision;
 use baudbot_sim::drive::{Motion, Wheels};
-use baudbot_sim::{Reading, Scenario, SimTime, World};
+use baudbot_sim::{Reading, RobotView, Scenario, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tonic::Status;
 
@@ -86,6 +88,8 @@ pub(crate) struct Frame {
     pub(crate) collisions: Vec<Collision>,
     pub(crate) missed_frames: u64,
     pub(crate) ending: Option<String>,
+    pub(crate) things: Vec<Thing>,
+    pub(crate) score: Option<Score>,
 }
 
 pub(crate) struct Truth {
@@ -93,6 +97,53 @@ pub(crate) struct Truth {
     pub(crate) signals: Wheels,
     pub(crate) collided: bool,
     pub(crate) samples: Vec<f64>,
+    pub(crate) actuators: Vec<ActuatorState>,
+    pub(crate) battery: Option<Charge>,
+    pub(crate) in_zone_ns: Vec<u64>,
+}
+
+/// Something that moves by itself or is pushed.
+pub(crate) struct Thing {
+    pub(crate) name: String,
+    pub(crate) x_m: f64,
+    pub(crate) y_m: f64,
+    pub(crate) heading_rad: f64,
+    pub(crate) blocked_ns: u64,
+}
+
+/// How a battery is.
+pub(crate) struct Charge {
+    pub(crate) share: f64,
+    pub(crate) voltage_v: f64,
+    pub(crate) state: BatteryState,
+}
+
+impl Charge {
+    /// Of a robot that has a battery.
+    pub(crate) fn of(robot: &RobotView<'_>) -> Option<Self> {
+        let (battery, state) = robot.battery()?;
+        Some(Self { share: state.share(battery), voltage_v: state.terminal_v(battery), state: *state })
+    }
+}
+
+/// What the referee counted.
+pub(crate) struct Score {
+    pub(crate) covered: Option<f64>,
+    pub(crate) sensed: Option<f64>,
+    /// Name, whether it is a goal, and whether any robot has been there.
+    pub(crate) zones: Vec<(String, bool, bool)>,
+}
+
+impl Score {
+    /// `None` if there is nothing to count.
+    pub(crate) fn of(world: &World) -> Option<Self> {
+        let (scenario, score) = (world.scenario(), world.score());
+        let zones = scenario.surroundings().zones.iter().zip(score.visited());
+        let zones: Vec<_> = zones.map(|(zone, &visited)| (zone.name.clone(), zone.goal, visited)).collect();
+        let (covered, sensed) = (score.covered(scenario.rules()), score.sensed(scenario.rules()));
+        let something = covered.is_some() || sensed.is_some() || !zones.is_empty();
+        something.then_some(Self { covered, sensed, zones })
+    }
 }
 
 /// A brain program asks for robots.
@@ -100,6 +151,8 @@ pub(crate) struct Attach {
     pub(crate) robots: Vec<String>,
     pub(crate) brain: String,
     pub(crate) raw: bool,
+    /// Memory that the program's variables need on each robot.
+    pub(crate) memory_bytes: Option<u64>,
     pub(crate) deliveries: mpsc::Sender<Delivery>,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,
@@ -139,6 +192,8 @@ pub(crate) struct RobotDelivery {
     pub(crate) slot: usize,
     pub(crate) at: SimTime,
     pub(crate) raw: Vec<u8>,
-    /// With the place of the sensor on the wire.
+    /// With the place of the sensor.
+    pub(crate) ports: Vec<(usize, Vec<u8>)>,
+    /// With the place of the sensor.
     pub(crate) readings: Vec<(usize, Reading)>,
 }

@@ -10,7 +10,7 @@
 //! 5. `host` is a world's thread: it alone touches the world. [`Pace`] says when a tick ends, `sessions` who
 //!    is attached and whom the world waits for, `observers` who watches.
 //!
-//! `convert` is the only file that names both the contract's types and the domain's.
+//! `convert` is the only folder that names both the contract's types and the domain's.
 //!
 //! A test that wants a robot in its own process:
 //!
@@ -47,7 +47,7 @@ mod sessions;
 mod words;
 
 pub use address::{Address, BadAddress};
-pub use columns::sensor_columns;
+pub use columns::{sensor_columns, state_columns, state_values};
 pub use host::OnTick;
 pub use pace::{Pace, Watchdog, WatchdogPolicy};
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -1,10 +1,10 @@
 //! Observers of one world. A slow one misses frames and never slows the world.
 
-use baudbot_sim::World;
 use baudbot_sim::collision::Collision;
+use baudbot_sim::{RobotView, ThingView, World};
 use tokio::sync::mpsc;
 
-use crate::letter::{Frame, Truth};
+use crate::letter::{Charge, Frame, Score, Thing, Truth};
 
 /// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
 const MAX_COLLISIONS: usize = 1000;
@@ -56,20 +56,36 @@ impl Observer {
         let frame = Frame {
             tick: world.tick(),
             time: world.time(),
-            robots: world.robots().map(|robot| truth(&robot)).collect(),
+            robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
             collisions: std::mem::take(&mut self.collisions),
             missed_frames: self.missed_frames,
             ending: world.ending().map(ToString::to_string),
+            things: world.things().map(thing).collect(),
+            score: Score::of(world),
         };
         self.frames.try_send(frame).is_ok()
     }
 }
 
-fn truth(robot: &baudbot_sim::RobotView<'_>) -> Truth {
+fn thing(view: ThingView<'_>) -> Thing {
+    let (position, heading_rad) = (view.pose.position, view.pose.heading);
+    let name = view.name.to_owned();
+    Thing { name, x_m: position.x, y_m: position.y, heading_rad, blocked_ns: view.blocked_ns }
+}
+
+fn truth(world: &World, index: usize, robot: &RobotView<'_>) -> Truth {
     let mut samples = Vec::new();
     for (sensor, spec) in robot.sensors().zip(&robot.spec().sensors) {
         let missing = spec.encodings.len() - sensor.sample.len();
         samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
     }
-    Truth { motion: *robot.motion(), signals: robot.signals(), collided: robot.collided(), samples }
+    Truth {
+        motion: *robot.motion(),
+        signals: robot.signals(),
+        collided: robot.collided(),
+        samples,
+        actuators: robot.actuators().to_vec(),
+        battery: Charge::of(robot),
+        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
+    }
 }

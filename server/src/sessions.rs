@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
+use baudbot_sim::link::Link;
+use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
 use tonic::Status;
@@ -94,6 +96,7 @@ impl Sessions {
                     self.by_number[&session].brain
                 )));
             }
+            check_memory(&scenario.robots()[robot], request.memory_bytes)?;
             robots.push(robot);
         }
         let number = self.next_number;
@@ -277,11 +280,30 @@ impl Session {
     }
 }
 
+/// Whether a brain's variables fit into the robot that its program is to run on.
+fn check_memory(spec: &RobotSpec, bytes: Option<u64>) -> Result<(), Status> {
+    let Some(bytes) = bytes else { return Ok(()) };
+    let name = &spec.name;
+    if !matches!(spec.link, Link::Onboard) {
+        return Err(Status::invalid_argument(format!(
+            "hello.memory_bytes: robot `{name}` is not onboard; its brain runs on a laptop, which has room"
+        )));
+    }
+    match spec.processor.ram_bytes {
+        Some(ram) if bytes > ram => Err(Status::resource_exhausted(format!(
+            "hello.memory_bytes: the brain needs {bytes} bytes, but the microcontroller of robot `{name}` has {ram}"
+        ))),
+        Some(_) | None => Ok(()),
+    }
+}
+
 fn delivery(world: &World, robot: usize, slot: usize, at: SimTime, raw: bool) -> RobotDelivery {
     let view = world.robot(robot);
-    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), readings: Vec::new() };
+    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), ports: Vec::new(), readings: Vec::new() };
     if raw {
         delivery.raw = view.unread().to_vec();
+        let ports = view.unread_of_ports().filter(|(_, bytes)| !bytes.is_empty());
+        delivery.ports = ports.map(|(sensor, bytes)| (sensor, bytes.to_vec())).collect();
     } else {
         let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
         delivery.readings = arrived.map(|(i, reading)| (i, reading.clone())).collect();

@@ -18,7 +18,7 @@ pub struct Actuator {
 /// The kinds of actuator that there are. Each takes one signal; the firmware holds it within [−1, 1].
 #[derive(Clone, Debug, PartialEq)]
 pub enum ActuatorKind {
-    /// A positional servo in the robot's centre that turns what is mounted on it: −1 and 1 are the ends of its
+    /// A positional servo in the robot's centre that turns what is mounted on it: −1 and 1 reach the ends of its
     /// range.
     Turret(PositionalServo),
     /// A lamp over the robot's centre: 1 is full brightness, 0 and less is dark.
@@ -40,7 +40,7 @@ pub enum ActuatorKind {
 pub struct ActuatorState {
     /// The signal in force.
     pub signal: f64,
-    /// The signal that a turret's last pulse brought.
+    /// Of a turret: the signal when its present pulse began.
     pub pulse: f64,
     /// Where a turret stands, in radians, positive to the left.
     pub angle_rad: f64,

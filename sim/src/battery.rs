@@ -1,11 +1,12 @@
 //! A battery: charge that is taken out, and a voltage that sinks with it.
 //!
-//! The voltage at the terminals is that of the open circuit, which depends on the charge left, less what the internal
-//! resistance takes: V = V₀(q) − R I. Whoever draws a power P gets the smaller current that solves P = V I. More than
-//! V₀² / (4 R) no battery gives.
+//! The voltage at the terminals is that of the open circuit, which depends on the charge left, less what
+//! the internal resistance takes: V = V₀(q) − R I. Whoever draws a power P gets the smaller current that
+//! solves P = V I. More than V₀² / (4 R) no battery gives.
 //!
-//! Deviations. The notes name batteries among a robot's parts (§1.2) and have no model of one. Over a step the
-//! open-circuit voltage is taken as it is at its start. There is no self-discharge, no ageing and no temperature.
+//! Deviations. The notes speak of batteries that run low (§7.2.2, §8.2) and have no model of one. Over a
+//! step the open-circuit voltage is taken as it is at its start. There is no self-discharge, no ageing and
+//! no temperature.
 
 use alloc::vec::Vec;
 
@@ -23,8 +24,8 @@ pub struct Battery {
     pub capacity_c: f64,
     /// Internal resistance R, in ohms; 0 is an ideal source.
     pub internal_resistance_ohm: f64,
-    /// Open-circuit voltage as a share of the nominal one, over the share of the charge that is left, which increases:
-    /// linear in between, held beyond the ends.
+    /// Open-circuit voltage as a share of the nominal one, over the share of the charge that is left, which
+    /// increases: linear in between, held beyond the ends.
     pub curve: Vec<(f64, f64)>,
     /// What the robot's electronics take all the time, in W.
     pub idle_w: f64,
@@ -49,8 +50,8 @@ impl Battery {
         mah * 3.6
     }
 
-    /// A curve for cells of nickel-metal hydride, such as four AA cells of 4.8 V together: flat for most of its length,
-    /// with a knee at 1.0 V a cell. A guess after the look of data sheets, not a measurement.
+    /// A curve for cells of nickel-metal hydride, such as four AA cells of 4.8 V together: flat for most of
+    /// its length, with a knee at 1.0 V a cell. A guess after the look of data sheets, not a measurement.
     pub fn nimh_curve() -> Vec<(f64, f64)> {
         [(0.0, 0.0), (0.02, KNEE), (0.15, 0.95), (0.5, 1.0), (1.0, 1.1)].into()
     }
@@ -86,8 +87,8 @@ impl Battery {
 }
 
 impl BatteryState {
-    /// Draws this power for `dt_s`, or what the battery can give, and says how much energy that was, in J. An empty
-    /// battery gives nothing.
+    /// Draws this power for `dt_s`, or what the battery can give, and says how much energy that was, in J.
+    /// An empty battery gives nothing.
     pub fn draw(&mut self, battery: &Battery, power_w: f64, dt_s: f64) -> f64 {
         self.current_a = 0.0;
         let source_v = battery.open_circuit_v(self.share(battery));
@@ -101,8 +102,9 @@ impl BatteryState {
         energy
     }
 
-    /// Charges with this power for `dt_s`, or with as much as there is room for, and says how much energy that was, in
-    /// J. A flat battery takes current as if it were at its knee, or a charger of constant power would burn it.
+    /// Charges with this power for `dt_s`, or with as much as there is room for, and says how much energy
+    /// that was, in J. A flat battery takes current as if it were at its knee, or a charger of constant
+    /// power would burn it.
     pub fn charge(&mut self, battery: &Battery, power_w: f64, dt_s: f64) -> f64 {
         self.current_a = 0.0;
         if power_w <= 0.0 || dt_s <= 0.0 {
@@ -142,8 +144,8 @@ impl BatteryState {
 /// Voltage at the knee of the curve, as a share of the nominal one: 1.0 V of 1.2 V.
 const KNEE: f64 = 0.83;
 
-/// Share of the charge below which a battery is empty. What is left sinks by ever smaller currents and would never be
-/// gone.
+/// Share of the charge below which a battery is empty. What is left sinks by ever smaller currents and
+/// would never be gone.
 const EMPTY: f64 = 1e-3;
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ pub(crate) struct Step<'a> {
     pub(crate) obstacles: &'a [Obstacle],
     pub(crate) forms: &'a [Form<'a>],
     pub(crate) before: &'a [Pose],
-    pub(crate) after: Vec<Pose>,
+    pub(crate) after: &'a mut [Pose],
 }
 
 impl Step<'_> {
@@ -116,7 +116,7 @@ impl Step<'_> {
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
     /// stops more of them or is the last.
-    pub(crate) fn held_back(mut self) -> Vec<Option<Partner>> {
+    pub(crate) fn held_back(self) -> Vec<Option<Partner>> {
         let mut held: Vec<Option<Partner>> = alloc::vec![None; self.after.len()];
         loop {
             let found: Vec<_> = (0..self.after.len())
@@ -152,7 +152,7 @@ mod tests {
         xs.iter().map(|&x| Pose::new(x, 0.0, 0.0)).collect()
     }
 
-    fn step<'a>(arena: &'a Arena, before: &'a [Pose], after: Vec<Pose>) -> Step<'a> {
+    fn step<'a>(arena: &'a Arena, before: &'a [Pose], after: &'a mut [Pose]) -> Step<'a> {
         Step { arena, obstacles: &[], forms: &DISCS[..before.len()], before, after }
     }
 
@@ -164,23 +164,24 @@ mod tests {
     fn a_queue_that_runs_up_holds_back_one_after_the_other() {
         // The first two meet head on; the third would run into the second's old place; the fourth is free.
         let before = row(&[0.0, 1.2, 2.3, 9.0]);
-        let held = step(&empty(), &before, row(&[0.15, 1.05, 2.1, 9.2])).held_back();
+        let held = step(&empty(), &before, &mut row(&[0.15, 1.05, 2.1, 9.2])).held_back();
         assert_eq!(held, [Some(Partner::Robot(1)), Some(Partner::Robot(0)), Some(Partner::Robot(1)), None]);
     }
 
     #[test]
     fn only_the_robot_behind_is_held_back_in_a_rear_end_collision() {
         let before = row(&[0.0, 1.1]);
-        let held = step(&empty(), &before, row(&[0.3, 1.2])).held_back();
+        let held = step(&empty(), &before, &mut row(&[0.3, 1.2])).held_back();
         assert_eq!(held, [Some(Partner::Robot(1)), None]);
     }
 
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
-        assert_eq!(step(&empty(), &before, row(&[0.0, 1.0])).partner(0), None);
+        assert_eq!(step(&empty(), &before, &mut row(&[0.0, 1.0])).partner(0), None);
         let arena = empty();
-        let near = step(&arena, &before, row(&[0.001, 1.0]));
+        let mut after = row(&[0.001, 1.0]);
+        let near = step(&arena, &before, &mut after);
         assert_eq!(near.partner(0), Some(Partner::Robot(1)));
         assert_eq!(near.partner(1), None, "it stood still");
     }
@@ -192,7 +193,8 @@ mod tests {
         let wall = Polygon { name: "wall".into(), points, solid: true, closed: true, look: Look::WALL };
         let arena = Arena::new(alloc::vec![wall], Vec::new());
         let before = row(&[0.0]);
-        let step = step(&arena, &before, row(&[4.0]));
+        let mut after = row(&[4.0]);
+        let step = step(&arena, &before, &mut after);
         assert_eq!(step.partner(0), Some(Partner::Shape("wall".into())));
     }
 }

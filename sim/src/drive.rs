@@ -5,15 +5,15 @@
 //! - (3.19) and (3.20) multiply by the heading before the step; ARSim's program uses the new one, and so do we.
 //! - The notes use one R for the body's radius and for half the distance between the wheels. Here the
 //!   half track is its own number, equal to the radius unless a scenario says otherwise.
-//! - Servos and stepper motors turn their wheels at their own speed, whatever the body weighs: (2.5) and (2.6) in place
-//!   of (2.31) and (2.32).
+//! - Servos and stepper motors turn their wheels at their own speed, whatever the body weighs: (2.5) and
+//!   (2.6) in place of (2.31) and (2.32).
 //! - ARSim feeds its motors wheel speeds computed with half the half track. `motor_track_factor` is that
 //!   quirk: 0.5 in ARSim's preset, 1 (equations 2.2 and 2.3) everywhere else.
 
 use baudbot_geometry::{Pose, angle, math};
 use serde::{Deserialize, Serialize};
 
-use crate::motor::{MotorNoise, MotorState, Motors};
+use crate::motor::{MotorNoise, Motors, Steps};
 
 /// What a robot's body, wheels and motors are.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,18 +91,8 @@ pub struct Motion {
     pub travel_m: Wheels,
     /// Acceleration along the heading in the last step, in m/s².
     pub acceleration_m_s2: f64,
-    /// What the motors remember.
-    pub motors: MotorState,
-}
-
-impl Motion {
-    /// Steps that have been commanded to the left and the right motor, if they are steppers; else 0.
-    pub fn commanded_steps(&self) -> [f64; 2] {
-        match &self.motors {
-            MotorState::None => [0.0; 2],
-            MotorState::Stepper { left, right } => [left.commanded_steps, right.commanded_steps],
-        }
-    }
+    /// Steps of stepper motors, once they have run; other motors count none.
+    pub steps: Option<Steps>,
 }
 
 impl Drive {
@@ -115,39 +105,37 @@ impl Drive {
             wheel_speed_rad_s: Wheels::default(),
             travel_m: Wheels::default(),
             acceleration_m_s2: 0.0,
-            motors: self.motor.start(),
+            steps: None,
         };
         motion.wheel_speed_rad_s = self.wheel_speeds(&motion);
         motion
     }
 
-    /// One Euler step of `dt` seconds under these motor signals: speeds from the motors, then (3.18)–(3.22). `slip`
-    /// is the share of each wheel's rolling that is lost on slippery ground, if any is.
+    /// One Euler step of `dt` seconds under these motor signals: speeds from the motors, then
+    /// (3.18)–(3.22). `slip` is the share of each wheel's rolling that is lost on slippery ground, if any is.
     pub fn step(&self, motion: &Motion, signals: Wheels, slip: Option<Wheels>, dt: f64) -> Motion {
         let mut next = *motion;
         let wheels = motion.wheel_speed_rad_s;
-        match (&self.motor, &mut next.motors) {
-            (Motors::Dc(motor), _) => {
+        match &self.motor {
+            Motors::Dc(motor) => {
                 let left_nm = motor.torque_nm(signals.left, wheels.left);
                 self.push(&mut next, left_nm, motor.torque_nm(signals.right, wheels.right), dt);
             }
-            (Motors::Velocity(motor), _) => {
+            Motors::Velocity(motor) => {
                 let torque = |signal, speed| motor.torque_nm(signal, self.wheel_radius_m * speed);
                 let left_nm = torque(signals.left, wheels.left);
                 self.push(&mut next, left_nm, torque(signals.right, wheels.right), dt);
             }
-            (Motors::Servo(servo), _) => {
+            Motors::Servo(servo) => {
                 let speed = |signal, speed| servo.approach(speed, servo.target_rad_s(signal), dt);
                 let left = speed(signals.left, wheels.left);
                 self.roll(&mut next, Wheels { left, right: speed(signals.right, wheels.right) });
             }
-            (Motors::Stepper(stepper), MotorState::Stepper { left, right }) => {
+            Motors::Stepper(stepper) => {
+                let Steps { left, right } = next.steps.get_or_insert_default();
                 let left = stepper.step(left, wheels.left, signals.left, dt);
                 let right = stepper.step(right, wheels.right, signals.right, dt);
                 self.roll(&mut next, Wheels { left, right });
-            }
-            (Motors::Stepper(_), MotorState::None) => {
-                unreachable!("a robot is placed with its motors' state")
             }
         }
         next.acceleration_m_s2 = (next.speed_m_s - motion.speed_m_s) / dt;
@@ -215,7 +203,8 @@ impl Drive {
 
     /// How far Euler steps of `dt` seconds are from blowing up, forwards and in turning: each must stay
     /// below 2, and below 1 to approach the steady speed without swinging. The motor's back-EMF and viscous
-    /// friction, or its regulator, damp the motion as α and β do. Motors that no torque slows are never far.
+    /// friction, or its regulator, damp the motion as α and β do. Motors that no torque slows are never
+    /// far.
     pub fn stiffness(&self, dt: f64) -> [f64; 2] {
         let Some(slope_nm_s) = self.motor.slope_nm_s(self.wheel_radius_m) else { return [0.0; 2] };
         let slope = slope_nm_s / self.wheel_radius_m;

@@ -18,6 +18,8 @@
 #![no_std]
 
 extern crate alloc;
+#[cfg(test)]
+extern crate std;
 
 pub mod actuator;
 pub mod arena;
@@ -35,6 +37,7 @@ pub mod motor;
 pub mod movable;
 pub mod mover;
 pub mod port;
+pub mod presets;
 pub mod random;
 pub mod referee;
 pub mod robot;
@@ -42,6 +45,7 @@ pub mod scenario;
 mod scene;
 pub mod schedule;
 pub mod sensor;
+pub mod sight;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]
 mod statistics;

@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
-use crate::link::{Line, LineCounters};
+use crate::link::{Line, LineCounters, Link};
 use crate::random::Stream;
 use crate::robot::RobotSpec;
-use crate::schedule::Due;
 use crate::scene::Ping;
+use crate::schedule::Due;
 use crate::sensor::noise::NoiseState;
 use crate::sensor::{Effect, Event, Measurement, Memory, Parts, Running, Sensor};
 use crate::time::{SECOND_NS, SimTime};
@@ -114,8 +114,8 @@ impl Microcontroller {
 
     /// The task that comes next and when it starts: of those that fall due first, sensors in their order,
     /// then sending, then receiving.
-    pub(crate) fn next(&self, downlink: &Line) -> (SimTime, Task) {
-        let mut due = downlink.arrival();
+    pub(crate) fn next(&self, link: &Link, downlink: &Line) -> (SimTime, Task) {
+        let mut due = downlink.arrival(link);
         let mut task = Task::Receive;
         if self.frame.next <= due {
             (due, task) = (self.frame.next, Task::SendReadings);
@@ -179,7 +179,7 @@ impl Microcontroller {
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
         let mut bytes = [0; frame::MAX_FRAME];
-        let cost = spec.processor.framing_ns_per_byte;
+        let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
         let (n, closed) = match spec.firmware.protocol {
             Protocol::Bare { .. } => {
                 let n = self.write_bare(&spec.firmware, &mut bytes);
@@ -197,7 +197,7 @@ impl Microcontroller {
         }
         self.sequence = self.sequence.wrapping_add(1);
         uplink.send_message(&spec.link, closed, &bytes[..n], sampled);
-        self.free_at = closed.max(uplink.drained_to(spec.link.transmit_depth()));
+        self.free_at = closed.max(uplink.drained(&spec.link));
     }
 
     /// The last sample of every sensor, zeros before the first.
@@ -232,9 +232,9 @@ impl Microcontroller {
     /// Takes the oldest byte that the receiver holds at `now`. What arrived while the receiver was full is
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
-        downlink.overrun(now, spec.link.receive_depth());
-        self.free_at = now + spec.processor.receiving_ns_per_byte;
-        if let Some((arrived, byte)) = downlink.take(now) {
+        downlink.overrun(&spec.link, now);
+        self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
+        if let Some((arrived, byte)) = downlink.take(&spec.link, now) {
             self.receive_byte(spec, arrived, byte, &mut downlink.counters);
         }
     }

@@ -175,7 +175,11 @@ impl Mover {
             }
             Path::Swing { ends_rad, rate_rad_s, .. } => {
                 let (left, reach) = (ends_rad[state.goal] - pose.heading, rate_rad_s * dt);
-                pose.heading = if left.abs() <= reach { ends_rad[state.goal] } else { pose.heading + reach.copysign(left) };
+                pose.heading = if left.abs() <= reach {
+                    ends_rad[state.goal]
+                } else {
+                    pose.heading + reach.copysign(left)
+                };
                 (pose, left.abs() <= reach)
             }
             Path::Wander { speed_m_s, .. } => {
@@ -259,7 +263,8 @@ mod tests {
 
     #[test]
     fn a_door_swings_and_waits_for_who_stands_in_it() {
-        let outline = [(0.0, -0.02), (0.8, -0.02), (0.8, 0.02), (0.0, 0.02)].map(|(x, y)| Point::new(x, y)).to_vec();
+        let outline =
+            [(0.0, -0.02), (0.8, -0.02), (0.8, 0.02), (0.0, 0.02)].map(|(x, y)| Point::new(x, y)).to_vec();
         let path = Path::Swing { ends_rad: [0.0, 1.5], rate_rad_s: 1.0, pause_ns: 500_000_000 };
         let door = Mover { outline, ..mover(path, Pose::new(0.0, 0.0, 0.0)) };
         assert!((run(&door, &[], 2).pose.heading - 1.5).abs() < 0.02);
@@ -273,7 +278,13 @@ mod tests {
     fn who_wanders_stays_in_the_room_and_gets_about() {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let points = corners.map(|(x, y)| Point::new(x, y)).to_vec();
-        let room = crate::arena::Polygon { name: "room".into(), points, solid: false, closed: true, look: Look::WALL };
+        let room = crate::arena::Polygon {
+            name: "room".into(),
+            points,
+            solid: false,
+            closed: true,
+            look: Look::WALL,
+        };
         let arena = Arena::new(alloc::vec![room], Vec::new());
         let path = Path::Wander { speed_m_s: 0.5, turn_ns: 3_000_000_000 };
         let person = mover(path, Pose::new(0.0, 0.0, 0.0));

@@ -1,6 +1,7 @@
 //! A device's own cable to the laptop, past the microcontroller (Fig. 1.18): what a laser range finder, a camera
 //! or a satellite receiver says on it, byte by byte.
 
+use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -55,8 +56,21 @@ pub(crate) enum Heard {
 }
 
 impl PortState {
-    pub(crate) fn new(line: Line) -> Self {
+    /// Of a robot's sensor that has a port.
+    pub(crate) fn new(sensor: &Sensor, seed: u64, robot: &str) -> Self {
+        let link = sensor.port.as_ref().map_or(&Link::Ideal, |port| &port.link);
+        let line = Line::up(link, seed, &format!("{robot}/{}:port", sensor.name));
         Self { line, message: Vec::new(), unread: Vec::new(), sequence: 0 }
+    }
+
+    /// When the next byte arrives at the laptop.
+    pub(crate) fn arrival(&self, sensor: &Sensor) -> SimTime {
+        sensor.port.as_ref().map_or(SimTime::NEVER, |port| self.line.arrival(&port.link))
+    }
+
+    /// Takes that byte, if it has arrived by `now`.
+    pub(crate) fn take(&mut self, sensor: &Sensor, now: SimTime) -> Option<(SimTime, u8)> {
+        self.line.take(&sensor.port.as_ref()?.link, now)
     }
 
     /// The device sends a measurement, unless the line is still taken by an older one: then this one is left
@@ -69,7 +83,7 @@ impl PortState {
         now: SimTime,
         (values, measured_at): (&[f64], SimTime),
     ) -> bool {
-        if self.line.waiting(now) > 0 {
+        if self.line.waiting(&port.link, now) > 0 {
             return false;
         }
         let bytes = port.format.write(&sensor.device, self.sequence, measured_at, values);
@@ -227,7 +241,8 @@ fn hear_nmea(message: &mut Vec<u8>) -> Heard {
     match nmea::parse(&line) {
         Err(_) => Heard::Bad,
         Ok(nmea::Sentence::Rmc(rmc)) => {
-            let (latitude, longitude) = rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
+            let (latitude, longitude) =
+                rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
             let fix = f64::from(u8::from(rmc.position.is_some()));
             let course_rad = core::f64::consts::FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
             let course_rad = baudbot_geometry::angle::wrap(course_rad);

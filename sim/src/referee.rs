@@ -33,6 +33,17 @@ pub struct Rules {
     pub battery_empty: bool,
 }
 
+impl Rules {
+    /// Whether any of them can end a run.
+    pub fn end_runs(&self) -> bool {
+        self.collisions.is_some()
+            || self.all_goals
+            || self.covered.is_some()
+            || self.sensed.is_some()
+            || self.battery_empty
+    }
+}
+
 /// What was counted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
@@ -114,7 +125,8 @@ impl World {
             let Some(sensor) = sensor else { continue };
             let scene = scenario.scene(&frozen, own);
             let device = &scenario.robots()[own].sensors[*sensor].device;
-            let (Some(mount), Some(range_m), Some(fan)) = (device.mount(), device.range_m(), device.fan()) else {
+            let (Some(mount), Some(range_m), Some(fan)) = (device.mount(), device.range_m(), device.fan())
+            else {
                 continue;
             };
             let robot = self.robot(own);
@@ -134,18 +146,22 @@ impl World {
         if let Some(limit) = rules.collisions.filter(|&limit| collisions >= limit) {
             return Some(Ending::Collisions(limit));
         }
-        let goals = || scenario.surroundings.zones.iter().zip(self.score().visited()).filter(|(zone, _)| zone.goal);
+        let goals =
+            || scenario.surroundings.zones.iter().zip(self.score().visited()).filter(|(zone, _)| zone.goal);
         if rules.all_goals && goals().all(|(_, visited)| *visited) {
             return Some(Ending::AllGoals);
         }
-        let reached = |share: Option<f64>, wanted: Option<f64>| matches!((share, wanted), (Some(a), Some(b)) if a >= b);
+        let reached =
+            |share: Option<f64>, wanted: Option<f64>| matches!((share, wanted), (Some(a), Some(b)) if a >= b);
         if reached(self.score().covered(rules), rules.covered) {
             return Some(Ending::Covered);
         }
         if reached(self.score().sensed(rules), rules.sensed) {
             return Some(Ending::Sensed);
         }
-        let empty = |robot: &crate::RobotView<'_>| robot.battery().is_some_and(|(battery, state)| state.is_empty(battery));
+        let empty = |robot: &crate::RobotView<'_>| {
+            robot.battery().is_some_and(|(battery, state)| state.is_empty(battery))
+        };
         let empty = self.robots().find(|robot| rules.battery_empty && empty(robot));
         empty.map(|robot| Ending::BatteryEmpty(String::clone(&robot.spec().name)))
     }

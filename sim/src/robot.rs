@@ -15,9 +15,9 @@ use crate::drive::{Drive, Motion, Wheels};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
 use crate::link::{Line, Link};
+use crate::microcontroller::{Microcontroller, Order, Processor, Task};
 use crate::motor::NoiseState;
 use crate::movable::Form;
-use crate::microcontroller::{Microcontroller, Order, Processor, Task};
 use crate::port::PortState;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
@@ -64,6 +64,11 @@ pub struct RobotSpec {
 }
 
 impl RobotSpec {
+    /// Whether its brain is the microcontroller's program: then nothing is framed and nothing received.
+    pub fn is_onboard(&self) -> bool {
+        matches!(self.link, Link::Onboard)
+    }
+
     /// The shape of its body.
     pub(crate) fn form(&self) -> Form<'_> {
         if self.outline.is_empty() {
@@ -146,8 +151,7 @@ pub struct RobotCounters {
 
 impl Robot {
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
-        let stream = |name: &str| Stream::new(seed, &format!("{}/{name}", spec.name));
-        let line = |name: &str| Line::new(stream(name));
+        let name = |part: &str| format!("{}/{part}", spec.name);
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
         if wheels_at_rest {
@@ -156,14 +160,14 @@ impl Robot {
         Self {
             motion,
             signals: Wheels::default(),
-            motor_noise: NoiseState::new(&spec.drive.motor_noise, stream("motors:noise")),
+            motor_noise: NoiseState::new(&spec.drive.motor_noise, Stream::new(seed, &name("motors:noise"))),
             collided: false,
             contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed, noise),
-            uplink: line("link:up"),
-            downlink: line("link:down"),
+            uplink: Line::up(&spec.link, seed, &name("link:up")),
+            downlink: Line::down(&spec.link, seed, &name("link:down")),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
-            ports: spec.ports.iter().map(|&i| PortState::new(line(&format!("{}:port", spec.sensors[i].name)))).collect(),
+            ports: spec.ports.iter().map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name)).collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
             battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
             pings: [None; 2],
@@ -213,11 +217,12 @@ impl Robot {
     /// What comes next, and when. At one instant devices come first, so that the microcontroller finds what is
     /// new; then the microcontroller, so that what it sends over an ideal link arrives at the same instant.
     fn next(&self, spec: &RobotSpec) -> (SimTime, Next) {
-        let (start, task) = self.microcontroller.next(&self.downlink);
-        let mut next = (self.uplink.arrival(), Next::Byte(None));
-        for (k, port) in self.ports.iter().enumerate() {
-            if port.line.arrival() < next.0 {
-                next = (port.line.arrival(), Next::Byte(Some(k)));
+        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+        let mut next = (self.uplink.arrival(&spec.link), Next::Byte(None));
+        for (k, (port, &i)) in self.ports.iter().zip(&spec.ports).enumerate() {
+            let arrival = port.arrival(&spec.sensors[i]);
+            if arrival < next.0 {
+                next = (arrival, Next::Byte(Some(k)));
             }
         }
         if start <= next.0 {
@@ -240,12 +245,22 @@ impl Robot {
                 let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
                 self.pings[0] = ping.or(self.pings[0]);
             }
-            Task::SendReadings => self.microcontroller.send_readings(spec, now, &mut self.uplink),
+            Task::SendReadings => {
+                self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
+                self.microcontroller.send_readings(spec, now, &mut self.uplink);
+                self.downlink.leave_wire_to(&spec.link, &self.uplink);
+            }
             Task::Receive => self.microcontroller.receive(spec, now, &mut self.downlink),
         }
     }
 
-    fn run_device(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, (i, event): (usize, Event)) {
+    fn run_device(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        now: SimTime,
+        (i, event): (usize, Event),
+    ) {
         let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {
@@ -267,13 +282,14 @@ impl Robot {
 
     fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
         let Some(k) = port else {
-            while let Some(arrival) = self.uplink.take(now) {
+            while let Some(arrival) = self.uplink.take(&spec.link, now) {
                 self.laptop.receive(spec, arrival, &mut self.uplink);
             }
             return;
         };
-        while let Some(arrival) = self.ports[k].line.take(now) {
-            self.laptop.receive_from_port(spec, spec.ports[k], arrival, &mut self.ports[k]);
+        let i = spec.ports[k];
+        while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
+            self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
         }
     }
 
@@ -281,13 +297,13 @@ impl Robot {
     pub(crate) fn think(&mut self, spec: &RobotSpec, begun: SimTime, until: SimTime) -> SimTime {
         match spec.link {
             Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
-            Link::Ideal | Link::Uart(_) => until,
+            Link::Ideal | Link::Uart(_) | Link::Usb(_) => until,
         }
     }
 
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(at));
+        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
         self.downlink.send(&spec.link, at, &bytes[..taken]);

@@ -63,7 +63,8 @@ impl<'a> Scene<'a> {
         let bodies = &self.frozen.bodies;
         let reach = |body: &Figure| {
             let far = range_m + body.disc.radius;
-            (body.disc.center - from).norm_squared() <= far * far && body.look.height_m >= height.above_floor_m
+            (body.disc.center - from).norm_squared() <= far * far
+                && body.look.height_m >= height.above_floor_m
         };
         // One body in sight is common, a crowd is not: remember the span of those that can be hit.
         let mut others = bodies.iter().enumerate().filter(|(i, body)| *i != self.own && reach(body));
@@ -117,8 +118,7 @@ impl Eye<'_> {
     /// The nearest thing along `ray`, if within range.
     pub(crate) fn see(&self, ray: &Ray) -> Option<Sight> {
         let hit = self.index.cast(ray, self.range_m);
-        let mut nearest =
-            hit.map(|hit| Sight { distance_m: hit.distance, what: What::Fixed(hit.shape) });
+        let mut nearest = hit.map(|hit| Sight { distance_m: hit.distance, what: What::Fixed(hit.shape) });
         for i in self.span.clone().filter(|&i| i != self.scene.own) {
             let body = &self.scene.frozen.bodies[i];
             if body.look.height_m >= self.height.above_floor_m

@@ -183,8 +183,12 @@ mod tests {
     #[test]
     fn a_bell_has_its_strength_in_the_middle_and_falls_off() {
         let source = Source { position: Point::new(1.0, 0.0), strength: 2.0, width_m: 0.5 };
-        let field =
-            Field { name: "f".into(), background: 1.0, slope_per_m: (0.5, 0.0), sources: alloc::vec![source] };
+        let field = Field {
+            name: "f".into(),
+            background: 1.0,
+            slope_per_m: (0.5, 0.0),
+            sources: alloc::vec![source],
+        };
         assert_eq!(field.at(Point::new(1.0, 0.0)), 3.5);
         let one_sigma = field.at(Point::new(1.0, 0.5));
         assert!((one_sigma - (1.5 + 2.0 * (-0.5_f64).exp())).abs() < 1e-15, "{one_sigma}");

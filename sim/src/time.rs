@@ -41,6 +41,14 @@ impl SimTime {
     pub const fn since(self, earlier: Self) -> u64 {
         self.0.saturating_sub(earlier.0)
     }
+
+    /// The first multiple of `period_ns` that is not before this instant; the instant itself if that is 0.
+    pub(crate) const fn up_to(self, period_ns: u64) -> Self {
+        match self.0.checked_next_multiple_of(period_ns) {
+            Some(ns) => Self(ns),
+            None => self,
+        }
+    }
 }
 
 impl Add<u64> for SimTime {

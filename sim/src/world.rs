@@ -47,6 +47,8 @@ use crate::view::{RobotView, ThingView};
 pub struct World {
     scenario: Arc<Scenario>,
     state: State,
+    /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
+    seen: Option<Frozen>,
 }
 
 /// All that changes.
@@ -138,7 +140,7 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        Self { scenario, state }
+        Self { scenario, state, seen: None }
     }
 
     /// First half of a tick: the scene is frozen, sensors that are due sample it, the microcontrollers read
@@ -154,6 +156,7 @@ impl World {
             for own in 0..self.state.robots.len() {
                 self.listen(own, &frozen);
             }
+            self.seen = Some(frozen);
         }
         &self.state.turns
     }
@@ -185,7 +188,7 @@ impl World {
         }
         self.hand_over();
         self.write(inputs);
-        let frozen = self.frozen();
+        let frozen = self.seen.take().unwrap_or_else(|| self.frozen());
         let (start, end) = (self.time(), self.tick_end());
         for (own, robot) in self.state.robots.iter_mut().enumerate() {
             let scene = self.scenario.scene(&frozen, own);

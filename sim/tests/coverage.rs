@@ -8,7 +8,13 @@ use baudbot_sim::coverage::{Coverage, Floor, FloorError};
 use proptest::prelude::*;
 
 fn polygon(solid: bool, points: &[(f64, f64)]) -> Polygon {
-    Polygon { name: String::new(), points: points.iter().map(|&(x, y)| Point::new(x, y)).collect(), solid, closed: true, look: Look::WALL }
+    Polygon {
+        name: String::new(),
+        points: points.iter().map(|&(x, y)| Point::new(x, y)).collect(),
+        solid,
+        closed: true,
+        look: Look::WALL,
+    }
 }
 
 fn rectangle(solid: bool, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> Polygon {

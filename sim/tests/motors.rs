@@ -4,8 +4,9 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use baudbot_sim::motor::MotorState;
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::motor::Steps;
+use baudbot_sim::{Input, Scenario, World};
+use baudbot_wire::{frame, write_command};
 use common::{BODY, refusal, run, tick, world};
 
 const ENCODERS: &str = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\n";
@@ -52,12 +53,38 @@ fn a_gain_that_is_too_high_for_the_steps_is_refused() {
     let scenario = |top: &str, gain: f64| {
         robot(top, BODY, &format!("kind = \"velocity\", gain_n_s = {gain:?}")) + ENCODERS
     };
-    // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2 < 2, K < 49.
+    // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2
+    // < 2, K < 49.
     Scenario::parse(&scenario("", 29.2)).unwrap();
     let message = refusal(&scenario("", 29.3));
     assert!(message.starts_with("robots[0].body: Euler steps of 10 ms are too long"), "{message}");
     assert!(message.contains("set substeps to 3 or more"), "{message}");
     Scenario::parse(&scenario("substeps = 2", 29.3)).unwrap();
+}
+
+#[test]
+fn a_turret_obeys_with_its_next_pulse() {
+    let turret =
+        "[robots.actuators.neck]\nkind = \"turret\"\nmin_rad = -1.0\nmax_rad = 1.0\nrate_rad_s = 100.0\n";
+    let mut world = world(&(robot("step_ms = 5.0", BODY, "") + turret));
+    let turns: Vec<bool> = (0..6)
+        .map(|i| {
+            let turns = world.begin().to_vec();
+            let bytes = command_of_three(&world, [0.0, 0.0, if i == 0 { 0.0 } else { 1.0 }]);
+            world.finish(&[Input { robot: 0, at: turns[0].at, bytes: &bytes }]);
+            world.robot(0).actuators()[0].angle_rad > 0.0
+        })
+        .collect();
+    // Commanded in tick 1, at 5 ms; the next pulse begins at 20 ms, which is tick 4.
+    assert_eq!(turns, [false, false, false, false, true, true]);
+}
+
+fn command_of_three(world: &World, signals: [f64; 3]) -> Vec<u8> {
+    let layout = world.robot(0).spec().firmware.layout();
+    let (mut payload, mut bytes) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
+    let n = write_command(&layout, 0, signals, &mut payload).unwrap();
+    let n = frame::encode(&payload[..n], &mut bytes).unwrap();
+    bytes[..n].to_vec()
 }
 
 #[test]
@@ -97,9 +124,7 @@ fn no_body_is_too_light_for_motors_that_hold_their_speed() {
 }
 
 fn steps(world: &World) -> [f64; 4] {
-    let MotorState::Stepper { left, right } = world.robot(0).motion().motors else {
-        panic!("{:?}", world.robot(0).motion());
-    };
+    let Steps { left, right } = world.robot(0).motion().steps.expect("stepper motors count their steps");
     [left.commanded_steps, left.lost_steps, right.commanded_steps, right.lost_steps]
 }
 

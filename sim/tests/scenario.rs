@@ -50,9 +50,9 @@ fn unknown_keys_name_their_path_and_those_that_exist() {
         "unknown field `range_cm`",
     );
     refused(
-        &robot("link = { kind = \"usb\" }"),
+        &robot("link = { kind = \"can\" }"),
         "robots[0].link.kind",
-        "unknown variant `usb`, expected `ideal` or `uart`",
+        "unknown variant `can`, expected one of `ideal`, `onboard`, `uart`, `usb`",
     );
 }
 
@@ -108,6 +108,71 @@ fn links_and_firmwares_that_make_no_sense_say_how() {
     );
     let motors = "motors = { signal_bits = 8, unlimited_signals = true }";
     refused(&robot(motors), "robots[0].motors.unlimited_signals", "needs signals without `signal_bits`");
+}
+
+#[test]
+fn fields_of_another_link_or_adapter_are_refused_by_name() {
+    let link = |fields: &str, path: &str, problem: &str| {
+        refused(&robot(&format!("link = {{ {fields} }}")), &format!("robots[0].link.{path}"), problem);
+    };
+    link("outages = []", "outages", "an ideal link has none; did you mean kind = \"uart\"?");
+    link("frame_ms = 1", "frame_ms", "an ideal link has none; did you mean kind = \"usb\"?");
+    link("kind = \"usb\", baud = 9600", "baud", "a usb link has none; did you mean kind = \"uart\"?");
+    link("kind = \"usb\", half_duplex = true", "half_duplex", "a usb link has none");
+    link("kind = \"usb\", adapter = { kind = \"cdc\" }", "adapter", "a usb link has none");
+    link("kind = \"usb\", laptop_buffer_bytes = 2", "laptop_buffer_bytes", "must hold the longest message");
+    let uart = |fields: &str, path: &str, problem: &str| {
+        link(&format!("kind = \"uart\", baud = 9600, {fields}"), path, problem);
+    };
+    uart("bytes_per_frame = 64", "bytes_per_frame", "a uart has no frames; did you mean kind = \"usb\"");
+    uart("turnaround_us = 10.0", "turnaround_us", "only with half_duplex = true");
+    uart("half_duplex = true, turnaround_us = -1", "turnaround_us", "must be within 0 and 1000000, is -1");
+    uart("adapter = { latency_ms = 16 }", "adapter", "missing field `kind`");
+    let adapter = |fields: &str, path: &str, problem: &str| {
+        uart(&format!("adapter = {{ kind = {fields} }}"), &format!("adapter.{path}"), problem);
+    };
+    adapter("\"usb\"", "kind", "unknown variant `usb`, expected one of `ftdi`, `cdc`, `bluetooth`");
+    adapter("\"ftdi\", latency_ms = 0.5", "latency_ms", "must be within 1 and 255, is 0.5");
+    adapter("\"ftdi\", latency_ms = 256", "latency_ms", "must be within 1 and 255, is 256");
+    adapter("\"ftdi\", packet_bytes = 0", "packet_bytes", "must be within 1 and 510, is 0");
+    adapter("\"ftdi\", burst_ms = 1", "burst_ms", "only a radio has that");
+    adapter("\"cdc\", latency_ms = 1", "latency_ms", "no latency timer; did you mean kind = \"ftdi\"?");
+    adapter("\"bluetooth\", frame_ms = 1", "frame_ms", "a radio has no USB frames");
+    adapter("\"bluetooth\", spread_ms = 31", "spread_ms", "must be within 0 and 30, is 31");
+    adapter("\"bluetooth\", burst_probability = 2", "burst_probability", "must be within 0 and 1, is 2");
+    let fast = "kind = \"uart\", baud = 50000000, adapter = { kind = \"ftdi\" }";
+    link(fast, "adapter", "19 packets of 62 bytes a frame keep up with 11780000 baud, not with 50000000");
+}
+
+#[test]
+fn outages_are_finite_and_in_their_order() {
+    let outages = |windows: &str, path: &str, problem: &str| {
+        let link = format!("link = {{ kind = \"usb\", outages = [{windows}] }}");
+        refused(&robot(&link), &format!("robots[0].link.outages{path}"), problem);
+    };
+    outages("{ from_s = -1.0, for_s = 1.0 }", "[0].from_s", "must be within 0 and 100000000, is -1");
+    outages("{ from_s = 1.0, for_s = inf }", "[0].for_s", "must be within 0 and 100000000, is inf");
+    outages("{ from_s = nan, for_s = 1.0 }", "[0].from_s", "is NaN");
+    outages("{ from_s = 1.0 }", "[0]", "missing field `for_s`");
+    let two = "{ from_s = 1.0, for_s = 1.0 }, { from_s = 1.5, for_s = 1.0 }";
+    outages(two, "[1].from_s", "must not be before the end of the outage before, is 1.5");
+    let link = "{ kind = \"usb\", outages = [{ from_s = 1, for_s = 1 }, { from_s = 2, for_s = 1 }] }";
+    Scenario::parse(&robot(&format!("link = {link}"))).unwrap();
+}
+
+#[test]
+fn the_silence_of_a_bare_message_is_longer_than_an_adapter_holds_bytes() {
+    let bare = |gap: &str| {
+        robot(&format!(
+            "firmware = {{ protocol = \"bare\", mode = \"poll\"{gap} }}\n\
+             link = {{ kind = \"uart\", baud = 10000, adapter = {{ kind = \"ftdi\" }} }}"
+        ))
+    };
+    let problem = "must be longer than the longest pause within a message on this link, 18 ms, is 17.5";
+    refused(&bare(", gap_ms = 17.5"), "robots[0].firmware.gap_ms", problem);
+    let scenario = Scenario::parse(&bare("")).unwrap();
+    let protocol = scenario.robots()[0].firmware.protocol;
+    assert_eq!(protocol, baudbot_sim::firmware::Protocol::Bare { gap_ns: 37_000_000 });
 }
 
 #[test]
@@ -239,4 +304,31 @@ fn a_cable_that_no_message_gets_through_is_refused() {
     );
     let bare = format!("firmware = {{ protocol = \"bare\", gap_ms = 1.0 }}\n{}", link(""));
     refused(&robot(&bare), "robots[0].firmware.gap_ms", "must be longer than a character on this link");
+}
+
+#[test]
+fn ends_that_cannot_come_or_have_come_already_are_refused() {
+    let end = |field: &str| format!("[end]\n{field}\n{}", robot(""));
+    refused(&end("collisions = 0"), "end.collisions", "must be within 1 and");
+    refused(&end("all_goals = true"), "end.all_goals", "no zone of the arena has goal = true");
+    refused(&end("battery_empty = true"), "end.battery_empty", "no robot has a battery");
+    let goal = "[[arena.zones]]\nname = \"there\"\nx_m = 1.0\ny_m = 1.0\nradius_m = 0.1\ngoal = true\n";
+    Scenario::parse(&format!("{}{goal}", end("collisions = 1\nall_goals = true"))).unwrap();
+}
+
+#[test]
+fn a_brain_on_board_has_no_cable_and_a_port_is_one() {
+    Scenario::parse(&robot("link = { kind = \"onboard\" }")).unwrap();
+    let baud = "link = { kind = \"onboard\", baud = 9600 }";
+    refused(&robot(baud), "robots[0].link.baud", "a link without a cable has none");
+    let laser = "[robots.sensors.l]\nkind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 1.0\nrays = 300\nrange_m = 4.0";
+    let port = "port = { link = { kind = \"onboard\" } }";
+    refused(&robot(&format!("{laser}\n{port}")), "robots[0].sensors.l.port.link.kind", "a port is a cable");
+    refused(&robot(&format!("{laser}\nbits = 8")), "robots[0].sensors.l", "has 300 values");
+}
+
+#[test]
+fn noise_that_is_given_twice_is_refused() {
+    let compass = "[robots.sensors.c]\nkind = \"compass\"\nsigma_rad = 0.1\nnoise = { additive = 0.1 }";
+    refused(&robot(compass), "robots[0].sensors.c.sigma_rad", "is short for noise.additive");
 }

@@ -3,9 +3,14 @@
 use std::sync::Arc;
 
 use baudbot_brains::catalogue;
-use baudbot_client::{Body, Brain, Component, Firmware, Mount, Protocol, RawCommands, Reading, Sensor, Turn};
+use baudbot_client::{
+    Action, Actuator, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading, Sensor,
+    Turn,
+};
+use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::firmware::{Mode, Protocol as SimProtocol};
 use baudbot_sim::link::Link;
+use baudbot_sim::port::Format;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Device;
 use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
@@ -60,10 +65,9 @@ impl Pair {
             let driver = &mut self.brains[turn.robot];
             let view = self.world.robot(turn.robot);
             let action = driver.brain.step(&client_turn(&driver.body, &view, self.world.tick(), turn.at));
-            let thinking_ns =
-                action.thinking.map_or_else(|| view.spec().thinking_ns, |time| time.as_nanos() as u64);
+            let thinking_ns = thinking_ns(view.spec(), &action);
             let bytes = match (action.signals, action.poll) {
-                (Some(signals), _) => driver.commands.command(signals),
+                (Some(signals), _) => driver.commands.command_with(signals, &action.others),
                 (None, true) => driver.commands.poll().unwrap_or_default(),
                 (None, false) => Vec::new(),
             };
@@ -85,6 +89,12 @@ impl Pair {
     }
 }
 
+/// How long a brain thought, as the server takes it.
+fn thinking_ns(spec: &RobotSpec, action: &Action) -> u64 {
+    let counted = action.operations.and_then(|operations| spec.processor.thinking_ns(operations));
+    action.thinking.map(|time| time.as_nanos() as u64).or(counted).unwrap_or(spec.thinking_ns)
+}
+
 /// The turn of a brain of messages, as the server gives it.
 fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
     let reading = |reading: &baudbot_sim::Reading| {
@@ -101,10 +111,7 @@ fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -
 
 /// The data sheet of a robot, as the server gives it.
 pub fn body(spec: &RobotSpec) -> Body {
-    let (baud, bits_per_character) = match &spec.link {
-        Link::Ideal | Link::Onboard => (None, None),
-        Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
-    };
+    let (baud, bits_per_character) = characters(&spec.link);
     let protocol = match spec.firmware.protocol {
         SimProtocol::Framed { ages } => Protocol::Framed { ages },
         SimProtocol::Bare { gap_ns } => Protocol::Bare { gap_ns },
@@ -124,21 +131,46 @@ pub fn body(spec: &RobotSpec) -> Body {
         firmware: Firmware { protocol, period_ns },
         baud,
         bits_per_character,
+        motor_kind: spec.drive.motor.kind().to_owned(),
+        actuators: spec.actuators.iter().map(actuator).collect(),
+        onboard: matches!(spec.link, Link::Onboard),
+        operations_per_s: spec.processor.operations_per_s,
+        ram_bytes: spec.processor.ram_bytes,
     }
 }
 
+fn characters(link: &Link) -> (Option<u32>, Option<u32>) {
+    match link {
+        Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
+        Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
+    }
+}
+
+fn actuator(spec: &baudbot_sim::actuator::Actuator) -> Actuator {
+    let range_rad = match &spec.kind {
+        ActuatorKind::Turret(servo) => Some(servo.range_rad),
+        ActuatorKind::Lamp { .. } | ActuatorKind::Speaker { .. } => None,
+    };
+    Actuator { name: spec.name.clone(), kind: spec.kind().to_owned(), range_rad }
+}
+
 fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
-    let components = spec.device.components();
-    let components = components.iter().zip(&spec.encodings);
-    let components = components.map(|(component, &encoding)| Component {
-        name: component.name.to_owned(),
-        unit: component.unit.to_owned(),
-        encoding,
-    });
+    let mut first = 0;
+    let component = |component: &baudbot_sim::sensor::Component| {
+        let encoding = spec.encodings[first];
+        first += component.count;
+        let (name, unit) = (component.name.to_owned(), component.unit.to_owned());
+        Component { name, unit, encoding, count: component.count }
+    };
+    let components: Vec<_> = spec.device.components().iter().map(component).collect();
     let mount = spec.device.mount().map(|mount| {
         let (x_m, y_m) = (mount.pose.position.x, mount.pose.position.y);
-        Mount { x_m, y_m, heading_rad: mount.pose.heading }
+        Mount { x_m, y_m, heading_rad: mount.pose.heading, turret: mount.turret }
     });
+    let (period_ns, phase_ns) = match spec.own_clock {
+        Some(clock) if spec.port.is_some() => (clock.period_ns, clock.phase_ns.unwrap_or(0)),
+        _ => (spec.schedule.period_ns(), spec.schedule.phase_ns()),
+    };
     let counts_per_turn = match &spec.device {
         Device::Encoders(encoders) => Some(encoders.counts_per_turn),
         _ => None,
@@ -146,11 +178,23 @@ fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
     Sensor {
         name: spec.name.clone(),
         kind: spec.device.kind().to_owned(),
-        components: components.collect(),
-        period_ns: spec.schedule.period_ns(),
-        phase_ns: spec.schedule.phase_ns(),
+        components,
+        period_ns,
+        phase_ns,
         mount,
         range_m: spec.device.range_m(),
         counts_per_turn,
+        port: spec.port.as_ref().map(|own| port(own, &spec.device)),
     }
+}
+
+fn port(port: &baudbot_sim::port::Port, device: &Device) -> Port {
+    let (baud, bits_per_character) = characters(&port.link);
+    let format = match port.format {
+        Format::Scip(_) => "scip2",
+        Format::LineImage => "line-image",
+        Format::Nmea { .. } => "nmea",
+    };
+    let message_bytes = port.format.message_len(device) as u64;
+    Port { format: format.to_owned(), message_bytes, baud, bits_per_character }
 }

@@ -57,7 +57,13 @@ impl Stream {
 
 fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
     let robots = robots.iter().map(|&name| name.to_owned()).collect();
-    Request::Hello(v1::Hello { world: "w".into(), robots, mode: mode.into(), brain: "test".into() })
+    Request::Hello(v1::Hello {
+        world: "w".into(),
+        robots,
+        mode: mode.into(),
+        brain: "test".into(),
+        memory_bytes: None,
+    })
 }
 
 fn messages() -> Request {
@@ -65,12 +71,12 @@ fn messages() -> Request {
 }
 
 fn step(turn: u64, robot: u32, output: Output) -> Request {
-    let robots = vec![v1::RobotStep { robot, thinking_ns: None, output: Some(output) }];
+    let robots = vec![v1::RobotStep { robot, output: Some(output), ..Default::default() }];
     Request::Step(v1::Step { turn, robots })
 }
 
 fn command(left_signal: f64, right_signal: f64) -> Output {
-    Output::Command(v1::Command { left_signal, right_signal })
+    Output::Command(v1::Command { left_signal, right_signal, other_signals: Vec::new() })
 }
 
 #[track_caller]

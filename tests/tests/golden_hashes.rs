@@ -6,12 +6,12 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
-    ("arsim", "constant:left=0.7,right=-0.7", 0x1115060b0e32043d),
-    ("arsim", "navigate", 0xc5efe0bda30a974f),
-    ("wander", "avoid", 0x929147f1e5b258ff),
-    ("wander", "wander:forward=0.3", 0x9851418f40757fc9),
-    ("khepera", "avoid", 0x60f42d674a7fe801),
-    ("crowd", "avoid", 0x428dfef6d52a8efb),
+    ("arsim", "constant:left=0.7,right=-0.7", 0x9bacf885806e0a11),
+    ("arsim", "navigate", 0x2be022c73ba37387),
+    ("wander", "avoid", 0x1913315bf3e993df),
+    ("wander", "wander:forward=0.3", 0x0daeaaca2ae121d5),
+    ("khepera", "avoid", 0x4eeda8dc7099211f),
+    ("crowd", "avoid", 0x17f2de47de88c67b),
 ];
 
 #[test]

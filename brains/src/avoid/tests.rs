@@ -92,7 +92,7 @@ fn it_strolls_where_all_is_clear_and_its_strolls_end() {
     let mut bench = Bench::with(&FIVE, parameters);
     let steps = 100_000;
     let actions: Vec<_> = (0..steps).map(|_| bench.see([0.0; 6])).collect();
-    let count = |action| actions.iter().filter(|&&a| a == action).count() as f64 / f64::from(steps);
+    let count = |action| actions.iter().filter(|&a| *a == action).count() as f64 / f64::from(steps);
     // On the average it drives for 2 s and turns for 0.5 s.
     assert!((count(ON) - 0.8).abs() < 0.03, "{}", count(ON));
     assert!((count(LEFT) - 0.1).abs() < 0.03 && (count(RIGHT) - 0.1).abs() < 0.03);

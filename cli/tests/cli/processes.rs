@@ -166,6 +166,19 @@ fn every_embedded_scenario_is_explained() {
 }
 
 #[test]
+fn a_scenario_is_drawn_into_a_file_or_to_stdout() {
+    let path = place("wander.svg");
+    let out = good(&["check", "wander", "--svg", path.to_str().unwrap()]);
+    assert_eq!(out, good(&["check", "wander"]));
+    let picture = std::fs::read_to_string(path).unwrap();
+    assert!(picture.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""), "{picture}");
+    assert!(picture.ends_with("</svg>\n") && picture.contains("robot.ir_front: ir, range 1 m"), "{picture}");
+    assert_eq!(good(&["check", "wander", "--svg", "-"]), picture);
+    let moved = good(&["check", "wander", "--svg", "-", "--set", "robots.robot.start.x_m=0.5"]);
+    assert_ne!(moved, picture);
+}
+
+#[test]
 fn help_has_examples() {
     for command in ["run", "serve", "brain", "check", "watch"] {
         assert!(good(&[command, "--help"]).contains(&format!("Examples:\n  baudbot {command}")), "{command}");

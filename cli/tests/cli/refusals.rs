@@ -143,3 +143,11 @@ fn options_that_contradict_are_refused() {
     assert!(refusal(2, &["run", "--json", "--csv", "-"]).contains("both want stdout"));
     assert!(refusal(2, &["serve", "--watchdog-ms", "5"]).contains("need --pace lockstep"));
 }
+
+#[test]
+fn a_picture_that_cannot_be_written_is_named() {
+    let nowhere = place("nowhere").join("a.svg");
+    let nowhere = nowhere.to_str().unwrap();
+    let refusal = refusal(1, &["check", "wander", "--svg", nowhere]);
+    assert!(refusal.starts_with(&format!("cannot write {nowhere}: ")), "{refusal}");
+}

@@ -50,6 +50,11 @@ async fn in_a_body() {
     assert_eq!(attaching(vec![Hear, motor(300)]).await, "an encoding of 300 bits");
     let text = attaching(vec![Hear, motor(40)]).await;
     assert_eq!(text, "robot `alice`: 40 bits are not possible here; the nearest that are is 32");
+    let endless = welcome_to(|robot| robot.sensors[0].components[0].count = u32::MAX);
+    assert!(
+        attaching(vec![Hear, endless]).await.starts_with("robot `alice`: "),
+        "no cable has so many values"
+    );
 }
 
 #[tokio::test]
@@ -62,6 +67,9 @@ async fn in_a_turn() {
     };
     assert_eq!(turning(reading(2, vec![])).await, "sensor 2, but there are only 2");
     assert_eq!(turning(reading(1, vec![0.0])).await, "1 values from sensor `odometer`, which has 3");
+    let ports = vec![v1::PortBytes { sensor: 7, data: vec![0] }];
+    let port = turn_of(0, vec![v1::RobotTurn { ports, ..at(0, 0) }]);
+    assert_eq!(turning(port).await, "sensor 7, but there are only 2");
 }
 
 #[tokio::test]

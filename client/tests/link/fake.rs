@@ -105,6 +105,7 @@ pub(crate) fn describe(robot: &str) -> v1::RobotDescription {
         }),
         baud: Some(9600),
         bits_per_character: Some(10),
+        ..v1::RobotDescription::default()
     }
 }
 
@@ -113,6 +114,7 @@ fn sensor(name: &str, components: &[&str]) -> v1::SensorDescription {
         name: (*name).to_owned(),
         unit: "m".to_owned(),
         encoding: encoding(v1::encoding::Kind::Float64(v1::encoding::Float64 {})),
+        count: 0,
     };
     v1::SensorDescription {
         sensor: name.to_owned(),

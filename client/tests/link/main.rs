@@ -25,13 +25,14 @@ fn step(tick: u64, outputs: &[(u32, Option<Output>)]) -> v1::Step {
     let robot_step = |(robot, output): &(u32, Option<Output>)| v1::RobotStep {
         robot: *robot,
         thinking_ns: None,
+        operations: None,
         output: output.clone(),
     };
     v1::Step { turn: number(tick), robots: outputs.iter().map(robot_step).collect() }
 }
 
 fn command(left_signal: f64, right_signal: f64) -> Option<Output> {
-    Some(Output::Command(v1::Command { left_signal, right_signal }))
+    Some(Output::Command(v1::Command { left_signal, right_signal, other_signals: Vec::new() }))
 }
 
 #[tokio::test]
@@ -43,6 +44,7 @@ async fn the_handshake_names_world_robot_and_brain_and_brings_the_body() {
         robots: vec!["alice".into()],
         mode: v1::PortMode::Messages.into(),
         brain: "timid".into(),
+        memory_bytes: None,
     };
     assert_eq!(requests.recv().await, Some(Request::Hello(hello)));
     assert_eq!((robot.step_ns(), robot.lockstep()), (10_000_000, true));

@@ -90,7 +90,7 @@ proptest! {
             let points: Vec<_> = body.corners.iter().map(|p| Point::new(p.x + offset, p.y)).collect();
             let wall = arena.segments.iter().position(|wall: &Segment| polygon::overlaps_segment(&points, wall));
             let pillar = arena.circles.iter().position(|disc: &Circle| polygon::overlaps_circle(&points, disc));
-            prop_assert_eq!(index.meets_polygon(&points), wall.map(Shape::Segment).or(pillar.map(Shape::Circle)));
+            prop_assert_eq!(index.meets_polygon(&points), wall.map(Shape::Segment).or_else(|| pillar.map(Shape::Circle)));
         }
     }
 }

@@ -10,11 +10,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Instant;
 
-use baudbot_sim::{Input, SimTime, World};
+use baudbot_sim::{Input, RobotView, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
-use crate::endpoint::{Write, encode};
+use crate::endpoint::{Sender, Thinking, Write};
 use crate::letter::{Activity, Attach, Attached, Lease, Letter, Report};
 use crate::observers::Observers;
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
@@ -48,11 +48,11 @@ pub(crate) struct Host {
     inputs: Vec<Pending>,
     /// Given back at the end of the tick: they bound how much one stream can have in a tick.
     permits: Vec<OwnedSemaphorePermit>,
-    /// Of each robot's next message, where the server encodes for its brain. They are bytes on the wire, so
-    /// they go back in time with the world.
-    sequences: Vec<u8>,
+    /// Each robot's, where the server encodes for its brain. What they hold is on the wire, so they go back in
+    /// time with the world.
+    senders: Vec<Sender>,
     /// As they were when the tick began, which is where a snapshot goes back to.
-    sequences_at_begin: Vec<u8>,
+    senders_at_begin: Vec<Sender>,
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
     deleted: bool,
@@ -62,7 +62,7 @@ pub(crate) struct Host {
 struct Snapshot {
     number: u64,
     world: World,
-    sequences: Vec<u8>,
+    senders: Vec<Sender>,
 }
 
 /// What a brain wrote in this tick.
@@ -89,10 +89,10 @@ impl Host {
         on_tick: Option<OnTick>,
         letters: Receiver<Letter>,
     ) -> Self {
-        let robots = world.scenario().robots().len();
+        let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
         Self {
             name,
-            sessions: Sessions::new(robots),
+            sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
             world,
             letters,
@@ -108,8 +108,8 @@ impl Host {
             running: Stopwatch::default(),
             inputs: Vec::new(),
             permits: Vec::new(),
-            sequences: vec![0; robots],
-            sequences_at_begin: vec![0; robots],
+            senders_at_begin: senders.clone(),
+            senders,
             snapshots: VecDeque::new(),
             last_snapshot: 0,
             deleted: false,
@@ -202,7 +202,7 @@ impl Host {
         let turns = self.world.begin().to_vec();
         self.show();
         self.sessions.deliver(&self.world, &turns, lockstep);
-        self.sequences_at_begin.clone_from(&self.sequences);
+        self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
         self.waiting_since = Instant::now();
     }
@@ -288,7 +288,7 @@ impl Host {
             Err(status) => return drop(reply.send(Err(status))),
         };
         for &robot in &robots {
-            self.sequences[robot] = 0;
+            self.senders[robot] = sender(&self.world.robot(robot));
         }
         let lockstep = self.pace.watchdog().is_some();
         let lease = Lease { world, session };
@@ -322,9 +322,9 @@ impl Host {
         }
         for write in writes {
             let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
-            let at = self.written_at(robot, write.thinking_ns);
+            let at = self.written_at(robot, write.thinking);
             let spec = &self.world.scenario().robots()[robot];
-            let bytes = encode(spec, &mut self.sequences[robot], write.output);
+            let bytes = self.senders[robot].encode(spec, write.output);
             self.inputs.push(Pending { robot, at, bytes });
         }
         self.permits.push(permit);
@@ -332,20 +332,24 @@ impl Host {
 
     /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
     /// time where the world waits, and not before they came where time follows the wall clock.
-    fn written_at(&self, robot: usize, thinking_ns: Option<u64>) -> SimTime {
+    fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
         let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
         let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
-        let thinking = thinking_ns.unwrap_or_else(|| self.world.robot(robot).spec().thinking_ns);
         match &self.clock {
             // A world that lags its clock takes what comes now as coming within this tick.
             Some(clock) => clock.time(Instant::now()).min(self.tick_end()).max(step),
-            None => step + thinking,
+            None => step + thinking.on(self.world.robot(robot).spec()),
         }
     }
 
     fn tick_end(&self) -> SimTime {
         self.world.time() + self.world.scenario().step_ns()
     }
+}
+
+/// A robot's port as a brain finds it: the actuators do what they do.
+fn sender(robot: &RobotView<'_>) -> Sender {
+    Sender::new(robot.actuators().iter().map(|actuator| actuator.signal))
 }
 
 const MAX_LETTERS_AT_ONCE: usize = 100;

@@ -8,7 +8,7 @@ use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::stopwatch::Stopwatch;
-use super::{Host, Snapshot};
+use super::{Host, Snapshot, sender};
 use crate::letter::{Order, Report, SeatReport};
 use crate::pace::{Pace, Pacing};
 
@@ -37,7 +37,7 @@ impl Host {
             Order::SetPace(pace) => self.set_pace(pace),
             Order::Reset => {
                 let world = World::new(Arc::clone(self.world.scenario()));
-                self.sequences.fill(0);
+                self.senders = world.robots().map(|robot| sender(&robot)).collect();
                 self.pacing = Pacing::default();
                 self.running = Stopwatch::default();
                 self.replace(world);
@@ -49,7 +49,7 @@ impl Host {
                     return drop(reply.send(Err(Status::not_found(text))));
                 };
                 let world = kept.world.clone();
-                self.sequences.clone_from(&kept.sequences);
+                self.senders.clone_from(&kept.senders);
                 self.replace(world);
             }
             Order::Delete => self.deleted = true,
@@ -110,9 +110,9 @@ impl Host {
         if self.snapshots.len() == MAX_SNAPSHOTS {
             self.snapshots.pop_front();
         }
-        let sequences = if self.begun { &self.sequences_at_begin } else { &self.sequences };
-        let (number, world, sequences) = (self.last_snapshot, self.world.clone(), sequences.clone());
-        self.snapshots.push_back(Snapshot { number, world, sequences });
+        let senders = if self.begun { &self.senders_at_begin } else { &self.senders };
+        let (number, world, senders) = (self.last_snapshot, self.world.clone(), senders.clone());
+        self.snapshots.push_back(Snapshot { number, world, senders });
         number
     }
 

@@ -47,8 +47,8 @@ impl DcMotor {
         self.gear_efficiency * self.gear_ratio * self.gear_ratio * shaft
     }
 
-    /// Electrical power that it takes, in W: V i with the current i = (V − c_e ω) / R of (1.8). A current against the
-    /// voltage brakes; it is burnt in the bridge and not given back, so it counts as 0.
+    /// Electrical power that it takes, in W: V i with the current i = (V − c_e ω) / R of (1.8). A current
+    /// against the voltage brakes; it is burnt in the bridge and not given back, so it counts as 0.
     pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64) -> f64 {
         let voltage = self.voltage_v * signal;
         let back_emf = self.emf_constant_v_s * self.gear_ratio * wheel_speed_rad_s;

@@ -1,5 +1,5 @@
-//! The frames of a servo's signal: a pulse at each multiple of the frame's length, 20 ms as a rule, whose width is
-//! what was commanded when it began. A length of 0 stands for a servo that obeys at once.
+//! The frames of a servo's signal: a pulse at each multiple of the frame's length, 20 ms as a rule, whose
+//! width is what was commanded when it began. A length of 0 stands for a servo that obeys at once.
 
 use crate::time::SimTime;
 

@@ -1,7 +1,8 @@
 //! What turns the wheels: one file a kind of motor, and what they have in common.
 //!
-//! DC and velocity-regulated motors give a torque, which (2.31) and (2.32) turn into motion. Servos and steppers hold
-//! their speed themselves; from them the wheels' speeds are taken as they are, and the body has to follow.
+//! DC and velocity-regulated motors give a torque, which (2.31) and (2.32) turn into motion. Servos and
+//! steppers hold their speed themselves; from them the wheels' speeds are taken as they are, and the body
+//! has to follow.
 
 mod dc;
 mod frame;
@@ -11,14 +12,12 @@ mod servo;
 mod stepper;
 mod velocity;
 
-use serde::{Deserialize, Serialize};
-
 pub use dc::DcMotor;
 pub use noise::MotorNoise;
 pub(crate) use noise::NoiseState;
 pub use positional::PositionalServo;
 pub use servo::Servo;
-pub use stepper::{Stepper, StepperState};
+pub use stepper::{Stepper, StepperState, Steps};
 pub use velocity::VelocityMotor;
 
 use crate::time::SimTime;
@@ -33,21 +32,6 @@ pub enum Motors {
     Stepper(Stepper),
 }
 
-/// What motors remember beside their wheels' speeds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum MotorState {
-    /// Nothing.
-    #[default]
-    None,
-    /// The steps of two stepper motors.
-    Stepper {
-        /// Of the left wheel.
-        left: StepperState,
-        /// Of the right wheel.
-        right: StepperState,
-    },
-}
-
 impl Motors {
     /// What the scenario calls this kind.
     pub fn kind(&self) -> &'static str {
@@ -59,7 +43,8 @@ impl Motors {
         }
     }
 
-    /// Electrical power that one motor takes, in W, at this signal, speed of its wheel and radius of its wheel.
+    /// Electrical power that one motor takes, in W, at this signal, speed of its wheel and radius of its
+    /// wheel.
     pub fn power_w(&self, signal: f64, wheel_speed_rad_s: f64, wheel_radius_m: f64) -> f64 {
         match self {
             Self::Dc(motor) => motor.power_w(signal, wheel_speed_rad_s),
@@ -71,8 +56,8 @@ impl Motors {
         }
     }
 
-    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s: what Euler steps can blow up by.
-    /// `None` for motors whose speed no torque changes.
+    /// How much torque on the wheel is lost for each rad/s of its speed, in N m s: what Euler steps can
+    /// blow up by. `None` for motors whose speed no torque changes.
     pub(crate) fn slope_nm_s(&self, wheel_radius_m: f64) -> Option<f64> {
         match self {
             Self::Dc(motor) => Some(motor.slope_nm_s()),
@@ -81,22 +66,12 @@ impl Motors {
         }
     }
 
-    /// The instant up to which commands count at `now`. A servo obeys those that had come when its present pulse
-    /// began, all others obey at once.
+    /// The instant up to which commands count at `now`. A servo obeys those that had come when its present
+    /// pulse began, all others obey at once.
     pub(crate) fn obeys_until(&self, now: SimTime) -> SimTime {
         match self {
             Self::Servo(servo) => servo.frame_start(now),
             Self::Dc(_) | Self::Velocity(_) | Self::Stepper(_) => now,
-        }
-    }
-
-    /// What the motors remember at the start.
-    pub(crate) fn start(&self) -> MotorState {
-        match self {
-            Self::Stepper(_) => {
-                MotorState::Stepper { left: StepperState::default(), right: StepperState::default() }
-            }
-            Self::Dc(_) | Self::Velocity(_) | Self::Servo(_) => MotorState::None,
         }
     }
 }

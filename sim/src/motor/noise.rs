@@ -1,7 +1,7 @@
 //! Noise of the actuators: a factor on each wheel's signal, as (3.1) has it for sensors.
 //!
-//! Deviation. The notes have noise on sensors only. No two motors of a type are alike (`spread`), and none runs evenly
-//! (`sigma`).
+//! Deviation. The notes have noise on sensors only. No two motors of a type are alike (`spread`), and none
+//! runs evenly (`sigma`).
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,9 @@
-//! Positional servo: the signal is an angle, which it turns to as fast as it can. For a turret; wheels cannot use it.
+//! Positional servo: the signal is an angle, which it turns to as fast as it can. For a turret; wheels
+//! cannot use it.
 //!
-//! Deviations. It turns at its full rate or not at all: without load, and without the swing at the end. The notes have
-//! no servos; 0.19 to 0.24 s for 60° at 4.8 V is what the data sheets of hobby servos say (Hitec HS-311, Futaba S3003).
+//! Deviations. It turns at its full rate or not at all: without load, and without the swing at the end. The
+//! notes have no servos. Data sheets give the rate as a time: 60° in 0.19 s (Hitec HS-311) or 0.23 s (Futaba
+//! S3003), at 4.8 V.
 
 use super::frame;
 use crate::time::SimTime;
@@ -20,10 +22,10 @@ pub struct PositionalServo {
 }
 
 impl PositionalServo {
-    /// The angle that it goes for at this signal, in rad: 1 is the greatest.
+    /// The angle that it goes for at this signal, in rad: ±1 is the end that is farther from 0, and the other end holds.
     pub fn target_rad(&self, signal: f64) -> f64 {
         let [min, max] = self.range_rad;
-        (signal * max).max(min).min(max)
+        (signal * max.max(-min)).max(min).min(max)
     }
 
     /// The angle that is `dt_s` later, in rad, on the way from `angle_rad` to `target_rad`.
@@ -82,6 +84,8 @@ mod tests {
             [1.0, 0.5, -0.5, -1.0, 9.0].map(|signal| servo.target_rad(signal)),
             [1.5, 0.75, -0.75, -1.0, 1.5]
         );
+        let to_the_right = PositionalServo { range_rad: [-1.0, 0.0], ..hs311() };
+        assert_eq!([1.0, -0.5, -1.0].map(|signal| to_the_right.target_rad(signal)), [0.0, -0.5, -1.0]);
         assert_eq!(servo.step(0.2, 0.21, 1.0), 0.2);
         assert_eq!(servo.step(0.2, 0.211, 1.0), 0.211);
     }

@@ -1,12 +1,12 @@
 //! Servo for continuous rotation: the width of a pulse says how fast it turns.
 //!
-//! A signal becomes a pulse width about 1.5 ms, and a measured curve turns that into a speed, which the servo
-//! approaches with a first-order lag. A new width takes effect with the next pulse.
+//! A signal becomes a pulse width about 1.5 ms, and a measured curve turns that into a speed, which the
+//! servo approaches with a first-order lag. A new width takes effect with the next pulse.
 //!
-//! Deviations. The servo turns the wheel at its speed whatever the load, and never stops for want of pulses. The notes
-//! have no servos; figures are of the Parallax 900-00008 (data sheet v2.2, and "Robotics with the Boe-Bot", chapter 4,
-//! the transfer curve). The one of the two wheels that is mounted the other way round is taken care of by the robot's
-//! firmware: signal 1 is forwards on both.
+//! Deviations. The servo turns the wheel at its speed whatever the load, and never stops for want of
+//! pulses. The notes have no servos; figures are of the Parallax 900-00008 (its data sheet; "Robotics with
+//! the Boe-Bot", p. 115 to 117, for the transfer curve). The one of the two wheels that is mounted the other
+//! way round is taken care of by the robot's firmware: signal 1 is forwards on both.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -20,8 +20,8 @@ use crate::time::SimTime;
 /// What a servo for continuous rotation is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Servo {
-    /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between, held beyond
-    /// the ends.
+    /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between,
+    /// held beyond the ends.
     pub curve: Vec<(f64, f64)>,
     /// Pulse width at signal 0, in µs.
     pub neutral_us: f64,
@@ -42,8 +42,9 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// The curve of the Parallax 900-00008. The manual shows it as a picture: about 48 turns a minute at the ends, flat
-    /// beyond 1.4 and 1.6 ms. The points between are read off it, and are guesses of a few turns a minute.
+    /// The curve of the Parallax 900-00008. Its manual tells of about 48 turns a minute at the ends, and
+    /// little change beyond 1.4 and 1.6 ms; the points between are guesses of that shape, good to a few
+    /// turns a minute.
     pub fn parallax_curve() -> Vec<(f64, f64)> {
         let half = PARALLAX.iter().map(|&(above, rpm)| (PARALLAX_NEUTRAL_US + above, rpm));
         let mirrored = PARALLAX.iter().skip(1).rev().map(|&(above, rpm)| (PARALLAX_NEUTRAL_US - above, -rpm));

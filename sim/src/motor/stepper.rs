@@ -1,12 +1,14 @@
 //! Stepper motor: it turns by one step a pulse, if it can follow.
 //!
-//! The signal sets the rate of the pulses at once, and that is what firmware counts. The rotor's rate moves towards it
-//! by no more than an acceleration allows. Above the pull-out rate there is no torque left: the rotor stands still at
-//! once. Pulses that the rotor did not follow are lost, and nothing tells the firmware.
+//! The signal sets the rate of the pulses at once, and that is what firmware counts. The rotor's rate moves
+//! towards it by no more than an acceleration allows. Above the pull-out rate there is no torque left: the
+//! rotor stands still at once. Pulses that the rotor did not follow are lost, and nothing tells the
+//! firmware.
 //!
-//! Deviations. The notes have no stepper motors. A real rotor that cannot follow falls back by four steps at a time or
-//! stalls altogether; here the difference is spread evenly, and a rotor that runs on when the pulses stop counts as
-//! fewer lost steps. The rotor has the speed of its wheel, so that a robot which is held back by a wall loses steps.
+//! Deviations. The notes have no stepper motors. A real rotor that cannot follow falls back by four steps
+//! at a time or stalls altogether; here the difference is spread evenly, and a rotor that runs on when the
+//! pulses stop counts as fewer lost steps. The rotor has the speed of its wheel, so that a robot which is
+//! held back by a wall loses steps.
 
 use core::f64::consts::TAU;
 
@@ -32,13 +34,23 @@ pub struct Stepper {
 pub struct StepperState {
     /// Steps commanded since the start, backwards taken off: what firmware counts.
     pub commanded_steps: f64,
-    /// Steps commanded and not made. The wheel's true way is `commanded_steps - lost_steps`; negative if it ran on.
+    /// Steps commanded and not made. The wheel's true way is `commanded_steps - lost_steps`; negative if it
+    /// ran on.
     pub lost_steps: f64,
 }
 
+/// The steps of a robot's two motors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Steps {
+    /// Of the left wheel.
+    pub left: StepperState,
+    /// Of the right wheel.
+    pub right: StepperState,
+}
+
 impl Stepper {
-    /// Commands `dt_s` of pulses at this signal to the motor of a wheel that turns at this speed, in rad/s, and gives
-    /// back the wheel's speed during that time.
+    /// Commands `dt_s` of pulses at this signal to the motor of a wheel that turns at this speed, in rad/s,
+    /// and gives back the wheel's speed during that time.
     pub fn step(&self, state: &mut StepperState, wheel_speed_rad_s: f64, signal: f64, dt_s: f64) -> f64 {
         let commanded = self.full_rate_steps_s * signal;
         let rate = self.rate_steps_s(wheel_speed_rad_s * self.steps_per_turn / TAU, commanded, dt_s);
@@ -52,8 +64,8 @@ impl Stepper {
         self.holding_w
     }
 
-    /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step is lost to
-    /// rounding.
+    /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step
+    /// is lost to rounding.
     fn rate_steps_s(&self, rate: f64, commanded: f64, dt_s: f64) -> f64 {
         if commanded.abs() > self.max_rate_steps_s {
             return 0.0;
@@ -67,7 +79,8 @@ impl Stepper {
 mod tests {
     use super::{Stepper, StepperState};
 
-    /// The e-puck's: 20 steps a turn and a gear box of 50 : 1, at most 1000 steps/s (e-puck.org, mechanics).
+    /// The e-puck's: 20 steps a turn and a gear box of 50 : 1, at most 1000 steps/s (e-puck.org,
+    /// mechanics).
     fn epuck() -> Stepper {
         Stepper {
             steps_per_turn: 1000.0,

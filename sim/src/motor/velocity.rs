@@ -1,11 +1,11 @@
 //! Velocity-regulated motor: Wahde 2016, Eq. (3.15), §3.2.4.
 //!
-//! With (2.31) and no damping the robot's speed approaches the reference with the time constant M / (2 A K), where A is
-//! that of (2.26); damping α shortens it and leaves an offset, as proportional control does. Euler steps of Δt are
-//! stable for 2 A K Δt / M < 2, and do not swing for < 1.
+//! With (2.31) and no damping the robot's speed approaches the reference with the time constant M / (2 A
+//! K), where A is that of (2.26); damping α shortens it and leaves an offset, as proportional control does.
+//! Euler steps of Δt are stable for 2 A K Δt / M < 2, and do not swing for < 1.
 //!
-//! Deviations. The notes demand encoders to measure v with, and so do scenarios; but the regulator sees the wheel's
-//! true speed, without the counting. It has no lag, as in the notes.
+//! Deviations. The notes demand encoders to measure v with, and so do scenarios; but the regulator sees the
+//! wheel's true speed, without the counting. It has no lag, as in the notes.
 
 /// What a velocity-regulated motor is.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +27,9 @@ impl VelocityMotor {
         (self.gain_n_s * (reference - rim_speed_m_s)).clamp(-self.max_torque_nm, self.max_torque_nm)
     }
 
-    /// Electrical power that it takes, in W: the mechanical power over the efficiency, nothing when it brakes. A motor
-    /// that is held fast takes nothing by this, which is too little: its resistance is not known.
+    /// Electrical power that it takes, in W: the mechanical power over the efficiency, nothing when it
+    /// brakes. A motor that is held fast takes nothing by this, which is too little: its resistance is not
+    /// known.
     pub fn power_w(&self, signal: f64, rim_speed_m_s: f64, wheel_radius_m: f64) -> f64 {
         let mechanical = self.torque_nm(signal, rim_speed_m_s) * rim_speed_m_s / wheel_radius_m;
         (mechanical / self.efficiency).max(0.0)

@@ -95,13 +95,18 @@ impl Scene<'_> {
     }
 
     fn is_free(&self, i: usize, pose: &Pose, body: &Body) -> bool {
-        let reach = self.things[i].reach_m;
+        let (own, reach) = (self.things[i].pose.position, self.things[i].reach_m);
+        let near = SKIN_M + (pose.position - own).norm();
         let hits_thing = |(j, other): (usize, &Thing<'_>)| {
             j != i && other.is_near(pose, reach, SKIN_M) && body.overlaps(&other.body)
         };
+        // A robot may have to return to where it was.
         let hits_bot = |bot: &Bot<'_>| {
-            let home = body.overlaps(&bot.home);
-            home || (bot.pose != bot.pusher.before && body.overlaps(&bot.body))
+            let meets = |place: &Pose, other: &Body| {
+                self.things[i].is_near(place, bot.reach_m, near) && body.overlaps(other)
+            };
+            meets(&bot.pusher.before, &bot.home)
+                || (bot.pose != bot.pusher.before && meets(&bot.pose, &bot.body))
         };
         !self.things.iter().enumerate().any(hits_thing)
             && !self.bots.iter().any(hits_bot)

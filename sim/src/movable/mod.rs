@@ -56,6 +56,8 @@ use baudbot_geometry::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use body::{Body, Form};
+#[cfg(test)]
+use step::Reaction;
 pub(crate) use step::{Fixed, Pusher, step};
 
 use crate::arena::Look;

@@ -60,12 +60,13 @@ pub(crate) fn step(
     pushers: &[Pusher<'_>],
     dt: f64,
 ) -> Vec<Reaction> {
-    let bots: Vec<_> = pushers.iter().map(|pusher| bot(pusher, movables, states, dt)).collect();
+    let near: Vec<_> = pushers.iter().map(|pusher| may_meet(pusher, movables, states, dt)).collect();
     let moves = |state: &MovableState| state.velocity_m_s != Vector::zeros() || state.spin_rad_s != 0.0;
-    let idle = !states.iter().any(moves) && !bots.iter().any(|bot| bot.near);
+    let idle = !near.contains(&true) && !states.iter().any(moves);
     if idle || dt.is_nan() || dt <= 0.0 {
         return pushers.iter().map(unhindered).collect();
     }
+    let bots = pushers.iter().zip(near).map(|(pusher, near)| bot(pusher, near, dt)).collect();
     let pairs = || movables.iter().zip(states.iter());
     let things = pairs().map(|(movable, state)| thing(movable, state)).collect();
     let robots = pushers.iter().map(rolling);
@@ -79,31 +80,42 @@ pub(crate) fn step(
     robots.map(|(bot, mover)| reaction(bot, mover)).collect()
 }
 
-fn bot<'a>(pusher: &'a Pusher<'a>, movables: &[Movable], states: &[MovableState], dt: f64) -> Bot<'a> {
-    let (form, before, after) = (pusher.form, pusher.before, pusher.after);
-    let reach_m = form.reach_m();
-    let way = (after.position - before.position).norm();
-    let turn = angle::difference(after.heading, before.heading).abs();
-    let turning = match form {
+/// As fast as the robot's fastest corner moves, in m/s, if nothing hinders it.
+fn rate_m_s(pusher: &Pusher<'_>, dt: f64) -> f64 {
+    let way = (pusher.after.position - pusher.before.position).norm();
+    let turning = match pusher.form {
         Form::Disc { .. } => 0.0,
-        Form::Polygon(_) => (turn / dt).max(pusher.turn_rate_rad_s.abs()) * reach_m,
+        Form::Polygon(_) => {
+            let turn = angle::difference(pusher.after.heading, pusher.before.heading).abs();
+            (turn / dt).max(pusher.turn_rate_rad_s.abs()) * pusher.form.reach_m()
+        }
     };
-    let rate_m_s = (way / dt).max(pusher.speed_m_s.abs()) + turning;
+    (way / dt).max(pusher.speed_m_s.abs()) + turning
+}
+
+/// Whether the robot moves, and so near to something that they might meet.
+fn may_meet(pusher: &Pusher<'_>, movables: &[Movable], states: &[MovableState], dt: f64) -> bool {
+    let (own, own_m) = (rate_m_s(pusher, dt), pusher.form.reach_m());
     let near = |(movable, state): (&Movable, &MovableState)| {
         let thing_m = movable.shape.form().reach_m();
-        let rate = rate_m_s + state.velocity_m_s.norm() + state.spin_rad_s.abs() * thing_m;
-        let reach = thing_m + reach_m + 2.0 * (rate * dt + SKIN_M);
-        (state.pose.position - before.position).norm_squared() <= reach * reach
+        let rate = own + state.velocity_m_s.norm() + state.spin_rad_s.abs() * thing_m;
+        let reach = thing_m + own_m + 2.0 * (rate * dt + SKIN_M);
+        (state.pose.position - pusher.before.position).norm_squared() <= reach * reach
     };
+    own > 0.0 && movables.iter().zip(states).any(near)
+}
+
+fn bot<'a>(pusher: &'a Pusher<'a>, near: bool, dt: f64) -> Bot<'a> {
+    let (form, before) = (pusher.form, pusher.before);
     Bot {
         pusher,
         pose: before,
         body: form.at(&before),
         home: form.at(&before),
-        reach_m,
+        reach_m: form.reach_m(),
         thickness_m: form.thickness_m(),
-        rate_m_s,
-        near: rate_m_s > 0.0 && movables.iter().zip(states).any(near),
+        rate_m_s: rate_m_s(pusher, dt),
+        near,
         blocked: false,
         pushed: false,
         touched: None,

@@ -110,7 +110,11 @@ pub(super) fn battery(path: &Path, raw: RawBattery) -> Result<(Battery, f64)> {
         at.index(i).within("share", pair.0, 0.0, 1.0)?;
         at.index(i).within("voltage", pair.1, 0.0, 10.0)?;
         if i > 0 && pair.0 <= curve[i - 1].0 {
-            return Err(at.index(i).error(format!("shares must increase, {} follows {}", pair.0, curve[i - 1].0)));
+            return Err(at.index(i).error(format!(
+                "shares must increase, {} follows {}",
+                pair.0,
+                curve[i - 1].0
+            )));
         }
     }
     if curve.is_empty() {

@@ -212,7 +212,9 @@ fn polygon(path: &Path, raw: &RawPolygon, names: &mut Names) -> Result<Polygon> 
         )));
     }
     if raw.solid && !raw.closed {
-        return Err(path.field("closed").error("a solid polygon is closed; an open line needs solid = false"));
+        return Err(path
+            .field("closed")
+            .error("a solid polygon is closed; an open line needs solid = false"));
     }
     if raw.solid && !is_simple(&points) {
         return Err(at.error("the outline crosses itself, so a solid polygon's inside is not defined"));

@@ -12,12 +12,12 @@ use super::robots::{self, Step};
 use super::{End, Scenario, ScenarioError, raw, things};
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
-use crate::coverage::{Floor, FloorError};
+use crate::coverage::Floor;
 use crate::movable::{Body, Movable};
 use crate::mover::{Mover, Path as Way};
 use crate::referee::Rules;
 use crate::robot::RobotSpec;
-use crate::sensor::Device;
+use crate::sensor::Sensor;
 use crate::surroundings::Surroundings;
 use crate::time::{SECOND_NS, SimTime};
 
@@ -43,8 +43,7 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
     let bodies = stand(&at, &movers, &movables, &arena)?;
     let step = Step { step_ms: raw.step_ms, step_ns, substeps };
-    let mut world =
-        robots::World { step, surroundings: &surroundings, arena: &mut arena, bodies: &bodies };
+    let mut world = robots::World { step, surroundings: &surroundings, arena: &mut arena, bodies: &bodies };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
         name: raw.name,
@@ -82,7 +81,10 @@ fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> 
     for (i, movable) in movables.iter().enumerate() {
         let form = movable.shape.form();
         if let Some(name) = things::stands_in((&form, &movable.start), arena, &bodies) {
-            return Err(path.field("movables").index(i).error(format!("`{}` stands in `{name}`", movable.name)));
+            return Err(path
+                .field("movables")
+                .index(i)
+                .error(format!("`{}` stands in `{name}`", movable.name)));
         }
         bodies.push((movable.name.clone(), form.at(&movable.start)));
     }
@@ -106,22 +108,24 @@ fn rules(
     let (at, end_at) = (path.field("metrics"), path.field("end"));
     let starts: Vec<Point> = robots.iter().map(|robot| robot.start.pose.position).collect();
     let floor = |cell_m| Floor::new(arena, cell_m, &starts);
-    let floor = metrics.cell_m.map(floor).transpose().map_err(|error| match error {
-        FloorError::NoWalls => at.field("cell_m").error(format!("{error}")),
-        error => at.field("cell_m").error(format!("{error}")),
-    })?;
-    let share = |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
+    let floor = metrics.cell_m.map(floor).transpose();
+    let floor = floor.map_err(|error| at.field("cell_m").error(format!("{error}")))?;
+    let share =
+        |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
     let (covered, sensed) = (share("covered", end.covered)?, share("sensed", end.sensed)?);
     if (covered.is_some() || sensed.is_some() || metrics.sensed_by.is_some()) && floor.is_none() {
         return Err(at.field("cell_m").error("is missing: the size of the floor's cells that are counted"));
     }
-    can_come(&end_at, end, surroundings, robots)?;
     if sensed.is_some() && metrics.sensed_by.is_none() {
         return Err(at.field("sensed_by").error("is missing: the name of the sensor whose rays are counted"));
     }
+    can_end(&end_at, end, surroundings, robots)?;
     Ok(Rules {
         floor,
-        sensed_by: metrics.sensed_by.as_deref().map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
+        sensed_by: metrics
+            .sensed_by
+            .as_deref()
+            .map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
         sense_ns: at.ms("sense_ms", metrics.sense_ms.unwrap_or(100.0), 0.01, 1e6)?,
         collisions: end.collisions,
         all_goals: end.all_goals,
@@ -131,23 +135,21 @@ fn rules(
     })
 }
 
-/// An end that comes at once, or never, is a mistake.
-fn can_come(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[RobotSpec]) -> Result<()> {
+/// Refuses ends that cannot come, or that have come already.
+fn can_end(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[RobotSpec]) -> Result<()> {
     if end.all_goals && !surroundings.zones.iter().any(|zone| zone.goal) {
-        return Err(path.field("all_goals").error("no zone of the arena is a goal"));
+        return Err(path.field("all_goals").error("no zone of the arena has goal = true"));
     }
     if end.battery_empty && robots.iter().all(|robot| robot.battery.is_none()) {
         return Err(path.field("battery_empty").error("no robot has a battery"));
     }
-    end.collisions.map(|n| path.whole_within("collisions", n, 1, u64::MAX)).transpose()?;
-    Ok(())
+    end.collisions.map_or(Ok(()), |n| path.whole_within("collisions", n, 1, u64::MAX).map(|_| ()))
 }
 
 fn sensed_by(path: &Path, name: &str, robots: &[RobotSpec]) -> Result<Vec<Option<usize>>> {
-    let place = |robot: &RobotSpec| {
-        let looks = |device: &Device| device.fan().is_some() && device.range_m().is_some();
-        robot.sensors.iter().position(|sensor| sensor.name == name && looks(&sensor.device))
-    };
+    let looks = |sensor: &Sensor| sensor.device.fan().is_some() && sensor.device.range_m().is_some();
+    let place =
+        |robot: &RobotSpec| robot.sensors.iter().position(|sensor| sensor.name == name && looks(sensor));
     let places: Vec<_> = robots.iter().map(place).collect();
     if places.iter().all(Option::is_none) {
         return Err(path.field("sensed_by").error(format!("no robot has a sensor `{name}` with rays")));

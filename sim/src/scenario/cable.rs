@@ -1,4 +1,4 @@
-//! From the raw link and firmware to the robot's cable and what is said on it.
+//! From the raw firmware to what is said on the robot's cable.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -9,7 +9,7 @@ use super::build::MIN_PERIOD_MS;
 use super::check::Path;
 use super::{ScenarioError, raw};
 use crate::firmware::{Firmware, Mode, Protocol};
-use crate::link::{Link, Uart};
+use crate::link::Link;
 use crate::schedule::Schedule;
 use crate::sensor::Sensor;
 
@@ -52,28 +52,25 @@ pub(super) fn firmware(
 }
 
 /// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
-/// it must be longer than a character.
+/// it must be longer than a character, and than what an adapter can hold one back.
 fn gap_ns(path: &Path, gap_ms: Option<f64>, link: &Link) -> Result<u64> {
-    let character_ns = link.burst_ns(1);
-    let Some(gap_ms) = gap_ms else { return Ok(DEFAULT_GAP_NS.max(4 * character_ns)) };
+    let (character_ns, pause_ns) = (link.burst_ns(1), link.pause_ns());
+    let Some(gap_ms) = gap_ms else {
+        return Ok(DEFAULT_GAP_NS.max(4 * character_ns) + (pause_ns - character_ns));
+    };
     let gap_ns = path.ms("gap_ms", gap_ms, MIN_PERIOD_MS, 1e6)?;
-    if gap_ns <= character_ns {
-        let character_ms = character_ns as f64 * 1e-6;
-        let problem = format!("must be longer than a character on this link, {character_ms} ms, is {gap_ms}");
+    if gap_ns <= pause_ns {
+        let what = match pause_ns == character_ns {
+            true => "a character on this link",
+            false => "the longest pause within a message on this link",
+        };
+        let problem = format!("must be longer than {what}, {} ms, is {gap_ms}", pause_ns as f64 * 1e-6);
         return Err(path.field("gap_ms").error(problem));
     }
     Ok(gap_ns)
 }
 
 const DEFAULT_GAP_NS: u64 = 20_000_000;
-
-/// Whether a frame can say how many values each sensor has.
-pub(super) fn check_values(path: &Path, sensors: &[&Sensor]) -> Result<()> {
-    let limit = usize::from(u8::MAX);
-    let Some(sensor) = sensors.iter().find(|sensor| sensor.encodings.len() > limit) else { return Ok(()) };
-    let problem = format!("has {} values, the limit on the wire is {limit}", sensor.encodings.len());
-    Err(path.field(&sensor.name).error(problem))
-}
 
 /// Whether the messages fit into frames, and into the laptop's driver.
 pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
@@ -99,40 +96,6 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
     Ok(())
 }
 
-pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
-    if raw.kind != raw::LinkKind::Uart {
-        let given = [
-            ("baud", raw.baud.is_some()),
-            ("bits_per_character", raw.bits_per_character.is_some()),
-            ("receive_depth", raw.receive_depth.is_some()),
-            ("transmit_depth", raw.transmit_depth.is_some()),
-            ("laptop_buffer_bytes", raw.laptop_buffer_bytes.is_some()),
-            ("byte_error_rate", raw.byte_error_rate.is_some()),
-        ];
-        for (field, given) in given {
-            refuse(path, field, given, "only a cable has one; did you mean kind = \"uart\"?")?;
-        }
-        return Ok(if raw.kind == raw::LinkKind::Onboard { Link::Onboard } else { Link::Ideal });
-    }
-    let baud =
-        raw.baud.ok_or_else(|| path.field("baud").error("a uart needs its baud rate, such as 9600"))?;
-    let bits = raw.bits_per_character.unwrap_or(10);
-    if ![8, 10, 11].contains(&bits) {
-        let problem = format!("must be 8 (as the notes count), 10 (8N1) or 11, is {bits}");
-        return Err(path.field("bits_per_character").error(problem));
-    }
-    let depth =
-        |field, depth: Option<u64>, default| path.whole_within(field, depth.unwrap_or(default), 1, 1 << 20);
-    Ok(Link::Uart(Uart {
-        baud: path.whole_within("baud", baud, 50, 100_000_000)? as u32,
-        bits_per_character: bits as u8,
-        receive_depth: depth("receive_depth", raw.receive_depth, 64)? as usize,
-        transmit_depth: depth("transmit_depth", raw.transmit_depth, 64)? as usize,
-        laptop_buffer_bytes: depth("laptop_buffer_bytes", raw.laptop_buffer_bytes, 4096)? as usize,
-        byte_error_rate: path.within("byte_error_rate", raw.byte_error_rate.unwrap_or(0.0), 0.0, 1.0)?,
-    }))
-}
-
-fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
+pub(super) fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
     if given { Err(path.field(field).error(problem)) } else { Ok(()) }
 }

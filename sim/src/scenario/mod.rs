@@ -1,8 +1,9 @@
 //! Scenario files: TOML in, a [`Scenario`] out in which nothing can be wrong.
 //!
 //! `raw` says what a file may contain, with the parts that have a file of their own; `build`, `robots` and the others
-//! turn that into the world's own types and refuse what makes no sense; `check` has the rules for single values, `overrides` changes a file's fields by
-//! path, `order` finds the order that sensors stand in. `docs/scenario.md` describes the format to its users.
+//! turn that into the world's own types and refuse what makes no sense; `check` has the rules for single values,
+//! `overrides` changes a file's fields by path, `preset` then puts presets in place, and `order` finds the order that
+//! sensors stand in. `docs/scenario.md` describes the format to its users.
 
 mod actuators;
 mod arena;
@@ -10,14 +11,17 @@ mod build;
 mod cable;
 mod check;
 mod error;
+mod link;
 mod motors;
 mod noise;
 mod order;
 mod overrides;
+mod preset;
 mod raw;
 mod robots;
 mod sensors;
 mod things;
+mod warnings;
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -26,6 +30,7 @@ use baudbot_geometry::Circle;
 
 pub use error::ScenarioError;
 pub use overrides::Override;
+pub use warnings::Warning;
 
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
@@ -88,8 +93,11 @@ impl Scenario {
         for change in overrides {
             change.apply(&mut table)?;
         }
+        let presets = preset::expand(&mut table)?;
         let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
-        for (robot, names) in raw.robots.iter_mut().zip(order::of_robots(toml)) {
+        let mut order = order::Order::of(toml);
+        for (robot, chain) in raw.robots.iter_mut().zip(&presets) {
+            let names = order.next(chain);
             robot.sensors.arrange(&names.sensors);
             robot.actuators.arrange(&names.actuators);
         }

@@ -91,7 +91,8 @@ impl Default for RawDcMotor {
     }
 }
 
-/// The defaults suit ARSim's body: without damping its time constant is 0.1 s, and its top speed is about the same.
+/// The defaults suit ARSim's body: without damping its time constant is 0.1 s, and its top speed is about
+/// the same.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawVelocityMotor {
@@ -265,7 +266,7 @@ fn servo(path: &Path, raw: RawServo) -> Result<Servo> {
         dead_band_us: path.within("dead_band_us", raw.dead_band_us, 0.0, MAX_PULSE_US)?,
         trim_us: path.within("trim_us", raw.trim_us, -MAX_PULSE_US, MAX_PULSE_US)?,
         lag_s: path.within("lag_ms", raw.lag_ms, 0.0, 1e6)? / 1e3,
-        frame_ns: path.ms("frame_ms", raw.frame_ms, 0.0, 1e6)?,
+        frame_ns: path.ms("frame_ms", raw.frame_ms, 0.0, 1e3)?,
         idle_w: path.not_negative("idle_w", raw.idle_w)?,
         running_w: path.not_negative("running_w", raw.running_w)?,
     })

@@ -1,17 +1,45 @@
 //! The order of sensors and actuators in the file, which is their order on the wire.
 //!
-//! A parsed table is sorted by its keys; where each key stood in the text tells the order that was written.
+//! A parsed table is sorted by its keys; where each key stood in the text tells the order that was written. What a
+//! robot has from presets comes first, in their order.
 
+use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
-use alloc::vec::Vec;
+use alloc::vec::{self, Vec};
 
 use toml::de::{DeTable, DeValue};
 
+use super::preset::Chain;
+
 /// The names in a robot's table, in the order of the text.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Names {
     pub(super) sensors: Vec<String>,
     pub(super) actuators: Vec<String>,
+}
+
+/// The names of one robot after the other.
+pub(super) struct Order {
+    robots: vec::IntoIter<Names>,
+    /// Of presets that were looked into.
+    presets: BTreeMap<&'static str, Names>,
+}
+
+impl Order {
+    /// In the text of a scenario.
+    pub(super) fn of(toml: &str) -> Self {
+        Self { robots: of_robots(toml).into_iter(), presets: BTreeMap::new() }
+    }
+
+    /// Of the next robot, which is made of these presets: the farthest one's names first, the file's own last.
+    pub(super) fn next(&mut self, chain: &Chain) -> Names {
+        let mut names = Names::default();
+        for preset in chain.iter().rev() {
+            names.extend(self.presets.entry(preset.name).or_insert_with(|| of_preset(preset.text)).clone());
+        }
+        names.extend(self.robots.next().unwrap_or_default());
+        names
+    }
 }
 
 impl Names {
@@ -19,10 +47,15 @@ impl Names {
     fn of(robot: &DeTable<'_>) -> Self {
         Self { sensors: keys(robot, "sensors"), actuators: keys(robot, "actuators") }
     }
+
+    fn extend(&mut self, other: Self) {
+        self.sensors.extend(other.sensors);
+        self.actuators.extend(other.actuators);
+    }
 }
 
 /// For each robot of the file.
-pub(super) fn of_robots(toml: &str) -> Vec<Names> {
+fn of_robots(toml: &str) -> Vec<Names> {
     let Ok(table) = DeTable::parse(toml) else { return Vec::new() };
     let Some(DeValue::Array(robots)) = table.get_ref().get("robots").map(|robots| robots.get_ref()) else {
         return Vec::new();
@@ -34,9 +67,20 @@ pub(super) fn of_robots(toml: &str) -> Vec<Names> {
     robots.iter().map(|robot| names(robot.get_ref())).collect()
 }
 
+/// Of a robot's preset.
+fn of_preset(toml: &str) -> Names {
+    let Ok(table) = DeTable::parse(toml) else { return Names::default() };
+    match table.get_ref().get("robot").map(|robot| robot.get_ref()) {
+        Some(DeValue::Table(robot)) => Names::of(robot),
+        _ => Names::default(),
+    }
+}
+
 /// The names in a robot's table under `field`.
 fn keys(robot: &DeTable<'_>, field: &str) -> Vec<String> {
-    let Some(DeValue::Table(table)) = robot.get(field).map(|table| table.get_ref()) else { return Vec::new() };
+    let Some(DeValue::Table(table)) = robot.get(field).map(|table| table.get_ref()) else {
+        return Vec::new();
+    };
     let mut keys: Vec<_> = table.keys().collect();
     keys.sort_by_key(|key| key.span().start);
     keys.into_iter().map(|key| key.get_ref().to_string()).collect()

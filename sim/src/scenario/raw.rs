@@ -183,6 +183,12 @@ pub(super) struct Link {
     pub(super) transmit_depth: Option<u64>,
     pub(super) laptop_buffer_bytes: Option<u64>,
     pub(super) byte_error_rate: Option<f64>,
+    pub(super) half_duplex: Option<bool>,
+    pub(super) turnaround_us: Option<f64>,
+    pub(super) adapter: Option<Adapter>,
+    pub(super) frame_ms: Option<f64>,
+    pub(super) bytes_per_frame: Option<u64>,
+    pub(super) outages: Option<Vec<Outage>>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
@@ -192,6 +198,34 @@ pub(super) enum LinkKind {
     Ideal,
     Onboard,
     Uart,
+    Usb,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Adapter {
+    pub(super) kind: AdapterKind,
+    pub(super) latency_ms: Option<f64>,
+    pub(super) packet_bytes: Option<u64>,
+    pub(super) frame_ms: Option<f64>,
+    pub(super) spread_ms: Option<f64>,
+    pub(super) burst_probability: Option<f64>,
+    pub(super) burst_ms: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum AdapterKind {
+    Ftdi,
+    Cdc,
+    Bluetooth,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Outage {
+    pub(super) from_s: f64,
+    pub(super) for_s: f64,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]

@@ -8,7 +8,7 @@ use baudbot_geometry::{Point, Pose, angle, polygon};
 
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
-use super::{ScenarioError, actuators, arena, cable, raw, sensors, things};
+use super::{ScenarioError, actuators, arena, cable, link, raw, sensors, things};
 use crate::arena::Arena;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
 use crate::link::Link;
@@ -20,7 +20,7 @@ use crate::surroundings::Surroundings;
 use crate::time::SECOND_NS;
 
 /// Most robots of one scenario.
-const MAX_ROBOTS: usize = 10_000;
+pub(super) const MAX_ROBOTS: usize = 10_000;
 
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
@@ -154,10 +154,9 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
-    let link = cable::link(&path.field("link"), &raw.link)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
-    cable::check_values(&path.field("sensors"), &on_wire)?;
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;
@@ -198,7 +197,9 @@ fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
             let radius_m = polygon::bounding_radius(&corners);
             Ok((corners, radius_m))
         }
-        (None, None) => Err(path.field("radius_m").error("is missing; a body is a disc or has an `outline_m`")),
+        (None, None) => {
+            Err(path.field("radius_m").error("is missing; a body is a disc or has an `outline_m`"))
+        }
         (Some(_), Some(_)) => Err(path.field("radius_m").error("a body with an `outline_m` has no radius")),
     }
 }
@@ -260,7 +261,10 @@ fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
         framing_ns_per_byte: path.us("framing_us_per_byte", raw.framing_us_per_byte, 1e6)?,
         receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
         obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
-        operations_per_s: raw.operations_per_s.map(|n| path.within("operations_per_s", n, 1.0, 1e12)).transpose()?,
+        operations_per_s: raw
+            .operations_per_s
+            .map(|n| path.within("operations_per_s", n, 1.0, 1e12))
+            .transpose()?,
         ram_bytes: raw.ram_bytes,
     })
 }
@@ -270,9 +274,12 @@ fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
 fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
     let path = path.field("brain");
     let onboard = matches!(link, Link::Onboard);
-    for (field, given) in [("operations", raw.operations.is_some()), ("memory_bytes", raw.memory_bytes.is_some())] {
+    for (field, given) in
+        [("operations", raw.operations.is_some()), ("memory_bytes", raw.memory_bytes.is_some())]
+    {
         if given && !onboard {
-            let problem = "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
+            let problem =
+                "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
             return Err(path.field(field).error(problem));
         }
     }
@@ -285,8 +292,8 @@ fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> R
     match (raw.thinking_us, raw.operations) {
         (Some(_), Some(_)) => Err(path.field("operations").error("say either this or thinking_us")),
         (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), 1e9),
-        (None, Some(operations)) => processor.thinking_ns(operations).ok_or_else(|| {
-            path.field("operations").error("needs microcontroller.operations_per_s")
-        }),
+        (None, Some(operations)) => processor
+            .thinking_ns(operations)
+            .ok_or_else(|| path.field("operations").error("needs microcontroller.operations_per_s")),
     }
 }

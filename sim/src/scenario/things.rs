@@ -96,7 +96,11 @@ pub(super) fn mover(path: &Path, raw: &RawMover, names: &mut Names) -> Result<Mo
             let outline = outline(&path.field("outline_m"), corners)?;
             (polygon::bounding_radius(&outline), outline)
         }
-        _ => return Err(path.error("needs either `radius_m` (a disc) or `outline_m` (corners in its own frame)")),
+        _ => {
+            return Err(
+                path.error("needs either `radius_m` (a disc) or `outline_m` (corners in its own frame)")
+            );
+        }
     };
     let mut start = pose(path, raw.x_m, raw.y_m, raw.heading_rad)?;
     let way = match (&raw.stops, &raw.swing, &raw.wander) {
@@ -165,7 +169,9 @@ pub(super) fn movable(path: &Path, raw: &RawMovable, names: &mut Names) -> Resul
         (None, Some([length, width]), None) => {
             let at = path.field("size_m");
             let (x, y) = (0.5 * at.length("length", length)?, 0.5 * at.length("width", width)?);
-            MovableShape::Box { outline: [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point::new(x, y)).into() }
+            MovableShape::Box {
+                outline: [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point::new(x, y)).into(),
+            }
         }
         (None, None, Some(corners)) => convex(&path.field("outline_m"), corners, &mut start)?,
         _ => return Err(path.error("needs one of `radius_m` (a ball), `size_m` (a box) and `outline_m`")),

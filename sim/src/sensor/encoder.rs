@@ -83,6 +83,7 @@ pub struct StepCounter;
 impl StepCounter {
     /// Steps since the start, left and right.
     pub(super) fn read(at: &Measurement<'_>) -> [f64; 2] {
-        at.motion.commanded_steps().map(math::floor)
+        let steps = at.motion.steps.unwrap_or_default();
+        [math::floor(steps.left.commanded_steps), math::floor(steps.right.commanded_steps)]
     }
 }

@@ -40,7 +40,8 @@ pub(crate) struct Wander {
 impl Gps {
     /// At the start the error is anything that it can be later.
     pub(super) fn start(&self, stream: &mut Stream) -> Wander {
-        let mut draw = || if self.wander_sigma_m == 0.0 { 0.0 } else { self.wander_sigma_m * stream.normal() };
+        let mut draw =
+            || if self.wander_sigma_m == 0.0 { 0.0 } else { self.wander_sigma_m * stream.normal() };
         Wander {
             error_m: [draw(), draw()],
             last: SimTime::ZERO,

@@ -80,11 +80,11 @@ impl Infrared {
     fn sampled(&self, at: &Measurement<'_>, lookup: &Lookup, stream: &mut Stream) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.range_m);
-        let seen = self.fan.rays(pose.position, pose.direction()).filter_map(|ray| Some((ray, eye.see(&ray)?)));
+        let seen =
+            self.fan.rays(pose.position, pose.direction()).filter_map(|ray| Some((ray, eye.see(&ray)?)));
         let nearest = seen.reduce(|a, b| if b.1.distance_m < a.1.distance_m { b } else { a });
-        let (distance_m, angle_rad) = nearest.map_or((f64::INFINITY, 0.0), |(ray, sight)| {
-            (sight.distance_m, eye.incidence_rad(&ray, &sight))
-        });
+        let (distance_m, angle_rad) = nearest
+            .map_or((f64::INFINITY, 0.0), |(ray, sight)| (sight.distance_m, eye.incidence_rad(&ray, &sight)));
         lookup.read(distance_m, angle_rad, at.noise.then_some(stream))
     }
 }

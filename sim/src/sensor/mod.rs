@@ -26,7 +26,7 @@ mod voltage;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, angle};
+use baudbot_geometry::{Fan, Pose, angle, math};
 use baudbot_wire::Encoding;
 use serde::{Deserialize, Serialize};
 
@@ -360,9 +360,21 @@ impl Device {
                 values[0] = values[0].clamp(-device.range_rad_s, device.range_rad_s);
             }
             Self::Light(device) => values[0] = values[0].clamp(0.0, device.range_lux),
+            Self::Photoresistor(device) => {
+                values[0] = math::round(values[0]).clamp(0.0, f64::from(device.max_counts));
+            }
             Self::Microphone(_) => values[0] = values[0].max(0.0),
             Self::Battery(_) => values[0] = values[0].max(0.0),
             _ => {}
+        }
+    }
+
+    /// The value that stands for nothing in range, which noise does not touch.
+    fn nothing(&self) -> Option<f64> {
+        match self {
+            Self::Laser(_) | Self::LineCamera(_) => Some(NOTHING),
+            Self::Sonar(sonar) => Some(sonar.max_m),
+            _ => None,
         }
     }
 
@@ -370,6 +382,15 @@ impl Device {
     pub(crate) fn unmeasured(&self, values: &mut [f64]) {
         let value = if matches!(self, Self::Laser(_)) { NOTHING } else { 0.0 };
         values.fill(value);
+    }
+
+    /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.
+    pub fn longest_wait_ns(&self) -> u64 {
+        match self {
+            Self::Sonar(sonar) => sonar.holdoff_ns + sonar.timeout_ns,
+            Self::Photoresistor(device) => u64::from(device.max_counts) * device.unit_ns,
+            _ => 0,
+        }
     }
 
     /// Whether its readings are disturbed by [`Noise`]. Digital readings are not: a count is right or lost,
@@ -399,10 +420,13 @@ impl Sensor {
     ) {
         if noisy && !self.noise.is_none() {
             // What is infinitely far stays so whatever noise does to it, but for a dropout.
-            let sees = matches!(self.device, Device::Laser(_) | Device::LineCamera(_));
-            values.iter_mut().filter(|value| sees && **value == NOTHING).for_each(|value| *value = f64::INFINITY);
+            let nothing = self.device.nothing();
+            let far = |value: &&mut f64| Some(**value) == nothing;
+            values.iter_mut().filter(far).for_each(|value| *value = f64::INFINITY);
             self.noise.disturb(state, now, values, stream);
-            values.iter_mut().filter(|value| sees && !value.is_finite()).for_each(|value| *value = NOTHING);
+            if let Some(nothing) = nothing {
+                values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = nothing);
+            }
         }
         self.device.bound(values);
     }

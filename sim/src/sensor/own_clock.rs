@@ -95,7 +95,13 @@ impl Running {
     }
 
     /// Measures; of a scan, all that is taken before the tick ends.
-    pub(crate) fn measure(&mut self, sensor: &Sensor, clock: &OwnClock, at: &Measurement<'_>, parts: Parts<'_>) {
+    pub(crate) fn measure(
+        &mut self,
+        sensor: &Sensor,
+        clock: &OwnClock,
+        at: &Measurement<'_>,
+        parts: Parts<'_>,
+    ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
         let end = match &sensor.device {

@@ -69,12 +69,7 @@ impl Sonar {
     }
 
     /// How far away the nearest thing seems to be because of a strange pulse, if that comes before the echo.
-    fn strange_echo(
-        &self,
-        at: &Measurement<'_>,
-        pose: &baudbot_geometry::Pose,
-        echo_m: f64,
-    ) -> Option<f64> {
+    fn strange_echo(&self, at: &Measurement<'_>, pose: &baudbot_geometry::Pose, echo_m: f64) -> Option<f64> {
         let start = at.now + self.holdoff_ns;
         let kappas = self.fan.kappas();
         let half_opening = kappas[kappas.len() - 1];
@@ -86,7 +81,8 @@ impl Sonar {
             if baudbot_geometry::angle::wrap(bearing).abs() > half_opening {
                 return None;
             }
-            let ray = Ray { origin: pose.position, direction: Direction::from_angle(math::atan2(way.y, way.x)) };
+            let ray =
+                Ray { origin: pose.position, direction: Direction::from_angle(math::atan2(way.y, way.x)) };
             let blocked = at.scene.arena.seen(self.mount.height.layer).cast(&ray, distance).is_some();
             let arrival = ping.at + (distance / self.sound_m_s * SECOND_NS as f64) as u64;
             let after = arrival.since(start) as f64 / SECOND_NS as f64;

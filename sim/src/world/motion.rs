@@ -10,8 +10,8 @@ use super::{Ending, World};
 use crate::actuator::ActuatorKind;
 use crate::collision::{Collision, CollisionPolicy, Obstacle, Partner, Step};
 use crate::drive::Wheels;
-use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::motor::Motors;
+use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::mover::Around;
 use crate::robot::{Robot, RobotSpec};
 use crate::scenario::Scenario;
@@ -20,68 +20,88 @@ use crate::time::{SECOND_NS, SimTime};
 impl World {
     /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
     pub(super) fn move_all(&mut self) {
-        let (now, dt_ns) = (self.time(), self.scenario.step_ns / u64::from(self.scenario.substeps));
+        let scenario = Arc::clone(&self.scenario);
+        let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
-        let before = self.poses();
-        for (robot, spec) in self.state.robots.iter_mut().zip(self.scenario.robots()) {
+        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
             robot.collided = false;
             robot.pings = [None, robot.pings[0].or(robot.pings[1])];
-            if self.scenario.noise {
+            if scenario.noise {
                 robot.motor_noise.tick(&spec.drive.motor_noise);
             }
         }
-        for i in 0..u64::from(self.scenario.substeps) {
+        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
+        let (mut at_start, mut poses) = (Vec::new(), Poses::default());
+        self.note_poses(&mut at_start);
+        for i in 0..u64::from(scenario.substeps) {
             if self.state.ending.is_none() {
-                self.substep(now + i * dt_ns, dt_ns as f64 / SECOND_NS as f64);
+                let dt = dt_ns as f64 / SECOND_NS as f64;
+                self.substep(&scenario, &forms, &mut poses, now + i * dt_ns, dt);
             }
         }
-        self.keep_score(&before);
+        self.keep_score(&at_start);
     }
 
-    fn substep(&mut self, now: SimTime, dt: f64) {
-        let scenario = Arc::clone(&self.scenario);
-        let before = self.poses();
+    fn substep(
+        &mut self,
+        scenario: &Scenario,
+        forms: &[Form<'_>],
+        Poses { before, after }: &mut Poses,
+        now: SimTime,
+        dt: f64,
+    ) {
+        self.note_poses(before);
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
-            robot.drive(spec, &scenario, now, dt);
+            robot.drive(spec, scenario, now, dt);
         }
+        let (arena, obstacles) = (&scenario.arena, &self.obstacles(scenario)[..]);
+        let mut held = Vec::new();
         if !scenario.movables.is_empty() {
-            self.push(&scenario, &before, dt);
+            self.note_poses(after);
+            held = self.push(scenario, Step { arena, obstacles, forms, before, after }, dt);
         }
-        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
-        let obstacles = self.obstacles(&scenario);
-        let step = Step {
-            arena: &scenario.arena,
-            obstacles: &obstacles,
-            forms: &forms,
-            before: &before,
-            after: self.poses(),
-        };
+        self.note_poses(after);
+        let step = Step { arena, obstacles, forms, before, after };
         match scenario.collision {
             CollisionPolicy::StopRun => self.stop_run(&step),
-            CollisionPolicy::StopRobot => self.stop_robots(step),
+            CollisionPolicy::StopRobot => self.stop_robots(step, &held),
         }
         for robot in &mut self.state.robots {
             robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
         }
         if !scenario.movers.is_empty() {
-            self.move_movers(&scenario, now, dt);
+            self.move_movers(scenario, now, dt);
         }
     }
 
-    /// Robots push what can be pushed.
-    fn push(&mut self, scenario: &Scenario, before: &[Pose], dt: f64) {
-        let bodies: Vec<_> = self.obstacles(scenario).into_iter().map(|obstacle| obstacle.body).collect();
+    /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
+    /// move. Says who those are.
+    fn push(&mut self, scenario: &Scenario, step: Step<'_>, dt: f64) -> Vec<Option<Partner>> {
+        let before = step.before;
+        let bodies: Vec<_> = step.obstacles.iter().map(|obstacle| obstacle.body.clone()).collect();
         let fixed = Fixed { arena: &scenario.arena, bodies: &bodies };
+        let mut held = Vec::new();
+        if scenario.collision == CollisionPolicy::StopRobot {
+            held = step.held_back();
+            for own in (0..held.len()).filter(|&own| held[own].is_some()) {
+                self.hold(own, &before[own]);
+            }
+        }
         let robots = self.state.robots.iter().zip(scenario.robots()).zip(before);
         let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
         let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
         for (i, reaction) in reactions.into_iter().enumerate().filter(|(_, r)| r.touched.is_some()) {
             let motion = &mut self.state.robots[i].motion;
+            let missed =
+                (motion.pose.position - reaction.pose.position).dot(&motion.pose.direction().vector());
+            motion.travel_m.left -= missed;
+            motion.travel_m.right -= missed;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
             motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
             scenario.robots()[i].drive.roll_with(motion);
         }
+        held
     }
 
     fn move_movers(&mut self, scenario: &Scenario, now: SimTime, dt: f64) {
@@ -98,7 +118,9 @@ impl World {
     /// What moves by itself and can be run into.
     fn obstacles(&self, scenario: &Scenario) -> Vec<Obstacle> {
         let movers = scenario.movers.iter().zip(&self.state.movers);
-        movers.map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) }).collect()
+        movers
+            .map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) })
+            .collect()
     }
 
     fn stop_run(&mut self, step: &Step<'_>) {
@@ -108,22 +130,27 @@ impl World {
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    /// A disc that is held back keeps its turning, as it cannot run into anything by it.
-    fn stop_robots(&mut self, step: Step<'_>) {
-        let scenario = Arc::clone(&self.scenario);
-        let before = step.before.to_vec();
+    /// `held` are those that have been held back already, if anybody has looked.
+    fn stop_robots(&mut self, step: Step<'_>, held: &[Option<Partner>]) {
+        let before = step.before;
         for (own, partner) in step.held_back().into_iter().enumerate() {
             if partner.is_some() {
-                let (motion, spec) = (&mut self.state.robots[own].motion, &scenario.robots()[own]);
-                motion.pose.position = before[own].position;
-                if !spec.outline.is_empty() {
-                    motion.pose.heading = before[own].heading;
-                    motion.turn_rate_rad_s = 0.0;
-                }
-                spec.drive.halt(motion);
+                self.hold(own, &before[own]);
             }
-            self.note_contact(own, partner);
+            let earlier = || held.get(own).cloned().flatten();
+            self.note_contact(own, partner.or_else(earlier));
         }
+    }
+
+    /// Puts a robot back to where it was. A disc keeps its turning, as it cannot run into anything by it.
+    fn hold(&mut self, own: usize, before: &Pose) {
+        let (motion, spec) = (&mut self.state.robots[own].motion, &self.scenario.robots()[own]);
+        motion.pose.position = before.position;
+        if !spec.outline.is_empty() {
+            motion.pose.heading = before.heading;
+            motion.turn_rate_rad_s = 0.0;
+        }
+        spec.drive.halt(motion);
     }
 
     /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
@@ -165,9 +192,17 @@ impl World {
             || others.into_iter().any(|(_, (robot, spec))| spec.form().at(&robot.motion.pose).overlaps(&room))
     }
 
-    fn poses(&self) -> Vec<Pose> {
-        self.state.robots.iter().map(|robot| robot.motion.pose).collect()
+    fn note_poses(&self, poses: &mut Vec<Pose>) {
+        poses.clear();
+        poses.extend(self.state.robots.iter().map(|robot| robot.motion.pose));
     }
+}
+
+/// The poses of all robots, in lists that serve all substeps of a tick.
+#[derive(Default)]
+struct Poses {
+    before: Vec<Pose>,
+    after: Vec<Pose>,
 }
 
 fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
@@ -218,7 +253,8 @@ impl Robot {
 impl Robot {
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
-        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor) else {
+        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor)
+        else {
             return signals;
         };
         let share = state.terminal_v(battery) / battery.nominal_v;

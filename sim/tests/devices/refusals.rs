@@ -91,7 +91,7 @@ fn ports_of_the_wrong_kind() {
     );
     sensor(
         &format!("{LASER}\nport = {{ link = {{ kind = \"onboard\" }} }}"),
-        ".port.link: a port is a cable",
+        ".port.link.kind: a port is a cable",
     );
 }
 
@@ -209,7 +209,9 @@ fn more_values_than_a_frame_holds() {
         let laser = LASER.replace("rays = 5", &format!("rays = {rays}\n{bits}"));
         refused(
             &with_sensor("", &laser),
-            &format!("robots[0].sensors.s: has {rays} values, the limit on the wire is 255"),
+            &format!(
+                "robots[0].sensors.s: has {rays} values; without a `port` of its own a sensor has at most 255"
+            ),
         );
     }
 }
@@ -301,11 +303,11 @@ fn brains_and_their_processors() {
     );
     refused(
         &scene("", "link = { kind = \"onboard\", baud = 9600 }", ""),
-        "robots[0].link.baud: only a cable has one",
+        "robots[0].link.baud: there is no link",
     );
     refused(
         &scene("", "link = { kind = \"ideal\", baud = 9600 }", ""),
-        "robots[0].link.baud: only a cable has one",
+        "robots[0].link.baud: an ideal link has none",
     );
 }
 
@@ -379,7 +381,7 @@ fn things_to_push_zones_and_lights() {
 
 #[test]
 fn ends_that_a_run_can_never_have_or_has_at_once() {
-    top("[end]\nall_goals = true\n", "end.all_goals: no zone of the arena is a goal");
+    top("[end]\nall_goals = true\n", "end.all_goals: no zone of the arena has goal = true");
     top("[end]\nbattery_empty = true\n", "end.battery_empty: no robot has a battery");
     top("[end]\ncollisions = 0\n", "end.collisions: must be within 1");
     top("[end]\ncovered = 0.5\n", "metrics.cell_m: is missing");

@@ -124,7 +124,9 @@ fn voltage(path: &Path, table: Table, bits: Option<u64>, context: &mut Context<'
     let (mount, raw): (_, raw::VoltageRanger) = mounted(path, table, context)?;
     let at = path.field("curve_m_v");
     if raw.curve_m_v.len() < 2 {
-        return Err(at.error(format!("needs at least 2 pairs of distance and voltage, has {}", raw.curve_m_v.len())));
+        return Err(
+            at.error(format!("needs at least 2 pairs of distance and voltage, has {}", raw.curve_m_v.len()))
+        );
     }
     for (i, pair) in raw.curve_m_v.iter().enumerate() {
         at.index(i).not_negative("distance", pair[0])?;
@@ -190,13 +192,8 @@ fn line_camera(path: &Path, table: Table, bits: Option<u64>, context: &mut Conte
         let problem = format!("{columns} columns and {rows} rows are more than {MAX_PIXELS} pixels");
         return Err(path.field("rows").error(problem));
     }
-    let camera = LineCamera {
-        mount,
-        fan: Fan::new(opening_rad, columns),
-        range_m,
-        background: raw.background,
-        rows,
-    };
+    let camera =
+        LineCamera { mount, fan: Fan::new(opening_rad, columns), range_m, background: raw.background, rows };
     let mut encodings = levels(path, bits, 3 * columns, 0.0, 1.0)?;
     encodings.extend(levels(path, bits, columns, -1.0, range_m)?);
     Ok(Built::new(Device::LineCamera(camera), encodings))
@@ -352,7 +349,9 @@ fn maximum(path: &Path, max: Option<f64>, bits: Option<u64>) -> Result<f64> {
     match (max, bits) {
         (Some(max), _) => path.positive("max", max),
         (None, None) => Ok(f64::MAX),
-        (None, Some(_)) => Err(path.field("max").error("is needed with `bits`: the value of the largest code")),
+        (None, Some(_)) => {
+            Err(path.field("max").error("is needed with `bits`: the value of the largest code"))
+        }
     }
 }
 

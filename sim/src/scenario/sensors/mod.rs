@@ -13,15 +13,16 @@ use toml::{Table, Value};
 
 use super::check::Path;
 use super::error::deserialize;
-use super::{ScenarioError, build::MIN_PERIOD_MS, cable, noise};
-use crate::arena::Arena;
+use super::{ScenarioError, build::MIN_PERIOD_MS, link, noise};
 use crate::actuator::Actuator;
+use crate::arena::Arena;
 use crate::battery::Battery;
 use crate::link::Link;
 use crate::port::{Format, Port};
 use crate::schedule::Schedule;
-use crate::sensor::{Device, OwnClock, Sensor};
+use crate::sensor::{Device, Noise, OwnClock, Sensor};
 use crate::surroundings::Surroundings;
+use device::Built;
 use raw::{COMMON, Common};
 
 type Result<T> = core::result::Result<T, ScenarioError>;
@@ -47,38 +48,50 @@ pub(super) fn sensor(
 ) -> Result<Sensor> {
     let common: Common = deserialize(path.as_str(), Value::Table(take(&mut table, &COMMON)))?;
     let built = device::device(path, common.kind, table, common.bits, context)?;
-    let (device, encodings, shorthand) = (built.device, built.encodings, built.multiplicative);
     let period_ms = common.period_ms.unwrap_or(context.step_ms);
-    let port = common.port.map(|raw| port(&path.field("port"), &raw, &device)).transpose()?;
+    let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
+    if port.is_none() && built.device.values() > usize::from(u8::MAX) {
+        let problem = format!(
+            "has {} values; without a `port` of its own a sensor has at most 255",
+            built.device.values()
+        );
+        return Err(path.error(problem));
+    }
     if port.is_some() && common.bits.is_some() {
         return Err(path.field("bits").error("what goes over a port of its own has its own form"));
     }
-    let mut noise = noise::noise(&path.field("noise"), common.noise)?;
-    if shorthand != 0.0 && noise.multiplicative != 0.0 {
-        return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
-    }
-    if built.additive != 0.0 && noise.additive != 0.0 {
-        return Err(path.field("sigma_rad").error("is short for noise.additive, which is given, too"));
-    }
-    noise.multiplicative += shorthand + 0.0;
-    noise.additive += built.additive;
-    if !device.is_analog() && !noise.is_none() {
-        let problem = format!("a sensor of kind `{}` is digital and takes none of these", device.kind());
-        return Err(path.field("noise").error(problem));
-    }
-    let clock = clock(path, common.clock, &device, (period_ms, common.phase_ms), port.is_some())?;
+    let noise = with_shorthands(path, noise::noise(&path.field("noise"), common.noise)?, &built)?;
+    let clock = clock(path, common.clock, &built.device, (period_ms, common.phase_ms), port.is_some())?;
     let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
     let phase_ns = path.ms("phase_ms", common.phase_ms, 0.0, 1e7)?;
     Ok(Sensor {
         name,
-        device,
+        device: built.device,
         noise,
         schedule: Schedule::new(period_ns, phase_ns),
         acquisition_ns: path.us("acquisition_us", common.acquisition_us, 1e9)?,
         own_clock: clock,
         port,
-        encodings,
+        encodings: built.encodings,
     })
+}
+
+/// The noise, with what the fields of a kind say of it.
+fn with_shorthands(path: &Path, mut noise: Noise, built: &Built) -> Result<Noise> {
+    if built.multiplicative != 0.0 && noise.multiplicative != 0.0 {
+        return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
+    }
+    if built.additive != 0.0 && noise.additive != 0.0 {
+        return Err(path.field("sigma_rad").error("is short for noise.additive, which is given, too"));
+    }
+    noise.multiplicative += built.multiplicative;
+    noise.additive += built.additive;
+    if !built.device.is_analog() && !noise.is_none() {
+        let problem =
+            format!("a sensor of kind `{}` is digital and takes none of these", built.device.kind());
+        return Err(path.field("noise").error(problem));
+    }
+    Ok(noise)
 }
 
 /// Takes some fields out of a table.
@@ -152,9 +165,9 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
             return Err(path.error(problem));
         }
     };
-    let link = cable::link(&path.field("link"), &raw.link)?;
-    if link == Link::Onboard {
-        return Err(path.field("link").error("a port is a cable, `uart` or `ideal`; only a brain can be on board"));
+    let link = link::link(&path.field("link"), &raw.link)?;
+    if matches!(link, Link::Onboard) {
+        return Err(path.field("link").field("kind").error("a port is a cable: `uart`, `usb` or `ideal`"));
     }
     Ok(Port { link, format })
 }

@@ -1,0 +1,232 @@
+//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows.
+//!
+//! From the picture inwards:
+//!
+//! 1. This file puts it together: the plan with its frame and its names, and blocks beside it or below it.
+//! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
+//!    and `kinds` finds robots that are alike.
+//! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window.
+//! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, `labels` finds room for names,
+//!    `palette` has the colours, and `xml` writes elements.
+//!
+//! The same scenario gives the same bytes on every machine: all that needs a sine or a root takes it from
+//! `baudbot_geometry::math`.
+
+mod block;
+mod body;
+mod extent;
+mod frame;
+mod ground;
+mod key;
+mod kinds;
+mod labels;
+mod lens;
+mod palette;
+mod senses;
+#[cfg(test)]
+mod tests;
+mod things;
+mod view;
+mod walls;
+mod xml;
+
+use std::sync::Arc;
+
+use baudbot_sim::sight::Onlooker;
+use baudbot_sim::{Scenario, World};
+
+use self::block::{Block, GAP, WIDTH};
+use self::kinds::Kind;
+use self::labels::{Labels, Style, wrapped};
+use self::palette::{FRAME, INK, PALE_INK, PAPER};
+use self::view::{View, rectangle};
+use self::xml::{Canvas, Element, px};
+
+/// The picture of a scenario at its start. `label` is what it is called if it has no name.
+pub(crate) fn draw(scenario: &Scenario, label: &str) -> String {
+    let world = World::new(Arc::new(scenario.clone()));
+    let onlooker = Onlooker::new(&world);
+    let kinds = kinds::of(scenario.robots());
+    let bounds = extent::of(scenario);
+    let is_wide = bounds.size().x > 1.5 * bounds.size().y;
+    let most = if is_wide { (960.0, 700.0) } else { (660.0, 760.0) };
+    let scale = (most.0 / bounds.size().x).min(most.1 / bounds.size().y);
+    let text_room = if is_wide { most.0 } else { scale * bounds.size().x + GAP + WIDTH };
+    let head = head(scenario, label, text_room);
+    let plan = View { world: bounds, scale, left: frame::LEFT, top: head.height };
+    let lenses = Lenses::new(&kinds, scale);
+    let blocks = blocks(&lenses, &kinds, &world, &onlooker, scale);
+    let mut canvas = Canvas::default();
+    canvas.append(&head.canvas);
+    draw_plan(&mut canvas, &plan, &world, &onlooker, (&kinds, &lenses));
+    let blocks = block::columns(&mut canvas, &blocks, columns(&plan, is_wide));
+    let (right, bottom) = (plan.left + plan.width(), plan.top + plan.height() + frame::BELOW);
+    let size = (right.max(blocks.0) + GAP, bottom.max(blocks.1));
+    document(scenario, label, size, &canvas)
+}
+
+/// Which kinds of robots are enlarged, and how high the windows on them are.
+struct Lenses<'a> {
+    kinds: Vec<&'a Kind<'a>>,
+    height: f64,
+}
+
+impl<'a> Lenses<'a> {
+    fn new(kinds: &'a [Kind<'a>], scale: f64) -> Self {
+        let is_small = |kind: &&Kind<'_>| 2.0 * kind.robot.drive.radius_m * scale < SMALL_PX;
+        let kinds: Vec<_> = kinds.iter().filter(is_small).take(MOST_LENSES).collect();
+        let height = if kinds.len() > 1 { 250.0 } else { 300.0 };
+        Self { kinds, height }
+    }
+
+    fn has(&self, kind: &Kind<'_>) -> bool {
+        self.kinds.iter().any(|other| other.first == kind.first)
+    }
+}
+
+/// The whole file.
+fn document(scenario: &Scenario, label: &str, (width, height): (f64, f64), inside: &Canvas) -> String {
+    let (width, height) = (width.ceil(), height.ceil());
+    let mut canvas = Canvas::default();
+    let root = Element::new("svg").set("xmlns", "http://www.w3.org/2000/svg").number("width", width);
+    let root = root.number("height", height).set("viewBox", &format!("0 0 {} {}", px(width), px(height)));
+    let root = root.set("role", "img").set("font-family", "system-ui, Helvetica, Arial, sans-serif");
+    let title = format!("{}, seen from above", name(scenario, label));
+    canvas.open(root.titled(&title));
+    canvas.put(Element::new("desc").text(&format!("{} ", scenario.description())));
+    canvas.open(Element::new("defs"));
+    ground::definitions(&mut canvas, scenario.surroundings());
+    canvas.close("defs");
+    let paper = rectangle((0.5, 0.5), (width - 1.0, height - 1.0)).set("rx", "10");
+    canvas.put(paper.set("fill", PAPER).set("stroke", FRAME));
+    canvas.append(inside);
+    canvas.close("svg");
+    canvas.into_text()
+}
+
+fn name<'a>(scenario: &'a Scenario, label: &'a str) -> &'a str {
+    if scenario.name().is_empty() { label } else { scenario.name() }
+}
+
+/// Name and description.
+fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
+    let mut canvas = Canvas::default();
+    let text = |y: f64, size: f64, color: &str, text: &str| {
+        let at = Element::new("text").number("x", 24.0).number("y", y).number("font-size", size);
+        at.set("fill", color).text(text)
+    };
+    let name = labels::shortened(name(scenario, label), 20.0, room);
+    canvas.put(text(34.0, 20.0, INK, &name).set("font-weight", "600"));
+    let mut y = 38.0;
+    for line in wrapped(scenario.description(), 13.0, room, 3) {
+        y += 18.0;
+        canvas.put(text(y, 13.0, PALE_INK, &line));
+    }
+    Block { canvas, height: y + 16.0 }
+}
+
+fn blocks(
+    lenses: &Lenses<'_>,
+    kinds: &[Kind<'_>],
+    world: &World,
+    onlooker: &Onlooker<'_>,
+    scale: f64,
+) -> Vec<Block> {
+    let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, world, onlooker, (lenses.height, scale));
+    let lenses = lenses.kinds.iter().enumerate().map(lens);
+    let keys = kinds.iter().take(MOST_LENSES).map(key::of_kind);
+    let rest = (kinds.len() > MOST_LENSES).then(key::of_rest);
+    lenses.chain(keys).chain(rest).chain(key::of_surroundings(world.scenario())).collect()
+}
+
+/// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.
+fn columns(plan: &View, is_wide: bool) -> Vec<view::Place> {
+    let beside = (!is_wide).then_some((plan.left + plan.width() + GAP, plan.top));
+    let fit = ((plan.width() + GAP + 4.0) / (WIDTH + GAP)).floor() as usize;
+    let bottom = plan.top + plan.height() + frame::BELOW;
+    let below = (0..fit).map(|i| (plan.left + i as f64 * (WIDTH + GAP), bottom));
+    beside.into_iter().chain(below).collect()
+}
+
+fn draw_plan(
+    canvas: &mut Canvas,
+    view: &View,
+    world: &World,
+    onlooker: &Onlooker<'_>,
+    (kinds, lenses): (&[Kind<'_>], &Lenses<'_>),
+) {
+    let scenario: &Scenario = world.scenario();
+    canvas.put(Element::new("clipPath").set("id", "plan").with(view.frame()));
+    canvas.open(Element::group().set("clip-path", "url(#plan)"));
+    ground::draw(canvas, view, scenario);
+    frame::grid(canvas, view);
+    walls::draw(canvas, view, scenario.arena());
+    things::draw(canvas, view, scenario, true);
+    let robots = scenario.robots();
+    let is_crowd = robots.len() > CROWD;
+    for robot in robots.iter().enumerate().take(MOST_FANS) {
+        match is_crowd {
+            true => senses::brief_fans(canvas, view, onlooker, robot),
+            false => senses::fans(canvas, view, onlooker, robot),
+        }
+    }
+    for robot in robots {
+        body::draw(canvas, view, robot);
+    }
+    if !is_crowd {
+        robots.iter().enumerate().for_each(|robot| senses::mounts(canvas, view, onlooker, robot));
+    }
+    for kind in &lenses.kinds {
+        lens::mark(canvas, view, kind, lenses.height);
+    }
+    let corner = (view.left + view.width(), view.top + view.height());
+    let mut labels = Labels::new((view.left + 3.0, view.top + 3.0), (corner.0 - 3.0, corner.1 - 3.0));
+    label_plan(&mut labels, view, scenario, onlooker, (kinds, lenses));
+    canvas.append(&labels.into_canvas());
+    canvas.close("g");
+    frame::axes(canvas, view);
+}
+
+/// Names in the plan: the robots' first, then what is nearest to what a reader asks.
+fn label_plan(
+    labels: &mut Labels,
+    view: &View,
+    scenario: &Scenario,
+    onlooker: &Onlooker<'_>,
+    (kinds, lenses): (&[Kind<'_>], &Lenses<'_>),
+) {
+    let robots = scenario.robots();
+    for robot in robots {
+        labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
+    }
+    let outside = walls::label_inside(labels, view, scenario.arena());
+    for kind in kinds.iter().filter(|kind| !lenses.has(kind) && robots.len() <= CROWD) {
+        lens::label_sensors(labels, view, onlooker, kind);
+    }
+    let named = if robots.len() > MOST_NAMES { 0 } else { robots.len() };
+    for (i, robot) in robots.iter().enumerate().take(named) {
+        let (x, y) = view.at(robot.start.pose.position);
+        let lens = lenses.kinds.iter().find(|kind| kind.first == i);
+        let above = lens.map(|kind| lens::above(view, kind, lenses.height));
+        let style = Style { size: 12.0, color: palette::ROBOT, bold: true };
+        let off = view.length(body::reach(robot)) + 10.0;
+        let side = off + 0.5 * labels::width(&robot.name, 13.0);
+        let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
+        let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
+        labels.put(&robot.name, style, above.into_iter().chain(places).chain(far));
+    }
+    things::label(labels, view, scenario);
+    ground::label(labels, view, scenario);
+    walls::label_outside(labels, view, scenario.arena(), &outside);
+}
+
+/// A robot narrower than this is enlarged, in pixels.
+const SMALL_PX: f64 = 40.0;
+/// More windows than this are no help.
+const MOST_LENSES: usize = 4;
+/// Of more robots than this, rays and mounts are drawn in the windows only.
+const CROWD: usize = 50;
+/// More robots than this are not named, but for their titles: only those at the crowd's edge would be.
+const MOST_NAMES: usize = 200;
+/// Fans of so many robots are drawn: each costs time, and a picture of more is one colour.
+const MOST_FANS: usize = 2000;

@@ -1,0 +1,79 @@
+//! `baudbot preset`: what robots and parts there are, and where their numbers are from.
+
+use baudbot_sim::presets::{self, Fact, Preset, PresetKind, presets};
+use serde_json::{Value, json};
+
+use crate::args::PresetArgs;
+use crate::error::Refused;
+use crate::text::{pairs, print};
+
+pub(crate) fn preset(args: &PresetArgs) -> anyhow::Result<()> {
+    let Some(name) = &args.name else {
+        return if args.json { print_json(&presets().map(about).collect()) } else { print(&list()) };
+    };
+    let preset = presets::preset(name).ok_or_else(|| Refused::error(unknown(name)))?;
+    if args.json { print_json(&with_values(preset)) } else { print(preset.text) }
+}
+
+/// All presets, kind by kind.
+fn list() -> String {
+    let mut text = String::new();
+    for kind in PresetKind::ALL {
+        let those = presets().filter(|preset| preset.kind == kind);
+        let those: Vec<_> = those.map(|preset| (preset.name, preset.description.to_owned())).collect();
+        text += &format!("{}\n{}\n", kind.word(), pairs("  ", &those));
+    }
+    text.trim_end().to_owned() + "\n"
+}
+
+fn about(preset: &'static Preset) -> Value {
+    json!({ "name": preset.name, "kind": preset.kind.word(), "description": preset.description })
+}
+
+fn with_values(preset: &'static Preset) -> Value {
+    let mut about = about(preset);
+    about["values"] = preset.facts().iter().map(value).collect();
+    about
+}
+
+fn value(fact: &Fact) -> Value {
+    let source = fact.standing.map(|_| fact.source);
+    json!({
+        "path": fact.path,
+        "value": fact.value,
+        "standing": fact.standing.map(|standing| standing.word()),
+        "source": source,
+    })
+}
+
+fn print_json(value: &Value) -> anyhow::Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+fn unknown(name: &str) -> String {
+    let near = presets::nearest(name, None);
+    let near: Vec<_> = near.iter().map(|preset| format!("`{}`", preset.name)).collect();
+    match near.join(", ") {
+        none if none.is_empty() => format!("there is no preset `{name}`; `baudbot preset` lists all"),
+        near => format!("there is no preset `{name}`; did you mean {near}? `baudbot preset` lists all"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_has_every_preset_under_its_kind() {
+        let list = list();
+        let groups: Vec<_> = list.split("\n\n").collect();
+        assert_eq!(groups.len(), PresetKind::ALL.len());
+        for (kind, group) in PresetKind::ALL.into_iter().zip(groups) {
+            let mut lines = group.lines();
+            assert_eq!(lines.next(), Some(kind.word()));
+            let names: Vec<_> = lines.map(|line| line.split_whitespace().next().unwrap()).collect();
+            let expected: Vec<_> = presets().filter(|p| p.kind == kind).map(|p| p.name).collect();
+            assert_eq!(names, expected);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! An entry of `arena.maps`, as it stands in the file and checked.
+
+use serde::Deserialize;
+
+use crate::error::ImportError;
+use crate::shape::MAX_POSITION;
+
+/// A map: where it comes from and how it becomes shapes.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub(crate) name: String,
+    pub(crate) height_m: Option<f64>,
+    pub(crate) source: Source,
+}
+
+#[derive(Debug)]
+pub(crate) enum Source {
+    Ros { file: String, unknown: Unknown },
+    Svg { file: String, scale: Scale },
+}
+
+/// What becomes of cells of which the map does not know whether they are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Unknown {
+    #[default]
+    Free,
+    Occupied,
+}
+
+/// How a drawing lies in the arena.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    pub(crate) m_per_unit: f64,
+    /// Where the drawing's lower left corner lies, in metres.
+    pub(crate) origin: [f64; 2],
+    /// How far, in metres, a chord may be from its curve.
+    pub(crate) tolerance: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Raw {
+    name: String,
+    height_m: Option<f64>,
+    ros: Option<String>,
+    unknown: Option<Unknown>,
+    svg: Option<String>,
+    m_per_unit: Option<f64>,
+    origin_m: Option<[f64; 2]>,
+    tolerance_m: Option<f64>,
+}
+
+impl Raw {
+    /// Checks the entry that stands at `path`.
+    pub(crate) fn check(mut self, path: &str) -> Result<Entry, ImportError> {
+        let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if !(1..=40).contains(&self.name.len()) || !self.name.chars().all(fits) {
+            let problem = format!("must be 1 to 40 letters, digits, `_` or `-`, is {:?}", self.name);
+            return Err(ImportError::field(format!("{path}.name"), problem));
+        }
+        if let Some(height_m) = self.height_m.filter(|height_m| !height_m.is_finite()) {
+            return Err(ImportError::field(
+                format!("{path}.height_m"),
+                format!("must be finite, is {height_m}"),
+            ));
+        }
+        let source = match (self.ros.take(), self.svg.take()) {
+            (Some(file), None) => self.ros(file, path)?,
+            (None, Some(file)) => self.svg(file, path)?,
+            (Some(_), Some(_)) => {
+                return Err(ImportError::field(path, "has both `ros` and `svg`: take one of them out"));
+            }
+            (None, None) => {
+                let problem = "needs a file: `ros = \"map.yaml\"` or `svg = \"plan.svg\"`";
+                return Err(ImportError::field(path, problem));
+            }
+        };
+        Ok(Entry { name: self.name, height_m: self.height_m, source })
+    }
+
+    fn ros(&self, file: String, path: &str) -> Result<Source, ImportError> {
+        let of_svg = [
+            ("m_per_unit", self.m_per_unit.is_some()),
+            ("origin_m", self.origin_m.is_some()),
+            ("tolerance_m", self.tolerance_m.is_some()),
+        ];
+        if let Some((field, _)) = of_svg.iter().find(|(_, is_there)| *is_there) {
+            let problem = "is for maps with `svg` only: take it out, the YAML says how the map lies";
+            return Err(ImportError::field(format!("{path}.{field}"), problem));
+        }
+        Ok(Source::Ros { file, unknown: self.unknown.unwrap_or_default() })
+    }
+
+    fn svg(&self, file: String, path: &str) -> Result<Source, ImportError> {
+        let wrong = |field: &str, problem: String| ImportError::field(format!("{path}.{field}"), problem);
+        if self.unknown.is_some() {
+            return Err(wrong("unknown", "is for maps with `ros` only: take it out".into()));
+        }
+        let Some(m_per_unit) = self.m_per_unit else {
+            return Err(wrong(
+                "m_per_unit",
+                "is missing: the metres that a unit of the drawing stands for".into(),
+            ));
+        };
+        let origin = self.origin_m.unwrap_or_default();
+        let tolerance = self.tolerance_m.unwrap_or(TOLERANCE);
+        if !(m_per_unit > 0.0 && m_per_unit <= MAX_POSITION) {
+            return Err(wrong(
+                "m_per_unit",
+                format!("must be above 0, at most {MAX_POSITION}, is {m_per_unit}"),
+            ));
+        }
+        if !origin.iter().all(|x| x.abs() <= MAX_POSITION) {
+            return Err(wrong("origin_m", format!("must be within ±{MAX_POSITION}, is {origin:?}")));
+        }
+        if !(MIN_TOLERANCE..=MAX_POSITION).contains(&tolerance) {
+            let problem = format!("must be from {MIN_TOLERANCE} to {MAX_POSITION}, is {tolerance}");
+            return Err(wrong("tolerance_m", problem));
+        }
+        Ok(Source::Svg { file, scale: Scale { m_per_unit, origin, tolerance } })
+    }
+}
+
+/// In metres: finer than robots can feel.
+const TOLERANCE: f64 = 0.005;
+
+/// In metres. Corners are rounded to that, and a curve has no end of them if nothing is too fine.
+const MIN_TOLERANCE: f64 = 1e-6;

@@ -1,0 +1,57 @@
+//! What can be wrong with what a scenario refers to.
+
+use std::path::Path;
+
+/// Why a scenario could not be completed. The message says where, what and how to mend it, on one line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// A field that refers to a file, or one beside it, is missing, unknown, of the wrong type, or has a
+    /// value that makes no sense.
+    #[error("{path}: {problem}")]
+    Field {
+        /// Where in the scenario, for instance `arena.maps[0].m_per_unit`.
+        path: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A file cannot be read, or what is in it makes no sense.
+    #[error("{path}: {file}: {problem}")]
+    File {
+        /// Where in the scenario, for instance `arena.maps[0].ros`.
+        path: String,
+        /// The file. It is not always the one that the scenario names: a map has an image.
+        file: String,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl ImportError {
+    pub(crate) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Field { path: path.into(), problem: problem.into() }
+    }
+}
+
+/// What is wrong with a file, whoever refers to it.
+#[derive(Debug)]
+pub(crate) struct FileError {
+    file: String,
+    problem: String,
+}
+
+impl FileError {
+    pub(crate) fn new(file: &Path, problem: impl Into<String>) -> Self {
+        Self { file: file.display().to_string(), problem: one_line(&problem.into()) }
+    }
+
+    /// The error, once it is known which field refers to the file.
+    pub(crate) fn at(self, path: impl Into<String>) -> ImportError {
+        ImportError::File { path: path.into(), file: self.file, problem: self.problem }
+    }
+}
+
+/// What other crates say goes over several lines at times.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

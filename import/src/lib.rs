@@ -1,0 +1,62 @@
+//! Puts what a scenario refers to by file into its text, so that a simulator which reads no files gets one
+//! text that is complete.
+//!
+//! Two things can be referred to:
+//!
+//! - `[[arena.maps]]`: a map of a ROS map server, or a plan in SVG. It becomes `[[arena.polygons]]` tables.
+//! - `[robots.sensors.NAME] lookup = "samples.csv"`: a table of measurements. It becomes a table in the text.
+//!
+//! What is read is checked as far as it must be to become shapes and numbers. Whether these make sense in
+//! the scenario, its parser says afterwards, as if they had been written by hand.
+//!
+//! Equal files give equal text on every machine as far as maps and measurements go. Curves and turned parts
+//! of an SVG are computed in single precision by another crate, and are rounded to a micrometre.
+
+mod entry;
+mod error;
+mod file;
+mod lookup;
+mod maps;
+mod outlines;
+mod raster;
+mod rectangles;
+mod ros;
+mod shape;
+mod svg;
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use toml_edit::DocumentMut;
+
+pub use error::ImportError;
+
+/// Gives back a scenario that refers to no file.
+///
+/// `text` is a scenario in TOML, and `base` the folder that file names in it are relative to. A text that
+/// refers to no file comes back as it is, and so does one that is no TOML: the parser of scenarios says
+/// where and why. In any other the tables stay in their order.
+pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportError> {
+    if text.len() > MAX_TEXT {
+        return Ok(Cow::Borrowed(text)); // the parser refuses it
+    }
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(Cow::Borrowed(text)) };
+    let has_maps = maps::inline(&mut document, base)?;
+    let has_lookups = lookup::inline(&mut document, base)?;
+    if !has_maps && !has_lookups {
+        return Ok(Cow::Borrowed(text));
+    }
+    let complete = document.to_string();
+    if complete.len() > MAX_TEXT {
+        let problem = format!(
+            "with all files in it the text has {} bytes, the limit is {MAX_TEXT}: use a coarser map, a \
+             larger tolerance_m or fewer samples",
+            complete.len()
+        );
+        return Err(ImportError::field("scenario", problem));
+    }
+    Ok(Cow::Owned(complete))
+}
+
+/// Bytes of the longest text that the parser of scenarios takes.
+const MAX_TEXT: usize = 16 << 20;

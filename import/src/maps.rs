@@ -1,0 +1,91 @@
+//! The entries of `arena.maps` become entries of `arena.polygons`.
+
+use std::path::Path;
+
+use serde::de::IntoDeserializer;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
+
+use crate::entry::{Entry, Raw, Source};
+use crate::error::ImportError;
+use crate::{ros, svg};
+
+/// Replaces the maps of a scenario. Returns whether it has any.
+pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, ImportError> {
+    let Some(arena) = document.get_mut("arena").and_then(Item::as_table_like_mut) else { return Ok(false) };
+    let Some(maps) = arena.remove("maps") else { return Ok(false) };
+    let first = maps.as_array_of_tables().and_then(|maps| maps.get(0)).cloned();
+    let mut shapes = Vec::new();
+    for (i, entry) in entries(maps)?.iter().enumerate() {
+        tables(entry, &format!("{PATH}[{i}]"), base, &mut shapes)?;
+    }
+    append(arena, shapes, first)?;
+    Ok(true)
+}
+
+/// The checked entries of the list.
+fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
+    let Ok(maps) = maps.into_value() else { return Ok(Vec::new()) };
+    let raw: Vec<Raw> = serde_path_to_error::deserialize(maps.into_deserializer()).map_err(|error| {
+        let inner = Some(error.path().to_string()).filter(|inner| inner != ".").unwrap_or_default();
+        ImportError::field(format!("{PATH}{inner}"), error.inner().message())
+    })?;
+    let mut entries: Vec<Entry> = Vec::new();
+    for (i, raw) in raw.into_iter().enumerate() {
+        let path = format!("{PATH}[{i}]");
+        let entry = raw.check(&path)?;
+        if let Some(other) = entries.iter().position(|other| other.name == entry.name) {
+            let problem = format!("{PATH}[{other}] is called {:?}, too: names differ", entry.name);
+            return Err(ImportError::field(format!("{path}.name"), problem));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
+
+/// Adds what becomes of the entry at `path`.
+fn tables(entry: &Entry, path: &str, base: &Path, all: &mut Vec<Table>) -> Result<(), ImportError> {
+    let shapes = match &entry.source {
+        Source::Ros { file, unknown } => {
+            ros::shapes(&base.join(file), *unknown).map_err(|error| error.at(format!("{path}.ros")))
+        }
+        Source::Svg { file, scale } => {
+            svg::shapes(&base.join(file), scale).map_err(|error| error.at(format!("{path}.svg")))
+        }
+    }?;
+    let named = shapes.iter().enumerate();
+    all.extend(named.map(|(i, shape)| shape.table(&format!("{}-{i}", entry.name), entry.height_m)));
+    Ok(())
+}
+
+/// Puts the tables behind the polygons that are there, in the form that these have. If there are none, they
+/// come where the first map stood, below its comments.
+fn append(arena: &mut dyn TableLike, tables: Vec<Table>, first: Option<Table>) -> Result<(), ImportError> {
+    if tables.is_empty() {
+        return Ok(());
+    }
+    let entry = arena.entry("polygons");
+    let item = entry.or_insert_with(|| match first {
+        Some(_) => Item::ArrayOfTables(ArrayOfTables::new()),
+        None => Item::Value(Array::new().into()),
+    });
+    match item {
+        Item::ArrayOfTables(polygons) => {
+            let is_new = polygons.is_empty();
+            polygons.extend(tables);
+            if let (true, Some(first), Some(top)) = (is_new, first, polygons.get_mut(0)) {
+                top.set_position(first.position());
+                *top.decor_mut() = first.decor().clone();
+            }
+        }
+        Item::Value(Value::Array(polygons)) => {
+            polygons.extend(tables.into_iter().map(Table::into_inline_table));
+        }
+        Item::None | Item::Value(_) | Item::Table(_) => {
+            let problem = format!("must be a list of tables, is a {}", item.type_name());
+            return Err(ImportError::field("arena.polygons", problem));
+        }
+    }
+    Ok(())
+}
+
+const PATH: &str = "arena.maps";

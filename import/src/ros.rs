@@ -1,0 +1,186 @@
+//! Maps of ROS's map server: a description in YAML and an image.
+//!
+//! The occupancy of a cell is p = 1 − v, or v if the image is negative, where v is its brightness from 0 to
+//! 1. Above `occupied_thresh` it is occupied, below `free_thresh` free, and otherwise unknown.
+//!
+//! *Deviations*: in mode `trinary` the map server takes the opacity of a pixel for another colour. Here a
+//! pixel that is not opaque is unknown in every mode, as it is there in mode `scale`. In mode `raw` the map
+//! server leaves the judgement to others; here p is the sample in percent, and above 100 unknown.
+
+use std::path::Path;
+
+use baudbot_geometry::math;
+use serde::Deserialize;
+
+use crate::entry::Unknown;
+use crate::error::FileError;
+use crate::file;
+use crate::raster;
+use crate::rectangles::{Rectangle, cover};
+use crate::shape::{MAX_POSITION, MAX_SHAPES, Shape, tidy};
+
+/// The rectangles that cover what is occupied in the map that the YAML file describes.
+pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileError> {
+    let description: Description = serde_saphyr::from_str(&file::text(path)?).map_err(|error| {
+        FileError::new(path, format!("is no description of a map: {}", error.without_snippet()))
+    })?;
+    let map = description.check().map_err(|problem| FileError::new(path, problem))?;
+    let image = path.parent().unwrap_or_else(|| Path::new("")).join(&map.image);
+    let bitmap = raster::read(&image, |brightness| map.is_occupied(brightness, unknown))?;
+    let rows = bitmap.height;
+    let Some(rectangles) = cover(bitmap, MAX_SHAPES) else {
+        let problem = format!(
+            "takes more than {MAX_SHAPES} rectangles: rid the map of single dark cells, or use a coarser one"
+        );
+        return Err(FileError::new(&image, problem));
+    };
+    rectangles
+        .iter()
+        .map(|rectangle| map.shape(rectangle, rows))
+        .collect::<Result<_, _>>()
+        .map_err(|problem| FileError::new(path, problem))
+}
+
+/// The file, in which the map server and its friends may have more than this.
+#[derive(Deserialize)]
+struct Description {
+    image: Option<String>,
+    resolution: Option<f64>,
+    origin: Option<Vec<f64>>,
+    #[serde(default)]
+    negate: Negate,
+    #[serde(default = "occupied_thresh")]
+    occupied_thresh: f64,
+    #[serde(default = "free_thresh")]
+    free_thresh: f64,
+    #[serde(default)]
+    mode: Mode,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Negate {
+    Number(u8),
+    Flag(bool),
+}
+
+impl Default for Negate {
+    fn default() -> Self {
+        Self::Flag(false)
+    }
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Mode {
+    #[default]
+    Trinary,
+    Scale,
+    Raw,
+}
+
+/// The map server's own values of old, for files that have none.
+fn occupied_thresh() -> f64 {
+    0.65
+}
+
+fn free_thresh() -> f64 {
+    0.196
+}
+
+impl Description {
+    fn check(self) -> Result<Map, String> {
+        let Some(image) = self.image.clone().filter(|image| !image.is_empty()) else {
+            return Err("image is missing: the name of a PGM or PNG file".into());
+        };
+        let Some(resolution) = self.resolution else {
+            return Err("resolution is missing: metres a cell".into());
+        };
+        if !(MIN_RESOLUTION..=MAX_RESOLUTION).contains(&resolution) {
+            return Err(format!(
+                "resolution: must be from {MIN_RESOLUTION} to {MAX_RESOLUTION} metres a cell, is {resolution}"
+            ));
+        }
+        let [x, y, yaw] = self.origin()?;
+        let (free, occupied) = (self.free_thresh, self.occupied_thresh);
+        if !(0.0 <= free && free <= occupied && occupied <= 1.0) {
+            let problem = "must be from 0 to 1, the first not above the second";
+            return Err(format!(
+                "free_thresh and occupied_thresh: {problem}; they are {free} and {occupied}"
+            ));
+        }
+        let is_negative = match self.negate {
+            Negate::Flag(is_negative) => is_negative,
+            Negate::Number(number @ 0..=1) => number == 1,
+            Negate::Number(number) => return Err(format!("negate: must be 0 or 1, is {number}")),
+        };
+        let (origin, turn, mode) = ([x, y], math::sin_cos(yaw), self.mode);
+        Ok(Map { image, resolution, origin, turn, is_negative, free, occupied, mode })
+    }
+
+    fn origin(&self) -> Result<[f64; 3], String> {
+        let Some(origin) = &self.origin else {
+            return Err("origin is missing: [x, y, yaw] of the lower left corner".into());
+        };
+        let Ok([x, y, yaw]) = <[f64; 3]>::try_from(origin.as_slice()) else {
+            return Err(format!("origin: must be [x, y, yaw], is {origin:?}"));
+        };
+        if x.abs() <= MAX_POSITION && y.abs() <= MAX_POSITION && yaw.abs() <= MAX_YAW {
+            return Ok([x, y, yaw]);
+        }
+        Err(format!("origin: must be within ±{MAX_POSITION} metres and ±{MAX_YAW} radians, is {origin:?}"))
+    }
+}
+
+/// What a sound description says.
+struct Map {
+    image: String,
+    /// Metres a cell.
+    resolution: f64,
+    /// The lower left corner, in metres.
+    origin: [f64; 2],
+    /// Sine and cosine of the yaw.
+    turn: (f64, f64),
+    is_negative: bool,
+    free: f64,
+    occupied: f64,
+    mode: Mode,
+}
+
+impl Map {
+    fn is_occupied(&self, brightness: Option<f64>, unknown: Unknown) -> bool {
+        let is_taken = unknown == Unknown::Occupied;
+        let Some(brightness) = brightness else { return is_taken };
+        let p = match (self.mode, self.is_negative) {
+            (Mode::Raw, false) => brightness * 2.55,
+            (Mode::Raw, true) => (1.0 - brightness) * 2.55,
+            (Mode::Trinary | Mode::Scale, false) => 1.0 - brightness,
+            (Mode::Trinary | Mode::Scale, true) => brightness,
+        };
+        if p > 1.0 || (self.free..=self.occupied).contains(&p) { is_taken } else { p > self.occupied }
+    }
+
+    fn shape(&self, rectangle: &Rectangle, rows: usize) -> Result<Shape, String> {
+        let [x, y] = self.origin;
+        let (sin, cos) = self.turn;
+        let (left, right) = (rectangle.left, rectangle.left + rectangle.width);
+        let (top, bottom) = (rows - rectangle.top, rows - rectangle.top - rectangle.height);
+        let points = [[left, bottom], [right, bottom], [right, top], [left, top]].map(|[column, row]| {
+            let (along, up) = (column as f64 * self.resolution, row as f64 * self.resolution);
+            [tidy(x + (along * cos - up * sin)), tidy(y + (along * sin + up * cos))]
+        });
+        if let Some([x, y]) = points.iter().find(|point| point.iter().any(|x| x.abs() > MAX_POSITION)) {
+            return Err(format!(
+                "the map reaches ({x}, {y}), the limit is ±{MAX_POSITION} m: mend resolution or origin"
+            ));
+        }
+        Ok(Shape { points: points.to_vec(), solid: true, closed: true })
+    }
+}
+
+/// In metres a cell. Corners are rounded to a micrometre, which must be little beside a cell.
+const MIN_RESOLUTION: f64 = 1e-4;
+const MAX_RESOLUTION: f64 = 1e3;
+
+/// In radians.
+const MAX_YAW: f64 = 1e3;

@@ -1,0 +1,43 @@
+//! What every kind of map becomes.
+
+use baudbot_geometry::math;
+use toml_edit::{Array, Table, Value};
+
+/// A polygon of the arena that has no name yet.
+#[derive(Debug)]
+pub(crate) struct Shape {
+    /// Corners in order, in metres.
+    pub(crate) points: Vec<[f64; 2]>,
+    pub(crate) solid: bool,
+    /// Whether the last corner is joined to the first.
+    pub(crate) closed: bool,
+}
+
+impl Shape {
+    /// As it stands in a scenario.
+    pub(crate) fn table(&self, name: &str, height_m: Option<f64>) -> Table {
+        let mut table = Table::new();
+        let points = self.points.iter().map(|&point| Value::from(Array::from_iter(point)));
+        table.insert("name", name.into());
+        table.insert("points_m", Value::from(Array::from_iter(points)).into());
+        table.insert("solid", self.solid.into());
+        if !self.closed {
+            table.insert("closed", false.into());
+        }
+        if let Some(height_m) = height_m {
+            table.insert("height_m", height_m.into());
+        }
+        table
+    }
+}
+
+/// The most shapes that one map may become.
+pub(crate) const MAX_SHAPES: usize = 100_000;
+
+/// Positions in a scenario are not further out, in metres.
+pub(crate) const MAX_POSITION: f64 = 1e6;
+
+/// To the next micrometre: short in the text, and rid of rounding errors such as 0.30000000000000004.
+pub(crate) fn tidy(metres: f64) -> f64 {
+    math::round(metres * 1e6) / 1e6 + 0.0 // no -0
+}

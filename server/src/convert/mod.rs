@@ -1,0 +1,41 @@
+//! Between the contract's types and the domain's: the only folder that names both.
+//!
+//! A file for each who asks: `brain`, `observe`, and `status` for the operator. This one has what they share.
+
+mod brain;
+mod observe;
+mod pace;
+mod status;
+
+use baudbot_proto::v1;
+
+use crate::letter::{Charge, Score};
+
+pub(crate) use brain::{delivery, welcome, writes};
+pub(crate) use observe::{frame, world_description};
+pub(crate) use pace::pace_from;
+pub(crate) use status::status;
+
+fn battery(Charge { share, voltage_v, state }: Charge) -> v1::BatteryStatus {
+    v1::BatteryStatus {
+        charge: share,
+        voltage_v,
+        current_a: state.current_a,
+        used_j: state.used_j,
+        charged_j: state.charged_j,
+    }
+}
+
+fn score(Score { covered, sensed, zones }: Score) -> v1::Score {
+    let goals = || zones.iter().filter(|(_, goal, _)| *goal);
+    v1::Score {
+        covered,
+        sensed,
+        goals_reached: goals().filter(|(_, _, visited)| *visited).count() as u32,
+        goals: goals().count() as u32,
+        zones: zones
+            .into_iter()
+            .map(|(zone, goal, visited)| v1::ZoneStatus { zone, goal, visited })
+            .collect(),
+    }
+}

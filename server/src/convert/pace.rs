@@ -1,0 +1,65 @@
+//! The pace of a world.
+
+use std::time::Duration;
+
+use baudbot_proto::v1;
+use tonic::Status;
+
+use crate::pace::{Pace, Watchdog, WatchdogPolicy};
+
+/// A pace from the contract; `None` if it is absent.
+pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> {
+    let Some(pace) = pace else { return Ok(None) };
+    let kind = pace.kind.ok_or_else(|| Status::invalid_argument("pace.kind: must be set"))?;
+    Ok(Some(match kind {
+        v1::pace::Kind::RealTime(_) => Pace::REAL_TIME,
+        v1::pace::Kind::Scaled(v1::Scaled { factor }) if factor.is_finite() && factor > 0.0 => {
+            Pace::Timed { factor }
+        }
+        v1::pace::Kind::Scaled(v1::Scaled { factor }) => {
+            return Err(Status::invalid_argument(format!(
+                "pace.scaled.factor: must be positive, is {factor}"
+            )));
+        }
+        v1::pace::Kind::Lockstep(lockstep) => Pace::Lockstep(watchdog_from(lockstep.watchdog)?),
+        v1::pace::Kind::Stepped(stepped) => Pace::Stepped(watchdog_from(stepped.watchdog)?),
+        v1::pace::Kind::Free(_) => Pace::Free,
+    }))
+}
+
+fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Result<Watchdog, Status> {
+    let Some(watchdog) = watchdog else { return Ok(Watchdog::default()) };
+    let timeout = match watchdog.timeout_ms {
+        0 => Watchdog::default().timeout,
+        ms => Duration::from_millis(ms.into()),
+    };
+    let unknown = |_| Status::invalid_argument(format!("watchdog.policy: there is no {}", watchdog.policy));
+    let policy = match v1::WatchdogPolicy::try_from(watchdog.policy).map_err(unknown)? {
+        v1::WatchdogPolicy::Unspecified | v1::WatchdogPolicy::Wait => WatchdogPolicy::Wait,
+        v1::WatchdogPolicy::GoOn => WatchdogPolicy::GoOn,
+        v1::WatchdogPolicy::Detach => WatchdogPolicy::Detach,
+    };
+    Ok(Watchdog { timeout, policy })
+}
+
+pub(super) fn pace_to(pace: Pace) -> v1::Pace {
+    use v1::pace::Kind;
+    let kind = match pace {
+        Pace::Timed { factor: 1.0 } => Kind::RealTime(v1::RealTime {}),
+        Pace::Timed { factor } => Kind::Scaled(v1::Scaled { factor }),
+        Pace::Lockstep(watchdog) => Kind::Lockstep(v1::Lockstep { watchdog: Some(watchdog_to(watchdog)) }),
+        Pace::Stepped(watchdog) => Kind::Stepped(v1::Stepped { watchdog: Some(watchdog_to(watchdog)) }),
+        Pace::Free => Kind::Free(v1::Free {}),
+    };
+    v1::Pace { kind: Some(kind) }
+}
+
+fn watchdog_to(watchdog: Watchdog) -> v1::Watchdog {
+    let policy = match watchdog.policy {
+        WatchdogPolicy::Wait => v1::WatchdogPolicy::Wait,
+        WatchdogPolicy::GoOn => v1::WatchdogPolicy::GoOn,
+        WatchdogPolicy::Detach => v1::WatchdogPolicy::Detach,
+    };
+    let timeout_ms = u32::try_from(watchdog.timeout.as_millis()).unwrap_or(u32::MAX);
+    v1::Watchdog { timeout_ms, policy: policy.into() }
+}

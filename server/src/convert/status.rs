@@ -1,0 +1,121 @@
+//! What the operator is told of a world.
+
+use std::time::Duration;
+
+use baudbot_proto::v1;
+use baudbot_sim::link::LineCounters;
+use baudbot_sim::sensor::Sensor;
+use baudbot_sim::{Freshness, RobotView, SensorView, World};
+
+use super::pace::pace_to;
+use super::{battery, score};
+use crate::letter::{Activity, Charge, Report, Score, SeatReport};
+use crate::pace::Pacing;
+
+/// A world as it stands.
+pub(crate) fn status(report: &Report) -> v1::WorldStatus {
+    let world = &report.world;
+    let state = match report.activity {
+        Activity::WaitingForBrains => v1::WorldState::WaitingForBrains,
+        Activity::Running => v1::WorldState::Running,
+        Activity::Paused => v1::WorldState::Paused,
+        Activity::Ended => v1::WorldState::Ended,
+    };
+    v1::WorldStatus {
+        world: report.name.to_string(),
+        scenario: world.scenario().name().to_owned(),
+        state: state.into(),
+        pace: Some(pace_to(report.pace)),
+        tick: world.tick(),
+        time_ns: world.time().as_ns(),
+        step_ns: world.scenario().step_ns(),
+        running_wall_ns: nanos(report.running),
+        state_hash: world.hash(),
+        ending: world.ending().map(ToString::to_string).unwrap_or_default(),
+        robots: robots(report),
+        pacing: Some(pace_status(&report.pacing)),
+        score: Score::of(world).map(score),
+        movers: movers(world),
+    }
+}
+
+fn robots(report: &Report) -> Vec<v1::RobotStatus> {
+    let robots = report.world.robots().zip(&report.seats).enumerate();
+    let status = |(i, (robot, seat)): (usize, (RobotView<'_>, &SeatReport))| v1::RobotStatus {
+        in_zone_ns: report.world.score().in_zone_ns(i).to_vec(),
+        ..robot_status(&robot, seat)
+    };
+    robots.map(status).collect()
+}
+
+/// Things that move by themselves come first among all things.
+fn movers(world: &World) -> Vec<v1::MoverStatus> {
+    let movers = world.things().take(world.scenario().movers().len());
+    movers.map(|m| v1::MoverStatus { mover: m.name.to_owned(), blocked_ns: m.blocked_ns }).collect()
+}
+
+fn pace_status(pacing: &Pacing) -> v1::PaceStatus {
+    let used = pacing.lateness_us_log2.iter().rposition(|&n| n > 0).map_or(0, |i| i + 1);
+    v1::PaceStatus {
+        late_ticks: pacing.overruns,
+        lateness_us_log2: pacing.lateness_us_log2[..used].to_vec(),
+        lateness_max_wall_ns: nanos(pacing.lateness_max),
+        watchdog_timeouts: pacing.watchdog_timeouts,
+        waiting_wall_ns: nanos(pacing.waiting),
+    }
+}
+
+fn nanos(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
+    let counters = robot.counters();
+    v1::RobotStatus {
+        robot: robot.spec().name.clone(),
+        brain: seat.brain.clone().unwrap_or_default(),
+        attached: seat.brain.is_some(),
+        turns: counters.turns,
+        commands: robot.commands(),
+        collisions: counters.collisions,
+        distance_m: counters.distance_m,
+        uplink: Some(line_status(robot.uplink())),
+        downlink: Some(line_status(robot.downlink())),
+        sensors: robot
+            .sensors()
+            .zip(&robot.spec().sensors)
+            .enumerate()
+            .map(|(i, (view, spec))| sensor_status(&view, spec, robot.port(i)))
+            .collect(),
+        frames_missed: robot.frames_missed(),
+        lost_deliveries: seat.lost_deliveries,
+        battery: Charge::of(robot).map(battery),
+        in_zone_ns: Vec::new(),
+    }
+}
+
+fn line_status(line: &LineCounters) -> v1::LineStatus {
+    v1::LineStatus {
+        bytes: line.bytes,
+        corrupted_bytes: line.corrupted_bytes,
+        overrun_bytes: line.overrun_bytes,
+        refused_bytes: line.refused_bytes,
+        messages: line.messages,
+        bad_frames: line.bad_frames,
+        bad_messages: line.bad_messages,
+        lost_bytes: line.lost_bytes,
+    }
+}
+
+fn sensor_status(sensor: &SensorView<'_>, spec: &Sensor, port: Option<&LineCounters>) -> v1::SensorStatus {
+    let Freshness { readable, aged, age_sum_ns, age_max_ns } = sensor.freshness;
+    v1::SensorStatus {
+        sensor: spec.name.clone(),
+        samples: sensor.samples,
+        missed: sensor.missed,
+        readable,
+        age_mean_ns: age_sum_ns.checked_div(aged),
+        age_max_ns: (aged > 0).then_some(age_max_ns),
+        port: port.map(line_status),
+    }
+}

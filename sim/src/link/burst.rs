@@ -1,0 +1,101 @@
+//! The wire itself: bursts of characters.
+//!
+//! A burst begins when a character finds the wire idle, and goes on while it is busy. The n-th character of a
+//! burst that began at T has arrived
+//!
+//! - over a UART at T + ⌈n · bits · 10⁹ / baud⌉ nanoseconds,
+//! - over USB at T + ⌈n / bytes a frame⌉ frames, where T is the next boundary of a frame; what comes too late
+//!   for the burst's last frame begins a new burst with the next one.
+//!
+//! Counting from the start of the burst keeps the instants exact where a character's time is no whole number of
+//! nanoseconds.
+
+use serde::{Deserialize, Serialize};
+
+use super::Link;
+use crate::time::SimTime;
+
+/// The last burst on a wire.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Burst {
+    start: SimTime,
+    characters: u64,
+    /// When its last character has arrived.
+    end: SimTime,
+}
+
+impl Burst {
+    /// Puts a character on the wire, behind those that are on it, and not before `ready`. Says when it has
+    /// arrived.
+    pub(super) fn put(&mut self, link: &Link, ready: SimTime) -> SimTime {
+        let frame_ns = link.frame_ns();
+        if ready + frame_ns > self.end {
+            self.start = ready.up_to(frame_ns);
+            self.characters = 0;
+        }
+        self.characters += 1;
+        self.end = self.start + link.burst_ns(self.characters);
+        self.end
+    }
+
+    /// When at most `depth` of its characters will still be on the way.
+    pub(super) fn drained_to(&self, link: &Link, depth: usize) -> SimTime {
+        match self.characters.saturating_sub(depth as u64) {
+            0 => SimTime::ZERO,
+            finished => self.start + link.burst_ns(finished),
+        }
+    }
+
+    /// When its last character has arrived; the start of the run if there was none yet.
+    pub(super) fn end(&self) -> SimTime {
+        self.end
+    }
+
+    /// From when on the other side may begin, where both share the wire.
+    pub(super) fn over(&self, turnaround_ns: u64) -> SimTime {
+        if self.characters == 0 { SimTime::ZERO } else { self.end + turnaround_ns }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use super::*;
+    use crate::link::properties::{uart, usb};
+    use crate::time::SECOND_NS;
+
+    #[test]
+    fn an_hour_of_characters_does_not_drift() {
+        let (link, mut burst) = (uart(115_200, 10), Burst::default());
+        for _ in 0..3600 * 11_520 {
+            burst.put(&link, SimTime::ZERO);
+        }
+        assert_eq!(burst.end, SimTime::from_ns(3600 * SECOND_NS));
+    }
+
+    #[test]
+    fn usb_carries_so_many_bytes_a_frame_from_the_next_boundary_on() {
+        let (link, mut burst) = (usb(3), Burst::default());
+        let mut put = |us: u64| burst.put(&link, SimTime::from_ns(us * 1000)).as_ns() / 1000;
+        // On a boundary, and just behind it.
+        assert_eq!(put(0), 1000);
+        let arrivals: Vec<u64> = (0..5).map(|_| put(2001)).collect();
+        assert_eq!(arrivals, [4000, 4000, 4000, 5000, 5000]);
+        // In time for the burst's second frame, which has room for one more; the next waits for the third.
+        assert_eq!([put(4000), put(4000)], [5000, 6000]);
+        // Too late for the frame from 5 to 6 ms, though that has room.
+        assert_eq!([put(5001), put(6000)], [7000, 7000]);
+    }
+
+    #[test]
+    fn a_transmitter_has_room_again_when_all_but_its_depth_is_over() {
+        let (link, mut burst) = (uart(10_000, 10), Burst::default());
+        for _ in 0..5 {
+            burst.put(&link, SimTime::from_ns(500));
+        }
+        assert_eq!(burst.drained_to(&link, 2), SimTime::from_ns(3_000_500));
+        assert_eq!(burst.drained_to(&link, 5), SimTime::ZERO);
+        assert_eq!(burst.drained_to(&link, usize::MAX), SimTime::ZERO);
+    }
+}

@@ -1,0 +1,24 @@
+//! What is counted on a line.
+
+use serde::{Deserialize, Serialize};
+
+/// What went over one direction of a link.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LineCounters {
+    /// Bytes that went over the line, lost ones included.
+    pub bytes: u64,
+    /// Bytes that arrived with a wrong bit.
+    pub corrupted_bytes: u64,
+    /// Bytes lost because the receiver had no room.
+    pub overrun_bytes: u64,
+    /// Bytes not taken because the sender's buffer was full.
+    pub refused_bytes: u64,
+    /// Messages that arrived whole.
+    pub messages: u64,
+    /// Frames thrown away for their checksum, their coding or their length.
+    pub bad_frames: u64,
+    /// Sound frames whose content made no sense, and messages cut short by silence.
+    pub bad_messages: u64,
+    /// Bytes lost because the cable was out. A byte is counted when the line is next in use.
+    pub lost_bytes: u64,
+}

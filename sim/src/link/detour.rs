@@ -1,0 +1,196 @@
+//! Lines on which bytes pass more than a wire: an adapter, another direction that has the wire, outages.
+//!
+//! When a byte that goes through an adapter is delivered depends on those that come after it (a packet fills),
+//! so that is computed anew whenever it is asked for, from what is under way at that moment. That is exact: a
+//! byte is taken only once its instant has come, and then all that could have changed it has been sent.
+
+use alloc::collections::VecDeque;
+use alloc::format;
+
+use serde::{Deserialize, Serialize};
+
+use super::adapter::Adapter;
+use super::radio::{Bluetooth, Latencies};
+use super::{Line, Link};
+use crate::random::Stream;
+use crate::time::SimTime;
+
+/// Which way a line leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Direction {
+    /// To the laptop: first the wire, then the adapter.
+    Up,
+    /// To the microcontroller: first the adapter, then the wire.
+    Down,
+}
+
+/// What such a line remembers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Detour {
+    direction: Direction,
+    /// Of the last packet. Up: when its chip was free for the next; down: when it was closed.
+    since: SimTime,
+    /// When the last packet is delivered.
+    packet_at: SimTime,
+    /// Up: its bytes that are still to be taken; down: those that it still has room for.
+    packet_left: u32,
+    latencies: Option<Latencies>,
+    /// Half duplex: the other direction has the wire until then.
+    pub(super) blocked_until: SimTime,
+    /// Half duplex, down: bytes that ask for the wire, each since when.
+    pub(super) asking: VecDeque<(SimTime, u8)>,
+}
+
+impl Detour {
+    pub(super) fn new(link: &Link, seed: u64, name: &str, direction: Direction) -> Self {
+        let latencies = match link.adapter() {
+            Adapter::Bluetooth(radio) => {
+                Some(Latencies::new(radio, Stream::new(seed, &format!("{name}:radio"))))
+            }
+            Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => None,
+        };
+        Self {
+            direction,
+            since: SimTime::ZERO,
+            packet_at: SimTime::ZERO,
+            packet_left: 0,
+            latencies,
+            blocked_until: SimTime::ZERO,
+            asking: VecDeque::new(),
+        }
+    }
+
+    /// From when on a byte that is handed over at `now` can be on the wire.
+    fn ready(&mut self, link: &Link, now: SimTime) -> SimTime {
+        match (self.direction, link.adapter()) {
+            (Direction::Up, _) => now,
+            (Direction::Down, Adapter::Bluetooth(radio)) => self.by_radio(radio, now),
+            (Direction::Down, adapter) => now.up_to(adapter.frame_ns()),
+        }
+    }
+
+    fn by_radio(&mut self, radio: &Bluetooth, now: SimTime) -> SimTime {
+        if now > self.since || self.packet_left == 0 {
+            let latency_ns = self.latencies.as_mut().map_or(0, |latencies| latencies.take(radio));
+            self.since = now.max(self.packet_at);
+            self.packet_at = self.since + latency_ns;
+            self.packet_left = radio.packet_bytes;
+        }
+        self.packet_left -= 1;
+        self.packet_at
+    }
+
+    /// A module on the robot that holds so many bytes has no room for more.
+    fn is_full(&self, link: &Link, held: usize) -> bool {
+        self.latencies.is_some() && self.direction == Direction::Up && held >= link.laptop_buffer()
+    }
+}
+
+impl Line {
+    pub(super) fn send_by_detour(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
+        self.lose_first(link, now);
+        for &byte in bytes {
+            let byte = self.disturb(link, byte);
+            let Some(detour) = &mut self.detour else { return };
+            let ready = detour.ready(link, now);
+            if detour.direction == Direction::Down && link.turnaround_ns().is_some() {
+                detour.asking.push_back((ready, byte));
+                self.sent += 1;
+                continue;
+            }
+            let at = self.burst.put(link, ready.max(detour.blocked_until));
+            if detour.is_full(link, self.in_flight.len()) {
+                self.counters.bytes += 1;
+                self.counters.overrun_bytes += 1;
+                continue;
+            }
+            self.in_flight.push_back((at, byte));
+            self.sent += 1;
+        }
+    }
+
+    /// When the bytes that ask for the wire will be at its end, if nobody else asks.
+    pub(super) fn forecast(&self, link: &Link, detour: &Detour) -> impl Iterator<Item = SimTime> {
+        let mut burst = self.burst;
+        let asking = detour.asking.iter();
+        asking.map(move |(ready, _)| burst.put(link, (*ready).max(detour.blocked_until)))
+    }
+
+    /// When bytes that are not lost will be at the end of the wire.
+    fn landings(&self, link: &Link, detour: &Detour) -> impl Iterator<Item = SimTime> {
+        let on_the_wire = self.in_flight.iter().map(|(at, _)| *at);
+        on_the_wire.chain(self.forecast(link, detour)).filter(|at| !link.is_out(*at))
+    }
+
+    pub(super) fn arrival_by_detour(&self, link: &Link, detour: &Detour) -> SimTime {
+        let mut landings = self.landings(link, detour);
+        if detour.direction == Direction::Down {
+            return landings.next().unwrap_or(SimTime::NEVER);
+        }
+        if detour.packet_left > 0 {
+            return detour.packet_at;
+        }
+        let radio_ns = detour.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
+        let packet = link.adapter().packet(detour.since, radio_ns, landings);
+        packet.map_or(SimTime::NEVER, |packet| packet.at)
+    }
+
+    pub(super) fn take_by_detour(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
+        self.settle(link, now);
+        self.lose_first(link, now);
+        let at = self.arrival(link);
+        if at > now {
+            return None;
+        }
+        self.open_packet(link);
+        self.counters.bytes += 1;
+        self.in_flight.pop_front().map(|(_, byte)| (at, byte))
+    }
+
+    /// The packet of the next byte is there, and the byte is taken from it.
+    fn open_packet(&mut self, link: &Link) {
+        let Some(detour) = &self.detour else { return };
+        if detour.direction == Direction::Down {
+            return;
+        }
+        let mut opened = None;
+        if detour.packet_left == 0 {
+            let radio_ns = detour.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
+            let adapter = link.adapter();
+            opened = adapter.packet(detour.since, radio_ns, self.landings(link, detour)).map(|packet| {
+                let inside = self.landings(link, detour).take_while(|at| *at <= packet.closed);
+                (packet, inside.take(adapter.packet_bytes() as usize).count() as u32)
+            });
+        }
+        let Some(detour) = &mut self.detour else { return };
+        if let Some((packet, bytes)) = opened {
+            detour.since = packet.closed;
+            detour.packet_at = packet.at;
+            detour.packet_left = bytes;
+            if let (Adapter::Bluetooth(radio), Some(latencies)) = (link.adapter(), &mut detour.latencies) {
+                detour.since = packet.at;
+                latencies.take(radio);
+            }
+        }
+        detour.packet_left = detour.packet_left.saturating_sub(1);
+    }
+
+    /// Of the oldest bytes, those that were lost in an outage by `now` are gone.
+    fn lose_first(&mut self, link: &Link, now: SimTime) {
+        while self.in_flight.pop_front_if(|(at, _)| *at <= now && link.is_out(*at)).is_some() {
+            self.counters.bytes += 1;
+            self.counters.lost_bytes += 1;
+        }
+    }
+
+    /// All bytes that were lost in an outage by `now` are gone.
+    pub(super) fn lose_all(&mut self, link: &Link, now: SimTime) {
+        let before = self.in_flight.len();
+        if !link.outages().is_empty() {
+            self.in_flight.retain(|(at, _)| *at > now || !link.is_out(*at));
+        }
+        let lost = (before - self.in_flight.len()) as u64;
+        self.counters.bytes += lost;
+        self.counters.lost_bytes += lost;
+    }
+}

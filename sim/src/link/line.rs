@@ -1,0 +1,203 @@
+//! One direction of a link: the bytes on their way.
+
+use alloc::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use super::burst::Burst;
+use super::detour::{Detour, Direction};
+use super::messages::{Messages, Sampled};
+use super::{LineCounters, Link};
+use crate::random::Stream;
+use crate::time::SimTime;
+
+/// One direction of a link.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Line {
+    /// Each byte with the instant at which it is at the end of the wire.
+    pub(super) in_flight: VecDeque<(SimTime, u8)>,
+    messages: Messages,
+    /// Bytes put on the line so far that stay in `in_flight` until they are over.
+    pub(super) sent: u64,
+    pub(super) burst: Burst,
+    errors: Stream,
+    /// What the bytes pass besides the wire; nothing on a plain cable.
+    pub(super) detour: Option<Detour>,
+    pub(crate) counters: LineCounters,
+}
+
+impl Line {
+    /// The line to the laptop, with random streams of this name.
+    pub(crate) fn up(link: &Link, seed: u64, name: &str) -> Self {
+        Self::new(link, seed, name, Direction::Up)
+    }
+
+    /// The line to the microcontroller, with random streams of this name.
+    pub(crate) fn down(link: &Link, seed: u64, name: &str) -> Self {
+        Self::new(link, seed, name, Direction::Down)
+    }
+
+    fn new(link: &Link, seed: u64, name: &str, direction: Direction) -> Self {
+        Self {
+            in_flight: VecDeque::new(),
+            messages: Messages::default(),
+            sent: 0,
+            burst: Burst::default(),
+            errors: Stream::new(seed, name),
+            detour: link.has_detour().then(|| Detour::new(link, seed, name, direction)),
+            counters: LineCounters::default(),
+        }
+    }
+
+    /// Puts bytes on the line at `now`, behind those that wait.
+    pub(crate) fn send(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
+        if self.detour.is_some() {
+            self.send_by_detour(link, now, bytes);
+            return;
+        }
+        for &byte in bytes {
+            let byte = self.disturb(link, byte);
+            self.in_flight.push_back((self.burst.put(link, now), byte));
+        }
+        self.sent += bytes.len() as u64;
+    }
+
+    /// Puts a message of readings on the line.
+    pub(crate) fn send_message(&mut self, link: &Link, now: SimTime, bytes: &[u8], sampled: Sampled) {
+        self.messages.forget(self.over());
+        self.send(link, now, bytes);
+        self.messages.push(self.sent, sampled);
+    }
+
+    /// When the readings of the message whose last byte has just arrived were sampled: the truth, which is
+    /// for statistics and not for the brain.
+    pub(crate) fn sampled(&mut self) -> Sampled {
+        self.messages.take(self.over())
+    }
+
+    /// How many of the bytes that were sent are over.
+    fn over(&self) -> u64 {
+        self.sent - self.in_flight.len() as u64
+    }
+
+    /// The microcontroller's receiver loses what arrived by `now` beyond what it can hold.
+    pub(crate) fn overrun(&mut self, link: &Link, now: SimTime) {
+        if self.detour.is_some() {
+            self.settle(link, now);
+            self.lose_all(link, now);
+        }
+        let depth = link.receive_depth();
+        let here = self.in_flight.partition_point(|(at, _)| *at <= now);
+        if here > depth {
+            self.in_flight.drain(depth..here);
+            self.counters.overrun_bytes += (here - depth) as u64;
+            self.counters.bytes += (here - depth) as u64;
+        }
+    }
+
+    /// When the next byte is delivered, as far as can be told now. Only what is sent before then can change it,
+    /// and never to an instant that is over.
+    #[inline]
+    pub(crate) fn arrival(&self, link: &Link) -> SimTime {
+        match &self.detour {
+            None => self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at),
+            Some(detour) => self.arrival_by_detour(link, detour),
+        }
+    }
+
+    /// Takes the next byte with the instant of its delivery, if that is not after `now`.
+    #[inline]
+    pub(crate) fn take(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
+        if self.detour.is_some() {
+            return self.take_by_detour(link, now);
+        }
+        if self.arrival(link) > now {
+            return None;
+        }
+        self.counters.bytes += 1;
+        self.in_flight.pop_front()
+    }
+
+    /// How many bytes the laptop's driver still holds at `now`.
+    pub(crate) fn waiting(&self, link: &Link, now: SimTime) -> usize {
+        if let Link::Usb(_) = link {
+            // A microcontroller that does not read keeps the bytes at the laptop.
+            return self.in_flight.iter().filter(|(at, _)| *at > now || !link.is_out(*at)).count();
+        }
+        let asking = self
+            .detour
+            .as_ref()
+            .map_or(0, |detour| self.forecast(link, detour).filter(|at| *at > now).count());
+        asking + self.in_flight.len() - self.in_flight.partition_point(|(at, _)| *at <= now)
+    }
+
+    /// When the microcontroller's transmitter has taken all that was sent.
+    pub(crate) fn drained(&self, link: &Link) -> SimTime {
+        self.burst.drained_to(link, link.transmit_depth())
+    }
+
+    pub(super) fn disturb(&mut self, link: &Link, byte: u8) -> u8 {
+        let rate = link.byte_error_rate();
+        if rate == 0.0 || self.errors.uniform() >= rate {
+            return byte;
+        }
+        self.counters.corrupted_bytes += 1;
+        byte ^ (1 << self.errors.below(8))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    use super::*;
+    use crate::link::properties::{line, uart};
+
+    #[test]
+    fn six_bytes_at_9600_baud_take_the_notes_5_ms_with_8_bits() {
+        let link = uart(9600, 8);
+        let mut line = line(&link);
+        line.send(&link, SimTime::ZERO, &[0; 6]);
+        assert_eq!(line.in_flight.back().unwrap().0, SimTime::from_ns(5_000_000));
+    }
+
+    #[test]
+    fn a_pause_starts_a_new_burst_and_a_queue_does_not() {
+        let link = uart(10_000, 10);
+        let mut line = line(&link);
+        line.send(&link, SimTime::ZERO, &[1, 2]);
+        line.send(&link, SimTime::from_ns(1_500_000), &[3]);
+        line.send(&link, SimTime::from_ns(9_000_000), &[4]);
+        let arrivals: Vec<_> = line.in_flight.iter().map(|(at, _)| at.as_ns() / 1_000_000).collect();
+        assert_eq!(arrivals, [1, 2, 3, 10]);
+        assert_eq!(line.waiting(&link, SimTime::from_ns(2_000_000)), 2);
+    }
+
+    #[test]
+    fn messages_that_nobody_understood_are_forgotten() {
+        let link = uart(9600, 10);
+        let mut line = line(&link);
+        for i in 0..1000 {
+            let now = SimTime::from_ns(i * 20_000_000);
+            line.send_message(&link, now, &[0; 5], vec![(0, now)]);
+            while line.take(&link, now + 19_000_000).is_some() {}
+        }
+        // The last, and the one before it, which was over but not outdated when the last was sent.
+        assert_eq!(line.messages.len(), 2);
+        assert_eq!(line.sampled(), [(0, SimTime::from_ns(999 * 20_000_000))]);
+    }
+
+    #[test]
+    fn byte_errors_come_at_their_rate_and_flip_one_bit() {
+        let mut link = uart(9600, 10);
+        let Link::Uart(uart) = &mut link else { unreachable!() };
+        uart.byte_error_rate = 0.1;
+        let mut line = line(&link);
+        line.send(&link, SimTime::ZERO, &[0; 10_000]);
+        let wrong = line.in_flight.iter().filter(|(_, byte)| *byte != 0).count();
+        assert!((800..1200).contains(&wrong), "{wrong}");
+        assert_eq!(line.counters.corrupted_bytes, wrong as u64);
+        assert!(line.in_flight.iter().all(|(_, byte)| byte.count_ones() <= 1));
+    }
+}

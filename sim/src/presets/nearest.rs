@@ -1,0 +1,82 @@
+//! Names that somebody may have meant.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::Preset;
+
+/// Longest name that is compared with others, in characters; nobody means a preset by a longer one.
+const MAX_CHARACTERS: usize = 64;
+
+/// Most names that are told.
+const MAX_NAMES: usize = 4;
+
+/// Those with the name in theirs, or else those with the fewest edits between, if these are at most half of it.
+pub(super) fn nearest(name: &str, presets: impl Iterator<Item = &'static Preset>) -> Vec<&'static Preset> {
+    let name: Vec<char> = name.chars().take(MAX_CHARACTERS + 1).map(|c| c.to_ascii_lowercase()).collect();
+    if name.len() > MAX_CHARACTERS {
+        return Vec::new();
+    }
+    let distances: Vec<_> = presets.map(|preset| (distance(&name, preset.name), preset)).collect();
+    let Some(least) = distances.iter().map(|(distance, _)| *distance).min() else { return Vec::new() };
+    if least > name.len() / 2 + 1 {
+        return Vec::new();
+    }
+    let those = distances.into_iter().filter(|(distance, _)| *distance == least).map(|(_, preset)| preset);
+    those.take(MAX_NAMES).collect()
+}
+
+/// How far a preset's name is from another: not at all if it contains that, else Levenshtein's distance.
+fn distance(name: &[char], other: &str) -> usize {
+    let other: Vec<char> = other.chars().collect();
+    if name.len() >= 3 && other.windows(name.len()).any(|part| part == name) {
+        return 0;
+    }
+    let mut row: Vec<usize> = (0..=other.len()).collect();
+    for (i, &a) in name.iter().enumerate() {
+        let mut next = vec![i + 1; other.len() + 1];
+        for (j, &b) in other.iter().enumerate() {
+            next[j + 1] = (row[j] + usize::from(a != b)).min(row[j + 1] + 1).min(next[j] + 1);
+        }
+        row = next;
+    }
+    row[other.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::String;
+    use alloc::vec::Vec;
+
+    use super::distance;
+    use crate::presets::{PresetKind, nearest};
+
+    fn names(name: &str) -> Vec<&'static str> {
+        nearest(name, Some(PresetKind::Robot)).iter().map(|preset| preset.name).collect()
+    }
+
+    #[test]
+    fn distances_are_levenshteins() {
+        let chars = |text: &str| text.chars().collect::<Vec<_>>();
+        for (a, b, expected) in [("", "", 0), ("abc", "abd", 1), ("kitten", "sitting", 3), ("", "abc", 3)] {
+            assert_eq!(distance(&chars(a), b), expected, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn names_that_were_mistyped_are_found() {
+        assert_eq!(names("kephera"), ["khepera-1", "khepera-2"]);
+        assert_eq!(names("khepera"), ["khepera-1", "khepera-2"]);
+        assert_eq!(names("epuck"), ["e-puck"]);
+        assert_eq!(names("BoeBot"), ["boe-bot"]);
+        assert_eq!(names("turtlebot"), ["turtlebot3-burger"]);
+    }
+
+    #[test]
+    fn nobody_is_told_names_that_are_far_off() {
+        assert_eq!(names("xyzzy-plugh"), [""; 0]);
+        assert_eq!(names(&"khepera-1".repeat(1000)), [""; 0]);
+        let long: String = core::iter::repeat_n('x', 1 << 16).collect();
+        assert_eq!(names(&long), [""; 0]);
+    }
+}
