@@ -320,7 +320,11 @@ fn ends_that_cannot_come_or_have_come_already_are_refused() {
 fn a_brain_on_board_has_no_cable_and_a_port_is_one() {
     Scenario::parse(&robot("link = { kind = \"onboard\" }")).unwrap();
     let baud = "link = { kind = \"onboard\", baud = 9600 }";
-    refused(&robot(baud), "robots[0].link.baud", "there is no link: the brain is the microcontroller's program");
+    refused(
+        &robot(baud),
+        "robots[0].link.baud",
+        "there is no link: the brain is the microcontroller's program",
+    );
     let laser = "[robots.sensors.l]\nkind = \"laser\"\nbearing_rad = 0.0\nopening_rad = 1.0\nrays = 300\nrange_m = 4.0";
     let port = "port = { link = { kind = \"onboard\" } }";
     refused(&robot(&format!("{laser}\n{port}")), "robots[0].sensors.l.port.link.kind", "a port is a cable");

@@ -120,8 +120,9 @@ pub(super) fn battery(path: &Path, raw: RawBattery) -> Result<(Battery, f64)> {
     if curve.is_empty() {
         return Err(at.error("needs at least one pair of charge left and share of the nominal voltage"));
     }
+    path.positive("nominal_v", raw.nominal_v)?;
     let battery = Battery {
-        nominal_v: path.positive("nominal_v", raw.nominal_v)?,
+        nominal_v: path.within("nominal_v", raw.nominal_v, 1e-3, 1e6)?,
         capacity_c: Battery::coulombs(path.positive("capacity_mah", raw.capacity_mah)?),
         internal_resistance_ohm: path.not_negative("internal_resistance_ohm", raw.internal_resistance_ohm)?,
         curve,

@@ -14,7 +14,7 @@ use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
 use crate::coverage::Floor;
 use crate::movable::{Body, Movable};
-use crate::mover::Mover;
+use crate::mover::{Mover, Path as Way};
 use crate::referee::Rules;
 use crate::robot::RobotSpec;
 use crate::sensor::Sensor;
@@ -71,6 +71,13 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
 fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> Result<Vec<(String, Body)>> {
     let at_start = |mover: &Mover| (mover.name.clone(), mover.form().at(&mover.start));
     let mut bodies: Vec<_> = movers.iter().map(at_start).collect();
+    let wanders = |mover: &Mover| matches!(mover.path, Way::Wander { .. });
+    for (i, mover) in movers.iter().enumerate().filter(|(_, mover)| wanders(mover)) {
+        if let Some(name) = things::stands_in((&mover.form(), &mover.start), arena, &[]) {
+            let problem = format!("`{}` stands in `{name}`, so it could never wander", mover.name);
+            return Err(path.field("movers").index(i).error(problem));
+        }
+    }
     for (i, movable) in movables.iter().enumerate() {
         let form = movable.shape.form();
         if let Some(name) = things::stands_in((&form, &movable.start), arena, &bodies) {

@@ -72,14 +72,6 @@ fn gap_ns(path: &Path, gap_ms: Option<f64>, link: &Link) -> Result<u64> {
 
 const DEFAULT_GAP_NS: u64 = 20_000_000;
 
-/// Whether a frame can say how many values each sensor has.
-pub(super) fn check_values(path: &Path, sensors: &[&Sensor]) -> Result<()> {
-    let limit = usize::from(u8::MAX);
-    let Some(sensor) = sensors.iter().find(|sensor| sensor.encodings.len() > limit) else { return Ok(()) };
-    let problem = format!("has {} values, the limit on the wire is {limit}", sensor.encodings.len());
-    Err(path.field(&sensor.name).error(problem))
-}
-
 /// Whether the messages fit into frames, and into the laptop's driver.
 pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
     let layout = firmware.layout();

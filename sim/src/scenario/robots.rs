@@ -157,7 +157,6 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     let link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
-    cable::check_values(&path.field("sensors"), &on_wire)?;
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;

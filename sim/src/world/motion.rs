@@ -232,8 +232,8 @@ impl Robot {
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
-                // A command that came since waits for the next pulse.
-                if self.commanded_at <= servo.frame_start(now) {
+                // A pulse begins in the first substep of each frame.
+                if now.since(servo.frame_start(now)) < (dt * SECOND_NS as f64 + 0.5) as u64 {
                     state.pulse = state.signal;
                 }
                 state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);

@@ -393,6 +393,36 @@ fn after_the_end_nothing_changes_any_more() {
     assert_eq!(world.hash(), hash);
 }
 
+#[test]
+fn a_sensor_may_be_read_many_times_a_tick() {
+    let toml = crate::scene::with_sensor("", "kind = \"compass\"\nsigma_rad = 0.1\nperiod_ms = 0.01");
+    let mut world = world(&toml);
+    run(&mut world, 10, 0.0, 0.0);
+    let compass = crate::scene::view(&world, "s");
+    assert_eq!((compass.samples, compass.missed), (10_000, 0));
+}
+
+#[test]
+fn a_crowd_of_robots_with_every_device_runs() {
+    let names: Vec<_> = (0..60).map(|i| format!("a{i}")).collect();
+    let one = everything(&["a"]);
+    let (surroundings, robot) = one.split_at(one.find("[[robots]]").unwrap());
+    let mut toml =
+        surroundings.replace("[-4.0, -4.0]", "[-4.0, -14.0]").replace("[6.0, -4.0]", "[6.0, -14.0]");
+    for (i, name) in names.iter().enumerate() {
+        let at = format!("x_m = {}, y_m = {}", -3.5 + 0.9 * (i % 10) as f64, -13.0 + 0.9 * (i / 10) as f64);
+        toml +=
+            &robot.replace("name = \"a\"", &format!("name = \"{name}\"")).replace("x_m = -0.4, y_m = 0", &at);
+    }
+    let mut world = world(&toml);
+    act(&mut world, 50);
+    assert!(
+        world
+            .robots()
+            .all(|robot| robot.sensors().all(|sensor| sensor.sample.iter().all(|value| value.is_finite())))
+    );
+}
+
 /// Where the numbers stand in a file.
 fn numbers(toml: &str) -> Vec<(usize, usize)> {
     let (mut found, mut quoted) = (Vec::new(), false);
@@ -451,11 +481,16 @@ fn spoilt(toml: &str, changes: &[(usize, usize)]) -> String {
     spoilt
 }
 
-/// Parses and, if that is a scenario, runs it for a while. Says how that ended.
+/// Parses and, if that is a scenario, runs it for a while, in which every reading is a number. Says how that ended.
 fn survives(toml: &str) -> Option<u64> {
     let scenario = Scenario::parse(toml).ok()?;
     let mut world = World::new(scenario.into());
     act(&mut world, 20);
+    for robot in world.robots() {
+        for (sensor, view) in robot.spec().sensors.iter().zip(robot.sensors()) {
+            assert!(view.sample.iter().all(|value| !value.is_nan()), "{}: {:?}", sensor.name, view.sample);
+        }
+    }
     Some(world.hash())
 }
 
@@ -469,7 +504,7 @@ fn numbers_are_found_and_replaced() {
 }
 
 #[test]
-fn no_number_in_any_field_makes_anything_panic() {
+fn no_number_in_any_field_makes_anything_panic_or_a_reading_none() {
     let toml = everything(&["a"]);
     let mut ran = 0;
     for place in 0..numbers(&toml).len() {

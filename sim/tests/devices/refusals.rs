@@ -209,7 +209,9 @@ fn more_values_than_a_frame_holds() {
         let laser = LASER.replace("rays = 5", &format!("rays = {rays}\n{bits}"));
         refused(
             &with_sensor("", &laser),
-            &format!("robots[0].sensors.s: has {rays} values; without a `port` of its own a sensor has at most 255"),
+            &format!(
+                "robots[0].sensors.s: has {rays} values; without a `port` of its own a sensor has at most 255"
+            ),
         );
     }
 }
@@ -244,6 +246,8 @@ fn actuators_and_batteries() {
     let battery = |fields: &str| {
         scene("", &format!("battery = {{ nominal_v = 12.0, capacity_mah = 1000.0, {fields} }}"), "")
     };
+    let flat = scene("", "battery = { nominal_v = 1e-320, capacity_mah = 1000.0 }", "");
+    refused(&flat, "robots[0].battery.nominal_v: must be within 0.001 and 1000000");
     refused(&battery("charge = 1.5"), "robots[0].battery.charge: must be within 0 and 1, is 1.5");
     refused(&battery("curve_share_v = []"), "robots[0].battery.curve_share_v: needs at least one pair");
     refused(
@@ -256,7 +260,7 @@ fn actuators_and_batteries() {
 }
 
 #[test]
-fn motors_and_brains() {
+fn motors_that_cannot_be() {
     refused(
         &scene("", "motors = { kind = \"velocity\" }", ""),
         "robots[0].motors.kind: a velocity-regulated motor needs encoders",
@@ -265,6 +269,10 @@ fn motors_and_brains() {
         &scene("", "motors = { timeout_ms = 0.0 }", ""),
         "robots[0].motors.timeout_ms: must be within 0.01",
     );
+}
+
+#[test]
+fn brains_and_their_processors() {
     let onboard = "link = { kind = \"onboard\" }\n";
     refused(
         &scene(
@@ -299,7 +307,7 @@ fn motors_and_brains() {
     );
     refused(
         &scene("", "link = { kind = \"ideal\", baud = 9600 }", ""),
-        "robots[0].link.baud: there is no link",
+        "robots[0].link.baud: an ideal link has none",
     );
 }
 
@@ -332,6 +340,15 @@ fn things_in_the_arena() {
         &format!("{mover}radius_m = 0.1\nwander = {{ speed_m_s = 1e300, turn_s = 1.0 }}\n"),
         "arena.movers[0].wander.speed_m_s: must be within",
     );
+    let stuck = format!(
+        "{}{mover}radius_m = 0.2\nwander = {{ speed_m_s = 1.0, turn_s = 1.0 }}\n",
+        crate::scene::wall(3.1)
+    );
+    top(&stuck, "arena.movers[0]: `m` stands in `wall`, so it could never wander");
+}
+
+#[test]
+fn things_to_push_zones_and_lights() {
     let movable = "[[arena.movables]]\nname = \"m\"\nx_m = 3.0\ny_m = 0.0\nfriction = 0.1\n";
     top(&format!("{movable}mass_kg = 1.0\n"), "arena.movables[0]: needs one of `radius_m`");
     top(
