@@ -159,7 +159,7 @@ impl Format {
                 let level = |channel: usize, i: usize| (values[channel * n + i] * 255.0 + 0.5) as u8;
                 let columns = (0..n).map(|i| line_image::Column {
                     rgb: [level(0, i), level(1, i), level(2, i)],
-                    depth_mm: (values[3 * n + i] * 1e3 + 0.5).clamp(0.0, 65_535.0) as u16,
+                    depth_mm: depth_mm(values[3 * n + i]),
                 });
                 let written = line_image::encode(sequence, columns, camera.rows, &mut bytes).expect(FITS);
                 bytes.truncate(written);
@@ -178,6 +178,11 @@ impl Format {
             Self::Nmea { .. } => hear_nmea(message),
         }
     }
+}
+
+/// 0 stands for nothing within range, so what touches the camera is a millimetre away.
+fn depth_mm(depth_m: f64) -> u16 {
+    if depth_m < 0.0 { 0 } else { (depth_m * 1e3 + 0.5).clamp(1.0, 65_535.0) as u16 }
 }
 
 /// Why writing cannot fail.

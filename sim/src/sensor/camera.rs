@@ -48,7 +48,9 @@ impl LineCamera {
         let (colors, depths) = values.split_at_mut(3 * self.columns());
         colors.iter_mut().for_each(|level| *level = level.clamp(0.0, 1.0));
         for depth in depths {
-            *depth = if *depth < 0.0 { super::laser::NOTHING } else { depth.min(self.range_m) };
+            if *depth != super::laser::NOTHING {
+                *depth = depth.clamp(0.0, self.range_m);
+            }
         }
     }
 }

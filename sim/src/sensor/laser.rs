@@ -59,7 +59,9 @@ impl Laser {
     /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.
     pub(super) fn bound(&self, values: &mut [f64]) {
         for value in values {
-            *value = if *value < 0.0 { NOTHING } else { value.clamp(self.min_m, self.range_m) };
+            if *value != NOTHING {
+                *value = value.clamp(self.min_m, self.range_m);
+            }
         }
     }
 }
