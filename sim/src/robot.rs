@@ -134,8 +134,6 @@ enum Next {
     Device(usize, Event),
     /// The microcontroller.
     Task(Task),
-    /// A byte at the laptop, from the microcontroller or from a device's own cable.
-    Byte(Option<usize>),
 }
 
 /// What happened to a robot.
@@ -195,39 +193,48 @@ impl Robot {
         earliest: Option<SimTime>,
     ) -> Option<SimTime> {
         let mut step = earliest.filter(|_| self.laptop.has_message);
+        // Bytes that arrive at the laptop change nothing on the robot.
+        let mut on_robot = self.next_on_robot(spec);
         loop {
             let end = step.map_or(until, |at| at + 1);
-            let (now, next) = self.next(spec);
-            if now >= end {
+            let (arrival, port) = self.next_byte(spec);
+            if on_robot.0.min(arrival) >= end {
                 return step;
             }
-            match next {
-                Next::Device(i, event) => self.run_device(spec, moment, now, (i, event)),
-                Next::Task(task) => self.run(spec, moment, now, task),
-                Next::Byte(port) => {
-                    self.hear(spec, now, port);
-                    if step.is_none() && self.laptop.has_message {
-                        step = earliest.map(|earliest| earliest.max(now));
-                    }
+            if on_robot.0 <= arrival {
+                let (now, next) = on_robot;
+                match next {
+                    Next::Device(i, event) => self.run_device(spec, moment, now, (i, event)),
+                    Next::Task(task) => self.run(spec, moment, now, task),
                 }
+                on_robot = self.next_on_robot(spec);
+                continue;
+            }
+            self.hear(spec, arrival, port);
+            if step.is_none() && self.laptop.has_message {
+                step = earliest.map(|earliest| earliest.max(arrival));
             }
         }
     }
 
-    /// What comes next, and when. At one instant devices come first, so that the microcontroller finds what is
-    /// new; then the microcontroller, so that what it sends over an ideal link arrives at the same instant.
-    fn next(&self, spec: &RobotSpec) -> (SimTime, Next) {
-        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
-        let mut next = (self.uplink.arrival(&spec.link), Next::Byte(None));
+    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
+    fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
+        let mut next = (self.uplink.arrival(&spec.link), None);
         for (k, (port, &i)) in self.ports.iter().zip(&spec.ports).enumerate() {
             let arrival = port.arrival(&spec.sensors[i]);
             if arrival < next.0 {
-                next = (arrival, Next::Byte(Some(k)));
+                next = (arrival, Some(k));
             }
         }
-        if start <= next.0 {
-            next = (start, Next::Task(task));
-        }
+        next
+    }
+
+    /// What comes next on the robot, and when. At one instant devices come first, so that the microcontroller finds
+    /// what is new; and it comes before the laptop, so that what it sends over an ideal link arrives at the same
+    /// instant.
+    fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
+        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+        let mut next = (start, Next::Task(task));
         for &i in &spec.own_clocks {
             let (at, event) = self.microcontroller.next_of_own(i, &spec.sensors[i]);
             if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
