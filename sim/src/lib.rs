@@ -4,12 +4,18 @@
 //! between them:
 //!
 //! 1. sensors sample the frozen scene ([`sensor`]), the microcontroller reads and sends ([`microcontroller`],
-//!    [`firmware`]), bytes travel the cable ([`link`]): [`World::begin`]
+//!    [`schedule`], [`firmware`]), bytes travel the cable ([`link`]) or past the microcontroller ([`port`]):
+//!    [`World::begin`]
 //! 2. the brain processes what has arrived: a program elsewhere, never here
-//! 3. its bytes travel back and are obeyed: [`World::finish`], which also does the rest
-//! 4. motors push and bodies move ([`motor`], [`drive`])
-//! 5. the arena changes (nothing in it moves by itself yet) and contacts are found ([`collision`], [`arena`])
-//! 6. the run ends, or goes on
+//! 3. its bytes travel back and are obeyed ([`robot`]): [`World::finish`], which also does the rest
+//! 4. motors push, bodies and turrets move ([`motor`], [`drive`], [`actuator`]), batteries run down ([`battery`])
+//! 5. things are pushed ([`movable`]) or move by themselves ([`mover`]), contacts are found ([`collision`],
+//!    [`arena`])
+//! 6. what is to be counted is counted ([`coverage`], [`referee`]); the run ends, or goes on
+//!
+//! What is there before the first tick comes from a text ([`scenario`], with [`presets`]): walls in the [`arena`],
+//! zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`] shows what
+//! sensors see.
 //!
 //! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
 //! bytes and seeds come in, bytes and instants go out. The same scenario, seed and inputs give the same bits

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
+use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::{Override, Scenario, World};
 
 const TICKS: u64 = 200;
@@ -81,6 +82,32 @@ fn every_device_is_in_one_of_them() {
     assert_eq!(sensors.len(), 20, "{sensors:?}");
     assert_eq!(motors, BTreeSet::from(["dc", "servo", "stepper", "velocity"]));
     assert_eq!(actuators, BTreeSet::from(["lamp", "speaker", "turret"]));
+}
+
+#[test]
+fn every_cable_is_in_one_of_them() {
+    let mut cables = BTreeSet::new();
+    for (name, text) in files() {
+        for robot in parse(&name, &text).robots() {
+            let (kind, outages) = match &robot.link {
+                Link::Ideal => ("ideal", &[][..]),
+                Link::Onboard => ("onboard", &[][..]),
+                Link::Usb(usb) => ("usb", &usb.outages[..]),
+                Link::Uart(uart) => {
+                    cables.insert(match uart.adapter {
+                        Adapter::None => "no adapter",
+                        Adapter::Cdc { .. } => "cdc",
+                        Adapter::Ftdi(_) => "ftdi",
+                        Adapter::Bluetooth(_) => "bluetooth",
+                    });
+                    (if uart.turnaround_ns.is_some() { "half duplex" } else { "uart" }, &uart.outages[..])
+                }
+            };
+            cables.insert(kind);
+            cables.extend(outages.iter().map(|_| "outages"));
+        }
+    }
+    assert_eq!(cables.len(), 10, "{cables:?}");
 }
 
 /// The files' names without ending, and their texts.

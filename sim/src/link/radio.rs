@@ -65,10 +65,12 @@ impl Latencies {
 #[cfg(test)]
 mod tests {
     use alloc::vec;
+    use alloc::vec::Vec;
 
     use super::*;
     use crate::link::properties::{delivered, down, line, uart, with_adapter};
     use crate::link::{Adapter, Link};
+    use crate::statistics::{SAMPLES, assert_distributed, assert_rate, uniform};
     use crate::time::SimTime;
 
     const MS: u64 = 1_000_000;
@@ -114,19 +116,14 @@ mod tests {
 
     #[test]
     fn latencies_are_spread_evenly_and_sometimes_held_up() {
-        let radio = radio(10, 0.1);
+        let radio = radio(10, 0.2);
         let mut latencies = Latencies::new(&radio, Stream::new(1, "test"));
-        let (mut late, mut sum) = (0, 0);
-        for _ in 0..10_000 {
-            let ns = latencies.take(&radio);
-            let held_up = ns >= 100 * MS;
-            let ns = if held_up { ns - 100 * MS } else { ns };
-            assert!((20 * MS..40 * MS).contains(&ns), "{ns}");
-            late += u64::from(held_up);
-            sum += ns / 1000;
-        }
-        assert!((900..1100).contains(&late), "{late}");
-        assert!((29_800..30_200).contains(&(sum / 10_000)), "{sum}");
+        let drawn: Vec<_> = (0..SAMPLES).map(|_| latencies.take(&radio)).collect();
+        let held_up = |ns: u64| ns >= 100 * MS;
+        assert_rate(drawn.iter().filter(|&&ns| held_up(ns)).count() as u64, SAMPLES as u64, 0.2);
+        let plain = |ns: u64| if held_up(ns) { ns - 100 * MS } else { ns };
+        let mut plain_ms: Vec<_> = drawn.iter().map(|&ns| plain(ns) as f64 / MS as f64).collect();
+        assert_distributed(&mut plain_ms, |scale| uniform(30.0 - 10.0 * scale, 30.0 + 10.0 * scale));
     }
 
     #[test]

@@ -56,11 +56,10 @@ fn pair(sigma: f64, stream: &mut Stream) -> Wheels {
 mod tests {
     use alloc::vec::Vec;
 
-    use baudbot_geometry::math;
-
     use super::{MotorNoise, NoiseState};
     use crate::drive::Wheels;
     use crate::random::Stream;
+    use crate::statistics::{SAMPLES, assert_distributed, correlation, normal};
 
     const SIGNALS: Wheels = Wheels { left: 0.5, right: -0.25 };
 
@@ -74,11 +73,6 @@ mod tests {
         ticks.collect()
     }
 
-    fn deviation(factors: &[f64]) -> f64 {
-        let squares: f64 = factors.iter().map(|factor| (factor - 1.0) * (factor - 1.0)).sum();
-        math::sqrt(squares / factors.len() as f64)
-    }
-
     #[test]
     fn motors_without_noise_get_their_signals_to_the_bit() {
         assert_eq!(factors(MotorNoise::default(), 1, 5), [1.0; 10]);
@@ -87,14 +81,20 @@ mod tests {
     }
 
     #[test]
-    fn sigma_is_drawn_each_tick_and_spread_once() {
-        let sigma = factors(MotorNoise { sigma: 0.05, spread: 0.0 }, 1, 20_000);
-        assert!((deviation(&sigma) - 0.05).abs() < 0.001, "{}", deviation(&sigma));
+    fn sigma_is_a_normal_factor_a_tick_on_each_wheel_by_itself() {
+        let mut sigma = factors(MotorNoise { sigma: 0.05, spread: 0.0 }, 1, SAMPLES as u32 / 2);
+        let wheels: Vec<_> = sigma.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+        assert!(correlation(&wheels).abs() < 0.015, "{}", correlation(&wheels));
+        assert_distributed(&mut sigma, |scale| normal(1.0, 0.05 * scale));
+    }
+
+    #[test]
+    fn spread_is_a_normal_factor_a_run_and_stays() {
         let noise = MotorNoise { sigma: 0.0, spread: 0.05 };
         let one = factors(noise, 1, 3);
         assert!(one[0] != one[1] && one[..2] == one[2..4] && one[..2] == one[4..], "{one:?}");
-        let many: Vec<f64> = (0..10_000).flat_map(|seed| factors(noise, seed, 1)).collect();
-        assert!((deviation(&many) - 0.05).abs() < 0.002, "{}", deviation(&many));
+        let mut many: Vec<f64> = (0..SAMPLES as u64 / 2).flat_map(|seed| factors(noise, seed, 1)).collect();
+        assert_distributed(&mut many, |scale| normal(1.0, 0.05 * scale));
     }
 
     #[test]

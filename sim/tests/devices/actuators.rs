@@ -2,6 +2,7 @@
 
 use baudbot_sim::{Input, World};
 
+use crate::common::statistics::{SAMPLES, assert_distributed, correlation, kolmogorov_smirnov, normal};
 use crate::common::{BODY, run, tick, world};
 use crate::scene::{named, near, scene, signals, tick_of, view};
 
@@ -152,4 +153,50 @@ fn a_servo_turns_its_wheel_at_the_speed_of_its_pulse() {
         world.robot(0).motion().speed_m_s,
         0.1 * 48.0 * std::f64::consts::TAU / 60.0 * (1.0 - (-1.98_f64 / 0.06).exp()),
     );
+}
+
+/// Steps that obey at once, so that a wheel's way in a tick is in proportion to what its motor got.
+fn uneven(noise: &str) -> String {
+    let motors = format!(
+        "motors = {{ kind = \"stepper\", max_rate_steps_s = 1e6, max_acceleration_steps_s2 = 1e9, {noise} }}"
+    );
+    scene("step_ms = 0.1", &motors, "")
+}
+
+/// The factors on the signals of both wheels in so many ticks.
+fn factors(toml: &str, ticks: usize) -> Vec<(f64, f64)> {
+    let mut world = world(toml);
+    let way_m = 0.5 * 1000.0 * 0.0001 / 1000.0 * std::f64::consts::TAU * 0.1;
+    (0..ticks)
+        .map(|_| {
+            let before = world.robot(0).motion().travel_m;
+            run(&mut world, 1, 0.5, 0.5);
+            let after = world.robot(0).motion().travel_m;
+            ((after.left - before.left) / way_m, (after.right - before.right) / way_m)
+        })
+        .collect()
+}
+
+#[test]
+fn motors_run_unevenly_by_a_normal_factor_a_tick() {
+    let pairs = factors(&uneven("noise_sigma = 0.05"), SAMPLES / 2);
+    assert!(correlation(&pairs).abs() < 0.015, "{}", correlation(&pairs));
+    let mut both: Vec<_> = pairs.iter().flat_map(|&(left, right)| [left, right]).collect();
+    assert_distributed(&mut both, |scale| normal(1.0, 0.05 * scale));
+}
+
+#[test]
+fn motors_of_a_make_differ_by_a_normal_factor_that_stays() {
+    let toml = uneven("noise_spread = 0.05");
+    let mut both = Vec::new();
+    for seed in 0..1000 {
+        let pairs = factors(&format!("seed = {seed}\n{toml}"), 2);
+        assert!(
+            (pairs[0].0 - pairs[1].0).abs() < 1e-9 && (pairs[0].1 - pairs[1].1).abs() < 1e-9,
+            "{pairs:?}"
+        );
+        both.extend([pairs[0].0, pairs[0].1]);
+    }
+    let outcome = kolmogorov_smirnov(&mut both, normal(1.0, 0.05));
+    assert!(outcome.fits(), "{outcome:?}");
 }

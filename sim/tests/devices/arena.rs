@@ -1,8 +1,11 @@
 //! What moves around the robots, what they push and run into, and what the referee counts.
 
+use std::f64::consts::PI;
+
 use baudbot_sim::{Ending, Outline, World};
 use proptest::prelude::*;
 
+use crate::common::statistics::{chi_squared, kolmogorov_smirnov, uniform};
 use crate::common::{BODY, refusal, run, tick, world};
 use crate::scene::{block, named, near, scene, wall};
 
@@ -85,6 +88,33 @@ fn a_person_wanders_about_and_never_into_walls_or_robots() {
         quadrants[usize::from(at.x > 0.0) + 2 * usize::from(at.y > 0.0)] = true;
     }
     assert_eq!(quadrants, [true; 4]);
+}
+
+#[test]
+fn a_person_turns_anywhere_and_goes_straight_on_for_half_its_time_to_all_of_it() {
+    let mut world = world(
+        "step_ms = 1.0\n[[arena.movers]]\nname = \"p\"\nradius_m = 0.3\nwander = { speed_m_s = 1.0, turn_s = 0.1 }",
+    );
+    let (mut headings, mut lasted, mut ticks) = (Vec::new(), [0; 50], 0);
+    while headings.len() <= 5000 {
+        world.begin();
+        world.finish(&[]);
+        let heading = thing(&world, "p").pose.heading;
+        if headings.last() == Some(&heading) {
+            ticks += 1;
+            continue;
+        }
+        // Of the times that have ended: 51 to 100 ticks, each as likely as another.
+        if !headings.is_empty() {
+            lasted[ticks - 51] += 1;
+        }
+        headings.push(heading);
+        ticks = 1;
+    }
+    let outcome = kolmogorov_smirnov(&mut headings, uniform(-PI, PI));
+    assert!(outcome.fits(), "{outcome:?}");
+    let outcome = chi_squared(&lasted, &[1.0; 50]);
+    assert!(outcome.fits(), "{lasted:?}: {outcome:?}");
 }
 
 #[test]
@@ -178,7 +208,7 @@ fn coverage_grows_with_the_way_and_ends_the_run() {
         tick(&mut world, 0.5, 0.5);
         let x = world.robot(0).motion().pose.position.x;
         let now = covered(&world);
-        let most = (std::f64::consts::PI * 0.3 * 0.3 + 0.6 * x) / 6.0;
+        let most = (PI * 0.3 * 0.3 + 0.6 * x) / 6.0;
         assert!(now >= last && now <= most, "{now} after {last}, {most}");
         last = now;
     }

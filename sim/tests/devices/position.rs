@@ -36,6 +36,19 @@ fn an_odometers_heading_walks_by_a_normal_step_a_read_even_when_standing() {
     assert_distributed(&mut steps, |scale| normal(0.0, sigma * scale));
 }
 
+#[test]
+fn an_odometers_way_walks_by_a_normal_step_a_read_too() {
+    let toml = with_sensor("step_ms = 0.05", &format!("{ODOMETER}\nsigma_m = 0.002"));
+    let readings = collect(&toml, SAMPLES + 1);
+    // (left + right) / 2, along the new heading.
+    let step = |pair: &[Vec<f64>]| {
+        let (sin, cos) = pair[1][2].sin_cos();
+        (pair[1][0] - pair[0][0]) * cos + (pair[1][1] - pair[0][1]) * sin
+    };
+    let mut steps: Vec<_> = readings.windows(2).map(step).collect();
+    assert_distributed(&mut steps, |scale| normal(0.0, 0.002 / 2.0_f64.sqrt() * scale));
+}
+
 const ORIGIN: &str = "[arena]\nlatitude_deg = 57.7\nlongitude_deg = 11.97\n";
 const METRES_PER_DEGREE: f64 = 6_371_008.8 * std::f64::consts::PI / 180.0;
 

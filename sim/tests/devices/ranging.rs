@@ -109,6 +109,16 @@ const VOLTAGE: &str = "kind = \"ir-voltage\"\nbearing_rad = 0.0\nopening_rad = 0
                        curve_m_v = [[0.0, 0.9], [0.06, 2.9], [0.1, 2.3], [0.8, 0.4]]\nidle_v = 0.3\nsupply_v = 5.0";
 
 #[test]
+fn an_ir_sensor_without_its_emitter_has_multiplicative_noise_too() {
+    let ambient = "kind = \"ir\"\nbearing_rad = 0.0\nopening_rad = 0.5\nrays = 1\nrange_m = 1.0\nambient_saturation_lux = 10.0\nsigma = 0.05";
+    // 8 cd at 2 m ahead: 2 lux of 10.
+    let toml = with_sensor(&format!("step_ms = 0.05\n{}", lamp(2.2, 0.0, 8.0)), ambient);
+    let mut values = singles(&toml, SAMPLES);
+    assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
+    assert_distributed(&mut values, |scale| normal(0.8, 0.04 * scale));
+}
+
+#[test]
 fn a_voltage_ranger_follows_its_curve_and_folds_back_when_too_near() {
     for (d, volts) in [(0.1, 2.3), (0.45, 1.35), (0.8, 0.4), (0.9, 0.3), (0.03, 1.9), (0.06, 2.9)] {
         // Rounding must not push the last distance beyond the range.
@@ -158,6 +168,18 @@ fn a_sonar_hears_an_echo_as_often_as_its_detection_says() {
         heard += u64::from(value < 2.0);
     }
     assert_rate(heard, 30_000, 0.7);
+}
+
+#[test]
+fn noise_of_a_sonar_is_normal_on_an_echo_and_leaves_silence_alone() {
+    let toml = with_sensor(
+        &format!("step_ms = 0.05\n{}", wall(1.2)),
+        &format!("{SONAR}\ndetection = 0.9\nsound_m_s = 100000\nnoise = {{ additive = 0.02 }}"),
+    );
+    let mut echoes = singles(&toml, SAMPLES);
+    echoes.retain(|&value| value != 3.0);
+    assert_rate(SAMPLES as u64 - echoes.len() as u64, SAMPLES as u64, 0.1);
+    assert_distributed(&mut echoes, |scale| normal(1.0, 0.02 * scale));
 }
 
 /// When the microcontroller gets to read the compass, whose turn comes right after the sonar's.

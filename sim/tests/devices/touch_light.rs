@@ -4,7 +4,7 @@ use std::f64::consts::LN_2;
 
 use baudbot_sim::{Ending, World};
 
-use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, normal};
+use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, chi_squared, normal};
 use crate::common::{run, tick, world};
 use crate::scene::{
     all_near, block, first, named, near, scene, single, singles, tick_of, view, wall, with_sensor,
@@ -56,6 +56,25 @@ fn a_whisker_bounces_for_a_while_after_a_change_only() {
     assert!(settled.len() > 1000 && settled.iter().all(|&value| value == 1.0));
 }
 
+#[test]
+fn a_contact_that_bounces_reads_either_as_likely_as_not_and_forgets_what_it_read() {
+    // The first read finds the wall, and the contact bounces for all of the run.
+    for sensor in [WHISKER, BUMPER] {
+        let toml = with_sensor(
+            &format!("step_ms = 0.05\n{}", wall(0.205)),
+            &format!("{sensor}\nbounce_ms = 2000.0"),
+        );
+        let values = singles(&toml, 20_000);
+        assert_rate(values.iter().filter(|&&value| value == 1.0).count() as u64, 20_000, 0.5);
+        let mut pairs = [0; 4];
+        for pair in values.chunks_exact(2) {
+            pairs[(2.0 * pair[0] + pair[1]) as usize] += 1;
+        }
+        let outcome = chi_squared(&pairs, &[0.25; 4]);
+        assert!(outcome.fits(), "{sensor}: {pairs:?}: {outcome:?}");
+    }
+}
+
 const BUMPER: &str = "kind = \"bumper\"\nbearing_rad = 0.0\nopening_rad = 1.0\ntravel_m = 0.01";
 
 #[test]
@@ -104,6 +123,24 @@ fn a_photoresistor_in_the_dark_blocks_the_processor_for_131_ms() {
     // Due at 0, 10, … 190 ms; read at 131.07 ms, with those from 10 to 130 missed.
     assert_eq!(missed(""), (13, 7));
     assert_eq!(missed(&lit(10.0)), (0, 20));
+}
+
+#[test]
+fn a_photoresistors_noise_is_normal_and_rounded_to_counts() {
+    let toml = with_sensor(
+        &format!("step_ms = 1.0\n{}", lit(10.0)),
+        &format!("{PHOTORESISTOR}\nnoise = {{ additive = 3.0 }}"),
+    );
+    // Of 63 counts: from 54 to 72 one by one, and what is beyond.
+    let mut counts = [0; 19];
+    for value in singles(&toml, 20_000) {
+        assert_eq!(value, value.round());
+        counts[(value - 54.0).clamp(0.0, 18.0) as usize] += 1;
+    }
+    let below = |i: usize| if i == 19 { 1.0 } else { normal(63.0, 3.0)(53.5 + i as f64) };
+    let share = |i: usize| below(i + 1) - if i == 0 { 0.0 } else { below(i) };
+    let outcome = chi_squared(&counts, &std::array::from_fn::<_, 19, _>(share));
+    assert!(outcome.fits(), "{counts:?}: {outcome:?}");
 }
 
 #[test]
@@ -239,6 +276,18 @@ fn a_microphone_hears_others_as_one_by_distance() {
     near(heard(&mut world, [("r", 1.0), ("x", 0.0), ("y", 0.0)]), 0.0);
     near(heard(&mut world, [("r", 1.0), ("x", 1.0), ("y", 0.0)]), 0.5);
     near(heard(&mut world, [("r", 0.0), ("x", 1.0), ("y", 0.5)]), 0.5 + 1.0 / 2.5);
+}
+
+#[test]
+fn a_microphones_noise_is_normal_and_never_below_silence() {
+    let sensor = "kind = \"microphone\"\nnoise = { additive = 0.1 }";
+    let mut levels = singles(&with_sensor("step_ms = 0.05", sensor), SAMPLES);
+    // In silence every second reading would be negative.
+    assert_rate(levels.iter().filter(|&&level| level == 0.0).count() as u64, SAMPLES as u64, 0.5);
+    levels.retain(|&level| level > 0.0);
+    assert_distributed(&mut levels, |scale| {
+        move |level| (2.0 * normal(0.0, 0.1 * scale)(level) - 1.0).clamp(0.0, 1.0)
+    });
 }
 
 #[test]
