@@ -6,12 +6,12 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
-    ("arsim", "constant:left=0.7,right=-0.7", 0x9bacf885806e0a11),
-    ("arsim", "navigate", 0x2be022c73ba37387),
-    ("wander", "avoid", 0x1913315bf3e993df),
-    ("wander", "wander:forward=0.3", 0x0daeaaca2ae121d5),
-    ("khepera", "avoid", 0x4eeda8dc7099211f),
-    ("crowd", "avoid", 0x17f2de47de88c67b),
+    ("arsim", "constant:left=0.7,right=-0.7", 0x186c783160f65aa0),
+    ("arsim", "navigate", 0xb03e0e5da4f48ea0),
+    ("wander", "avoid", 0xabb9df5d09a70c9c),
+    ("wander", "wander:forward=0.3", 0xaf9b3f68b386b2b3),
+    ("khepera", "avoid", 0xfd66fd96e030f2cc),
+    ("crowd", "avoid", 0xab0e33345e69767f),
 ];
 
 #[test]

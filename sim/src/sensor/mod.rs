@@ -364,7 +364,10 @@ impl Device {
                 values[0] = math::round(values[0]).clamp(0.0, f64::from(device.max_counts));
             }
             Self::Microphone(_) => values[0] = values[0].max(0.0),
-            Self::Battery(_) => values[0] = values[0].max(0.0),
+            Self::Battery(_) => {
+                values[0] = values[0].max(0.0);
+                values[1] = values[1].clamp(0.0, 1.0);
+            }
             _ => {}
         }
     }
