@@ -9,7 +9,9 @@ use baudbot_geometry::{Point, Pose, angle, polygon};
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
 use super::{ScenarioError, actuators, arena, cable, link, raw, sensors, things};
+use crate::actuator::Actuator;
 use crate::arena::Arena;
+use crate::battery::Battery;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
 use crate::link::Link;
 use crate::microcontroller::Processor;
@@ -120,37 +122,16 @@ fn stands_free(
     }
 }
 
-fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_>) -> Result<RobotSpec> {
+fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut World<'_>) -> Result<RobotSpec> {
     let step_ms = context.step.step_ms;
     let start = start(&path.field("start"), &raw.start)?;
-    let motors = motors::motors(&path.field("motors"), raw.motors)?;
+    let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
     let body = path.field("body");
     let (outline, radius_m) = outline(&body, &raw.body)?;
     let look = arena::look(&body, raw.body.height_m, raw.body.color)?;
     let drive = drive(&body, &raw.body, radius_m, motors)?;
-    let actuators = each_named(&path.field("actuators"), raw.actuators, actuators::actuator)?;
-    let battery = raw.battery.map(|raw| actuators::battery(&path.field("battery"), raw)).transpose()?;
-    let (battery, charge) = battery.unzip();
-    let mut sensors = {
-        let mut context = sensors::Context {
-            step_ms,
-            radius_m,
-            actuators: &actuators,
-            battery: battery.as_ref(),
-            surroundings: context.surroundings,
-            arena: context.arena,
-        };
-        let path = path.field("sensors");
-        let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
-        let sensors = each_named(&path, raw.sensors, sensor)?;
-        if sensors.len() > usize::from(u8::MAX) {
-            return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
-        }
-        sensors
-    };
-    // Those on the wire keep their order and come first, so that their places are those on the wire.
-    sensors.sort_by_key(|sensor| !sensor.is_on_wire());
+    let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
@@ -160,9 +141,6 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;
-    let places = |wanted: fn(&Sensor) -> bool| {
-        sensors.iter().enumerate().filter(|(_, sensor)| wanted(sensor)).map(|(i, _)| i).collect()
-    };
     Ok(RobotSpec {
         name,
         start,
@@ -172,16 +150,55 @@ fn robot_spec(path: &Path, name: String, raw: raw::Robot, context: &mut World<'_
         signal_limit,
         actuators,
         battery,
-        charge: charge.unwrap_or(1.0),
+        charge,
         command_timeout_ns: timeout,
-        own_clocks: places(|sensor| sensor.own_clock.is_some()),
-        ports: places(|sensor| sensor.port.is_some()),
+        own_clocks: places(&sensors, |sensor| sensor.own_clock.is_some()),
+        ports: places(&sensors, |sensor| sensor.port.is_some()),
         sensors,
         processor,
         firmware,
         link,
         thinking_ns,
     })
+}
+
+/// The places of the sensors that are wanted.
+fn places(sensors: &[Sensor], wanted: fn(&Sensor) -> bool) -> Vec<usize> {
+    sensors.iter().enumerate().filter(|(_, sensor)| wanted(sensor)).map(|(i, _)| i).collect()
+}
+
+/// What is mounted on a robot.
+struct Equipment {
+    actuators: Vec<Actuator>,
+    battery: Option<Battery>,
+    /// How full that is at the start.
+    charge: f64,
+    sensors: Vec<Sensor>,
+}
+
+fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut World<'_>) -> Result<Equipment> {
+    let tables = core::mem::take(&mut raw.actuators);
+    let actuators = each_named(&path.field("actuators"), tables, actuators::actuator)?;
+    let battery =
+        raw.battery.take().map(|raw| actuators::battery(&path.field("battery"), raw)).transpose()?;
+    let (battery, charge) = battery.unzip();
+    let mut context = sensors::Context {
+        step_ms: context.step.step_ms,
+        radius_m,
+        actuators: &actuators,
+        battery: battery.as_ref(),
+        surroundings: context.surroundings,
+        arena: context.arena,
+    };
+    let path = path.field("sensors");
+    let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
+    let mut sensors = each_named(&path, core::mem::take(&mut raw.sensors), sensor)?;
+    if sensors.len() > usize::from(u8::MAX) {
+        return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
+    }
+    // Those on the wire keep their order and come first, so that their places are those on the wire.
+    sensors.sort_by_key(|sensor| !sensor.is_on_wire());
+    Ok(Equipment { actuators, battery, charge: charge.unwrap_or(1.0), sensors })
 }
 
 /// Corners of the body and the radius of the disc that it is, or fits in.
