@@ -277,12 +277,29 @@ fn places_and_sizes_beyond_any_arena_are_refused() {
 }
 
 #[test]
+fn an_unknown_field_of_a_sensor_is_answered_with_what_all_sensors_have() {
+    let typo = "[robots.sensors.c]\nkind = \"compass\"\nperiod = 10";
+    refused(&robot(typo), "robots[0].sensors.c.period", "; all sensors have `kind`, `period_ms`,");
+    let deeper = "[robots.sensors.c]\nkind = \"compass\"\nnoise = { sigma = 1.0 }";
+    assert!(!refusal(&robot(deeper)).contains("all sensors"));
+}
+
+#[test]
+fn samples_in_a_file_are_for_who_reads_files() {
+    let file = "[robots.sensors.i]\nkind = \"ir\"\nbearing_rad = 0\nrays = 1\nopening_rad = 0.0\n\
+                range_m = 1.0\nlookup = \"samples.csv\"";
+    refused(&robot(file), "robots[0].sensors.i.lookup", "only the program that reads scenario files");
+}
+
+#[test]
 fn steps_that_would_blow_up_are_refused_with_the_substeps_that_would_not() {
     let long = format!("step_ms = 1000.0\n{}", robot(""));
     refused(&long, "robots[0].body", "set substeps to 11 or more");
     Scenario::parse(&format!("step_ms = 1000.0\nsubsteps = 20\n{}", robot(""))).unwrap();
     let light = robot("").replace("inertia_kg_m2 = 0.2", "inertia_kg_m2 = 1e-5");
     refused(&light, "robots[0].body", "would blow up");
+    let weightless = robot("").replace("inertia_kg_m2 = 0.2", "inertia_kg_m2 = 1e-300");
+    refused(&weightless, "robots[0].body", "the 10000 substeps that there can be are too few");
 }
 
 #[test]
