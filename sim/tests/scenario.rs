@@ -285,6 +285,16 @@ fn an_unknown_field_of_a_sensor_is_answered_with_what_all_sensors_have() {
 }
 
 #[test]
+fn an_error_in_a_very_long_line_does_not_repeat_it() {
+    let message = refusal(&format!("x = {}", "[".repeat(100_000)));
+    assert!(
+        message.starts_with("TOML parse error at line 1, column ") && message.len() < 1000,
+        "{message:.200}"
+    );
+    assert!(refusal("x = [1").contains("x = [1"));
+}
+
+#[test]
 fn samples_in_a_file_are_for_who_reads_files() {
     let file = "[robots.sensors.i]\nkind = \"ir\"\nbearing_rad = 0\nrays = 1\nopening_rad = 0.0\n\
                 range_m = 1.0\nlookup = \"samples.csv\"";

@@ -184,7 +184,7 @@ pub(super) fn look(path: &Path, height_m: Option<f64>, color: Option<[u8; 3]>) -
 /// What stands still and can be run into.
 pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Arena> {
     if !raw.maps.is_empty() {
-        let problem = "refers to a file, which only the program that reads scenario files can look at";
+        let problem = "refers to a file, which only the program that reads scenario files can look at; write polygons instead";
         return Err(path.field("maps").error(problem));
     }
     let mut polygons = Vec::new();
