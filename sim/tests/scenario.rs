@@ -295,6 +295,19 @@ fn an_error_in_a_very_long_line_does_not_repeat_it() {
 }
 
 #[test]
+fn no_field_and_no_speaker_is_so_strong_that_readings_are_infinite() {
+    let field = "[[arena.fields]]\nname = \"f\"\nbackground = 1e308\nslope_per_m = [1e308, 0.0]";
+    refused(&robot(field), "arena.fields[0].background", "must be within");
+    refused(
+        &robot(&field.replace("background = 1e308", "")),
+        "arena.fields[0].slope_per_m.x",
+        "must be within",
+    );
+    let horn = "[robots.actuators.horn]\nkind = \"speaker\"\nlevel = 1e308";
+    refused(&robot(horn), "robots[0].actuators.horn.level", "must be within");
+}
+
+#[test]
 fn samples_in_a_file_are_for_who_reads_files() {
     let file = "[robots.sensors.i]\nkind = \"ir\"\nbearing_rad = 0\nrays = 1\nopening_rad = 0.0\n\
                 range_m = 1.0\nlookup = \"samples.csv\"";
