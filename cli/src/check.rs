@@ -62,6 +62,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
             format!("{}, sensor noise {}", scenario.seed(), if scenario.noise() { "on" } else { "off" }),
         ),
         ("arena", arena(scenario.arena())),
+        ("in it", things(scenario)),
         ("collision", collision.to_owned()),
         ("end", end(scenario)),
         ("robots", scenario.robots().len().to_string()),
@@ -87,6 +88,20 @@ fn arena(arena: &Arena) -> String {
     }
 }
 
+/// What is in the arena besides walls and robots.
+fn things(scenario: &Scenario) -> String {
+    let around = scenario.surroundings();
+    let things = [
+        (around.zones.len(), "zone"),
+        (around.lights.len(), "lamp"),
+        (around.fields.len(), "field"),
+        (scenario.movers().len(), "mover"),
+        (scenario.movables().len(), "movable"),
+    ];
+    let things: Vec<_> = things.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+    things.join(", ")
+}
+
 fn end(scenario: &Scenario) -> String {
     let mut ends = Vec::new();
     if let Some(after) = scenario.end().after {
@@ -95,15 +110,35 @@ fn end(scenario: &Scenario) -> String {
     if let Some(Circle { center, radius }) = scenario.end().goal {
         ends.push(format!("when a robot is within {radius} m of ({}, {}) m", center.x, center.y));
     }
+    let rules = scenario.rules();
+    if let Some(collisions) = rules.collisions {
+        let collisions = usize::try_from(collisions).unwrap_or(usize::MAX);
+        ends.push(format!("after {}", count(collisions, "collision")));
+    }
+    if rules.all_goals {
+        ends.push("when all goals are reached".to_owned());
+    }
+    if let Some(share) = rules.covered {
+        ends.push(format!("when {} of the floor is covered", percent(share)));
+    }
+    if let Some(share) = rules.sensed {
+        ends.push(format!("when {} of the floor is sensed", percent(share)));
+    }
+    if rules.battery_empty {
+        ends.push("when a battery is empty".to_owned());
+    }
     if ends.is_empty() { "none; `baudbot run` ends it after 60 s".to_owned() } else { ends.join(", or ") }
 }
 
 fn describe_robot(robot: &RobotSpec) -> String {
     let drive = &robot.drive;
     let position = robot.start.pose.position;
+    let shape = match robot.outline.len() {
+        0 => format!("radius {} m", drive.radius_m),
+        corners => format!("{corners} corners in a radius of {} m", handy(drive.radius_m)),
+    };
     let body = format!(
-        "radius {} m, {} kg, wheels of radius {} m, {} m apart",
-        drive.radius_m,
+        "{shape}, {} kg, wheels of radius {} m, {} m apart",
         drive.mass_kg,
         drive.wheel_radius_m,
         handy(2.0 * drive.half_track_m)
@@ -118,11 +153,23 @@ fn describe_robot(robot: &RobotSpec) -> String {
             "motors",
             format!("{}, signals of {}", drive.motor.kind(), encoding(robot.firmware.motor_encoding())),
         ),
+    ];
+    if !robot.actuators.is_empty() {
+        let actuators =
+            robot.actuators.iter().map(|actuator| format!("{} ({})", actuator.name, actuator.kind()));
+        facts.push(("actuators", actuators.collect::<Vec<_>>().join(", ")));
+    }
+    if let Some(battery) = &robot.battery {
+        let capacity = handy(battery.capacity_c / 3.6);
+        let battery = format!("{} V, {capacity} mAh, {} full", battery.nominal_v, percent(robot.charge));
+        facts.push(("battery", battery));
+    }
+    facts.extend([
         ("firmware", firmware(robot)),
         ("link", link::text(&robot.link)),
         ("readings", message(robot, frame_bytes(robot), "with all sensors")),
         ("command", message(robot, command_bytes(robot), "each")),
-    ];
+    ]);
     let load = load(robot);
     if let Some((bytes, used)) = load {
         facts.push(("up line", format!("{} bytes/s, {} of its capacity", handy(bytes), percent(used))));
@@ -235,7 +282,7 @@ fn encoding(encoding: Encoding) -> String {
     match encoding {
         Encoding::Float64 => "64 bits, exact".to_owned(),
         Encoding::Level { bits, .. } | Encoding::Counter { bits } | Encoding::Signed { bits, .. } => {
-            format!("{bits} bits")
+            count(bits as usize, "bit")
         }
     }
 }
@@ -257,6 +304,41 @@ mod tests {
         assert_eq!((frame_bytes(&wander.robots()[0]), bytes), (19, 950.0));
         assert!((used - 950.0 / 960.0).abs() < 1e-12);
         assert!(!describe(&Source::find("wander").unwrap(), &wander).contains("warning"));
+    }
+
+    #[test]
+    fn every_end_is_told_of() {
+        let goal = "arena.zones=[{name=\"g\",x_m=0,y_m=0,radius_m=0.1,goal=true}]";
+        let ends = "end={collisions=3,all_goals=true,covered=0.5,sensed=0.25,battery_empty=true}";
+        let metrics = "metrics={cell_m=0.1,sensed_by=\"ir_left\"}";
+        let battery = "robots.robot.battery={nominal_v=12,capacity_mah=1000}";
+        let end = end(&scenario("wander", &[goal, ends, metrics, battery]));
+        assert_eq!(
+            end,
+            "after 3 collisions, or when all goals are reached, or when 50.0 % of the floor is covered, or when \
+             25.0 % of the floor is sensed, or when a battery is empty"
+        );
+    }
+
+    #[test]
+    fn what_stands_about_and_what_a_robot_carries_is_told_of() {
+        let sets = [
+            "arena.movables=[{name=\"b\",radius_m=0.1,x_m=1,y_m=1,mass_kg=1,friction=0.1}]",
+            "arena.lights=[{name=\"l\",x_m=1,y_m=1,intensity_cd=9}, {name=\"m\",x_m=1,y_m=0,intensity_cd=9}]",
+            "robots.robot.actuators={horn={kind=\"speaker\",level=1}}",
+            "robots.robot.battery={nominal_v=12,capacity_mah=1000}",
+            "robots.robot.body={outline_m=[[0.2,0],[-0.1,0.1],[-0.1,-0.1]],mass_kg=3,inertia_kg_m2=0.2,\
+             wheel_radius_m=0.1,damping_n_s_m=15,turn_damping_nm_s=0.78}",
+        ];
+        let text = describe(&Source::find("wander").unwrap(), &scenario("wander", &sets));
+        for part in [
+            "in it        2 lamps, 1 movable\n",
+            "3 corners in a radius of 0.2 m,",
+            "horn (speaker)\n",
+            "12 V, 1000 mAh, 100.0 % full\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
     }
 
     #[test]

@@ -59,8 +59,17 @@ fn parse(arguments: &[String]) -> anyhow::Result<BTreeMap<Option<&str>, &str>> {
     Ok(brains)
 }
 
+/// A brain that can drive this robot: the default one if it sees enough, else one that is blind.
+pub(crate) fn fitting_brain(spec: &RobotSpec) -> &'static str {
+    if has_infrared(spec) { DEFAULT } else { "wander" }
+}
+
+fn has_infrared(spec: &RobotSpec) -> bool {
+    spec.sensors.iter().any(|sensor| matches!(sensor.device, Device::Infrared(_)))
+}
+
 fn default_brain(spec: &RobotSpec) -> anyhow::Result<&'static str> {
-    if spec.sensors.iter().any(|sensor| matches!(sensor.device, Device::Infrared(_))) {
+    if has_infrared(spec) {
         return Ok(DEFAULT);
     }
     Err(Refused::error(format!(
@@ -122,7 +131,7 @@ fn shown_name(description: &str) -> String {
 }
 
 /// The brain of a robot that is given none.
-pub(crate) const DEFAULT: &str = "avoid";
+const DEFAULT: &str = "avoid";
 
 /// The word for no brain.
 const NONE: &str = "none";

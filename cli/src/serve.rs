@@ -29,7 +29,7 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
         worlds.push((
             world.clone(),
             describe(&world, &scenario),
-            scenario.robots().first().map(|spec| spec.name.clone()),
+            scenario.robots().first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec))),
         ));
         scenarios::warn(&scenario);
         builder = builder.world(WorldConfig::new(world, scenario).pace(pace).paused(args.paused));
@@ -57,7 +57,8 @@ fn addresses(args: &ServeArgs) -> anyhow::Result<Vec<Address>> {
     Ok(args.listen.listen.clone())
 }
 
-type Described = (String, String, Option<String>);
+/// A world's name, what is in it, and a robot with a brain that can drive it.
+type Described = (String, String, Option<(String, &'static str)>);
 
 /// Programs read the lines `listening on ADDRESS`; they come first and stay as they are.
 fn greeting(server: &Server, worlds: &[Described]) -> String {
@@ -69,9 +70,8 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
         text += description;
     }
     let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
-    if let (Some(address), Some((world, robot))) = (server.addresses().first(), robot) {
+    if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {
         let _ = writeln!(text, "\nIn a second terminal:");
-        let brain = crew::DEFAULT;
         let _ = writeln!(text, "  baudbot brain {brain} --connect {address} --world {world} --robot {robot}");
         let _ = writeln!(text, "  baudbot watch --connect {address} --world {world}");
         let _ = writeln!(text, "Ctrl-C stops the server.");

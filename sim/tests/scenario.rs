@@ -277,12 +277,52 @@ fn places_and_sizes_beyond_any_arena_are_refused() {
 }
 
 #[test]
+fn an_unknown_field_of_a_sensor_is_answered_with_what_all_sensors_have() {
+    let typo = "[robots.sensors.c]\nkind = \"compass\"\nperiod = 10";
+    refused(&robot(typo), "robots[0].sensors.c.period", "; all sensors have `kind`, `period_ms`,");
+    let deeper = "[robots.sensors.c]\nkind = \"compass\"\nnoise = { sigma = 1.0 }";
+    assert!(!refusal(&robot(deeper)).contains("all sensors"));
+}
+
+#[test]
+fn an_error_in_a_very_long_line_does_not_repeat_it() {
+    let message = refusal(&format!("x = {}", "[".repeat(100_000)));
+    assert!(
+        message.starts_with("TOML parse error at line 1, column ") && message.len() < 1000,
+        "{message:.200}"
+    );
+    assert!(refusal("x = [1").contains("x = [1"));
+}
+
+#[test]
+fn no_field_and_no_speaker_is_so_strong_that_readings_are_infinite() {
+    let field = "[[arena.fields]]\nname = \"f\"\nbackground = 1e308\nslope_per_m = [1e308, 0.0]";
+    refused(&robot(field), "arena.fields[0].background", "must be within");
+    refused(
+        &robot(&field.replace("background = 1e308", "")),
+        "arena.fields[0].slope_per_m.x",
+        "must be within",
+    );
+    let horn = "[robots.actuators.horn]\nkind = \"speaker\"\nlevel = 1e308";
+    refused(&robot(horn), "robots[0].actuators.horn.level", "must be within");
+}
+
+#[test]
+fn samples_in_a_file_are_for_who_reads_files() {
+    let file = "[robots.sensors.i]\nkind = \"ir\"\nbearing_rad = 0\nrays = 1\nopening_rad = 0.0\n\
+                range_m = 1.0\nlookup = \"samples.csv\"";
+    refused(&robot(file), "robots[0].sensors.i.lookup", "only the program that reads scenario files");
+}
+
+#[test]
 fn steps_that_would_blow_up_are_refused_with_the_substeps_that_would_not() {
     let long = format!("step_ms = 1000.0\n{}", robot(""));
     refused(&long, "robots[0].body", "set substeps to 11 or more");
     Scenario::parse(&format!("step_ms = 1000.0\nsubsteps = 20\n{}", robot(""))).unwrap();
     let light = robot("").replace("inertia_kg_m2 = 0.2", "inertia_kg_m2 = 1e-5");
     refused(&light, "robots[0].body", "would blow up");
+    let weightless = robot("").replace("inertia_kg_m2 = 0.2", "inertia_kg_m2 = 1e-300");
+    refused(&weightless, "robots[0].body", "the 10000 substeps that there can be are too few");
 }
 
 #[test]

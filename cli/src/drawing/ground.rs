@@ -99,8 +99,10 @@ pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
         let text = format!("{}: {}", zone.name, palette::uses(zone).1.join(", "));
         let text = text.trim_end_matches(": ");
         let reach = 0.5 * view.length(bounds.size().y);
+        // On a line a name could not be read; beside it, it can.
+        let on_it = if 2.0 * reach < NAME.size { 3 } else { 0 };
         for text in [text, &zone.name] {
-            if labels.put(text, NAME, about(view, bounds.center(), reach)) {
+            if labels.put(text, NAME, about(view, bounds.center(), reach).into_iter().skip(on_it)) {
                 break;
             }
         }

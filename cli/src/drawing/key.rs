@@ -23,12 +23,11 @@ pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     let drive = &kind.robot.drive;
     let wheels =
         format!("wheels of {}, {} apart", length(drive.wheel_radius_m), length(2.0 * drive.half_track_m));
-    canvas.put(text(
-        (0.0, 28.0),
-        &format!("robot of radius {}, {wheels}", length(drive.radius_m)),
-        SIZE,
-        PALE_INK,
-    ));
+    let body = match kind.robot.outline.len() {
+        0 => format!("robot of radius {}", length(drive.radius_m)),
+        corners => format!("robot with {corners} corners"),
+    };
+    canvas.put(text((0.0, 28.0), &format!("{body}, {wheels}"), SIZE, PALE_INK));
     let mut y = 46.0;
     if !kind.robot.sensors.is_empty() {
         row(&mut canvas, y, ["sensor", "kind", "range", "period"], PALE_INK);
@@ -195,7 +194,7 @@ fn row(canvas: &mut Canvas, y: f64, [name, kind, range, period]: [&str; 4], colo
         canvas.put(text((20.0, y), name, SIZE, color));
     }
     canvas.put(text((20.0 + NAMES + 6.0, y), kind, SIZE, color));
-    canvas.put(right(WIDTH - 46.0, range));
+    canvas.put(right(WIDTH - 54.0, range));
     canvas.put(right(WIDTH, period));
 }
 

@@ -85,7 +85,8 @@ pub(super) fn actuator(path: &Path, name: String, mut table: Table) -> Result<Ac
         }
         RawActuatorKind::Speaker => {
             let raw: RawSpeaker = deserialize(at, rest)?;
-            ActuatorKind::Speaker { level: path.positive("level", raw.level)? }
+            path.positive("level", raw.level)?;
+            ActuatorKind::Speaker { level: path.within("level", raw.level, 0.0, 1e9)? }
         }
     };
     Ok(Actuator { name, kind })

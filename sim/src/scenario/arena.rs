@@ -184,7 +184,7 @@ pub(super) fn look(path: &Path, height_m: Option<f64>, color: Option<[u8; 3]>) -
 /// What stands still and can be run into.
 pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Arena> {
     if !raw.maps.is_empty() {
-        let problem = "refers to a file, which only the program that reads scenario files can look at";
+        let problem = "refers to a file, which only the program that reads scenario files can look at; write polygons instead";
         return Err(path.field("maps").error(problem));
     }
     let mut polygons = Vec::new();
@@ -292,20 +292,26 @@ fn light(path: &Path, raw: &RawLight, names: &mut Names) -> Result<Light> {
     })
 }
 
+/// A number of a field: so large that sums of them are numbers, too.
+fn amount(path: &Path, name: &str, value: f64) -> Result<f64> {
+    path.finite(name, value)?;
+    path.within(name, value, -1e9, 1e9)
+}
+
 fn field(path: &Path, raw: &RawField, names: &mut Names) -> Result<Field> {
     let [x, y] = raw.slope_per_m;
     let slope = path.field("slope_per_m");
     let sources = each(path, "sources", &raw.sources, |path, raw| {
         Ok(Source {
             position: point(path, raw.x_m, raw.y_m)?,
-            strength: path.finite("strength", raw.strength)?,
+            strength: amount(path, "strength", raw.strength)?,
             width_m: path.length("width_m", raw.width_m)?,
         })
     })?;
     Ok(Field {
         name: names.take(&path.field("name"), &raw.name)?,
-        background: path.finite("background", raw.background)?,
-        slope_per_m: (slope.finite("x", x)?, slope.finite("y", y)?),
+        background: amount(path, "background", raw.background)?,
+        slope_per_m: (amount(&slope, "x", x)?, amount(&slope, "y", y)?),
         sources,
     })
 }

@@ -29,7 +29,7 @@ type Result<T> = core::result::Result<T, ScenarioError>;
 pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
     let path = Path::root();
     let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
-    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, 10_000)?;
+    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, robots::MAX_SUBSTEPS)?;
     if step_ns % substeps != 0 {
         let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
         return Err(path.field("substeps").error(problem));

@@ -175,6 +175,16 @@ impl Scenario {
     }
 }
 
+/// With a picture of the line that is wrong, unless that is too long to be looked at.
 fn syntax(error: &toml::de::Error) -> ScenarioError {
-    ScenarioError::Syntax(error.to_string())
+    let text = error.to_string();
+    if text.lines().all(|line| line.len() <= MAX_SHOWN) {
+        return ScenarioError::Syntax(text);
+    }
+    let place = text.lines().next().filter(|line| line.len() <= MAX_SHOWN).unwrap_or("TOML parse error");
+    let message: String = error.message().chars().take(MAX_SHOWN).collect();
+    ScenarioError::Syntax(alloc::format!("{place}: {message}"))
 }
+
+/// Bytes of the longest line that an error shows.
+const MAX_SHOWN: usize = 400;

@@ -41,7 +41,10 @@ struct RawDropout {
 }
 
 #[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table of samples (only the program that reads scenario files can look at a file)"
+)]
 pub(super) struct RawLookup {
     distances_m: Vec<f64>,
     #[serde(default)]

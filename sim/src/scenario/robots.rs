@@ -24,6 +24,9 @@ use crate::time::SECOND_NS;
 /// Most robots of one scenario.
 pub(super) const MAX_ROBOTS: usize = 10_000;
 
+/// Most Euler steps in a tick.
+pub(super) const MAX_SUBSTEPS: u64 = 10_000;
+
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
 
@@ -74,10 +77,15 @@ fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
         return Ok(());
     }
     let needed = ((step.substeps as f64 * worst) as u64).saturating_add(1);
-    let problem = format!(
-        "Euler steps of {} ms are too long for this body and would blow up; set substeps to {needed} or more",
-        dt * 1e3
-    );
+    let mending = if needed <= MAX_SUBSTEPS {
+        format!("set substeps to {needed} or more")
+    } else {
+        format!(
+            "the {MAX_SUBSTEPS} substeps that there can be are too few: it is too light for its motors or damping"
+        )
+    };
+    let problem =
+        format!("Euler steps of {} ms are too long for this body and would blow up; {mending}", dt * 1e3);
     Err(path.field("body").error(problem))
 }
 

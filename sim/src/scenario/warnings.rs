@@ -58,10 +58,10 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
     };
     let on_wire = || robot.sensors.iter().filter(|sensor| sensor.is_on_wire());
     for sensor in on_wire().filter(|sensor| share(sensor) > 1.0) {
-        let takes_ms = (sensor.acquisition_ns + sensor.device.longest_wait_ns()) as f64 * 1e-6;
+        let takes_ms = ms(sensor.acquisition_ns + sensor.device.longest_wait_ns());
         let problem = format!(
             "a read takes the microcontroller up to {takes_ms} ms, but is due every {} ms; reads will be left out",
-            sensor.schedule.period_ns() as f64 * 1e-6
+            ms(sensor.schedule.period_ns())
         );
         warnings.push(Warning { path: format!("robots.{}.sensors.{}", robot.name, sensor.name), problem });
     }
@@ -75,6 +75,11 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
     }
 }
 
+/// In milliseconds for people: whole microseconds, rounded up.
+fn ms(ns: u64) -> f64 {
+    ns.div_ceil(1000) as f64 / 1e3
+}
+
 /// A device that has measured again before its last message is over.
 fn too_long_for_the_port(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
     for sensor in &robot.sensors {
@@ -85,8 +90,8 @@ fn too_long_for_the_port(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
             let problem = format!(
                 "a message of {bytes} bytes takes {} ms on its cable, but the device measures every {} ms; \
                  measurements will be left out",
-                takes_ns as f64 * 1e-6,
-                clock.period_ns as f64 * 1e-6
+                ms(takes_ns),
+                ms(clock.period_ns)
             );
             let path = format!("robots.{}.sensors.{}.port", robot.name, sensor.name);
             warnings.push(Warning { path, problem });

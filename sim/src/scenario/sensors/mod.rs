@@ -47,7 +47,8 @@ pub(super) fn sensor(
     context: &mut Context<'_>,
 ) -> Result<Sensor> {
     let common: Common = deserialize(path.as_str(), Value::Table(take(&mut table, &COMMON)))?;
-    let built = device::device(path, common.kind, table, common.bits, context)?;
+    let built = device::device(path, common.kind, table, common.bits, context)
+        .map_err(|error| with_common_fields(path, error))?;
     let period_ms = common.period_ms.unwrap_or(context.step_ms);
     let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
     if port.is_none() && built.device.values() > usize::from(u8::MAX) {
@@ -74,6 +75,25 @@ pub(super) fn sensor(
         port,
         encodings: built.encodings,
     })
+}
+
+/// What can stand in the table of any sensor, behind what can stand in that of its kind.
+fn with_common_fields(path: &Path, error: ScenarioError) -> ScenarioError {
+    match error {
+        ScenarioError::Field { path: at, problem }
+            if problem.starts_with("unknown field") && is_in(path, &at) =>
+        {
+            let problem = format!("{problem}; all sensors have `{}`", COMMON.join("`, `"));
+            ScenarioError::Field { path: at, problem }
+        }
+        other => other,
+    }
+}
+
+/// Whether this is the path of a field of the table itself, and not of one deeper in it.
+fn is_in(table: &Path, field: &str) -> bool {
+    let name = field.strip_prefix(table.as_str()).and_then(|rest| rest.strip_prefix('.'));
+    name.is_some_and(|name| !name.contains(['.', '[']))
 }
 
 /// The noise, with what the fields of a kind say of it.
