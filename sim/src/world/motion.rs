@@ -101,8 +101,13 @@ impl World {
                 (motion.pose.position - reaction.pose.position).dot(&motion.pose.direction().vector());
             motion.travel_m.left -= missed;
             motion.travel_m.right -= missed;
+            let made = (reaction.pose.position - before[i].position).dot(&motion.pose.direction().vector()) / dt;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
+            // Who is kept from moving does not keep a speed that would not move it.
+            if reaction.blocked && made.abs() < motion.speed_m_s.abs() {
+                motion.speed_m_s = made;
+            }
             motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
             scenario.robots()[i].drive.roll_with(motion);
         }

@@ -142,6 +142,23 @@ fn a_box_is_pushed_up_to_the_wall_and_not_into_it() {
 }
 
 #[test]
+fn a_robot_that_jams_something_light_against_a_wall_stands_still() {
+    for (mass_kg, substeps) in [(0.05, 1), (0.005, 1), (0.001, 1), (0.001, 10), (1.0, 1)] {
+        let top = format!(
+            "substeps = {substeps}\n{}[[arena.movables]]\nname = \"box\"\nsize_m = [0.3, 0.2]\nx_m = 0.5\ny_m = 0.0\n\
+             mass_kg = {mass_kg}\nfriction = 0.5\n",
+            wall(2.0)
+        );
+        let mut world = world(&scene(&top, "", ""));
+        run(&mut world, 1000, 0.5, 0.5);
+        let robot = world.robot(0);
+        assert!(robot.motion().speed_m_s.abs() < 0.01, "{mass_kg} kg: {:?}", robot.motion());
+        let (driven, x) = (robot.counters().distance_m, robot.motion().pose.position.x);
+        assert!((driven - x).abs() < 0.05, "{mass_kg} kg: {driven} m driven, {x} m made");
+    }
+}
+
+#[test]
 fn a_robot_cannot_start_in_what_can_be_pushed_or_moves() {
     let message = refusal(&scene(&CRATE.replace("x_m = 0.6", "x_m = 0.3"), "", ""));
     assert!(
