@@ -7,7 +7,7 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Pose, Vector, math};
+use baudbot_geometry::{Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::Arena;
@@ -87,20 +87,25 @@ impl Step<'_> {
         mine.overlaps(&body(self.before, other)) || !body(self.before, own).overlaps(&its)
     }
 
-    /// Half a radius is the longest way between two looks: a body cannot get past anything in between.
+    /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
+    /// turning included: it cannot get past anything in between.
     fn shape_on_the_way(&self, own: usize) -> Option<&str> {
         let (before, after, way) = (&self.before[own], &self.after[own], self.way(own));
-        let stride = match self.forms[own] {
-            Form::Disc { radius_m } => 0.5 * radius_m,
-            form @ Form::Polygon(_) => form.thickness_m(),
+        let turn = angle::difference(after.heading, before.heading);
+        let form = self.forms[own];
+        let looks = match form {
+            Form::Disc { radius_m } => way.norm() / (0.5 * radius_m),
+            Form::Polygon(_) => (way.norm() + turn.abs() * form.reach_m()) / form.thickness_m(),
         };
-        let looks = math::ceil(way.norm() / stride).clamp(1.0, MAX_LOOKS);
+        let looks = math::ceil(looks).clamp(1.0, MAX_LOOKS);
         (1..=looks as u32).find_map(|i| {
             let mut pose = *after;
             if f64::from(i) != looks {
-                pose.position = before.position + way * (f64::from(i) / looks);
+                let part = f64::from(i) / looks;
+                pose.position = before.position + way * part;
+                pose.heading = before.heading + turn * part;
             }
-            self.shape_at(&self.forms[own].at(&pose))
+            self.shape_at(&form.at(&pose))
         })
     }
 
@@ -141,12 +146,12 @@ const MAX_LOOKS: f64 = 10_000.0;
 
 #[cfg(test)]
 mod tests {
-    use baudbot_geometry::Point;
+    use baudbot_geometry::{Circle, Point};
 
     use crate::arena::Look;
 
     use super::*;
-    use crate::arena::Polygon;
+    use crate::arena::{Pillar, Polygon};
 
     const DISCS: [Form<'static>; 4] = [Form::Disc { radius_m: 0.5 }; 4];
 
@@ -211,6 +216,27 @@ mod tests {
         let near = step(&arena, &before, &mut after);
         assert_eq!(near.partner(0), Some(Partner::Robot(1)));
         assert_eq!(near.partner(1), None, "it stood still");
+    }
+
+    #[test]
+    fn a_bar_does_not_turn_past_a_post_in_one_long_step() {
+        let post = Pillar {
+            name: "post".into(),
+            circle: Circle { center: Point::new(0.6, 0.6), radius: 0.05 },
+            look: Look::WALL,
+        };
+        let arena = Arena::new(Vec::new(), alloc::vec![post]);
+        let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
+        let before = [Pose::new(0.0, 0.0, 0.0)];
+        let mut after = [Pose::new(0.0, 0.0, 1.5)];
+        let step = Step {
+            arena: &arena,
+            obstacles: &[],
+            forms: &[Form::Polygon(&bar)],
+            before: &before,
+            after: &mut after,
+        };
+        assert_eq!(step.partner(0), Some(Partner::Shape("post".into())));
     }
 
     #[test]
