@@ -4,7 +4,7 @@ use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Point, Pose};
+use baudbot_geometry::{Point, Pose, polygon};
 
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
@@ -180,7 +180,11 @@ impl World {
     fn is_hemmed_in(&self, own: usize) -> bool {
         let robots = self.scenario.robots();
         let pose = &self.state.robots[own].motion.pose;
-        let grown: Vec<Point> = robots[own].outline.iter().map(|corner| corner * CONTACT_ENDS_AT).collect();
+        let outline = &robots[own].outline;
+        // From its middle, as the axle may be at its very back.
+        let middle = polygon::centroid(outline).unwrap_or_default();
+        let grown: Vec<Point> =
+            outline.iter().map(|corner| middle + (corner - middle) * CONTACT_ENDS_AT).collect();
         let room = match robots[own].form() {
             Form::Disc { radius_m } => Form::Disc { radius_m: radius_m * CONTACT_ENDS_AT },
             Form::Polygon(_) => Form::Polygon(&grown),
