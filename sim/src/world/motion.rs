@@ -66,8 +66,9 @@ impl World {
             CollisionPolicy::StopRun => self.stop_run(&step),
             CollisionPolicy::StopRobot => self.stop_robots(step, &held),
         }
-        for robot in &mut self.state.robots {
-            robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
+        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
+            let (speed, _) = scenario.surroundings.over_ground(&spec.drive, &robot.motion);
+            robot.counters.distance_m += (speed * dt).abs();
         }
         if !scenario.movers.is_empty() {
             self.move_movers(scenario, now, dt);
@@ -232,7 +233,7 @@ impl Robot {
         };
         let signals = if powered { self.motor_noise.apply(self.signals) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
-        let slip = scenario.slip(spec, &self.motion);
+        let slip = scenario.surroundings.slip_of(&spec.drive, &self.motion);
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
@@ -263,18 +264,6 @@ impl Robot {
         };
         let share = state.terminal_v(battery) / battery.nominal_v;
         Wheels { left: share * signals.left, right: share * signals.right }
-    }
-}
-
-impl Scenario {
-    /// How much each wheel slips where it stands.
-    fn slip(&self, spec: &RobotSpec, motion: &crate::drive::Motion) -> Option<Wheels> {
-        if !self.surroundings.zones.iter().any(|zone| zone.slip > 0.0) {
-            return None;
-        }
-        let wheel = |y| self.surroundings.slip_at(motion.pose.transform(Point::new(0.0, y)));
-        let half_track = spec.drive.half_track_m;
-        Some(Wheels { left: wheel(half_track), right: wheel(-half_track) })
     }
 }
 

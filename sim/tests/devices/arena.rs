@@ -258,6 +258,20 @@ fn a_robot_that_stands_in_a_zone_of_ice_does_not_start_to_slide() {
     run(&mut world, 200, 0.5, 0.5);
     assert_eq!(world.robot(0).motion().pose.position.x, 0.0);
     assert!(world.robot(0).motion().travel_m.left > 0.1);
+    assert_eq!(world.robot(0).counters().distance_m, 0.0);
+}
+
+#[test]
+fn a_gyroscope_does_not_feel_wheels_that_spin_on_ice() {
+    let ice = "[[arena.zones]]\nname = \"ice\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 5.0\nslip = 1.0\n";
+    let gyroscope = "[robots.sensors.gyroscope]\nkind = \"gyroscope\"\nrange_rad_s = 10.0\n";
+    let mut world = world(&format!(
+        "{ice}[[robots]]\nname = \"a\"\n{}\nlink = {{ kind = \"ideal\" }}\n{gyroscope}",
+        BODY
+    ));
+    run(&mut world, 100, -0.5, 0.5);
+    assert!(world.robot(0).motion().turn_rate_rad_s > 0.1);
+    assert_eq!(world.robot(0).readings()[0].values, [0.0]);
 }
 
 proptest! {
