@@ -29,6 +29,8 @@ enum Format {
     Nmea,
 }
 
+const DAY_MS: u64 = 86_400_000;
+
 /// What a message says: its values, and when they were measured, in nanoseconds.
 type Said = (Vec<f64>, Option<u64>);
 
@@ -82,7 +84,7 @@ impl Listener {
         let said = match self.format {
             Format::Scip => scan(&message, at_ns)?,
             Format::LineImage { .. } => image(&message)?,
-            Format::Nmea => fix(&message)?,
+            Format::Nmea => fix(&message, at_ns)?,
         };
         (said.0.len() == self.values).then_some(said)
     }
@@ -125,13 +127,16 @@ fn image(message: &[u8]) -> Option<Said> {
 }
 
 /// A satellite receiver's fix. The sentence with everything that a reading needs is the RMC, which comes last.
-fn fix(line: &[u8]) -> Option<Said> {
+fn fix(line: &[u8], at_ns: u64) -> Option<Said> {
     let Ok(nmea::Sentence::Rmc(rmc)) = nmea::parse(line) else { return None };
     let (latitude, longitude) = rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
     let fix = f64::from(u8::from(rmc.position.is_some()));
     // From clockwise of north, less than a turn, to counter-clockwise of east, in (-pi, pi].
     let course_rad = FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
     let course_rad = if course_rad <= -PI { course_rad + TAU } else { course_rad };
-    let measured_at_ns = rmc.time_utc_ms.map(|ms| u64::from(ms) * 1_000_000);
+    // The time of day: of the instants that it may mean, the last.
+    let now_ms = at_ns / 1_000_000;
+    let age_ms = |ms: u32| (now_ms % DAY_MS + DAY_MS).saturating_sub(ms.into()) % DAY_MS;
+    let measured_at_ns = rmc.time_utc_ms.map(|ms| now_ms.saturating_sub(age_ms(ms)) * 1_000_000);
     Some((vec![latitude, longitude, fix, rmc.speed_m_s.unwrap_or(0.0), course_rad], measured_at_ns))
 }

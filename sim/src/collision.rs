@@ -7,7 +7,7 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Pose, Vector, math};
+use baudbot_geometry::{Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::Arena;
@@ -62,43 +62,50 @@ impl Step<'_> {
         if let Some(name) = self.shape_on_the_way(own) {
             return Some(Partner::Shape(name.to_string()));
         }
-        let hit = |i: usize| i != own && self.approaches(own, i) && self.body(own).overlaps(&self.body(i));
-        (0..self.after.len()).find(|&i| hit(i)).map(Partner::Robot)
+        (0..self.after.len()).find(|&i| i != own && self.runs_into(own, i)).map(Partner::Robot)
     }
 
-    fn body(&self, i: usize) -> Body {
-        self.forms[i].at(&self.after[i])
-    }
-
-    /// A disc that does not approach another cannot come to overlap it by its own motion. One with corners can,
-    /// by turning.
-    fn approaches(&self, own: usize, other: usize) -> bool {
-        let towards = self.before[other].position - self.before[own].position;
+    /// Whether the two overlap after the step and `own` has moved towards the other. Of two that overlap, at least
+    /// one has.
+    fn runs_into(&self, own: usize, other: usize) -> bool {
         let near = self.forms[own].reach_m() + self.forms[other].reach_m();
         let gap = self.after[other].position - self.after[own].position;
-        if gap.norm_squared() >= near * near {
+        if gap.norm_squared() >= near * near || self.before[own] == self.after[own] {
             return false;
         }
-        match self.forms[own] {
-            Form::Disc { .. } => self.way(own).dot(&towards) > 0.0,
-            Form::Polygon(_) => self.before[own] != self.after[own],
+        let body = |poses: &[Pose], i: usize| self.forms[i].at(&poses[i]);
+        let (mine, its) = (body(self.after, own), body(self.after, other));
+        if !mine.overlaps(&its) {
+            return false;
         }
+        if let (Form::Disc { .. }, Form::Disc { .. }) = (self.forms[own], self.forms[other]) {
+            // Discs that do not approach each other cannot come to overlap.
+            let towards = self.before[other].position - self.before[own].position;
+            return self.way(own).dot(&towards) > 0.0;
+        }
+        // A corner reaches what the centre moves away from: it is asked what either could do alone.
+        mine.overlaps(&body(self.before, other)) || !body(self.before, own).overlaps(&its)
     }
 
-    /// Half a radius is the longest way between two looks: a body cannot get past anything in between.
+    /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
+    /// turning included: it cannot get past anything in between.
     fn shape_on_the_way(&self, own: usize) -> Option<&str> {
         let (before, after, way) = (&self.before[own], &self.after[own], self.way(own));
-        let stride = match self.forms[own] {
-            Form::Disc { radius_m } => 0.5 * radius_m,
-            form @ Form::Polygon(_) => form.thickness_m(),
+        let turn = angle::difference(after.heading, before.heading);
+        let form = self.forms[own];
+        let looks = match form {
+            Form::Disc { radius_m } => way.norm() / (0.5 * radius_m),
+            Form::Polygon(_) => (way.norm() + turn.abs() * form.reach_m()) / form.thickness_m(),
         };
-        let looks = math::ceil(way.norm() / stride).clamp(1.0, MAX_LOOKS);
+        let looks = math::ceil(looks).clamp(1.0, MAX_LOOKS);
         (1..=looks as u32).find_map(|i| {
             let mut pose = *after;
             if f64::from(i) != looks {
-                pose.position = before.position + way * (f64::from(i) / looks);
+                let part = f64::from(i) / looks;
+                pose.position = before.position + way * part;
+                pose.heading = before.heading + turn * part;
             }
-            self.shape_at(&self.forms[own].at(&pose))
+            self.shape_at(&form.at(&pose))
         })
     }
 
@@ -139,12 +146,12 @@ const MAX_LOOKS: f64 = 10_000.0;
 
 #[cfg(test)]
 mod tests {
-    use baudbot_geometry::Point;
+    use baudbot_geometry::{Circle, Point};
 
     use crate::arena::Look;
 
     use super::*;
-    use crate::arena::Polygon;
+    use crate::arena::{Pillar, Polygon};
 
     const DISCS: [Form<'static>; 4] = [Form::Disc { radius_m: 0.5 }; 4];
 
@@ -175,6 +182,31 @@ mod tests {
         assert_eq!(held, [Some(Partner::Robot(1)), None]);
     }
 
+    /// A bar across the way, and a disc beside its end.
+    fn bar_and_disc(before: &[Pose; 2], after: &mut [Pose; 2]) -> Vec<Option<Partner>> {
+        let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
+        let forms = [Form::Polygon(&bar), Form::Disc { radius_m: 0.15 }];
+        Step { arena: &empty(), obstacles: &[], forms: &forms, before, after }.held_back()
+    }
+
+    #[test]
+    fn a_disc_runs_into_the_end_of_a_bar_while_it_moves_away_from_the_bars_middle() {
+        let bar = Pose::new(0.0, 0.0, 0.0);
+        let before = [bar, Pose::new(0.9, 0.3, 0.0)];
+        let held = bar_and_disc(&before, &mut [bar, Pose::new(1.0, 0.2, 0.0)]);
+        assert_eq!(held, [None, Some(Partner::Robot(0))]);
+    }
+
+    #[test]
+    fn a_bar_that_sweeps_into_a_disc_is_held_back_and_the_disc_that_flees_is_not() {
+        let before = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.9, 0.3, 0.0)];
+        let held = bar_and_disc(&before, &mut [Pose::new(0.0, 0.0, 0.3), Pose::new(0.9, 0.31, 0.0)]);
+        assert_eq!(held, [Some(Partner::Robot(1)), None]);
+        // Away from the other one, with corners or without.
+        let held = bar_and_disc(&before, &mut [Pose::new(0.0, -0.01, 0.0), Pose::new(0.9, 0.2, 0.0)]);
+        assert_eq!(held, [None, Some(Partner::Robot(0))]);
+    }
+
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
@@ -184,6 +216,27 @@ mod tests {
         let near = step(&arena, &before, &mut after);
         assert_eq!(near.partner(0), Some(Partner::Robot(1)));
         assert_eq!(near.partner(1), None, "it stood still");
+    }
+
+    #[test]
+    fn a_bar_does_not_turn_past_a_post_in_one_long_step() {
+        let post = Pillar {
+            name: "post".into(),
+            circle: Circle { center: Point::new(0.6, 0.6), radius: 0.05 },
+            look: Look::WALL,
+        };
+        let arena = Arena::new(Vec::new(), alloc::vec![post]);
+        let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
+        let before = [Pose::new(0.0, 0.0, 0.0)];
+        let mut after = [Pose::new(0.0, 0.0, 1.5)];
+        let step = Step {
+            arena: &arena,
+            obstacles: &[],
+            forms: &[Form::Polygon(&bar)],
+            before: &before,
+            after: &mut after,
+        };
+        assert_eq!(step.partner(0), Some(Partner::Shape("post".into())));
     }
 
     #[test]

@@ -81,9 +81,9 @@ pub struct Wheels {
 pub struct Motion {
     /// Pose of the body's centre, world from robot.
     pub pose: Pose,
-    /// Speed V along the heading, in m/s.
+    /// Speed V along the heading, in m/s, as the wheels roll: on slippery ground the body has less.
     pub speed_m_s: f64,
-    /// Turn rate, in rad/s, positive to the left.
+    /// Turn rate, in rad/s, positive to the left, as the wheels roll.
     pub turn_rate_rad_s: f64,
     /// Wheel axis speeds as the last step left them, in rad/s: what the motors' back-EMF and friction see.
     pub wheel_speed_rad_s: Wheels,
@@ -179,7 +179,7 @@ impl Drive {
     }
 
     /// Speed over ground and turn rate of a body whose wheels roll as if it moved with these, but slip.
-    fn slipping(&self, speed: f64, turn_rate: f64, slip: Wheels) -> (f64, f64) {
+    pub(crate) fn slipping(&self, speed: f64, turn_rate: f64, slip: Wheels) -> (f64, f64) {
         let left = (1.0 - slip.left) * (speed - self.half_track_m * turn_rate);
         let right = (1.0 - slip.right) * (speed + self.half_track_m * turn_rate);
         (0.5 * (left + right), (right - left) / (2.0 * self.half_track_m))

@@ -175,7 +175,7 @@ impl Format {
         match self {
             Self::Scip(_) => hear_scip(device, message, at),
             Self::LineImage => hear_line_image(device, message),
-            Self::Nmea { .. } => hear_nmea(message),
+            Self::Nmea { .. } => hear_nmea(message, at),
         }
     }
 }
@@ -238,7 +238,7 @@ fn hear_line_image(device: &Device, message: &mut Vec<u8>) -> Heard {
 }
 
 /// The sentence with everything that the reading needs is the RMC, which comes last.
-fn hear_nmea(message: &mut Vec<u8>) -> Heard {
+fn hear_nmea(message: &mut Vec<u8>, at: SimTime) -> Heard {
     if !message.ends_with(b"\n") {
         return Heard::Nothing;
     }
@@ -251,7 +251,11 @@ fn hear_nmea(message: &mut Vec<u8>) -> Heard {
             let fix = f64::from(u8::from(rmc.position.is_some()));
             let course_rad = core::f64::consts::FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
             let course_rad = baudbot_geometry::angle::wrap(course_rad);
-            let sampled_at = rmc.time_utc_ms.map(|ms| SimTime::from_ns(u64::from(ms) * 1_000_000));
+            // The time of day: of the instants that it may mean, the last.
+            let now_ms = at.as_ns() / 1_000_000;
+            let age_ms = |ms: u32| (now_ms % DAY_MS + DAY_MS).saturating_sub(ms.into()) % DAY_MS;
+            let at_ms = |ms| now_ms.saturating_sub(age_ms(ms));
+            let sampled_at = rmc.time_utc_ms.map(|ms| SimTime::from_ns(at_ms(ms) * 1_000_000));
             let values = vec![latitude, longitude, fix, rmc.speed_m_s.unwrap_or(0.0), course_rad];
             Heard::Reading(values, sampled_at)
         }
@@ -259,11 +263,13 @@ fn hear_nmea(message: &mut Vec<u8>) -> Heard {
     }
 }
 
+const DAY_MS: u64 = 86_400_000;
+
 /// What a receiver says of one fix.
 fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
     let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
     let fix = nmea::Fix {
-        time_utc_ms: (at.as_ns() / 1_000_000 % 86_400_000) as u32,
+        time_utc_ms: (at.as_ns() / 1_000_000 % DAY_MS) as u32,
         date: (1, 1, 16),
         valid: fix > 0.5,
         latitude_deg,
@@ -315,10 +321,24 @@ mod tests {
     #[test]
     fn a_fix_survives_its_sentence_to_less_than_a_fifth_of_a_metre() {
         let mut message = gps_message(false, SimTime::from_ns(1_000_000_000), &[57.7, 11.97, 1.0, 0.5, 0.25]);
-        let Heard::Reading(values, _) = hear_nmea(&mut message) else { panic!("no reading") };
+        let Heard::Reading(values, _) = hear_nmea(&mut message, SimTime::from_ns(1_100_000_000)) else {
+            panic!("no reading")
+        };
         let metres = (values[0] - 57.7).hypot(values[1] - 11.97) * 111_195.0;
         assert!(metres < 0.2, "{metres}");
         assert_eq!(values[2], 1.0);
         assert!((values[3] - 0.5).abs() < 0.005 && (values[4] - 0.25).abs() < 1e-3, "{values:?}");
+    }
+
+    #[test]
+    fn a_fix_after_midnight_is_of_its_own_day() {
+        let ms = |ms: u64| SimTime::from_ns(ms * 1_000_000);
+        for (sampled, heard) in
+            [(1_000, 1_400), (2 * DAY_MS + 7, 2 * DAY_MS + 400), (DAY_MS - 5, DAY_MS + 300)]
+        {
+            let mut message = gps_message(false, ms(sampled), &[57.7, 11.97, 1.0, 0.5, 0.25]);
+            let Heard::Reading(_, at) = hear_nmea(&mut message, ms(heard)) else { panic!("no reading") };
+            assert_eq!(at, Some(ms(sampled)));
+        }
     }
 }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, math, polygon};
 
+use crate::drive::{Drive, Motion, Wheels};
 use crate::time::SimTime;
 
 /// All of it.
@@ -158,6 +159,21 @@ impl Surroundings {
     /// The largest slip of the zones that a point is in.
     pub fn slip_at(&self, point: Point) -> f64 {
         self.zones_at(point).map(|zone| zone.slip).fold(0.0, f64::max)
+    }
+
+    /// How much each of a robot's wheels slips where it stands, if anything is slippery at all.
+    pub(crate) fn slip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
+        if !self.zones.iter().any(|zone| zone.slip > 0.0) {
+            return None;
+        }
+        let wheel = |y| self.slip_at(motion.pose.transform(Point::new(0.0, y)));
+        Some(Wheels { left: wheel(drive.half_track_m), right: wheel(-drive.half_track_m) })
+    }
+
+    /// A robot's true speed and turn rate, which are those that its wheels roll with but for slip.
+    pub(crate) fn over_ground(&self, drive: &Drive, motion: &Motion) -> (f64, f64) {
+        let rolled = (motion.speed_m_s, motion.turn_rate_rad_s);
+        self.slip_of(drive, motion).map_or(rolled, |slip| drive.slipping(rolled.0, rolled.1, slip))
     }
 
     /// Power of the chargers at a point, in watts.

@@ -18,6 +18,7 @@ pub struct Gyroscope {
 impl Gyroscope {
     /// Turn rate in rad/s, positive to the left.
     pub(super) fn read(&self, at: &Measurement<'_>, filter: &mut LowPass) -> f64 {
-        filter.follow(at.motion.turn_rate_rad_s, time_constant_s(self.bandwidth_hz), at.now)
+        let (_, turn_rate) = at.over_ground();
+        filter.follow(turn_rate, time_constant_s(self.bandwidth_hz), at.now)
     }
 }

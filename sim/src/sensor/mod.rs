@@ -156,6 +156,13 @@ pub(crate) struct Measurement<'a> {
     pub(crate) tick_end: SimTime,
 }
 
+impl Measurement<'_> {
+    /// The robot's speed and turn rate over ground, whatever its wheels do.
+    fn over_ground(&self) -> (f64, f64) {
+        self.scene.surroundings.over_ground(&self.robot.drive, self.motion)
+    }
+}
+
 /// What reading a device does besides giving values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Effect {

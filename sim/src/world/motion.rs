@@ -4,7 +4,7 @@ use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Point, Pose};
+use baudbot_geometry::{Point, Pose, polygon};
 
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
@@ -71,8 +71,9 @@ impl World {
             CollisionPolicy::StopRun => self.stop_run(&step),
             CollisionPolicy::StopRobot => self.stop_robots(step, &held),
         }
-        for robot in &mut self.state.robots {
-            robot.counters.distance_m += (robot.motion.speed_m_s * dt).abs();
+        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
+            let (speed, _) = scenario.surroundings.over_ground(&spec.drive, &robot.motion);
+            robot.counters.distance_m += (speed * dt).abs();
         }
         if !scenario.movers.is_empty() {
             self.move_movers(scenario, now, dt);
@@ -190,7 +191,11 @@ impl World {
     fn is_hemmed_in(&self, own: usize) -> bool {
         let robots = self.scenario.robots();
         let pose = &self.state.robots[own].motion.pose;
-        let grown: Vec<Point> = robots[own].outline.iter().map(|corner| corner * CONTACT_ENDS_AT).collect();
+        let outline = &robots[own].outline;
+        // From its middle, as the axle may be at its very back.
+        let middle = polygon::centroid(outline).unwrap_or_default();
+        let grown: Vec<Point> =
+            outline.iter().map(|corner| middle + (corner - middle) * CONTACT_ENDS_AT).collect();
         let room = match robots[own].form() {
             Form::Disc { radius_m } => Form::Disc { radius_m: radius_m * CONTACT_ENDS_AT },
             Form::Polygon(_) => Form::Polygon(&grown),
@@ -238,7 +243,7 @@ impl Robot {
         };
         let signals = if powered { self.motor_noise.apply(self.signals) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
-        let slip = scenario.slip(spec, &self.motion);
+        let slip = scenario.surroundings.slip_of(&spec.drive, &self.motion);
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
@@ -269,18 +274,6 @@ impl Robot {
         };
         let share = state.terminal_v(battery) / battery.nominal_v;
         Wheels { left: share * signals.left, right: share * signals.right }
-    }
-}
-
-impl Scenario {
-    /// How much each wheel slips where it stands.
-    fn slip(&self, spec: &RobotSpec, motion: &crate::drive::Motion) -> Option<Wheels> {
-        if !self.surroundings.zones.iter().any(|zone| zone.slip > 0.0) {
-            return None;
-        }
-        let wheel = |y| self.surroundings.slip_at(motion.pose.transform(Point::new(0.0, y)));
-        let half_track = spec.drive.half_track_m;
-        Some(Wheels { left: wheel(half_track), right: wheel(-half_track) })
     }
 }
 

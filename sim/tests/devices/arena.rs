@@ -286,12 +286,39 @@ fn so_many_collisions_end_a_run() {
 }
 
 #[test]
+fn a_robot_whose_axle_is_at_its_back_backs_into_a_wall_once() {
+    let body = "body = { outline_m = [[0.5, 0.1], [-0.002, 0.1], [-0.002, -0.1], [0.5, -0.1]], half_track_m = 0.1, \
+                mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }";
+    let back = block("back", [-0.6, -1.0, -0.5, 1.0], "");
+    let mut world = world(&format!(
+        "collision = \"stop-robot\"\n{back}[[robots]]\nname = \"a\"\n{body}\nlink = {{ kind = \"ideal\" }}\n"
+    ));
+    run(&mut world, 500, -1.0, -1.0);
+    assert!(world.robot(0).motion().pose.position.x < -0.47);
+    assert_eq!(world.robot(0).counters().collisions, 1);
+}
+
+#[test]
 fn a_robot_that_stands_in_a_zone_of_ice_does_not_start_to_slide() {
     let ice = "[[arena.zones]]\nname = \"ice\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 5.0\nslip = 1.0\n";
     let mut world = world(&scene(ice, "", ""));
     run(&mut world, 200, 0.5, 0.5);
     assert_eq!(world.robot(0).motion().pose.position.x, 0.0);
     assert!(world.robot(0).motion().travel_m.left > 0.1);
+    assert_eq!(world.robot(0).counters().distance_m, 0.0);
+}
+
+#[test]
+fn a_gyroscope_does_not_feel_wheels_that_spin_on_ice() {
+    let ice = "[[arena.zones]]\nname = \"ice\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 5.0\nslip = 1.0\n";
+    let gyroscope = "[robots.sensors.gyroscope]\nkind = \"gyroscope\"\nrange_rad_s = 10.0\n";
+    let mut world = world(&format!(
+        "{ice}[[robots]]\nname = \"a\"\n{}\nlink = {{ kind = \"ideal\" }}\n{gyroscope}",
+        BODY
+    ));
+    run(&mut world, 100, -0.5, 0.5);
+    assert!(world.robot(0).motion().turn_rate_rad_s > 0.1);
+    assert_eq!(world.robot(0).readings()[0].values, [0.0]);
 }
 
 proptest! {
