@@ -41,10 +41,8 @@ struct RawDropout {
 }
 
 #[derive(Debug, serde::Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "a table of samples (only the program that reads scenario files can look at a file)"
-)]
+#[serde(expecting = "a table of samples (only the program that reads scenario files can look at a file)")]
+#[serde(deny_unknown_fields)]
 pub(super) struct RawLookup {
     distances_m: Vec<f64>,
     #[serde(default)]

@@ -102,7 +102,8 @@ impl World {
                 (motion.pose.position - reaction.pose.position).dot(&motion.pose.direction().vector());
             motion.travel_m.left -= missed;
             motion.travel_m.right -= missed;
-            let made = (reaction.pose.position - before[i].position).dot(&motion.pose.direction().vector()) / dt;
+            let made =
+                (reaction.pose.position - before[i].position).dot(&motion.pose.direction().vector()) / dt;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
             // Who is kept from moving does not keep a speed that would not move it.
