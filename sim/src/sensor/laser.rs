@@ -72,11 +72,11 @@ pub(crate) const NOTHING: f64 = -1.0;
 /// The robot's pose at an instant of the tick, at its present speed and turn rate.
 fn carried_on(at: &Measurement<'_>, instant: SimTime) -> Pose {
     let dt = instant.min(at.tick_end).since(at.tick_start) as f64 / SECOND_NS as f64;
-    let motion = at.motion;
-    let mut pose = motion.pose;
-    pose.heading = angle::wrap(pose.heading + motion.turn_rate_rad_s * dt);
+    let (speed_m_s, turn_rate_rad_s) = at.over_ground();
+    let mut pose = at.motion.pose;
+    pose.heading = angle::wrap(pose.heading + turn_rate_rad_s * dt);
     let (sin, cos) = math::sin_cos(pose.heading);
-    pose.position.x += motion.speed_m_s * dt * cos;
-    pose.position.y += motion.speed_m_s * dt * sin;
+    pose.position.x += speed_m_s * dt * cos;
+    pose.position.y += speed_m_s * dt * sin;
     pose
 }

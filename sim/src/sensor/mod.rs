@@ -390,8 +390,16 @@ impl Device {
 
     /// What the microcontroller reads from a device that has measured nothing yet.
     pub(crate) fn unmeasured(&self, values: &mut [f64]) {
-        let value = if matches!(self, Self::Laser(_)) { NOTHING } else { 0.0 };
-        values.fill(value);
+        values.fill(match self {
+            Self::Laser(_) => NOTHING,
+            Self::Whisker(Whisker { switch, .. }) | Self::Bumper(Bumper { switch, .. }) => {
+                f64::from(u8::from(switch.active_low))
+            }
+            _ => 0.0,
+        });
+        if let Self::LineCamera(camera) = self {
+            values[3 * camera.columns()..].fill(NOTHING);
+        }
     }
 
     /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.

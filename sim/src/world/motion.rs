@@ -260,7 +260,9 @@ impl Robot {
             let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
             state.draw(battery, battery.idle_w + motors_w, dt);
             if charger_w > 0.0 {
+                let drawn_a = state.current_a;
                 state.charge(battery, charger_w, dt);
+                state.current_a += drawn_a;
             }
         }
     }
