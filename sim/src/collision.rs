@@ -148,10 +148,8 @@ const MAX_LOOKS: f64 = 10_000.0;
 mod tests {
     use baudbot_geometry::{Circle, Point};
 
-    use crate::arena::Look;
-
     use super::*;
-    use crate::arena::{Pillar, Polygon};
+    use crate::arena::{Look, Pillar, Polygon};
 
     const DISCS: [Form<'static>; 4] = [Form::Disc { radius_m: 0.5 }; 4];
 

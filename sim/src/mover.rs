@@ -96,11 +96,7 @@ pub(crate) struct Around<'a> {
 
 impl Mover {
     pub(crate) fn form(&self) -> Form<'_> {
-        if self.outline.is_empty() {
-            Form::Disc { radius_m: self.radius_m }
-        } else {
-            Form::Polygon(&self.outline)
-        }
+        Form::of(&self.outline, self.radius_m)
     }
 
     pub(crate) fn at_start(&self, seed: u64) -> MoverState {

@@ -71,11 +71,7 @@ impl RobotSpec {
 
     /// The shape of its body.
     pub(crate) fn form(&self) -> Form<'_> {
-        if self.outline.is_empty() {
-            Form::Disc { radius_m: self.drive.radius_m }
-        } else {
-            Form::Polygon(&self.outline)
-        }
+        Form::of(&self.outline, self.drive.radius_m)
     }
 }
 

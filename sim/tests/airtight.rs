@@ -1,5 +1,4 @@
 //! Nothing that can be run into ever overlaps anything else, whatever drives, swings, wanders or is pushed about.
-#![allow(missing_docs)]
 
 mod common;
 

@@ -1,7 +1,6 @@
 //! A folder with files, and what a scenario in it becomes.
 
-// Each test file uses a part of this.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test file uses a part of it")]
 
 use std::borrow::Cow;
 use std::path::Path;

@@ -23,7 +23,12 @@ pub(crate) enum Body {
     Polygon(Vec<Point>),
 }
 
-impl Form<'_> {
+impl<'a> Form<'a> {
+    /// The outline, or a disc where there is none.
+    pub(crate) fn of(outline: &'a [Point], radius_m: f64) -> Self {
+        if outline.is_empty() { Self::Disc { radius_m } } else { Self::Polygon(outline) }
+    }
+
     pub(crate) fn at(&self, world_from_form: &Pose) -> Body {
         match self {
             Self::Disc { radius_m } => {

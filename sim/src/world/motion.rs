@@ -266,9 +266,7 @@ impl Robot {
             }
         }
     }
-}
 
-impl Robot {
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
         let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor)
