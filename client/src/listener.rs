@@ -132,11 +132,37 @@ fn fix(line: &[u8], at_ns: u64) -> Option<Said> {
     let (latitude, longitude) = rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
     let fix = f64::from(u8::from(rmc.position.is_some()));
     // From clockwise of north, less than a turn, to counter-clockwise of east, in (-pi, pi].
-    let course_rad = FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
-    let course_rad = if course_rad <= -PI { course_rad + TAU } else { course_rad };
+    let course_rad = rmc.course_deg.map_or(0.0, |course_deg| {
+        let course_rad = FRAC_PI_2 - course_deg.to_radians();
+        if course_rad <= -PI { course_rad + TAU } else { course_rad }
+    });
     // The time of day: of the instants that it may mean, the last.
     let now_ms = at_ns / 1_000_000;
     let age_ms = |ms: u32| (now_ms % DAY_MS + DAY_MS).saturating_sub(ms.into()) % DAY_MS;
     let measured_at_ns = rmc.time_utc_ms.map(|ms| now_ms.saturating_sub(age_ms(ms)) * 1_000_000);
     Some((vec![latitude, longitude, fix, rmc.speed_m_s.unwrap_or(0.0), course_rad], measured_at_ns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_fix_nothing_of_it_is_made_up() {
+        let mut line = [0; nmea::MAX_SENTENCE];
+        let nothing = nmea::Fix {
+            time_utc_ms: 1000,
+            date: (1, 1, 16),
+            valid: false,
+            latitude_deg: 57.7,
+            longitude_deg: 11.97,
+            speed_m_s: 0.0,
+            course_deg: 90.0,
+            altitude_m: 0.0,
+            satellites: 0,
+            hdop: 1.0,
+        };
+        let n = nmea::write_rmc(&nothing, &mut line).unwrap();
+        assert_eq!(fix(&line[..n], 1_500_000_000), Some((vec![0.0; 5], Some(1_000_000_000))));
+    }
 }

@@ -5,6 +5,7 @@ use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use baudbot_geometry::angle;
 use baudbot_wire::{line_image, nmea, scip};
 use serde::{Deserialize, Serialize};
 
@@ -140,7 +141,7 @@ impl Format {
     }
 
     fn nmea_len(&self, full: bool) -> usize {
-        gps_message(full, SimTime::ZERO, &[57.7, 11.97, 1.0, 0.0, 0.0]).len()
+        gps_message(full, SimTime::from_ns(0), &[57.7, 11.97, 1.0, 0.0, 0.0]).len()
     }
 
     fn write(&self, device: &Device, sequence: u16, at: SimTime, values: &[f64]) -> Vec<u8> {
@@ -249,8 +250,8 @@ fn hear_nmea(message: &mut Vec<u8>, at: SimTime) -> Heard {
             let (latitude, longitude) =
                 rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
             let fix = f64::from(u8::from(rmc.position.is_some()));
-            let course_rad = core::f64::consts::FRAC_PI_2 - rmc.course_deg.unwrap_or(0.0).to_radians();
-            let course_rad = baudbot_geometry::angle::wrap(course_rad);
+            let of_north = |deg: f64| angle::wrap(core::f64::consts::FRAC_PI_2 - deg.to_radians());
+            let course_rad = rmc.course_deg.map_or(0.0, of_north);
             // The time of day: of the instants that it may mean, the last.
             let now_ms = at.as_ns() / 1_000_000;
             let age_ms = |ms: u32| (now_ms % DAY_MS + DAY_MS).saturating_sub(ms.into()) % DAY_MS;
@@ -328,6 +329,13 @@ mod tests {
         assert!(metres < 0.2, "{metres}");
         assert_eq!(values[2], 1.0);
         assert!((values[3] - 0.5).abs() < 0.005 && (values[4] - 0.25).abs() < 1e-3, "{values:?}");
+    }
+
+    #[test]
+    fn without_a_fix_nothing_of_it_is_made_up() {
+        let mut message = gps_message(false, SimTime::from_ns(0), &[57.7, 11.97, 0.0, 0.0, 0.0]);
+        let heard = hear_nmea(&mut message, SimTime::from_ns(0));
+        assert_eq!(heard, Heard::Reading(vec![0.0; 5], Some(SimTime::from_ns(0))));
     }
 
     #[test]
