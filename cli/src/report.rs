@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::summary::{Battery, Blocked, Clock, Lateness, Line, Robot, Score, Sensor, Summary, Zone};
+use crate::summary::{
+    Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Robot, Score, Sensor, Summary, Zone,
+};
 use crate::text::{NOTHING, count, duration, handy, pairs, percent, table};
 
 /// The whole summary.
@@ -104,7 +106,9 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
             ),
         ),
         ("link", link(robot)),
+        ("cycles", cycles(&robot.cycles)),
     ];
+    facts.extend(losses(robot).map(|losses| ("lost", losses)));
     if robot.lost_deliveries > 0 {
         facts.push((
             "slow brain",
@@ -126,6 +130,39 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
         text += &table("    ", &sensors(robot));
     }
     text
+}
+
+fn cycles(cycles: &Cycles) -> String {
+    let Some(percent_kept) = cycles.kept_percent else { return "none was answered by a command".to_owned() };
+    let deadline = duration(cycles.deadline_ms * 1e6);
+    let all = cycles.kept + cycles.late;
+    let kept = percent(percent_kept / 100.0);
+    let mut text = format!("{} of {all} ({kept}) within {deadline}", cycles.kept);
+    if let Some(Durations { p50_ms, p95_ms, max_ms, .. }) = cycles.duration {
+        let [median, most, longest] = [p50_ms, p95_ms, max_ms].map(|ms| duration(ms * 1e6));
+        text += &format!("; half took at most {median}, 95 % {most}, the longest {longest}");
+    }
+    text + &format!("; {} exchanges a second", handy(cycles.exchanges_per_s))
+}
+
+/// Bytes that were lost on the robot's cables, and why; `None` if there were none.
+fn losses(robot: &Robot) -> Option<String> {
+    let ports =
+        robot.sensors.iter().filter_map(|sensor| Some((sensor.sensor.as_str(), sensor.port.as_ref()?)));
+    let lines = [("up", &robot.uplink), ("down", &robot.downlink)].into_iter().chain(ports);
+    let reasons = lines.filter_map(|(name, line)| {
+        let reasons = [
+            (line.overrun_bytes, "found their receiver full"),
+            (line.refused_bytes, "were refused by a full driver"),
+            (line.lost_bytes, "came while the cable was out"),
+            (line.corrupted_bytes, "came with a wrong bit"),
+        ];
+        let reasons: Vec<_> =
+            reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
+        (!reasons.is_empty()).then(|| format!("{name}: {}", reasons.join(", ")))
+    });
+    let reasons: Vec<_> = reasons.collect();
+    (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
 fn battery(battery: &Battery) -> String {
@@ -166,16 +203,28 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
     rows
 }
 
-fn sensors(robot: &Robot) -> Vec<[String; 7]> {
+fn sensors(robot: &Robot) -> Vec<[String; 9]> {
     let age = |age: Option<f64>| age.map_or_else(|| NOTHING.to_owned(), |ms| format!("{ms:.3} ms"));
     let row = |sensor: &Sensor| {
         let share = percent(sensor.readable as f64 / robot.turns as f64);
         let counts = [sensor.samples, sensor.missed, sensor.readable];
         let [samples, missed, readable] = counts.map(|n| n.to_string());
-        let (mean, max) = (age(sensor.age_mean_ms), age(sensor.age_max_ms));
-        [sensor.sensor.clone(), samples, missed, readable, share, mean, max]
+        let ages = |of: fn(&Durations) -> f64| age(sensor.age.as_ref().map(of));
+        let [mean, median, most, max] =
+            [ages(|age| age.mean_ms), ages(|age| age.p50_ms), ages(|age| age.p95_ms), ages(|age| age.max_ms)];
+        [sensor.sensor.clone(), samples, missed, readable, share, mean, median, most, max]
     };
-    let head = ["", "samples", "missed", "readable", "of turns", "mean age", "max age"];
+    let head = [
+        "",
+        "samples",
+        "missed",
+        "readable",
+        "of turns",
+        "mean age",
+        "half within",
+        "95 % within",
+        "max age",
+    ];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(robot.sensors.iter().map(row));
     rows

@@ -108,12 +108,39 @@ pub(crate) struct Robot {
     pub(crate) onboard: bool,
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
+    pub(crate) cycles: Cycles,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) battery: Option<Battery>,
     /// Those that it has been in.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) zones: Vec<Zone>,
     pub(crate) sensors: Vec<Sensor>,
+}
+
+/// A robot's control cycles: from the readings that its microcontroller frames to the command that answers them.
+#[derive(Debug, Serialize)]
+pub(crate) struct Cycles {
+    pub(crate) deadline_ms: f64,
+    pub(crate) kept: u64,
+    pub(crate) late: u64,
+    pub(crate) unanswered: u64,
+    /// Of those that were kept or late; absent if there were none.
+    pub(crate) kept_percent: Option<f64>,
+    /// Messages of readings a second that were answered by a command.
+    pub(crate) exchanges_per_s: f64,
+    /// Absent if none was answered.
+    pub(crate) duration: Option<Durations>,
+}
+
+/// How durations are spread.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Durations {
+    pub(crate) mean_ms: f64,
+    pub(crate) min_ms: f64,
+    pub(crate) p50_ms: f64,
+    pub(crate) p95_ms: f64,
+    pub(crate) p99_ms: f64,
+    pub(crate) max_ms: f64,
 }
 
 /// What feeds a robot, at the end.
@@ -156,9 +183,8 @@ pub(crate) struct Sensor {
     pub(crate) missed: u64,
     /// Turns in which it was readable.
     pub(crate) readable: u64,
-    /// Absent if the protocol does not tell ages.
-    pub(crate) age_mean_ms: Option<f64>,
-    pub(crate) age_max_ms: Option<f64>,
+    /// How old it was then; absent if that is not known of any.
+    pub(crate) age: Option<Durations>,
     /// The cable of its own, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) port: Option<Line>,
@@ -294,6 +320,7 @@ impl Robot {
             onboard: matches!(spec.link, Link::Onboard),
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
+            cycles: Cycles::new(status.cycles.as_ref(), simulated_s),
             battery: status.battery.as_ref().map(Battery::new),
             zones: Vec::new(),
             sensors: status
@@ -322,6 +349,37 @@ impl Line {
     }
 }
 
+impl Cycles {
+    fn new(status: Option<&v1::CycleStatus>, simulated_s: f64) -> Self {
+        let status = status.copied().unwrap_or_default();
+        let all = status.kept + status.late;
+        let answered = status.durations.map_or(0, |durations| durations.count);
+        Self {
+            deadline_ms: status.deadline_ns as f64 / 1e6,
+            kept: status.kept,
+            late: status.late,
+            unanswered: status.unanswered,
+            kept_percent: (all > 0).then(|| status.kept as f64 / all as f64 * 100.0),
+            exchanges_per_s: if simulated_s > 0.0 { answered as f64 / simulated_s } else { 0.0 },
+            duration: status.durations.as_ref().map(Durations::new),
+        }
+    }
+}
+
+impl Durations {
+    fn new(status: &v1::Durations) -> Self {
+        let ms = |ns: u64| ns as f64 / 1e6;
+        Self {
+            mean_ms: ms(status.mean_ns),
+            min_ms: ms(status.min_ns),
+            p50_ms: ms(status.p50_ns),
+            p95_ms: ms(status.p95_ns),
+            p99_ms: ms(status.p99_ns),
+            max_ms: ms(status.max_ns),
+        }
+    }
+}
+
 impl Battery {
     fn new(status: &v1::BatteryStatus) -> Self {
         let v1::BatteryStatus { charge, voltage_v, used_j, charged_j, current_a: _ } = *status;
@@ -338,8 +396,7 @@ impl Sensor {
             samples: status.samples,
             missed: status.missed,
             readable: status.readable,
-            age_mean_ms: status.age_mean_ns.map(|ns| ns as f64 / 1e6),
-            age_max_ms: status.age_max_ns.map(|ns| ns as f64 / 1e6),
+            age: status.ages.as_ref().map(Durations::new),
             port: status.port.as_ref().map(|line| Line::new(line, capacity)),
         }
     }

@@ -6,7 +6,8 @@ use baudbot_wire::{Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
-use crate::link::Line;
+use crate::histogram::Histogram;
+use crate::link::{Line, Message as Arrived};
 use crate::port::{Heard, PortState};
 use crate::robot::RobotSpec;
 use crate::time::SimTime;
@@ -40,19 +41,22 @@ pub(crate) struct Laptop {
     pub(crate) freshness: Vec<Freshness>,
     /// When the readings that are readable were truly sampled.
     sampled: Vec<Option<SimTime>>,
+    /// Began the control cycle of the newest message of the microcontroller's since the brain's last step.
+    heard: Option<SimTime>,
+    /// Began the control cycle that the brain is about to answer.
+    pub(crate) answering: Option<SimTime>,
+    /// Whether a message had come before the brain's last step.
+    pub(crate) informed: bool,
 }
 
 /// How old one sensor's readings were when the brain got them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Freshness {
     /// Steps of the brain in which the sensor was readable.
     pub readable: u64,
-    /// Readings among them whose age is known: all but those of a bare message that bytes were lost around.
-    pub aged: u64,
-    /// Sum of those ages, in nanoseconds.
-    pub age_sum_ns: u64,
-    /// The largest of those ages, in nanoseconds.
-    pub age_max_ns: u64,
+    /// The true ages of those readings whose age is known: all but those of a bare message that bytes were lost
+    /// around.
+    pub ages: Histogram,
 }
 
 impl Laptop {
@@ -65,14 +69,23 @@ impl Laptop {
             busy_until: SimTime::ZERO,
             freshness: alloc::vec![Freshness::default(); sensors],
             sampled: alloc::vec![None; sensors],
+            heard: None,
+            answering: None,
+            informed: false,
         }
     }
 
-    /// A byte arrives. Those that a brain leaves unread beyond the driver's buffer are lost.
-    pub(crate) fn receive(&mut self, spec: &RobotSpec, (at, byte): (SimTime, u8), uplink: &mut Line) {
+    /// A byte arrives, and with it perhaps the end of a message. Those that a brain leaves unread beyond the driver's
+    /// buffer are lost.
+    pub(crate) fn receive(
+        &mut self,
+        spec: &RobotSpec,
+        (at, byte): (SimTime, u8),
+        uplink: &mut Line,
+    ) -> Option<Arrived> {
         if self.unread.len() >= spec.link.laptop_buffer() {
             uplink.counters.overrun_bytes += 1;
-            return;
+            return None;
         }
         self.unread.push(byte);
         let before = self.decoder.cut_short();
@@ -91,10 +104,20 @@ impl Laptop {
             Some(true) => {
                 uplink.counters.messages += 1;
                 self.has_message = true;
-                for (i, sampled_at) in uplink.sampled() {
-                    self.sampled[i] = Some(sampled_at);
+                let message = uplink.message();
+                if let Some(message) = &message {
+                    self.note_ages(message);
+                    self.heard = message.cycle;
                 }
+                return message;
             }
+        }
+        None
+    }
+
+    fn note_ages(&mut self, message: &Arrived) {
+        for &(i, sampled_at) in &message.sampled {
+            self.sampled[i] = Some(sampled_at);
         }
     }
 
@@ -113,15 +136,16 @@ impl Laptop {
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
         *reading = Reading { values, sampled_at, sequence, readable: true };
-        for (i, sampled_at) in state.line.sampled() {
-            self.sampled[i] = Some(sampled_at);
+        if let Some(message) = state.line.message() {
+            self.note_ages(&message);
         }
     }
 
     /// The brain steps at `at`: it has now been given all that arrived.
     pub(crate) fn hand_over(&mut self, at: SimTime) {
         self.unread.clear();
-        self.has_message = false;
+        self.informed = core::mem::take(&mut self.has_message);
+        self.answering = self.heard.take();
         self.busy_until = at;
         for (i, reading) in self.readings.iter_mut().enumerate() {
             if !core::mem::take(&mut reading.readable) {
@@ -130,10 +154,7 @@ impl Laptop {
             let freshness = &mut self.freshness[i];
             freshness.readable += 1;
             if let Some(sampled_at) = self.sampled[i].take() {
-                let age = at.since(sampled_at);
-                freshness.aged += 1;
-                freshness.age_sum_ns += age;
-                freshness.age_max_ns = freshness.age_max_ns.max(age);
+                freshness.ages.note(at.since(sampled_at));
             }
         }
     }

@@ -4,22 +4,22 @@
 //! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
+mod channel;
+
 use alloc::collections::VecDeque;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use baudbot_wire::{Message, Sample, Values, clock, frame, message, write_values};
+pub(crate) use channel::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
-use crate::link::{Line, LineCounters, Link};
-use crate::random::Stream;
+use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::robot::RobotSpec;
 use crate::scene::Ping;
 use crate::schedule::Due;
-use crate::sensor::noise::NoiseState;
-use crate::sensor::{Effect, Event, Measurement, Memory, Parts, Running, Sensor};
+use crate::sensor::{Event, Measurement, Parts, Sensor};
 use crate::time::{SECOND_NS, SimTime};
 
 /// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
@@ -58,26 +58,6 @@ pub(crate) struct Microcontroller {
     pub(crate) commands: u64,
 }
 
-/// State of one sensor: its device, and the sample that it holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Channel {
-    due: Due,
-    memory: Memory,
-    noise: NoiseState,
-    stream: Stream,
-    /// If the device measures at its own pace.
-    running: Option<Running>,
-    /// The last sample, one value a component; empty before the first.
-    pub(crate) values: Vec<f64>,
-    /// When the microcontroller took it; of a device with a cable of its own, when it was measured.
-    pub(crate) sampled_at: SimTime,
-    /// When it was measured: earlier, if the device held it.
-    measured_at: SimTime,
-    /// In no frame yet: the readability state of §3.2.1.
-    fresh: bool,
-    pub(crate) samples: u64,
-}
-
 /// A command that is obeyed at an instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Order {
@@ -85,6 +65,26 @@ pub(crate) struct Order {
     pub(crate) signals: Wheels,
     /// Those of the other actuators, in their order.
     pub(crate) others: Vec<f64>,
+}
+
+/// A message of readings that was sent.
+pub(crate) struct Sent {
+    pub(crate) bytes: u32,
+    /// When the control cycle began that it belongs to.
+    pub(crate) cycle: SimTime,
+    /// When it was framed.
+    pub(crate) closed: SimTime,
+    /// From when until when it is on the wire.
+    pub(crate) on_wire: (SimTime, SimTime),
+}
+
+/// What a byte from the laptop completed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Taken {
+    Nothing,
+    Poll,
+    /// A command, which is obeyed at this instant.
+    Command(SimTime),
 }
 
 /// What the processor turns to next.
@@ -132,11 +132,17 @@ impl Microcontroller {
     pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) -> Option<Ping> {
         let channel = &mut self.channels[i];
         channel.due.serve(&sensor.schedule, at.now);
+        let sticks = channel.samples > 0 && at.robot.sticks(i, at.now);
+        let stuck = sticks.then(|| (channel.values.clone(), channel.measured_at));
         let effect = channel.read(sensor, at);
+        if let Some((values, measured_at)) = stuck {
+            (channel.values, channel.measured_at) = (values, measured_at);
+        }
         channel.sampled_at = at.now;
         channel.fresh = true;
         channel.samples += 1;
-        self.free_at = at.now + sensor.acquisition_ns + effect.wait_ns;
+        channel.took_ns = sensor.acquisition_ns + effect.wait_ns;
+        self.free_at = at.now + channel.took_ns;
         effect.ping
     }
 
@@ -150,7 +156,8 @@ impl Microcontroller {
     pub(crate) fn measure(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) {
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
         let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
-        running.measure(sensor, clock, at, Parts { memory, noise, stream });
+        let sticks = at.robot.sticks(i, at.now);
+        running.measure(sensor, clock, at, Parts { memory, noise, stream }, sticks);
     }
 
     /// What the device of sensor `i` has measured comes to its output. If it has a cable of its own, the answer
@@ -173,7 +180,7 @@ impl Microcontroller {
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
-    pub(crate) fn send_readings(&mut self, spec: &RobotSpec, now: SimTime, uplink: &mut Line) {
+    pub(crate) fn send_readings(&mut self, spec: &RobotSpec, now: SimTime, uplink: &mut Line) -> Sent {
         match spec.firmware.mode {
             Mode::Stream(schedule) => self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
@@ -189,15 +196,20 @@ impl Microcontroller {
         };
         // A bare message repeats what is not fresh.
         let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. });
-        let mut sampled = Vec::new();
+        let (mut sampled, mut reading_ns) = (Vec::new(), 0);
         for (i, channel) in self.channels.iter_mut().enumerate().take(spec.firmware.layout().counts.len()) {
-            if core::mem::take(&mut channel.fresh) || (repeats && channel.samples > 0) {
+            let fresh = core::mem::take(&mut channel.fresh);
+            reading_ns += if fresh { channel.took_ns } else { 0 };
+            if fresh || (repeats && channel.samples > 0) {
                 sampled.push((i, channel.measured_at));
             }
         }
         self.sequence = self.sequence.wrapping_add(1);
-        uplink.send_message(&spec.link, closed, &bytes[..n], sampled);
+        let cycle = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));
+        let tag = Tag { sampled, cycle: Some(cycle), ..Tag::default() };
+        let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
         self.free_at = closed.max(uplink.drained(&spec.link));
+        Sent { bytes: n as u32, cycle, closed, on_wire }
     }
 
     /// The last sample of every sensor, zeros before the first.
@@ -231,15 +243,19 @@ impl Microcontroller {
 
     /// Takes the oldest byte that the receiver holds at `now`. What arrived while the receiver was full is
     /// lost.
-    pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) {
+    pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> Taken {
         downlink.overrun(&spec.link, now);
         self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
-        if let Some((arrived, byte)) = downlink.take(&spec.link, now) {
-            self.receive_byte(spec, arrived, byte, &mut downlink.counters);
-        }
+        let arrival = downlink.take(&spec.link, now);
+        arrival.map_or(Taken::Nothing, |arrival| self.receive_byte(spec, arrival, &mut downlink.counters))
     }
 
-    fn receive_byte(&mut self, spec: &RobotSpec, arrived: SimTime, byte: u8, counters: &mut LineCounters) {
+    fn receive_byte(
+        &mut self,
+        spec: &RobotSpec,
+        (arrived, byte): (SimTime, u8),
+        counters: &mut LineCounters,
+    ) -> Taken {
         let before = self.decoder.cut_short();
         let request = match self.decoder.push(byte, arrived) {
             Found::Nothing => None,
@@ -257,19 +273,22 @@ impl Microcontroller {
             }
         };
         counters.bad_messages += self.decoder.cut_short() - before;
-        if let Some(request) = request {
-            self.obey(spec, request);
-        }
+        request.map_or(Taken::Nothing, |request| self.obey(spec, request))
     }
 
-    fn obey(&mut self, spec: &RobotSpec, request: Request) {
-        if let Request::Drive(signals, others) = request {
-            self.free_at = self.free_at + spec.processor.obeying_ns;
-            self.orders.push_back(Order { at: self.free_at, signals, others });
-        }
+    fn obey(&mut self, spec: &RobotSpec, request: Request) -> Taken {
+        let taken = match request {
+            Request::Poll => Taken::Poll,
+            Request::Drive(signals, others) => {
+                self.free_at = self.free_at + spec.processor.obeying_ns;
+                self.orders.push_back(Order { at: self.free_at, signals, others });
+                Taken::Command(self.free_at)
+            }
+        };
         if spec.firmware.mode == Mode::Poll {
             self.frame.next = self.frame.next.min(self.free_at);
         }
+        taken
     }
 
     /// The order in force at `now`, if one came since it was last asked for.
@@ -289,6 +308,11 @@ impl Microcontroller {
         self.free_at
     }
 
+    /// Until when the processor is busy.
+    pub(crate) fn free_at(&self) -> SimTime {
+        self.free_at
+    }
+
     pub(crate) fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -296,59 +320,6 @@ impl Microcontroller {
     /// Frames that fell due while the processor was busy and were left out.
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed
-    }
-}
-
-impl Channel {
-    fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64, noise: bool) -> Self {
-        let name = alloc::format!("{}/{}", spec.name, sensor.name);
-        // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
-        // it.
-        let specimen = &mut Stream::new(seed, &alloc::format!("{name}:specimen"));
-        let due = if sensor.is_on_wire() {
-            sensor.schedule.start()
-        } else {
-            Due { next: SimTime::NEVER, missed: 0 }
-        };
-        Self {
-            due,
-            noise: sensor.noise.start(sensor.device.values(), specimen),
-            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen, noise)),
-            memory: sensor.device.remember(&spec.start.pose, specimen),
-            stream: Stream::new(seed, &name),
-            values: vec![],
-            sampled_at: SimTime::ZERO,
-            measured_at: SimTime::ZERO,
-            fresh: false,
-            samples: 0,
-        }
-    }
-
-    /// Takes a reading: of the device now, or of what it holds.
-    fn read(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> Effect {
-        self.values.resize(sensor.encodings.len(), 0.0);
-        if let Some(running) = &self.running {
-            match running.held() {
-                Some(held) => {
-                    self.values.copy_from_slice(&held.values);
-                    self.measured_at = held.measured_at;
-                }
-                None => {
-                    sensor.device.unmeasured(&mut self.values);
-                    self.measured_at = at.now;
-                }
-            }
-            return Effect::default();
-        }
-        let effect = sensor.device.read(at, &mut self.memory, &mut self.stream, &mut self.values);
-        sensor.disturb(at.noise, &mut self.noise, at.now, &mut self.values, &mut self.stream);
-        self.measured_at = at.now;
-        effect
-    }
-
-    /// Reads that fell due while the processor was busy and were left out.
-    pub(crate) fn missed(&self) -> u64 {
-        self.due.missed
     }
 }
 

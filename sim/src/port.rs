@@ -9,7 +9,7 @@ use baudbot_geometry::angle;
 use baudbot_wire::{line_image, nmea, scip};
 use serde::{Deserialize, Serialize};
 
-use crate::link::{Line, Link};
+use crate::link::{Line, Link, Message};
 use crate::sensor::{Device, Sensor};
 use crate::time::SimTime;
 
@@ -74,8 +74,8 @@ impl PortState {
         self.line.take(&sensor.port.as_ref()?.link, now)
     }
 
-    /// The device sends a measurement, unless the line is still taken by an older one: then this one is left
-    /// out, as real devices do, and the answer is `false`.
+    /// The device sends a measurement, and the answer is when that is on the wire; unless the line is still taken by
+    /// an older one: then this one is left out, as real devices do.
     pub(crate) fn send(
         &mut self,
         sensor: &Sensor,
@@ -83,14 +83,14 @@ impl PortState {
         i: usize,
         now: SimTime,
         (values, measured_at): (&[f64], SimTime),
-    ) -> bool {
+    ) -> Option<(SimTime, SimTime)> {
         if self.line.waiting(&port.link, now) > 0 {
-            return false;
+            return None;
         }
         let bytes = port.format.write(&sensor.device, self.sequence, measured_at, values);
         self.sequence = self.sequence.wrapping_add(1);
-        self.line.send_message(&port.link, now, &bytes, vec![(i, measured_at)]);
-        true
+        let message = Message { sampled: vec![(i, measured_at)], ..Message::default() };
+        Some(self.line.send_message(&port.link, now, &bytes, message))
     }
 
     /// A byte arrives at the laptop's end.

@@ -51,6 +51,11 @@ impl Stream {
         Place { key: seed ^ fnv1a(name.as_bytes()), drawn: 0 }.into()
     }
 
+    /// What tells this stream from all others of its kind.
+    pub(crate) fn key(&self) -> u64 {
+        self.place.key
+    }
+
     fn draw(&mut self) -> u64 {
         self.place.drawn += 1;
         self.generator.next_u64()
@@ -72,6 +77,11 @@ impl Stream {
     pub fn below(&mut self, n: u32) -> u32 {
         (((self.draw() >> 32) * u64::from(n)) >> 32) as u32
     }
+}
+
+/// 64 random bits that follow from a number alone.
+pub(crate) fn spread(number: u64) -> u64 {
+    SplitMix(number).next()
 }
 
 /// Vigna's SplitMix64: spreads one 64-bit seed over the generator's 256 bits.

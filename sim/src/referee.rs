@@ -7,7 +7,7 @@ use baudbot_geometry::{Circle, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::coverage::{Coverage, Floor};
-use crate::robot::RobotSpec;
+use crate::robot::{OnLate, RobotSpec};
 use crate::scenario::Scenario;
 use crate::scene::Scene;
 use crate::world::{Ending, World};
@@ -162,8 +162,14 @@ impl World {
         let empty = |robot: &crate::RobotView<'_>| {
             robot.battery().is_some_and(|(battery, state)| state.is_empty(battery))
         };
-        let empty = self.robots().find(|robot| rules.battery_empty && empty(robot));
-        empty.map(|robot| Ending::BatteryEmpty(String::clone(&robot.spec().name)))
+        if let Some(robot) = self.robots().find(|robot| rules.battery_empty && empty(robot)) {
+            return Some(Ending::BatteryEmpty(String::clone(&robot.spec().name)));
+        }
+        let too_late = |robot: &crate::RobotView<'_>| {
+            robot.spec().deadline.on_late == Some(OnLate::End) && robot.cycles().late > 0
+        };
+        let late = self.robots().find(too_late);
+        late.map(|robot| Ending::DeadlineMissed(String::clone(&robot.spec().name)))
     }
 }
 

@@ -10,8 +10,9 @@ use crate::laptop::{Freshness, Reading};
 use crate::link::LineCounters;
 use crate::movable::{Body, Form, Movable, MovableState};
 use crate::mover::{Mover, MoverState};
-use crate::robot::{Robot, RobotCounters, RobotSpec};
+use crate::robot::{Cycles, Robot, RobotCounters, RobotSpec};
 use crate::time::SimTime;
+use crate::timeline::Timeline;
 
 /// A look at one robot.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +33,7 @@ pub struct SensorView<'a> {
     /// Samples that fell due while the microcontroller was busy, and were left out.
     pub missed: u64,
     /// How fresh its readings were for the brain.
-    pub freshness: Freshness,
+    pub freshness: &'a Freshness,
 }
 
 impl<'a> RobotView<'a> {
@@ -100,7 +101,7 @@ impl<'a> RobotView<'a> {
             sampled_at: channel.sampled_at,
             samples: channel.samples,
             missed: channel.missed(),
-            freshness: freshness[i],
+            freshness: &freshness[i],
         })
     }
 
@@ -117,6 +118,16 @@ impl<'a> RobotView<'a> {
     /// Frames of readings that fell due while the microcontroller was busy, and were left out.
     pub fn frames_missed(&self) -> u64 {
         self.state.microcontroller.frames_missed()
+    }
+
+    /// How its control cycles went.
+    pub fn cycles(&self) -> &'a Cycles {
+        &self.state.cycles
+    }
+
+    /// What happened on it lately.
+    pub fn timeline(&self) -> &'a Timeline {
+        &self.state.recorder.timeline
     }
 
     /// The line from the microcontroller to the laptop.

@@ -15,7 +15,7 @@ use crate::hash;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::referee::Score;
-use crate::robot::{Moment, Robot};
+use crate::robot::{Moment, Recorder, Robot};
 use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
@@ -108,6 +108,8 @@ pub enum Ending {
     Sensed,
     /// The battery of the robot of this name is empty.
     BatteryEmpty(String),
+    /// The brain of the robot of this name missed its deadline.
+    DeadlineMissed(String),
 }
 
 impl fmt::Display for Ending {
@@ -121,6 +123,7 @@ impl fmt::Display for Ending {
             Self::Covered => f.write_str("as much of the floor was covered as was asked for"),
             Self::Sensed => f.write_str("as much of the floor was sensed as was asked for"),
             Self::BatteryEmpty(robot) => write!(f, "the battery of `{robot}` is empty"),
+            Self::DeadlineMissed(robot) => write!(f, "the brain of `{robot}` missed its deadline"),
         }
     }
 }
@@ -128,8 +131,8 @@ impl fmt::Display for Ending {
 impl World {
     /// A world at its start.
     pub fn new(scenario: Arc<Scenario>) -> Self {
-        let robots =
-            scenario.robots().iter().map(|spec| Robot::new(spec, scenario.seed, scenario.noise)).collect();
+        let robot = |spec| Robot::new(spec, scenario.seed, scenario.noise);
+        let robots: Vec<_> = scenario.robots().iter().map(robot).collect();
         let state = State {
             tick: 0,
             begun: false,
@@ -141,7 +144,17 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        Self { scenario, state, seen: None }
+        let mut world = Self { scenario, state, seen: None };
+        world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
+        world
+    }
+
+    /// Forgets the robots' timelines, and from now on keeps so many events of each robot's; 0 keeps none. Makes no
+    /// difference to anything else.
+    pub fn keep_timeline(&mut self, events: usize) {
+        for robot in &mut self.state.robots {
+            robot.recorder = Recorder::with_room(events);
+        }
     }
 
     /// First half of a tick: the scene is frozen, sensors that are due sample it, the microcontrollers read
@@ -170,12 +183,22 @@ impl World {
         let spec = &self.scenario.robots()[own];
         let scene = self.scenario.scene(frozen, own);
         let moment = Moment { scene: &scene, noise: self.scenario.noise, start: now, end };
-        let earliest = robot.laptop.busy_until.max(now);
+        robot.note_faults(spec, now, end);
+        let mut earliest = robot.laptop.busy_until.max(now);
+        while let Some(until) = spec.stalls().filter_map(|when| when.until(earliest)).max()
+            && earliest < end
+        {
+            earliest = until;
+        }
         if ended || earliest >= end {
             robot.advance(spec, &moment, now + 1, None);
             return;
         }
-        let step = robot.advance(spec, &moment, end, Some(earliest));
+        let stalls = spec.stalls().filter_map(|when| when.begins_within(earliest, end)).min();
+        let step = robot.advance(spec, &moment, stalls.map_or(end, |(from, _)| from), Some(earliest));
+        if step.is_none() && stalls.is_some() {
+            return;
+        }
         robot.counters.turns += 1;
         self.state.turns.push(Turn { robot: own, at: step.unwrap_or(end) });
     }
@@ -195,6 +218,7 @@ impl World {
             let scene = self.scenario.scene(&frozen, own);
             let moment = Moment { scene: &scene, noise: self.scenario.noise, start, end };
             robot.advance(&self.scenario.robots()[own], &moment, end, None);
+            robot.look_for_losses(end);
         }
         self.move_all();
         self.state.tick += 1;
@@ -215,6 +239,9 @@ impl World {
             let at = robot.think(spec, begun, input.at.max(begun));
             robot.laptop.busy_until = at;
             robot.write(spec, at, input.bytes);
+        }
+        for turn in &self.state.turns {
+            self.state.robots[turn.robot].step_over(&self.scenario.robots()[turn.robot], turn.at);
         }
     }
 
@@ -308,3 +335,6 @@ impl World {
         hash::of(&self.state)
     }
 }
+
+/// Events that a world keeps of all its robots' timelines together, unless it is told otherwise.
+const TIMELINE_EVENTS: usize = 1 << 16;

@@ -121,7 +121,10 @@ fn the_age_of_a_reading_is_the_truth_where_the_wire_cannot_tell_it() {
         world.finish(&[]);
     }
     let freshness = world.robot(0).sensors().next().unwrap().freshness;
-    assert_eq!((freshness.readable, freshness.aged, freshness.age_max_ns), (10, 10, 90_000_000));
+    assert_eq!(
+        (freshness.readable, freshness.ages.count(), freshness.ages.max_ns().unwrap()),
+        (10, 10, 90_000_000)
+    );
     // Bare messages tell no age at all, and repeat old values.
     let bare = late
         .replace("{ ", "{ protocol = \"bare\", ")
@@ -130,7 +133,10 @@ fn the_age_of_a_reading_is_the_truth_where_the_wire_cannot_tell_it() {
     let mut world = common::world(&robot("{ kind = \"ideal\" }", &bare));
     run(&mut world, 100, 0.0, 0.0);
     let freshness = world.robot(0).sensors().next().unwrap().freshness;
-    assert_eq!((freshness.readable, freshness.aged, freshness.age_max_ns), (20, 20, 50_000_000));
+    assert_eq!(
+        (freshness.readable, freshness.ages.count(), freshness.ages.max_ns().unwrap()),
+        (20, 20, 50_000_000)
+    );
 }
 
 #[test]

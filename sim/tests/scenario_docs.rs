@@ -12,18 +12,19 @@ const DOCS: [&str; 3] = [
 ];
 
 /// The parser's files with structs and enums, by the names that [`SECTIONS`] has.
-const SOURCES: [(&str, &str); 7] = [
+const SOURCES: [(&str, &str); 8] = [
     ("raw", include_str!("../src/scenario/raw.rs")),
     ("arena", include_str!("../src/scenario/arena.rs")),
     ("things", include_str!("../src/scenario/things.rs")),
     ("actuators", include_str!("../src/scenario/actuators.rs")),
     ("motors", include_str!("../src/scenario/motors.rs")),
     ("noise", include_str!("../src/scenario/noise.rs")),
+    ("faults", include_str!("../src/scenario/faults.rs")),
     ("sensors", include_str!("../src/scenario/sensors/raw.rs")),
 ];
 
 /// Which section describes which of the parser's structs.
-const SECTIONS: [(&str, &str, &str); 61] = [
+const SECTIONS: [(&str, &str, &str); 62] = [
     ("raw", "Scenario", "## Top level"),
     ("raw", "End", "## `[end]`"),
     ("raw", "Goal", "### `end.goal`"),
@@ -49,6 +50,7 @@ const SECTIONS: [(&str, &str, &str); 61] = [
     ("raw", "Adapter", "#### `adapter`"),
     ("raw", "Outage", "#### `outages`"),
     ("raw", "Brain", "### `robots.brain`"),
+    ("faults", "RawFault", "### `[[robots.faults]]`"),
     ("motors", "RawMotors", "## `robots.motors`"),
     ("motors", "RawDcMotor", "### `kind = \"dc\"`: voltage in, torque out"),
     ("motors", "RawVelocityMotor", "### `kind = \"velocity\"`: a regulated speed"),

@@ -6,12 +6,12 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
-    ("arsim", "constant:left=0.7,right=-0.7", 0x186c783160f65aa0),
-    ("arsim", "navigate", 0xb03e0e5da4f48ea0),
-    ("wander", "avoid", 0xabb9df5d09a70c9c),
-    ("wander", "wander:forward=0.3", 0xaf9b3f68b386b2b3),
-    ("khepera", "avoid", 0xfd66fd96e030f2cc),
-    ("crowd", "avoid", 0xab0e33345e69767f),
+    ("arsim", "constant:left=0.7,right=-0.7", 0xe9e1dceacabed7de),
+    ("arsim", "navigate", 0x83b9f37e8f20112c),
+    ("wander", "avoid", 0x23026d0b167fb1be),
+    ("wander", "wander:forward=0.3", 0x814206df273bbc5a),
+    ("khepera", "avoid", 0xe742e8cf7664362c),
+    ("crowd", "avoid", 0x79218c010eb83df9),
 ];
 
 #[test]

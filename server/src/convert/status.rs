@@ -5,7 +5,7 @@ use std::time::Duration;
 use baudbot_proto::v1;
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::{Freshness, RobotView, SensorView, World};
+use baudbot_sim::{Freshness, Histogram, RobotView, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
@@ -91,7 +91,31 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
         lost_deliveries: seat.lost_deliveries,
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
+        cycles: Some(cycle_status(robot)),
     }
+}
+
+fn cycle_status(robot: &RobotView<'_>) -> v1::CycleStatus {
+    let cycles = robot.cycles();
+    v1::CycleStatus {
+        deadline_ns: robot.spec().deadline.within_ns,
+        kept: cycles.kept,
+        late: cycles.late,
+        unanswered: cycles.unanswered,
+        durations: durations(&cycles.durations),
+    }
+}
+
+fn durations(histogram: &Histogram) -> Option<v1::Durations> {
+    Some(v1::Durations {
+        count: histogram.count(),
+        mean_ns: histogram.mean_ns()?,
+        min_ns: histogram.min_ns()?,
+        p50_ns: histogram.quantile_ns(0.5)?,
+        p95_ns: histogram.quantile_ns(0.95)?,
+        p99_ns: histogram.quantile_ns(0.99)?,
+        max_ns: histogram.max_ns()?,
+    })
 }
 
 fn line_status(line: &LineCounters) -> v1::LineStatus {
@@ -108,14 +132,13 @@ fn line_status(line: &LineCounters) -> v1::LineStatus {
 }
 
 fn sensor_status(sensor: &SensorView<'_>, spec: &Sensor, port: Option<&LineCounters>) -> v1::SensorStatus {
-    let Freshness { readable, aged, age_sum_ns, age_max_ns } = sensor.freshness;
+    let Freshness { readable, ages } = sensor.freshness;
     v1::SensorStatus {
         sensor: spec.name.clone(),
         samples: sensor.samples,
         missed: sensor.missed,
-        readable,
-        age_mean_ns: age_sum_ns.checked_div(aged),
-        age_max_ns: (aged > 0).then_some(age_max_ns),
+        readable: *readable,
+        ages: durations(ages),
         port: port.map(line_status),
     }
 }

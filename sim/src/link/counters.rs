@@ -22,3 +22,10 @@ pub struct LineCounters {
     /// Bytes lost because the cable was out. A byte is counted when the line is next in use.
     pub lost_bytes: u64,
 }
+
+impl LineCounters {
+    /// Bytes that did not arrive as they were sent, for whatever reason.
+    pub fn lost(&self) -> u64 {
+        self.corrupted_bytes + self.overrun_bytes + self.refused_bytes + self.lost_bytes
+    }
+}

@@ -90,7 +90,7 @@ impl Line {
     pub(super) fn send_by_detour(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
         self.lose_first(link, now);
         for &byte in bytes {
-            let byte = self.disturb(link, byte);
+            let byte = self.disturb(link, now, byte);
             let Some(detour) = &mut self.detour else { return };
             let ready = detour.ready(link, now);
             if detour.direction == Direction::Down && link.turnaround_ns().is_some() {
@@ -186,7 +186,7 @@ impl Line {
     /// All bytes that were lost in an outage by `now` are gone.
     pub(super) fn lose_all(&mut self, link: &Link, now: SimTime) {
         let before = self.in_flight.len();
-        if !link.outages().is_empty() {
+        if link.has_outages() {
             self.in_flight.retain(|(at, _)| *at > now || !link.is_out(*at));
         }
         let lost = (before - self.in_flight.len()) as u64;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::burst::Burst;
 use super::detour::{Detour, Direction};
-use super::messages::{Messages, Sampled};
+use super::messages::{Message, Messages};
 use super::{LineCounters, Link};
 use crate::random::Stream;
 use crate::time::SimTime;
@@ -56,28 +56,50 @@ impl Line {
             return;
         }
         for &byte in bytes {
-            let byte = self.disturb(link, byte);
+            let byte = self.disturb(link, now, byte);
             self.in_flight.push_back((self.burst.put(link, now), byte));
         }
         self.sent += bytes.len() as u64;
     }
 
-    /// Puts a message of readings on the line.
-    pub(crate) fn send_message(&mut self, link: &Link, now: SimTime, bytes: &[u8], sampled: Sampled) {
+    /// Puts a message on the line, and says when it is on the wire, as far as can be told now: from when until when.
+    pub(crate) fn send_message(
+        &mut self,
+        link: &Link,
+        now: SimTime,
+        bytes: &[u8],
+        message: Message,
+    ) -> (SimTime, SimTime) {
         self.messages.forget(self.over());
+        let from = self.free_at(link).max(now);
         self.send(link, now, bytes);
-        self.messages.push(self.sent, sampled);
+        let until = self.free_at(link).max(from);
+        self.messages.push(self.sent, Message { on_wire_until: until, ..message });
+        (from, until)
     }
 
-    /// When the readings of the message whose last byte has just arrived were sampled: the truth, which is
-    /// for statistics and not for the brain.
-    pub(crate) fn sampled(&mut self) -> Sampled {
+    /// The message whose last byte has just arrived. What it tells is the truth, which is for statistics and not for
+    /// the brain.
+    pub(crate) fn message(&mut self) -> Option<Message> {
         self.messages.take(self.over())
+    }
+
+    /// What was sent together with the byte that has just arrived.
+    pub(crate) fn message_around(&mut self) -> Option<Message> {
+        self.messages.take_around(self.over())
     }
 
     /// How many of the bytes that were sent are over.
     fn over(&self) -> u64 {
-        self.sent - self.in_flight.len() as u64
+        let asking = self.detour.as_ref().map_or(0, |detour| detour.asking.len());
+        self.sent - (self.in_flight.len() + asking) as u64
+    }
+
+    /// From when on the wire is free for more, as far as can be told now.
+    fn free_at(&self, link: &Link) -> SimTime {
+        let Some(detour) = &self.detour else { return self.burst.end() };
+        let asking = self.forecast(link, detour).last();
+        asking.unwrap_or_else(|| self.burst.end().max(detour.blocked_until))
     }
 
     /// The microcontroller's receiver loses what arrived by `now` beyond what it can hold.
@@ -136,8 +158,8 @@ impl Line {
         self.burst.drained_to(link, link.transmit_depth())
     }
 
-    pub(super) fn disturb(&mut self, link: &Link, byte: u8) -> u8 {
-        let rate = link.byte_error_rate();
+    pub(super) fn disturb(&mut self, link: &Link, now: SimTime, byte: u8) -> u8 {
+        let rate = link.byte_error_rate(now);
         if rate == 0.0 || self.errors.uniform() >= rate {
             return byte;
         }
@@ -181,12 +203,12 @@ mod tests {
         let mut line = line(&link);
         for i in 0..1000 {
             let now = SimTime::from_ns(i * 20_000_000);
-            line.send_message(&link, now, &[0; 5], vec![(0, now)]);
+            line.send_message(&link, now, &[0; 5], Message { sampled: vec![(0, now)], ..Message::default() });
             while line.take(&link, now + 19_000_000).is_some() {}
         }
         // The last, and the one before it, which was over but not outdated when the last was sent.
         assert_eq!(line.messages.len(), 2);
-        assert_eq!(line.sampled(), [(0, SimTime::from_ns(999 * 20_000_000))]);
+        assert_eq!(line.message().unwrap().sampled, [(0, SimTime::from_ns(999 * 20_000_000))]);
     }
 
     #[test]
@@ -197,7 +219,7 @@ mod tests {
         let mut line = line(&link);
         let mut bits = [0; 8];
         for _ in 0..SAMPLES {
-            match line.disturb(&link, 0) {
+            match line.disturb(&link, SimTime::ZERO, 0) {
                 0 => {}
                 byte => {
                     assert!(byte.is_power_of_two(), "{byte:#010b}");

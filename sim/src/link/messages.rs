@@ -1,4 +1,4 @@
-//! The messages on a line, so that it can be told how old a reading truly is when it arrives.
+//! The messages on a line: what is to be known of them when they arrive, and does not travel with them.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -7,31 +7,44 @@ use serde::{Deserialize, Serialize};
 
 use crate::time::SimTime;
 
-/// When each of a message's fresh readings was sampled.
-pub(super) type Sampled = Vec<(usize, SimTime)>;
+/// A message on its way.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Message {
+    /// When each of its fresh readings was truly sampled.
+    pub(crate) sampled: Vec<(usize, SimTime)>,
+    /// When the control cycle began that it belongs to, if it belongs to one.
+    pub(crate) cycle: Option<SimTime>,
+    /// When its last byte is at the end of the wire.
+    pub(crate) on_wire_until: SimTime,
+}
 
 /// The messages on their way.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Messages(VecDeque<Sent>);
 
-/// A message of readings on its way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Sent {
     /// How many bytes will be over when it is.
     end: u64,
-    sampled: Sampled,
+    message: Message,
 }
 
 impl Messages {
     /// A message ends with the byte of that number, from 1.
-    pub(super) fn push(&mut self, end: u64, sampled: Sampled) {
-        self.0.push_back(Sent { end, sampled });
+    pub(super) fn push(&mut self, end: u64, message: Message) {
+        self.0.push_back(Sent { end, message });
     }
 
     /// Takes the message that ends with the byte `over`, which is the last that is over.
-    pub(super) fn take(&mut self, over: u64) -> Sampled {
+    pub(super) fn take(&mut self, over: u64) -> Option<Message> {
         self.forget(over);
-        self.0.pop_front_if(|sent| sent.end == over).map_or_else(Vec::new, |sent| sent.sampled)
+        self.0.pop_front_if(|sent| sent.end == over).map(|sent| sent.message)
+    }
+
+    /// Takes the message that the byte `over` is of, which is the last that is over.
+    pub(super) fn take_around(&mut self, over: u64) -> Option<Message> {
+        self.forget(over);
+        self.0.pop_front().map(|sent| sent.message)
     }
 
     /// A message of which the last byte is over, and that nobody asked about then, was not understood.

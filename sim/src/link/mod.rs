@@ -33,9 +33,11 @@ use alloc::vec::Vec;
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
 pub(crate) use line::Line;
+pub(crate) use messages::Message;
 pub use outage::Outage;
 pub use radio::Bluetooth;
 
+use crate::fault::When;
 use crate::time::{SECOND_NS, SimTime};
 
 /// What a link is.
@@ -75,6 +77,10 @@ pub struct Uart {
     pub turnaround_ns: Option<u64>,
     /// When the cable is out, in their order and apart.
     pub outages: Vec<Outage>,
+    /// Faults that take the cable out.
+    pub cuts: Vec<When>,
+    /// Faults that damage bytes, each with its probability for a byte; the largest counts.
+    pub error_bursts: Vec<(When, f64)>,
 }
 
 /// A full-speed USB cable. It has neither byte errors, which USB finds and mends itself, nor overruns at the
@@ -89,6 +95,8 @@ pub struct Usb {
     pub laptop_buffer_bytes: usize,
     /// See [`Uart::outages`].
     pub outages: Vec<Outage>,
+    /// See [`Uart::cuts`].
+    pub cuts: Vec<When>,
 }
 
 impl Link {
@@ -137,10 +145,14 @@ impl Link {
         }
     }
 
-    fn byte_error_rate(&self) -> f64 {
+    /// Of a byte that is put on the wire at this instant.
+    fn byte_error_rate(&self, at: SimTime) -> f64 {
         match self {
             Self::Ideal | Self::Onboard | Self::Usb(_) => 0.0,
-            Self::Uart(uart) => uart.byte_error_rate,
+            Self::Uart(uart) => {
+                let bursts = uart.error_bursts.iter().filter(|(when, _)| when.until(at).is_some());
+                bursts.fold(uart.byte_error_rate, |rate, (_, burst)| rate.max(*burst))
+            }
         }
     }
 
@@ -174,14 +186,27 @@ impl Link {
         }
     }
 
+    fn cuts(&self) -> &[When] {
+        match self {
+            Self::Ideal | Self::Onboard => &[],
+            Self::Uart(uart) => &uart.cuts,
+            Self::Usb(usb) => &usb.cuts,
+        }
+    }
+
     /// Whether the cable is out at that instant.
     fn is_out(&self, at: SimTime) -> bool {
-        outage::covers(self.outages(), at)
+        outage::covers(self.outages(), at) || self.cuts().iter().any(|when| when.until(at).is_some())
+    }
+
+    /// Whether the cable is ever out.
+    fn has_outages(&self) -> bool {
+        !self.outages().is_empty() || !self.cuts().is_empty()
     }
 
     /// Whether a byte passes more than the wire.
     fn has_detour(&self) -> bool {
-        *self.adapter() != Adapter::None || self.turnaround_ns().is_some() || !self.outages().is_empty()
+        *self.adapter() != Adapter::None || self.turnaround_ns().is_some() || self.has_outages()
     }
 }
 

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::{Adapter, Bluetooth, Ftdi, Line, Link, Outage, Uart, Usb};
+use super::{Adapter, Bluetooth, Ftdi, Line, Link, Message, Outage, Uart, Usb};
 use crate::time::SimTime;
 
 pub(super) fn uart(baud: u32, bits_per_character: u8) -> Link {
@@ -19,6 +19,8 @@ pub(super) fn uart(baud: u32, bits_per_character: u8) -> Link {
         adapter: Adapter::None,
         turnaround_ns: None,
         outages: vec![],
+        cuts: vec![],
+        error_bursts: vec![],
     })
 }
 
@@ -38,7 +40,13 @@ pub(super) fn half_duplex(baud: u32, to_ns: u64) -> Link {
 }
 
 pub(super) fn usb(bytes_per_frame: u32) -> Link {
-    Link::Usb(Usb { frame_ns: 1_000_000, bytes_per_frame, laptop_buffer_bytes: 4096, outages: vec![] })
+    Link::Usb(Usb {
+        frame_ns: 1_000_000,
+        bytes_per_frame,
+        laptop_buffer_bytes: 4096,
+        outages: vec![],
+        cuts: vec![],
+    })
 }
 
 fn with_outages(mut link: Link, windows: &[(u64, u64)]) -> Link {
@@ -89,13 +97,13 @@ fn the_age_of_a_message_is_known_behind_an_outage() {
     let mut line = line(&link);
     for i in 0..4 {
         let now = SimTime::from_ns(i * 500_000);
-        line.send_message(&link, now, &[i as u8; 5], vec![(0, now)]);
+        let message = Message { sampled: vec![(0, now)], ..Message::default() };
+        line.send_message(&link, now, &[i as u8; 5], message);
     }
     // The first lost its end and the second its beginning, but not its end.
     let mut found = Vec::new();
     while let Some((at, byte)) = line.take(&link, SimTime::from_ns(9_000_000)) {
-        let sampled = line.sampled();
-        if let [(0, sampled)] = sampled[..] {
+        if let Some([(0, sampled)]) = line.message().as_ref().map(|message| &message.sampled[..]) {
             found.push((byte, at.as_ns(), sampled.as_ns()));
         }
     }

@@ -66,6 +66,14 @@ impl Motors {
         }
     }
 
+    /// When a command that is obeyed at this instant moves the motors: a servo with its next pulse, all others at once.
+    pub(crate) fn takes_effect(&self, command: SimTime) -> SimTime {
+        match self {
+            Self::Servo(servo) => servo.takes_effect(command),
+            Self::Dc(_) | Self::Velocity(_) | Self::Stepper(_) => command,
+        }
+    }
+
     /// The instant up to which commands count at `now`. A servo obeys those that had come when its present
     /// pulse began, all others obey at once.
     pub(crate) fn obeys_until(&self, now: SimTime) -> SimTime {

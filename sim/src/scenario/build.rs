@@ -43,7 +43,13 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
     let bodies = stand(&at, &movers, &movables, &arena)?;
     let step = Step { step_ms: raw.step_ms, step_ns, substeps };
-    let mut world = robots::World { step, surroundings: &surroundings, arena: &mut arena, bodies: &bodies };
+    let mut world = robots::World {
+        step,
+        seed: raw.seed,
+        surroundings: &surroundings,
+        arena: &mut arena,
+        bodies: &bodies,
+    };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
         name: raw.name,

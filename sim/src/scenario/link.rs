@@ -98,6 +98,8 @@ fn uart(path: &Path, raw: &raw::Link) -> Result<Uart> {
         },
         turnaround_ns: turnaround_ns(path, raw)?,
         outages: outages(&path.field("outages"), raw.outages.as_deref().unwrap_or_default())?,
+        cuts: Vec::new(),
+        error_bursts: Vec::new(),
     };
     keeps_up(path, &uart)?;
     Ok(uart)
@@ -118,6 +120,7 @@ fn usb(path: &Path, raw: &raw::Link) -> Result<Usb> {
         )? as u32,
         laptop_buffer_bytes: depth_of(path, "laptop_buffer_bytes", raw.laptop_buffer_bytes, 4096)?,
         outages: outages(&path.field("outages"), raw.outages.as_deref().unwrap_or_default())?,
+        cuts: Vec::new(),
     })
 }
 

@@ -11,6 +11,7 @@ mod build;
 mod cable;
 mod check;
 mod error;
+mod faults;
 mod link;
 mod motors;
 mod noise;

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 
 use super::actuators::RawBattery;
 use super::arena::RawArena;
+use super::faults::{RawFault, RawOnLate};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -96,6 +97,8 @@ pub(super) struct Robot {
     pub(super) link: Link,
     #[serde(default)]
     pub(super) brain: Brain,
+    #[serde(default)]
+    pub(super) faults: Vec<RawFault>,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
@@ -234,6 +237,8 @@ pub(super) struct Brain {
     pub(super) thinking_us: Option<f64>,
     pub(super) operations: Option<u64>,
     pub(super) memory_bytes: Option<u64>,
+    pub(super) deadline_ms: Option<f64>,
+    pub(super) on_late: Option<RawOnLate>,
 }
 
 /// A robot's sensors or actuators by name. What one may contain depends on its kind, so each is kept as a table

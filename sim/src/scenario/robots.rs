@@ -8,7 +8,7 @@ use baudbot_geometry::{Point, Pose, angle, polygon};
 
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
-use super::{ScenarioError, actuators, arena, cable, link, raw, sensors, things};
+use super::{ScenarioError, actuators, arena, cable, faults, link, raw, sensors, things};
 use crate::actuator::Actuator;
 use crate::arena::Arena;
 use crate::battery::Battery;
@@ -63,6 +63,7 @@ pub(super) struct Step {
 /// The world that the robots are put into.
 pub(super) struct World<'a> {
     pub(super) step: Step,
+    pub(super) seed: u64,
     pub(super) surroundings: &'a Surroundings,
     pub(super) arena: &'a mut Arena,
     /// What moves or is pushed, where it starts.
@@ -143,12 +144,15 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
     let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
-    let link = link::link(&path.field("link"), &raw.link)?;
+    let mut link = link::link(&path.field("link"), &raw.link)?;
     let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
     let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
     let motors = alloc::vec![motor; 2 + actuators.len()];
     let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
     cable::check_sizes(path, &firmware, &link)?;
+    let deadline = faults::deadline(path, &raw.brain, context.step.step_ns)?;
+    let parts = faults::Parts { name: &name, seed: context.seed, sensors: &sensors, link: &mut link };
+    let faults = faults::faults(path, &raw.faults, parts)?;
     Ok(RobotSpec {
         name,
         start,
@@ -167,6 +171,8 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         firmware,
         link,
         thinking_ns,
+        deadline,
+        faults,
     })
 }
 

@@ -96,13 +96,15 @@ impl Running {
         }
     }
 
-    /// Measures; of a scan, all that is taken before the tick ends.
+    /// Measures; of a scan, all that is taken before the tick ends. A device that sticks has measured what it had
+    /// before, if anything.
     pub(crate) fn measure(
         &mut self,
         sensor: &Sensor,
         clock: &OwnClock,
         at: &Measurement<'_>,
         parts: Parts<'_>,
+        sticks: bool,
     ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
@@ -125,7 +127,11 @@ impl Running {
         };
         sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
         let values = core::mem::take(&mut self.scan);
-        self.pending = Some(Held { values, measured_at: self.begins, ready_at: end + clock.latency_ns });
+        let (ready_at, last) = (end + clock.latency_ns, self.pending.as_ref().or(self.held.as_ref()));
+        self.pending = Some(match last.filter(|_| sticks) {
+            Some(last) => Held { ready_at, ..last.clone() },
+            None => Held { values, measured_at: self.begins, ready_at },
+        });
         self.taken = 0;
         self.due = self.due + self.period_ns;
         let late =

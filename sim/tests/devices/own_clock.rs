@@ -63,9 +63,9 @@ fn the_truth_knows_how_old_a_held_value_is() {
     let mut world = world(&scene(&format!("step_ms = 1.0\n{}", wall(0.5)), "", &named("s", &sensor)));
     run(&mut world, 400, 0.0, 0.0);
     let freshness = view(&world, "s").freshness;
-    assert_eq!((freshness.readable, freshness.aged), (400, 400));
-    assert_eq!(freshness.age_max_ns, 39_000_000);
-    assert_eq!(freshness.age_sum_ns / 400, 19_500_000);
+    assert_eq!((freshness.readable, freshness.ages.count()), (400, 400));
+    assert_eq!(freshness.ages.max_ns().unwrap(), 39_000_000);
+    assert_eq!(freshness.ages.sum_ns() / 400, 19_500_000);
 }
 
 /// A receiver on an ideal cable of its own: the truth tells to the nanosecond when it measured.

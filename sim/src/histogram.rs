@@ -1,0 +1,146 @@
+//! How often durations of which length occurred, in little memory.
+//!
+//! Durations are counted in buckets: 64 for every doubling, so that a quantile is right to 0.8 %; the smallest, the
+//! largest, their number and their sum are exact. A part whose durations are all alike needs a single bucket, and none
+//! needs more than 3,776.
+
+use alloc::vec::Vec;
+
+use serde::{Deserialize, Serialize};
+
+/// Counts of durations in nanoseconds.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Histogram {
+    /// Number of the first bucket in `buckets`.
+    first: u32,
+    buckets: Vec<u32>,
+    count: u64,
+    sum_ns: u64,
+    min_ns: u64,
+    max_ns: u64,
+}
+
+impl Histogram {
+    /// Counts a duration.
+    pub fn note(&mut self, ns: u64) {
+        let bucket = bucket(ns);
+        if self.buckets.is_empty() {
+            (self.first, self.min_ns) = (bucket, ns);
+        }
+        if let Some(lacking) = self.first.checked_sub(bucket).filter(|&lacking| lacking > 0) {
+            self.buckets.splice(0..0, core::iter::repeat_n(0, lacking as usize));
+            self.first = bucket;
+        }
+        let place = (bucket - self.first) as usize;
+        if place >= self.buckets.len() {
+            self.buckets.resize(place + 1, 0);
+        }
+        self.buckets[place] = self.buckets[place].saturating_add(1);
+        self.count += 1;
+        self.sum_ns = self.sum_ns.saturating_add(ns);
+        self.min_ns = self.min_ns.min(ns);
+        self.max_ns = self.max_ns.max(ns);
+    }
+
+    /// How many were counted.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Their sum, in nanoseconds.
+    pub fn sum_ns(&self) -> u64 {
+        self.sum_ns
+    }
+
+    /// Their mean, in nanoseconds, cut off; `None` if there were none.
+    pub fn mean_ns(&self) -> Option<u64> {
+        self.sum_ns.checked_div(self.count)
+    }
+
+    /// The smallest, in nanoseconds; `None` if there were none.
+    pub fn min_ns(&self) -> Option<u64> {
+        (self.count > 0).then_some(self.min_ns)
+    }
+
+    /// The largest, in nanoseconds; `None` if there were none.
+    pub fn max_ns(&self) -> Option<u64> {
+        (self.count > 0).then_some(self.max_ns)
+    }
+
+    /// The duration, in nanoseconds, that a share `q` of them, in [0, 1], does not exceed: by nearest rank, and to
+    /// 0.8 %. `None` if there were none.
+    pub fn quantile_ns(&self, q: f64) -> Option<u64> {
+        let exact = q.clamp(0.0, 1.0) * self.count as f64;
+        let rank = (exact as u64 + u64::from(exact > (exact as u64) as f64)).max(1);
+        let mut counted = 0;
+        let place = self.buckets.iter().position(|&n| {
+            counted += u64::from(n);
+            counted >= rank
+        })?;
+        Some(middle_ns(self.first + place as u32).clamp(self.min_ns, self.max_ns))
+    }
+}
+
+/// Of its number of buckets in an octave the logarithm to base 2.
+const FINE: u32 = 6;
+
+fn bucket(ns: u64) -> u32 {
+    let octave = ns.checked_ilog2().unwrap_or(0);
+    if octave < FINE {
+        return ns as u32;
+    }
+    let shift = octave - FINE;
+    (shift << FINE) + (ns >> shift) as u32
+}
+
+/// The middle of a bucket's durations.
+fn middle_ns(bucket: u32) -> u64 {
+    let shift = (bucket >> FINE).saturating_sub(1);
+    let lowest = u64::from(bucket - (shift << FINE)) << shift;
+    lowest + ((1 << shift) - 1) / 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buckets_follow_each_other_without_a_gap_and_are_at_most_a_64th_wide() {
+        for ns in (0..100_000).chain([u64::MAX - 1, u64::MAX, 1 << 40, (1 << 40) - 1]) {
+            let (this, before) = (bucket(ns), bucket(ns.saturating_sub(1)));
+            assert!(this - before <= 1, "{ns}");
+            assert_eq!(bucket(middle_ns(this)), this, "{ns}");
+            assert!(middle_ns(this).abs_diff(ns) <= ns / 128 + 1, "{ns}: {}", middle_ns(this));
+        }
+        assert_eq!(bucket(u64::MAX), 3775);
+    }
+
+    #[test]
+    fn quantiles_are_right_to_their_resolution_and_the_rest_is_exact() {
+        let mut histogram = Histogram::default();
+        // 1 to 1000 µs, from both ends at once.
+        for us in 1..=500 {
+            histogram.note((501 - us) * 1000);
+            histogram.note((500 + us) * 1000);
+        }
+        for (q, us) in [(0.0, 1.0), (0.5, 500.0), (0.9, 900.0), (0.99, 990.0), (1.0, 1000.0)] {
+            let found = histogram.quantile_ns(q).unwrap() as f64 / 1000.0;
+            assert!((found / us - 1.0).abs() < 0.009, "{q}: {found}");
+        }
+        assert_eq!((histogram.min_ns(), histogram.max_ns()), (Some(1000), Some(1_000_000)));
+        assert_eq!((histogram.count(), histogram.mean_ns()), (1000, Some(500_500)));
+    }
+
+    #[test]
+    fn equal_durations_need_one_bucket_and_are_told_exactly() {
+        let mut histogram = Histogram::default();
+        (0..10).for_each(|_| histogram.note(12_345_678));
+        assert_eq!((histogram.buckets.len(), histogram.quantile_ns(0.5)), (1, Some(12_345_678)));
+    }
+
+    #[test]
+    fn of_nothing_there_is_no_quantile() {
+        assert_eq!(Histogram::default().quantile_ns(0.5), None);
+        assert_eq!(Histogram::default().mean_ns(), None);
+    }
+}

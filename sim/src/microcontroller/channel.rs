@@ -1,0 +1,89 @@
+//! What the microcontroller has of each sensor: when it is due, and the sample that it holds.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use serde::{Deserialize, Serialize};
+
+use crate::random::Stream;
+use crate::robot::RobotSpec;
+use crate::schedule::Due;
+use crate::sensor::noise::NoiseState;
+use crate::sensor::{Effect, Measurement, Memory, Running, Sensor};
+use crate::time::SimTime;
+
+/// State of one sensor: its device, and the sample that it holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Channel {
+    pub(super) due: Due,
+    pub(super) memory: Memory,
+    pub(super) noise: NoiseState,
+    pub(super) stream: Stream,
+    /// If the device measures at its own pace.
+    pub(super) running: Option<Running>,
+    /// The last sample, one value a component; empty before the first.
+    pub(crate) values: Vec<f64>,
+    /// When the microcontroller took it; of a device with a cable of its own, when it was measured.
+    pub(crate) sampled_at: SimTime,
+    /// When it was measured: earlier, if the device held it.
+    pub(super) measured_at: SimTime,
+    /// How long the last read took the processor, in nanoseconds.
+    pub(super) took_ns: u64,
+    /// In no frame yet: the readability state of §3.2.1.
+    pub(super) fresh: bool,
+    pub(crate) samples: u64,
+}
+
+impl Channel {
+    pub(super) fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64, noise: bool) -> Self {
+        let name = alloc::format!("{}/{}", spec.name, sensor.name);
+        // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
+        // it.
+        let specimen = &mut Stream::new(seed, &alloc::format!("{name}:specimen"));
+        let due = if sensor.is_on_wire() {
+            sensor.schedule.start()
+        } else {
+            Due { next: SimTime::NEVER, missed: 0 }
+        };
+        Self {
+            due,
+            noise: sensor.noise.start(sensor.device.values(), specimen),
+            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen, noise)),
+            memory: sensor.device.remember(&spec.start.pose, specimen),
+            stream: Stream::new(seed, &name),
+            values: vec![],
+            sampled_at: SimTime::ZERO,
+            measured_at: SimTime::ZERO,
+            took_ns: 0,
+            fresh: false,
+            samples: 0,
+        }
+    }
+
+    /// Takes a reading: of the device now, or of what it holds.
+    pub(super) fn read(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> Effect {
+        self.values.resize(sensor.encodings.len(), 0.0);
+        if let Some(running) = &self.running {
+            match running.held() {
+                Some(held) => {
+                    self.values.copy_from_slice(&held.values);
+                    self.measured_at = held.measured_at;
+                }
+                None => {
+                    sensor.device.unmeasured(&mut self.values);
+                    self.measured_at = at.now;
+                }
+            }
+            return Effect::default();
+        }
+        let effect = sensor.device.read(at, &mut self.memory, &mut self.stream, &mut self.values);
+        sensor.disturb(at.noise, &mut self.noise, at.now, &mut self.values, &mut self.stream);
+        self.measured_at = at.now;
+        effect
+    }
+
+    /// Reads that fell due while the processor was busy and were left out.
+    pub(crate) fn missed(&self) -> u64 {
+        self.due.missed
+    }
+}

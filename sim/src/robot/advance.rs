@@ -1,0 +1,279 @@
+//! A robot's timeline within a tick: its devices, its microcontroller and its cables, one event after the other.
+
+use super::{Moment, Robot, RobotSpec};
+use crate::actuator::ActuatorState;
+use crate::battery::BatteryState;
+use crate::drive::{Motion, Wheels};
+use crate::link::{Link, Message};
+use crate::microcontroller::{Order, Taken, Task};
+use crate::sensor::{Event, Measurement};
+use crate::time::SimTime;
+use crate::timeline::What;
+
+/// What comes next on a robot.
+enum Next {
+    /// A device with an own clock.
+    Device(usize, Event),
+    /// The microcontroller.
+    Task(Task),
+}
+
+impl Robot {
+    /// The brain steps at `at`: it has now been given all that arrived.
+    pub(crate) fn hand_over(&mut self, at: SimTime) {
+        self.laptop.hand_over(at);
+        for port in &mut self.ports {
+            port.unread.clear();
+        }
+    }
+
+    /// Runs the timeline of microcontroller and link through all that happens before `until`. With
+    /// `earliest`, stops when the brain can step, which is when a message has arrived and `earliest` is
+    /// reached, and says when that is; what happens at that very instant has then happened.
+    pub(crate) fn advance(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        until: SimTime,
+        earliest: Option<SimTime>,
+    ) -> Option<SimTime> {
+        let mut step = earliest.filter(|_| self.laptop.has_message);
+        // Bytes that arrive at the laptop change nothing on the robot.
+        let mut on_robot = self.next_on_robot(spec);
+        loop {
+            let end = step.map_or(until, |at| at + 1);
+            let (arrival, port) = self.next_byte(spec);
+            if on_robot.0.min(arrival) >= end {
+                return step;
+            }
+            if on_robot.0 <= arrival {
+                let (now, next) = on_robot;
+                match next {
+                    Next::Device(i, event) => self.run_device(spec, moment, now, (i, event)),
+                    Next::Task(task) => self.run(spec, moment, now, task),
+                }
+                on_robot = self.next_on_robot(spec);
+                continue;
+            }
+            self.hear(spec, arrival, port);
+            if step.is_none() && self.laptop.has_message {
+                step = earliest.map(|earliest| earliest.max(arrival));
+            }
+        }
+    }
+
+    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
+    fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
+        let mut next = (self.uplink.arrival(&spec.link), None);
+        for (k, (port, &i)) in self.ports.iter().zip(&spec.ports).enumerate() {
+            let arrival = port.arrival(&spec.sensors[i]);
+            if arrival < next.0 {
+                next = (arrival, Some(k));
+            }
+        }
+        next
+    }
+
+    /// What comes next on the robot, and when. At one instant devices come first, so that the microcontroller finds
+    /// what is new; and it comes before the laptop, so that what it sends over an ideal link arrives at the same
+    /// instant.
+    fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
+        let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
+        let mut next = (start, Next::Task(task));
+        for &i in &spec.own_clocks {
+            let (at, event) = self.microcontroller.next_of_own(i, &spec.sensors[i]);
+            if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
+                next = (at, Next::Device(i, event));
+            }
+        }
+        next
+    }
+
+    fn run(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, task: Task) {
+        match task {
+            Task::Acquire(i) => self.acquire(spec, moment, now, i),
+            Task::SendReadings => self.send_readings(spec, now),
+            Task::Receive => self.receive(spec, now),
+        }
+    }
+
+    fn acquire(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, i: usize) {
+        let Self { microcontroller, motion, actuators, battery, .. } = self;
+        let missed = microcontroller.channels()[i].missed();
+        let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+        let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
+        self.pings[0] = ping.or(self.pings[0]);
+        let (sensor, until) = (i as u16, microcontroller.free_at());
+        if microcontroller.channels()[i].missed() != missed {
+            self.recorder.note(now, now, What::Missed { sensor });
+        }
+        self.recorder.note(now, until, What::Acquire { sensor });
+    }
+
+    fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
+        let taken = self.microcontroller.receive(spec, now, &mut self.downlink);
+        self.recorder.receive(now, taken != Taken::Nothing, self.microcontroller.free_at());
+        let Taken::Command(at) = taken else { return };
+        let written = self.downlink.message_around();
+        if let Some(begun) = written.and_then(|message| message.cycle) {
+            self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at));
+        }
+    }
+
+    fn send_readings(&mut self, spec: &RobotSpec, now: SimTime) {
+        self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
+        let missed = self.microcontroller.frames_missed();
+        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink);
+        self.downlink.leave_wire_to(&spec.link, &self.uplink);
+        if self.microcontroller.frames_missed() != missed {
+            self.recorder.note(now, now, What::Missed { sensor: u16::MAX });
+        }
+        self.cycles.open(sent.cycle);
+        let bytes = sent.bytes;
+        self.recorder.note(now, sent.closed, What::Frame { bytes });
+        let free = self.microcontroller.free_at();
+        if free > sent.closed {
+            self.recorder.note(sent.closed, free, What::Block);
+        }
+        self.recorder.note(sent.on_wire.0, sent.on_wire.1, What::Up { bytes });
+    }
+
+    fn run_device(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        now: SimTime,
+        (i, event): (usize, Event),
+    ) {
+        let sensor = &spec.sensors[i];
+        match event {
+            Event::Measure => {
+                let Self { microcontroller, motion, actuators, battery, .. } = self;
+                let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+                microcontroller.measure(i, sensor, &at);
+            }
+            Event::Output => {
+                let output = self.microcontroller.output(i, sensor);
+                if let Some((_, measured_at)) = output {
+                    self.recorder.note(measured_at, now, What::Measure { sensor: i as u16 });
+                }
+                let (Some(output), Some(port)) = (output, &sensor.port) else { return };
+                let Some(k) = spec.ports.iter().position(|&other| other == i) else { return };
+                match self.ports[k].send(sensor, port, i, now, output) {
+                    Some((from, until)) => {
+                        let bytes = port.format.message_len(&sensor.device) as u32;
+                        self.recorder.note(from, until, What::Port { sensor: i as u16, bytes });
+                    }
+                    None => {
+                        self.microcontroller.leave_out(i);
+                        self.recorder.note(now, now, What::Missed { sensor: i as u16 });
+                    }
+                }
+            }
+        }
+    }
+
+    fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
+        let Some(k) = port else {
+            while let Some(arrival) = self.uplink.take(&spec.link, now) {
+                let message = self.laptop.receive(spec, arrival, &mut self.uplink);
+                if let Some(Message { on_wire_until, .. }) =
+                    message.filter(|message| message.on_wire_until < now)
+                {
+                    self.recorder.note(on_wire_until, now, What::Adapter);
+                }
+            }
+            return;
+        };
+        let i = spec.ports[k];
+        while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
+            self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
+        }
+    }
+
+    /// When a brain is done that thinks from `begun` to `until`: on board it waits for the processor first.
+    pub(crate) fn think(&mut self, spec: &RobotSpec, begun: SimTime, until: SimTime) -> SimTime {
+        match spec.link {
+            Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
+            Link::Ideal | Link::Uart(_) | Link::Usb(_) => until,
+        }
+    }
+
+    /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
+    pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
+        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
+        let taken = bytes.len().min(room);
+        self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
+        if taken == 0 {
+            return;
+        }
+        let message = Message { cycle: self.laptop.answering.take(), ..Message::default() };
+        let (_, until) = self.downlink.send_message(&spec.link, at, &bytes[..taken], message);
+        self.recorder.note(at, until, What::Down { bytes: taken as u32 });
+    }
+
+    /// The brain's step that began at `begun` is over: it has written what it wanted to.
+    pub(crate) fn step_over(&mut self, spec: &RobotSpec, begun: SimTime) {
+        let informed = self.laptop.informed;
+        self.recorder.note(begun, self.laptop.busy_until, What::Think { informed });
+        if let Some(cycle) = self.laptop.answering.take() {
+            self.cycles.leave(&spec.deadline, cycle);
+        }
+    }
+
+    /// The faults that come into force from `now` until `end`.
+    pub(crate) fn note_faults(&mut self, spec: &RobotSpec, now: SimTime, end: SimTime) {
+        for (i, fault) in spec.faults.iter().enumerate() {
+            if let Some((from, until)) = fault.when.begins_within(now, end) {
+                self.recorder.note(from, until, What::Fault { fault: i as u16 });
+            }
+        }
+    }
+
+    /// What was lost on the cables is looked at when a tick ends.
+    pub(crate) fn look_for_losses(&mut self, now: SimTime) {
+        let Self { recorder, uplink, downlink, ports, .. } = self;
+        let cables = [&*uplink, downlink].into_iter().chain(ports.iter().map(|port| &port.line));
+        recorder.look_for_losses(now, cables.map(|line| &line.counters));
+    }
+
+    /// The actuators take up what has been commanded by `now`, and what is late is found out.
+    pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime) {
+        while let Some(due) = self.cycles.give_up(&spec.deadline, now) {
+            self.recorder.note(due, due, What::Late);
+            if spec.deadline.on_late == Some(super::OnLate::Stop) {
+                self.signals = Wheels::default();
+            }
+        }
+        let until = spec.drive.motor.obeys_until(now);
+        if let Some(Order { at, signals, others }) = self.microcontroller.order_at(until) {
+            (self.signals, self.commanded_at) = (signals, at);
+            for (actuator, signal) in self.actuators.iter_mut().zip(others) {
+                actuator.signal = signal;
+            }
+            self.recorder.note(now, now, What::Act);
+        }
+        if spec.command_timeout_ns.is_some_and(|timeout| now.since(self.commanded_at) >= timeout) {
+            self.signals = Wheels::default();
+        }
+    }
+}
+
+fn measurement<'a>(
+    robot: &'a RobotSpec,
+    moment: &Moment<'a>,
+    now: SimTime,
+    (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
+) -> Measurement<'a> {
+    Measurement {
+        scene: moment.scene,
+        robot,
+        motion,
+        actuators,
+        battery,
+        noise: moment.noise,
+        now,
+        tick_start: moment.start,
+        tick_end: moment.end,
+    }
+}

@@ -1,0 +1,160 @@
+//! Control cycles: what they cost, whether they are kept, and what a late brain gets.
+
+mod common;
+
+use baudbot_sim::timeline::{Event, What};
+use baudbot_sim::{Ending, Input, SimTime, World};
+use common::{BODY, command, world};
+
+/// A robot with two sensors that take 0.3 ms each, one frame each tick of 20 ms, over 9600 baud 8N1.
+fn robot(brain: &str, more: &str) -> String {
+    format!(
+        "step_ms = 20.0\nsubsteps = 20\nnoise = false\n[[robots]]\nname = \"r\"\n{BODY}\nbrain = {{ {brain} }}\nmotors = {{ signal_bits = 8 }}\n\
+         microcontroller = {{ framing_us_per_byte = 10, receiving_us_per_byte = 5, obeying_us = 20 }}\n\
+         firmware = {{ protocol = \"bare\", period_ms = 20.0, phase_ms = 1.0 }}\n\
+         link = {{ kind = \"uart\", baud = 9600 }}\n{more}\n\
+         [robots.sensors.a]\nkind = \"compass\"\nbits = 8\nacquisition_us = 300\nperiod_ms = 20.0\n\
+         [robots.sensors.b]\nkind = \"compass\"\nbits = 8\nacquisition_us = 300\nperiod_ms = 20.0\n"
+    )
+}
+
+/// Reading 0.6, framing 2 bytes 0.02, up 2 characters 25/12, down 2 characters 25/12, taking the last byte 0.005 and
+/// obeying 0.02 ms.
+const COST_NS: u64 = 600_000 + 20_000 + 2 * 2_083_334 + 5_000 + 20_000;
+
+fn drive(world: &mut World, ticks: u64, answers: impl Fn(SimTime) -> bool) {
+    for _ in 0..ticks {
+        let turns = world.begin().to_vec();
+        let turns = turns.iter().filter(|turn| answers(turn.at));
+        let answers: Vec<_> = turns.map(|turn| (turn.at, command(world.robot(0).spec(), 1.0, 1.0))).collect();
+        let inputs: Vec<_> = answers.iter().map(|(at, bytes)| Input { robot: 0, at: *at, bytes }).collect();
+        world.finish(&inputs);
+    }
+}
+
+fn events(world: &World, wanted: fn(&What) -> bool) -> Vec<Event> {
+    world.robot(0).timeline().events().filter(|event| wanted(&event.what)).copied().collect()
+}
+
+#[test]
+fn a_cycle_costs_the_sum_of_its_boxes() {
+    let mut world = world(&robot("", ""));
+    drive(&mut world, 100, |_| true);
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late, cycles.unanswered), (100, 0, 0));
+    assert_eq!((cycles.durations.min_ns(), cycles.durations.max_ns()), (Some(COST_NS), Some(COST_NS)));
+}
+
+#[test]
+fn thinking_is_part_of_it_and_a_cycle_longer_than_the_step_is_late() {
+    let mut world = world(&robot("thinking_us = 17000", ""));
+    for _ in 0..100 {
+        let turns = world.begin().to_vec();
+        let bytes = command(world.robot(0).spec(), 1.0, 1.0);
+        let input = |turn: &baudbot_sim::Turn| Input { robot: 0, at: turn.at + 17_000_000, bytes: &bytes };
+        world.finish(&turns.iter().map(input).collect::<Vec<_>>());
+    }
+    let cycles = world.robot(0).cycles();
+    assert!(cycles.kept == 0 && cycles.late >= 98, "{cycles:?}");
+    assert_eq!(cycles.durations.quantile_ns(0.5), Some(COST_NS + 17_000_000));
+    assert_eq!(cycles.kept_share(), Some(0.0));
+}
+
+#[test]
+fn what_the_brain_leaves_unanswered_is_neither_kept_nor_late() {
+    let mut world = world(&robot("", ""));
+    drive(&mut world, 100, |at| at.as_ns() % 40_000_000 < 20_000_000);
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late, cycles.unanswered), (50, 0, 50));
+}
+
+#[test]
+fn the_events_of_a_cycle_follow_each_other_without_a_gap() {
+    let mut world = world(&robot("thinking_us = 1000", ""));
+    let turn = world.begin()[0];
+    let bytes = command(world.robot(0).spec(), 1.0, 1.0);
+    world.finish(&[Input { robot: 0, at: turn.at + 1_000_000, bytes: &bytes }]);
+    let mut found = events(&world, |what| !matches!(what, What::Acquire { .. }));
+    found.sort_by_key(|event| event.start);
+    let ns = |event: &Event| (event.start.as_ns(), event.end.as_ns());
+    let wire_ns = 2_083_334;
+    let mut at = 1_000_000;
+    let mut next = |duration_ns| {
+        at += duration_ns;
+        (at - duration_ns, at)
+    };
+    let (frame, up, think, down) = (next(20_000), next(wire_ns), next(1_000_000), next(wire_ns));
+    // It takes the first byte as it arrives, while the second is on its way.
+    let obey = (down.1 - wire_ns / 2, down.1 + 25_000);
+    let act = (7_000_000, 7_000_000);
+    assert_eq!(found.iter().map(ns).collect::<Vec<_>>(), [frame, up, think, down, obey, act]);
+    assert_eq!(found[0].what, What::Frame { bytes: 2 });
+    assert_eq!(found[2].what, What::Think { informed: true });
+}
+
+#[test]
+fn a_world_without_a_timeline_makes_the_same_run() {
+    let [mut with, mut without] = [(), ()].map(|()| world(&robot("deadline_ms = 3", "")));
+    without.keep_timeline(0);
+    drive(&mut with, 50, |_| true);
+    drive(&mut without, 50, |_| true);
+    assert!(with.robot(0).timeline().events().count() > 300);
+    assert_eq!(without.robot(0).timeline().events().count(), 0);
+    assert_eq!(with.hash(), without.hash());
+}
+
+#[test]
+fn a_silent_brain_is_late_where_a_deadline_is_stated_and_its_old_command_is_held() {
+    let mut world = world(&robot("deadline_ms = 10", ""));
+    drive(&mut world, 50, |at| at.as_ns() < 500_000_000);
+    let robot = world.robot(0);
+    let cycles = robot.cycles();
+    assert_eq!((cycles.kept, cycles.unanswered), (25, 0));
+    assert!((24..=25).contains(&cycles.late), "{cycles:?}");
+    assert_eq!((robot.signals().left, robot.signals().right), (1.0, 1.0));
+    let late = events(&world, |what| *what == What::Late);
+    assert_eq!(late[0].start.as_ns(), 500_000_000 + 400_000 + 10_000_000);
+}
+
+#[test]
+fn motors_stop_at_the_deadline_and_go_on_with_the_next_command() {
+    let mut world = world(&robot("deadline_ms = 10, on_late = \"stop\"", ""));
+    let silent = |at: SimTime| (500_000_000..700_000_000).contains(&at.as_ns());
+    drive(&mut world, 26, |at| !silent(at));
+    assert_eq!(world.robot(0).signals().left, 0.0);
+    drive(&mut world, 9, |at| !silent(at));
+    assert_eq!(world.robot(0).signals().left, 0.0);
+    drive(&mut world, 1, |at| !silent(at));
+    assert_eq!(world.robot(0).signals().left, 1.0);
+}
+
+#[test]
+fn a_command_that_comes_after_the_deadline_counts_as_late_once_and_is_obeyed() {
+    // The command is there 4.812 ms after the cycle began.
+    let mut world = world(&robot("deadline_ms = 3, on_late = \"stop\"", ""));
+    drive(&mut world, 10, |_| true);
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late, cycles.durations.count()), (0, 10, 10));
+    assert_eq!(events(&world, |what| *what == What::Late).len(), 10);
+    assert_eq!(world.robot(0).signals().left, 1.0, "the late command is in force");
+}
+
+#[test]
+fn a_run_ends_with_the_first_miss_if_the_scenario_says_so() {
+    let mut world = world(&robot("deadline_ms = 10, on_late = \"end\"", ""));
+    drive(&mut world, 100, |at| at.as_ns() < 300_000_000);
+    assert_eq!(world.ending(), Some(&Ending::DeadlineMissed("r".into())));
+    assert_eq!(world.tick(), 16);
+    assert_eq!(world.ending().unwrap().to_string(), "the brain of `r` missed its deadline");
+}
+
+#[test]
+fn a_snapshot_goes_back_to_its_cycles() {
+    let mut world = world(&robot("", ""));
+    drive(&mut world, 10, |_| true);
+    let mut copy = world.clone();
+    drive(&mut world, 10, |_| true);
+    drive(&mut copy, 10, |_| true);
+    assert_eq!(world.hash(), copy.hash());
+    assert_eq!(copy.robot(0).cycles().kept, 20);
+}

@@ -1,0 +1,141 @@
+//! Faults by script and by chance: what they do, and to nothing else.
+
+mod common;
+
+use baudbot_sim::World;
+use baudbot_sim::timeline::What;
+use common::{BODY, refusal, run, world};
+
+fn robot(link: &str, faults: &str) -> String {
+    format!(
+        "noise = false\n[[robots]]\nname = \"r\"\n{BODY}\nlink = {{ {link} }}\nfirmware = {{ protocol = \"bare\" }}\n\
+         faults = [{faults}]\n\
+         [robots.sensors.odometer]\nkind = \"odometer\"\nposition_range_m = 100\n"
+    )
+}
+
+const UART: &str = "kind = \"uart\", baud = 115200";
+
+fn faults(world: &World) -> Vec<(u64, u64)> {
+    let ms = |event: &baudbot_sim::timeline::Event| {
+        (event.start.as_ns() / 1_000_000, event.end.as_ns() / 1_000_000)
+    };
+    let events = world.robot(0).timeline().events();
+    events.filter(|event| matches!(event.what, What::Fault { .. })).map(ms).collect()
+}
+
+#[test]
+fn a_cable_that_is_cut_for_200_ms_loses_what_is_on_it_for_so_long() {
+    let mut world = world(&robot(UART, "{ kind = \"cable\", from_s = 1.0, for_s = 0.2 }"));
+    run(&mut world, 300, 0.1, 0.1);
+    let robot = world.robot(0);
+    assert_eq!(robot.uplink().messages, 280);
+    assert!((280..=281).contains(&robot.downlink().messages), "one was on its way");
+    assert!(robot.uplink().lost_bytes > 0);
+    assert_eq!(faults(&world), [(1000, 1200)]);
+    let lost = robot.timeline().events().filter(|event| matches!(event.what, What::Lost { .. })).count();
+    assert_eq!(lost, 20);
+}
+
+#[test]
+fn byte_errors_come_while_the_fault_is_in_force() {
+    let fault = "{ kind = \"byte-errors\", byte_error_rate = 1.0, from_s = 0.5, for_s = 0.25 }";
+    let mut world = world(&robot(UART, fault));
+    run(&mut world, 50, 0.1, 0.1);
+    assert_eq!(world.robot(0).uplink().corrupted_bytes, 0);
+    run(&mut world, 50, 0.1, 0.1);
+    let (up, message) =
+        (world.robot(0).uplink(), world.robot(0).spec().firmware.layout().bare_readings_len());
+    assert_eq!(up.corrupted_bytes, 25 * message as u64);
+}
+
+#[test]
+fn a_stalled_brain_takes_no_step_and_then_goes_on() {
+    let mut world = world(&robot(UART, "{ kind = \"brain\", from_s = 1.0, for_s = 0.5 }"));
+    run(&mut world, 200, 0.1, 0.1);
+    assert_eq!(world.robot(0).counters().turns, 150);
+    assert!((149..=150).contains(&world.robot(0).commands()), "the last may be on its way");
+}
+
+#[test]
+fn a_sensor_that_sticks_gives_its_last_value_and_grows_old() {
+    let mut world =
+        world(&robot(UART, "{ kind = \"sensor\", sensor = \"odometer\", from_s = 1.0, for_s = 0.5 }"));
+    let x_m = |world: &World| world.robot(0).sensors().next().unwrap().sample[0];
+    run(&mut world, 100, 0.1, 0.1);
+    let stuck_at = x_m(&world);
+    run(&mut world, 50, 0.1, 0.1);
+    assert!(stuck_at > 0.0 && x_m(&world) == stuck_at);
+    run(&mut world, 1, 0.1, 0.1);
+    assert!(x_m(&world) > stuck_at + 0.01);
+    let oldest_ns = world.robot(0).sensors().next().unwrap().freshness.ages.max_ns().unwrap();
+    assert!((500_000_000..520_000_000).contains(&oldest_ns), "{oldest_ns}");
+}
+
+#[test]
+fn faults_by_chance_come_once_in_each_span_and_depend_on_the_seed_alone() {
+    let fault = "{ kind = \"cable\", every_s = 1.0, for_s = 0.1 }";
+    let with = |seed: u64, list: &str| {
+        let mut world = world(&format!("seed = {seed}\n{}", robot(UART, list)));
+        world.keep_timeline(100_000);
+        run(&mut world, 1000, 0.1, 0.1);
+        world
+    };
+    let world = with(1, fault);
+    let found = faults(&world);
+    assert_eq!(found.iter().map(|(from, _)| from / 1000).collect::<Vec<_>>(), (0..10).collect::<Vec<_>>());
+    assert_eq!(with(1, fault).hash(), world.hash());
+    assert_ne!(faults(&with(2, fault)), found);
+    // Another fault behind it leaves it where it was.
+    let two = format!("{fault}, {{ kind = \"brain\", every_s = 2.0, for_s = 0.1 }}");
+    let both = faults(&with(1, &two));
+    assert!(found.iter().all(|one| both.contains(one)) && both.len() == 15, "{both:?}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_its_path() {
+    let of = |link: &str, fault: &str| refusal(&robot(link, fault));
+    let cases = [
+        (UART, "{ kind = \"cable\", for_s = 1 }", "robots[0].faults[0].from_s: is missing; say when"),
+        (
+            UART,
+            "{ kind = \"cable\", for_s = 1, from_s = 1, every_s = 2 }",
+            "faults[0].every_s: say either this",
+        ),
+        (
+            UART,
+            "{ kind = \"cable\", for_s = 3, every_s = 2 }",
+            "faults[0].for_s: must not be longer than every_s",
+        ),
+        (UART, "{ kind = \"cable\", for_s = -1, from_s = 2 }", "faults[0].for_s: must be within"),
+        (UART, "{ kind = \"byte-errors\", for_s = 1, from_s = 2 }", "faults[0].byte_error_rate: is missing"),
+        (
+            UART,
+            "{ kind = \"cable\", for_s = 1, from_s = 2, sensor = \"x\" }",
+            "faults[0].sensor: only for kind",
+        ),
+        (UART, "{ kind = \"sensor\", for_s = 1, from_s = 2 }", "faults[0].sensor: is missing"),
+        (
+            UART,
+            "{ kind = \"sensor\", for_s = 1, from_s = 2, sensor = \"x\" }",
+            "faults[0].sensor: there is no sensor `x`; there are: odometer",
+        ),
+        (
+            "kind = \"ideal\"",
+            "{ kind = \"cable\", for_s = 1, from_s = 2 }",
+            "faults[0].kind: there is no cable",
+        ),
+        (
+            "kind = \"usb\"",
+            "{ kind = \"byte-errors\", byte_error_rate = 0.1, for_s = 1, from_s = 2 }",
+            "faults[0].kind: USB finds and mends its errors",
+        ),
+        (UART, "{ kind = \"gremlin\", for_s = 1, from_s = 2 }", "unknown variant `gremlin`, expected one of"),
+    ];
+    for (link, fault, expected) in cases {
+        let message = of(link, fault);
+        assert!(message.contains(expected), "expected `{expected}` in: {message}");
+    }
+    let late = refusal(&format!("[[robots]]\nname = \"r\"\n{BODY}\nbrain = {{ on_late = \"stop\" }}"));
+    assert!(late.contains("robots[0].brain.on_late: needs a deadline: deadline_ms"), "{late}");
+}
