@@ -4,11 +4,13 @@
 //! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
+mod khepera;
+
 use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use baudbot_wire::{Message, Sample, Values, clock, frame, message, write_values};
+use baudbot_wire::{Layout, Message, Sample, Values, clock, frame, message, write_values};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
@@ -185,10 +187,14 @@ impl Microcontroller {
                 let n = self.write_bare(&spec.firmware, &mut bytes);
                 (n, now + n as u64 * cost)
             }
+            Protocol::Khepera => {
+                let n = self.write_lines(&spec.firmware, &mut bytes);
+                (n, now + n as u64 * cost)
+            }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
         };
-        // A bare message repeats what is not fresh.
-        let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. });
+        // Messages without a mask repeat what is not fresh.
+        let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. } | Protocol::Khepera);
         let mut sampled = Vec::new();
         for (i, channel) in self.channels.iter_mut().enumerate().take(spec.firmware.layout().counts.len()) {
             if core::mem::take(&mut channel.fresh) || (repeats && channel.samples > 0) {
@@ -201,12 +207,15 @@ impl Microcontroller {
     }
 
     /// The last sample of every sensor, zeros before the first.
+    fn last_values(&self, layout: &Layout<'_>) -> impl Iterator<Item = f64> {
+        self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
+            (0..components.len()).map(|i| channel.values.get(i).copied().unwrap_or(0.0))
+        })
+    }
+
     fn write_bare(&self, firmware: &Firmware, out: &mut [u8]) -> usize {
         let layout = firmware.layout();
-        let values = self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
-            (0..components.len()).map(|i| channel.values.get(i).copied().unwrap_or(0.0))
-        });
-        write_values(layout.components, values, out).expect(FITS)
+        write_values(layout.components, self.last_values(&layout), out).expect(FITS)
     }
 
     /// A frame and the instant at which it is closed, which is the time that stands in it. That depends on
@@ -263,6 +272,7 @@ impl Microcontroller {
     }
 
     fn obey(&mut self, spec: &RobotSpec, request: Request) {
+        self.decoder.owe(request == Request::Poll);
         if let Request::Drive(signals, others) = request {
             self.free_at = self.free_at + spec.processor.obeying_ns;
             self.orders.push_back(Order { at: self.free_at, signals, others });
@@ -363,8 +373,10 @@ impl Request {
     /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
     fn parse(spec: &RobotSpec, payload: &[u8]) -> Option<Self> {
         let layout = spec.firmware.layout();
-        if let Protocol::Bare { .. } = spec.firmware.protocol {
-            return Self::drive(spec, &mut Values::new(layout.motors, payload));
+        match spec.firmware.protocol {
+            Protocol::Bare { .. } => return Self::drive(spec, &mut Values::new(layout.motors, payload)),
+            Protocol::Khepera => return khepera::request(spec, payload, &layout),
+            Protocol::Framed { .. } => {}
         }
         match Message::parse(payload, &layout).ok()? {
             Message::Readings(_) => None,

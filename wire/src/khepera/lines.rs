@@ -7,8 +7,9 @@ use super::{MAX_DIGITS, MAX_LINE};
 use crate::buffer::Buffer;
 
 /// Finds lines in a stream of bytes. Behind the end of a line it is as new.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lines {
+    ends: Ends,
     /// The bytes since the last end of a line.
     collected: Buffer<MAX_LINE>,
     /// How many bytes have come since the buffer was full.
@@ -16,9 +17,15 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// A reader that has seen nothing.
-    pub const fn new() -> Self {
-        Self { collected: Buffer::new(), dropped: 0 }
+    /// A reader of questions that has seen nothing. A carriage return ends them, or a line feed, or both.
+    pub const fn of_questions() -> Self {
+        Self { ends: Ends::Either, collected: Buffer::new(), dropped: 0 }
+    }
+
+    /// A reader of answers that has seen nothing. A line feed ends them, and not the carriage return before it: an
+    /// answer is not there before its last byte is.
+    pub const fn of_answers() -> Self {
+        Self { ends: Ends::Feed, collected: Buffer::new(), dropped: 0 }
     }
 
     /// Takes the next byte from the wire. Gives the line that the byte ends, without its end, if there is anything in it.
@@ -26,13 +33,14 @@ impl Lines {
     /// # Errors
     /// If the line that ends here was longer than [`MAX_LINE`].
     pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], LineError>> {
-        if byte != b'\r' && byte != b'\n' {
+        if byte != b'\n' && (byte != b'\r' || self.ends == Ends::Feed) {
             if !self.collected.push(byte) {
                 self.dropped = self.dropped.saturating_add(1);
             }
             return None;
         }
         let line = &*self.collected.drain();
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
         match core::mem::take(&mut self.dropped) {
             0 if line.is_empty() => None,
             0 => Some(Ok(line)),
@@ -42,6 +50,13 @@ impl Lines {
             }
         }
     }
+}
+
+/// What ends a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Ends {
+    Either,
+    Feed,
 }
 
 /// Why a line makes no sense.

@@ -11,9 +11,9 @@
 //! A number is the code of a value's [`Encoding`]: of `Level` 0 to 2^bits − 1, of `Signed` and `Counter` with a `-`
 //! before it if it is negative. There is no checksum, no time and no age: an altered digit is an altered value.
 //!
-//! A reader takes CR, LF, and both for the end of a line, and passes over empty lines. Whatever came before the end of a
-//! line does not matter behind it, so a disturbance costs the line that it is in, and the next one too if it takes the end
-//! between the two.
+//! The robot takes CR, LF, and both for the end of a question; an answer ends with its LF. Empty lines are passed over.
+//! Whatever came before the end of a line does not matter behind it, so a disturbance costs the line that it is in, and
+//! the next one too if it takes the end between the two.
 //!
 //! # Deviations
 //!
@@ -29,8 +29,8 @@ use crate::error::{LayoutError, NoRoom, WriteError};
 use crate::frame::MAX_PAYLOAD;
 use crate::layout::Layout;
 
-/// The most characters of a line, its end not counted.
-pub const MAX_LINE: usize = MAX_PAYLOAD - ANSWER_END.len();
+/// The most characters of a line, the one that ends it not counted.
+pub const MAX_LINE: usize = MAX_PAYLOAD - 1;
 
 /// Asks for readings.
 pub const POLL: [u8; 2] = *b"N\r";

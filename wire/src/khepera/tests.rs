@@ -21,8 +21,7 @@ fn any_encoding() -> impl Strategy<Value = Encoding> {
     ]
 }
 
-fn all(bytes: &[u8]) -> Vec<Result<Vec<u8>, LineError>> {
-    let mut lines = Lines::new();
+fn all(mut lines: Lines, bytes: &[u8]) -> Vec<Result<Vec<u8>, LineError>> {
     bytes.iter().filter_map(|&byte| lines.push(byte).map(|line| line.map(<[u8]>::to_vec))).collect()
 }
 
@@ -51,7 +50,7 @@ proptest! {
         prop_assert_eq!(check(&layout), Ok(()));
         let bytes = written(|out| write_readings(&layout, values.iter().copied(), out));
         prop_assert!(bytes.len() <= readings_len_max(&layout));
-        let lines = all(&bytes);
+        let lines = all(Lines::of_answers(), &bytes);
         let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
         let Ok(Answer::Readings(read)) = Answer::parse(line, &layout) else { panic!("{line:?}") };
         prop_assert!(read.eq(parts.iter().map(|(encoding, value)| encoding.quantise(*value))));
@@ -60,7 +59,7 @@ proptest! {
     #[test]
     fn commands_come_back_with_the_poll_behind_them(left: f64, right: f64) {
         let bytes = written(|out| write_exchange(&ROBOT, [left, right], out));
-        let lines = all(&bytes);
+        let lines = all(Lines::of_questions(), &bytes);
         let [Ok(command), Ok(poll)] = &lines[..] else { panic!("{lines:?}") };
         prop_assert_eq!(signals(command), Ok(vec![MOTOR.quantise(left), MOTOR.quantise(right)]));
         prop_assert_eq!(Question::parse(poll, &ROBOT), Ok(Question::Poll));
@@ -79,16 +78,17 @@ proptest! {
 
     #[test]
     fn any_bytes_do_no_harm_and_the_next_line_is_read(bytes in vec(any::<u8>(), 0..2000)) {
-        let mut lines = Lines::new();
-        for &byte in &bytes {
-            if let Some(Ok(line)) = lines.push(byte) {
-                prop_assert!(!line.is_empty() && line.len() <= MAX_LINE);
-                let _ = (Question::parse(line, &ROBOT), Answer::parse(line, &ROBOT));
+        for mut lines in [Lines::of_questions(), Lines::of_answers()] {
+            for &byte in &bytes {
+                if let Some(Ok(line)) = lines.push(byte) {
+                    prop_assert!(!line.is_empty() && line.len() <= MAX_LINE);
+                    let _ = (Question::parse(line, &ROBOT), Answer::parse(line, &ROBOT));
+                }
             }
+            let _ = lines.push(b'\n');
+            prop_assert_eq!(lines.push(b'N'), None);
+            prop_assert_eq!(lines.push(b'\n'), Some(Ok(&b"N"[..])));
         }
-        lines.push(b'\n');
-        prop_assert_eq!(lines.push(b'N'), None);
-        prop_assert_eq!(lines.push(b'\r'), Some(Ok(&b"N"[..])));
     }
 
     #[test]
@@ -103,7 +103,7 @@ proptest! {
 
     #[test]
     fn lines_survive_being_saved(bytes in vec(any::<u8>(), 0..1200)) {
-        let mut lines = Lines::new();
+        let mut lines = Lines::of_answers();
         for &byte in &bytes {
             let _ = lines.push(byte);
         }
@@ -136,9 +136,15 @@ fn eight_sensors_of_ten_bits_take_19_to_43_bytes_and_a_command_6_to_12() {
 }
 
 #[test]
-fn a_line_ends_with_a_carriage_return_a_line_feed_or_both() {
+fn a_question_ends_with_a_carriage_return_a_line_feed_or_both() {
     let expected: Vec<_> = [&b"N"[..], b"D,1,2", b"N", b"N"].map(|line| Ok(line.to_vec())).into();
-    assert_eq!(all(b"\r\n\n\rN\rD,1,2\nN\r\nN\n\rN"), expected);
+    assert_eq!(all(Lines::of_questions(), b"\r\n\n\rN\rD,1,2\nN\r\nN\n\rN"), expected);
+}
+
+#[test]
+fn an_answer_ends_with_its_line_feed() {
+    let expected: Vec<_> = [&b"d"[..], b"n,1", b"a\rb"].map(|line| Ok(line.to_vec())).into();
+    assert_eq!(all(Lines::of_answers(), b"\r\n\nd\r\nn,1\na\rb\r\nn,1\r"), expected);
 }
 
 #[test]
@@ -146,10 +152,10 @@ fn a_line_that_is_too_long_is_refused_and_forgotten() {
     let mut bytes = vec![b'1'; 2 * MAX_LINE];
     bytes.extend(b"\rN\r");
     let too_long = LineError::TooLong { limit: MAX_LINE, found: 2 * MAX_LINE };
-    assert_eq!(all(&bytes), [Err(too_long), Ok(b"N".to_vec())]);
+    assert_eq!(all(Lines::of_questions(), &bytes), [Err(too_long), Ok(b"N".to_vec())]);
     let longest = vec![b'1'; MAX_LINE];
     let bytes: Vec<_> = longest.iter().copied().chain(*b"\n").collect();
-    assert_eq!(all(&bytes), [Ok(longest)]);
+    assert_eq!(all(Lines::of_answers(), &bytes), [Ok(longest)]);
 }
 
 #[test]
@@ -224,5 +230,5 @@ fn a_layout_that_lines_cannot_say_is_named() {
     assert_eq!(check(&long), Err(NoRoom { needed: 519, room: 512 }.into()));
     assert_eq!(check(&Layout { components: &many[..42], counts: &[42], ..ROBOT }), Ok(()));
     let error = LineError::TooLong { limit: MAX_LINE, found: 600 }.to_string();
-    assert_eq!(error, "a line of 600 characters, but the longest has 510");
+    assert_eq!(error, "a line of 600 characters, but the longest has 511");
 }
