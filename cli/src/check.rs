@@ -11,7 +11,7 @@ use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
-use baudbot_wire::{Encoding, frame};
+use baudbot_wire::{Encoding, frame, khepera};
 
 use crate::args::CheckArgs;
 use crate::drawing;
@@ -190,6 +190,7 @@ fn firmware(robot: &RobotSpec) -> String {
         Protocol::Framed { ages: true } => "framed, with ages".to_owned(),
         Protocol::Framed { ages: false } => "framed, without ages".to_owned(),
         Protocol::Bare { gap_ns } => format!("bare, a gap of {} ends a message", duration(gap_ns as f64)),
+        Protocol::Khepera => "khepera, lines of text".to_owned(),
     };
     match robot.firmware.mode {
         Mode::Poll => format!("{protocol}; answers when asked"),
@@ -208,12 +209,13 @@ fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
     }
 }
 
-/// Bytes on the wire of a message with all readings.
+/// Bytes on the wire of a message with all readings; of lines of text the longest.
 fn frame_bytes(robot: &RobotSpec) -> usize {
     let layout = robot.firmware.layout();
     match robot.firmware.protocol {
         Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
         Protocol::Bare { .. } => layout.bare_readings_len(),
+        Protocol::Khepera => khepera::readings_len_max(&layout),
     }
 }
 
@@ -222,6 +224,7 @@ fn command_bytes(robot: &RobotSpec) -> usize {
     match robot.firmware.protocol {
         Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
         Protocol::Bare { .. } => layout.bare_command_len(),
+        Protocol::Khepera => khepera::command_len_max(&layout),
     }
 }
 
@@ -353,6 +356,18 @@ mod tests {
         let khepera = scenario("khepera", &[]);
         let (bytes, _) = load(&khepera.robots()[0]).unwrap();
         assert!((bytes - (100.0 * 10.0 + 50.0 * 8.0 * 3.0 + 100.0 * 5.0)).abs() < 1e-9, "{bytes}");
+    }
+
+    #[test]
+    fn lines_of_text_are_told_with_their_greatest_length() {
+        let text = describe_robot(&scenario("scenarios/devices/khepera-ascii.toml", &[]).robots()[0]);
+        for part in [
+            "khepera, lines of text; answers when asked\n",
+            "43 bytes with all sensors, 49.3 ms on the link\n",
+            "12 bytes each, 13.8 ms on the link\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
     }
 
     #[test]
