@@ -59,12 +59,22 @@ pub fn check(layout: &Layout<'_>) -> Result<(), LayoutError> {
 
 /// Bytes of the longest answer with readings, its end included.
 pub fn readings_len_max(layout: &Layout<'_>) -> usize {
-    1 + digits_max(layout.components) + ANSWER_END.len()
+    1 + numbers_len_max(layout.components) + ANSWER_END.len()
 }
 
 /// Bytes of the longest command, its end included.
 pub fn command_len_max(layout: &Layout<'_>) -> usize {
-    1 + digits_max(layout.motors) + QUESTION_END.len()
+    1 + numbers_len_max(layout.motors) + QUESTION_END.len()
+}
+
+/// The most characters of numbers in these encodings, the commas before them included; 0 of those without codes.
+pub fn numbers_len_max(encodings: &[Encoding]) -> usize {
+    let len = |number: i64| {
+        let digits = number.unsigned_abs().checked_ilog10().unwrap_or(0) as usize + 1;
+        usize::from(number < 0) + digits
+    };
+    let longest = |encoding: &Encoding| encoding.numbers().map_or(0, |[a, b]| len(a).max(len(b)));
+    encodings.iter().map(|encoding| 1 + longest(encoding)).sum()
 }
 
 /// Writes an answer with readings to the front of `out`, one value for each of the layout's components, and returns its
@@ -276,16 +286,6 @@ impl Writer<'_> {
         }
         Ok(self.len)
     }
-}
-
-/// The most characters of numbers in these encodings, their commas included.
-fn digits_max(encodings: &[Encoding]) -> usize {
-    let len = |number: i64| {
-        let digits = number.unsigned_abs().checked_ilog10().unwrap_or(0) as usize + 1;
-        usize::from(number < 0) + digits
-    };
-    let longest = |encoding: &Encoding| encoding.numbers().map_or(0, |[a, b]| len(a).max(len(b)));
-    encodings.iter().map(|encoding| 1 + longest(encoding)).sum()
 }
 
 /// Left and right.
