@@ -155,6 +155,8 @@ mod tests {
         assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::wait());
         polled.firmware = Firmware { protocol: Protocol::Framed { ages: true }, period_ns: None };
         assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::poll());
+        polled.firmware.protocol = Protocol::Khepera;
+        assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::poll());
         polled.firmware.protocol = Protocol::Bare { gap_ns: 0 };
         assert_eq!(navigate.step(&turn(&polled, 0, &[None])), Action::drive(0.0, 0.0));
         assert_eq!(navigate, Navigate::new(Parameters::default()));

@@ -11,7 +11,7 @@ use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
-use baudbot_wire::{Encoding, frame};
+use baudbot_wire::{Encoding, frame, khepera};
 
 use crate::args::CheckArgs;
 use crate::drawing;
@@ -180,7 +180,7 @@ fn describe_robot(robot: &RobotSpec) -> String {
     }
     if !robot.sensors.is_empty() {
         text += "  sensors\n";
-        text += &table("    ", &sensors(&robot.sensors));
+        text += &table("    ", &sensors(robot));
     }
     text
 }
@@ -190,6 +190,7 @@ fn firmware(robot: &RobotSpec) -> String {
         Protocol::Framed { ages: true } => "framed, with ages".to_owned(),
         Protocol::Framed { ages: false } => "framed, without ages".to_owned(),
         Protocol::Bare { gap_ns } => format!("bare, a gap of {} ends a message", duration(gap_ns as f64)),
+        Protocol::Khepera => "khepera, lines of text".to_owned(),
     };
     match robot.firmware.mode {
         Mode::Poll => format!("{protocol}; answers when asked"),
@@ -208,12 +209,13 @@ fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
     }
 }
 
-/// Bytes on the wire of a message with all readings.
+/// Bytes on the wire of a message with all readings; of lines of text the longest.
 fn frame_bytes(robot: &RobotSpec) -> usize {
     let layout = robot.firmware.layout();
     match robot.firmware.protocol {
         Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
         Protocol::Bare { .. } => layout.bare_readings_len(),
+        Protocol::Khepera => khepera::readings_len_max(&layout),
     }
 }
 
@@ -222,6 +224,7 @@ fn command_bytes(robot: &RobotSpec) -> usize {
     match robot.firmware.protocol {
         Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
         Protocol::Bare { .. } => layout.bare_command_len(),
+        Protocol::Khepera => khepera::command_len_max(&layout),
     }
 }
 
@@ -233,7 +236,7 @@ fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let mut bytes = frame_bytes(robot) as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
         for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
-            let entry = sample_bytes(sensor) + usize::from(ages);
+            let entry = sample_bytes(robot, sensor) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
         }
@@ -241,11 +244,17 @@ fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     Some((bytes, bytes / link::bytes_per_second(&robot.link)?))
 }
 
-fn sample_bytes(sensor: &Sensor) -> usize {
-    sensor.encodings.iter().map(|encoding| encoding.len()).sum()
+/// Bytes of a sensor's values on the wire; as text the most.
+fn sample_bytes(robot: &RobotSpec, sensor: &Sensor) -> usize {
+    match robot.firmware.protocol {
+        Protocol::Framed { .. } | Protocol::Bare { .. } => {
+            sensor.encodings.iter().map(|encoding| encoding.len()).sum()
+        }
+        Protocol::Khepera => khepera::numbers_len_max(&sensor.encodings),
+    }
 }
 
-fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
+fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
     let row = |sensor: &Sensor| {
         let encodings = match (sensor.encodings.as_slice(), &sensor.port) {
             (values, Some(_)) => format!("{} on its own port", values.len()),
@@ -255,7 +264,7 @@ fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
         };
         let bytes = match &sensor.port {
             Some(port) => port.format.message_len(&sensor.device),
-            None => sample_bytes(sensor),
+            None => sample_bytes(robot, sensor),
         };
         let (period, phase) = times(sensor);
         let kind = sensor.device.kind().to_owned();
@@ -263,7 +272,7 @@ fn sensors(sensors: &[Sensor]) -> Vec<[String; 6]> {
     };
     let head = ["", "kind", "period", "phase", "values", "bytes"];
     let mut rows = vec![head.map(str::to_owned)];
-    rows.extend(sensors.iter().map(row));
+    rows.extend(robot.sensors.iter().map(row));
     rows
 }
 
@@ -353,6 +362,20 @@ mod tests {
         let khepera = scenario("khepera", &[]);
         let (bytes, _) = load(&khepera.robots()[0]).unwrap();
         assert!((bytes - (100.0 * 10.0 + 50.0 * 8.0 * 3.0 + 100.0 * 5.0)).abs() < 1e-9, "{bytes}");
+    }
+
+    #[test]
+    fn lines_of_text_are_told_with_their_greatest_length() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices/khepera-ascii.toml");
+        let text = describe_robot(&scenario(path, &[]).robots()[0]);
+        for part in [
+            "khepera, lines of text; answers when asked\n",
+            "43 bytes with all sensors, 49.271 ms on the link\n",
+            "    ir_7    ir   20 ms  17.5 ms  10 bits      5\n",
+            "12 bytes each, 13.75 ms on the link\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
     }
 
     #[test]

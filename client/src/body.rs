@@ -140,6 +140,8 @@ pub enum Protocol {
         /// Silence after which a part of a message is given up, in nanoseconds.
         gap_ns: u64,
     },
+    /// Lines of text, as a Khepera's: one answer for each question.
+    Khepera,
 }
 
 impl Sensor {
@@ -177,7 +179,7 @@ impl Body {
     pub fn request(&self) -> Action {
         match self.firmware {
             Firmware { period_ns: Some(_), .. } => Action::wait(),
-            Firmware { protocol: Protocol::Framed { .. }, .. } => Action::poll(),
+            Firmware { protocol: Protocol::Framed { .. } | Protocol::Khepera, .. } => Action::poll(),
             Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
         }
     }
@@ -187,8 +189,8 @@ impl Body {
         WireLayout::new(self)
     }
 
-    /// How long a command is on the wire, in nanoseconds, rounded up; 0 on a cable without a
-    /// baud rate. An adapter's or a radio's delay is not in it. A brain that
+    /// How long a command is on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
+    /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
     /// commands more often than that fills the cable's buffer, and its commands come ever later.
     pub fn command_ns(&self) -> u64 {
         let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };

@@ -33,7 +33,8 @@ pub struct Action {
     pub thinking: Option<Duration>,
     /// Instead of `thinking`, on a robot that is onboard: how many operations its program did.
     pub operations: Option<u64>,
-    /// Asks a firmware that answers only when asked. Signals ask too, so this counts only without them.
+    /// Asks a firmware that answers only when asked. Signals ask too (where they do not on the wire, a poll is sent
+    /// behind them), so this counts only without them.
     pub poll: bool,
 }
 

@@ -125,7 +125,7 @@ fn body(described: v1::RobotDescription) -> Result<Body, Breach> {
         operations_per_s: described.operations_per_s,
         ram_bytes: described.ram_bytes,
     };
-    match body.layout().borrow().check() {
+    match body.layout().check(body.firmware.protocol) {
         Ok(()) => Ok(body),
         Err(source) => Err(Breach::Layout { robot: body.name, source }),
     }
@@ -186,6 +186,7 @@ fn firmware(given: Option<v1::Firmware>) -> Result<Firmware, Breach> {
     let protocol = match given.protocol.ok_or(Breach::Missing { message: "Firmware", field: "protocol" })? {
         Given::Framed(framed) => Protocol::Framed { ages: framed.ages },
         Given::Bare(bare) => Protocol::Bare { gap_ns: bare.gap_ns },
+        Given::Khepera(_) => Protocol::Khepera,
     };
     Ok(Firmware { protocol, period_ns: given.period_ns })
 }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use baudbot_wire::khepera::{self, Answer, Lines};
 use baudbot_wire::{
     BareDecoder, Decoder, Encoding, Layout, LayoutError, Message, Values, clock, frame, poll, write_command,
     write_values,
@@ -42,11 +43,21 @@ impl WireLayout {
         Layout { components: &self.components, counts: &self.counts, motors: &self.motors, ages: self.ages }
     }
 
-    /// Bytes that a command takes on the wire.
+    /// Whether messages of this protocol can be made of it.
+    pub(crate) fn check(&self, protocol: Protocol) -> Result<(), LayoutError> {
+        self.borrow().check()?;
+        match protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => Ok(()),
+            Protocol::Khepera => khepera::check(&self.borrow()),
+        }
+    }
+
+    /// The most bytes that a command takes on the wire.
     pub(crate) fn command_wire_len(&self, protocol: Protocol) -> usize {
         match protocol {
             Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().command_len()),
             Protocol::Bare { .. } => self.borrow().bare_command_len(),
+            Protocol::Khepera => khepera::command_len_max(&self.borrow()) + khepera::POLL.len(),
         }
     }
 }
@@ -76,7 +87,7 @@ pub struct RawReadings {
     /// Of the sensors with a port of their own, with their places.
     listeners: Vec<(usize, Listener)>,
     readings: Vec<Option<Reading>>,
-    /// Whole messages of readings so far; the bare protocol has no other sequence number.
+    /// Whole messages of readings so far; only the framed protocol has another sequence number.
     messages: u8,
 }
 
@@ -84,6 +95,7 @@ pub struct RawReadings {
 enum Port {
     Framed(Decoder),
     Bare { decoder: BareDecoder, silence: Silence },
+    Khepera(Lines),
 }
 
 impl RawReadings {
@@ -94,13 +106,14 @@ impl RawReadings {
     /// If the body's encodings are such as no cable can have; those of an attached robot never are.
     pub fn new(body: Arc<Body>) -> Result<Self, LayoutError> {
         let layout = body.layout();
-        layout.borrow().check()?;
+        layout.check(body.firmware.protocol)?;
         let port = match body.firmware.protocol {
             Protocol::Framed { .. } => Port::Framed(Decoder::new()),
             Protocol::Bare { gap_ns } => {
                 let decoder = BareDecoder::new(layout.borrow().bare_readings_len(), gap_ns)?;
                 Port::Bare { decoder, silence: Silence::default() }
             }
+            Protocol::Khepera => Port::Khepera(Lines::of_answers()),
         };
         let readings = vec![None; body.sensors.len()];
         let listeners = body.sensors.iter().enumerate();
@@ -134,7 +147,17 @@ impl RawReadings {
                 for &byte in &raw.bytes {
                     if let Some(payload) = decoder.push(byte, at_ns) {
                         *messages = messages.wrapping_add(1);
-                        note_bare(readings, (&layout, places), payload, *messages);
+                        let values = Values::new(layout.components, payload);
+                        note_all(readings, (&layout, places), values, *messages);
+                    }
+                }
+            }
+            Port::Khepera(lines) => {
+                for &byte in &raw.bytes {
+                    let Some(Ok(line)) = lines.push(byte) else { continue };
+                    if let Ok(Answer::Readings(values)) = Answer::parse(line, &layout) {
+                        *messages = messages.wrapping_add(1);
+                        note_all(readings, (&layout, places), values, *messages);
                     }
                 }
             }
@@ -166,14 +189,13 @@ fn note_frame(
     }
 }
 
-/// Notes a bare message: it knows no readability, so every value that arrives is readable.
-fn note_bare(
+/// Notes a message that knows no readability, so that every value that arrives is readable.
+fn note_all(
     readings: &mut [Option<Reading>],
     (layout, places): (&Layout<'_>, &[usize]),
-    payload: &[u8],
+    mut values: impl Iterator<Item = f64>,
     sequence: u8,
 ) {
-    let mut values = Values::new(layout.components, payload);
     for (&place, components) in places.iter().zip(layout.sensors()) {
         let values = values.by_ref().take(components.len()).collect();
         readings[place] =
@@ -220,12 +242,13 @@ impl RawCommands {
     /// As [`RawReadings::new`].
     pub fn new(body: &Body) -> Result<Self, LayoutError> {
         let layout = body.layout();
-        layout.borrow().check()?;
+        layout.check(body.firmware.protocol)?;
         let others = vec![0.0; body.actuators.len()];
         Ok(Self { layout, protocol: body.firmware.protocol, sequence: 0, others })
     }
 
-    /// The bytes of a command; the actuators besides the wheels get what was last sent to them, at first 0.
+    /// The bytes of a command, with a poll behind it where a command does not ask for readings; the actuators besides
+    /// the wheels get what was last sent to them, at first 0.
     pub fn command(&mut self, signals: Signals) -> Vec<u8> {
         self.command_with(signals, &[])
     }
@@ -236,19 +259,25 @@ impl RawCommands {
         for (last, &new) in self.others.iter_mut().zip(others) {
             *last = new;
         }
-        let sequence = match self.protocol {
-            Protocol::Bare { .. } => 0,
-            Protocol::Framed { .. } => self.next_sequence(),
-        };
+        let sequence = self.sequence;
         let signals = [signals.left, signals.right].into_iter().chain(self.others.iter().copied());
-        let mut bytes = [0; frame::MAX_PAYLOAD];
-        // Neither can fail: the layout was checked and gets a value for each of its motors.
-        if let Protocol::Bare { .. } = self.protocol {
-            let len = write_values(self.layout.borrow().motors, signals, &mut bytes).unwrap_or(0);
-            return bytes[..len].to_vec();
+        let (layout, mut bytes) = (self.layout.borrow(), [0; frame::MAX_PAYLOAD]);
+        // None can fail: the layout was checked and gets a value for each of its motors.
+        match self.protocol {
+            Protocol::Bare { .. } => {
+                let len = write_values(layout.motors, signals, &mut bytes).unwrap_or(0);
+                bytes[..len].to_vec()
+            }
+            Protocol::Khepera => {
+                let len = khepera::write_exchange(&layout, signals, &mut bytes).unwrap_or(0);
+                bytes[..len].to_vec()
+            }
+            Protocol::Framed { .. } => {
+                let len = write_command(&layout, sequence, signals, &mut bytes).unwrap_or(0);
+                self.next_sequence();
+                framed(&bytes[..len])
+            }
         }
-        let len = write_command(&self.layout.borrow(), sequence, signals, &mut bytes).unwrap_or(0);
-        framed(&bytes[..len])
     }
 
     /// The bytes of a request for readings; `None` in the bare protocol, which has none.
@@ -256,6 +285,7 @@ impl RawCommands {
         match self.protocol {
             Protocol::Bare { .. } => None,
             Protocol::Framed { .. } => Some(framed(&poll(self.next_sequence()))),
+            Protocol::Khepera => Some(khepera::POLL.to_vec()),
         }
     }
 

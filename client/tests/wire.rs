@@ -118,6 +118,42 @@ fn commands_arrive_as_they_were_meant() {
     let mut commands = RawCommands::new(&body(Protocol::Bare { gap_ns: 1 })).unwrap();
     assert_eq!(commands.command(Signals { left: 1.0, right: 0.0 }), [127, 0]);
     assert_eq!(commands.poll(), None);
+
+    let mut commands = RawCommands::new(&body(Protocol::Khepera)).unwrap();
+    assert_eq!(commands.command(Signals { left: 1.0, right: -0.5 }), b"D,127,-64\rN\r");
+    assert_eq!(commands.poll().unwrap(), b"N\r");
+}
+
+#[test]
+fn an_answer_in_text_is_readable_and_the_acknowledgement_is_no_news() {
+    let mut readings = RawReadings::new(body(Protocol::Khepera)).unwrap();
+    assert!(!readings.turn(&raw(10_000_000, b"d\r\nn,7,-8,32")).has_news());
+    assert!(!readings.turn(&raw(20_000_000, b"767\r")).has_news());
+    let turn = readings.turn(&raw(30_000_000, b"\nd\r\n"));
+    assert_eq!(turn.reading("one").unwrap().values, [7.0]);
+    let reading = turn.reading("two").unwrap();
+    assert_eq!(reading.values, [-8.0, 32767.0]);
+    assert_eq!((reading.sampled_at_ns, reading.sequence, reading.readable), (None, 1, true));
+    let turn = readings.turn(&raw(40_000_000, b"n,1,2\r\nn,1,2,32768\r\nx\r\n"));
+    assert_eq!((turn.value("one"), turn.has_news()), (Some(7.0), false));
+}
+
+#[test]
+fn a_body_that_lines_of_text_cannot_speak_of_is_refused() {
+    let mut exact = Arc::unwrap_or_clone(body(Protocol::Khepera));
+    exact.motor_encoding = Encoding::Float64;
+    assert!(RawCommands::new(&exact).is_err());
+    let mut body = Arc::unwrap_or_clone(with_ports());
+    body.firmware.protocol = Protocol::Khepera;
+    assert!(RawReadings::new(Arc::new(body)).is_err());
+}
+
+#[test]
+fn a_command_in_text_takes_as_long_as_the_longest_with_its_poll() {
+    let mut body = Arc::unwrap_or_clone(body(Protocol::Khepera));
+    (body.baud, body.bits_per_character) = (Some(9600), Some(11));
+    // `D,-127,-127` and `N` with their ends: 14 characters of 11 bits.
+    assert_eq!(body.command_ns(), 16_041_667);
 }
 
 /// A laser's scan of three rays, taken at 250 ms; the middle one met nothing.
@@ -218,7 +254,7 @@ proptest! {
 
     #[test]
     fn any_bytes_do_no_harm(turns in vec((vec(any::<u8>(), 0..40), any::<u64>()), 0..20), gap_ns: u64) {
-        for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }] {
+        for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }, Protocol::Khepera] {
             let mut readings = RawReadings::new(body(protocol)).unwrap();
             for (bytes, at_ns) in &turns {
                 let turn = readings.turn(&raw(*at_ns, bytes));

@@ -8,7 +8,7 @@ use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
-use baudbot_wire::{frame, message, write_command, write_values};
+use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;
 
 /// Most bytes that one Step may write to one port.
@@ -149,7 +149,7 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
         Protocol::Bare { .. } => {
             Err(("poll", "the bare protocol has none; a command asks for readings".into()))
         }
-        Protocol::Framed { .. } => Ok(()),
+        Protocol::Framed { .. } | Protocol::Khepera => Ok(()),
     }
 }
 
@@ -174,7 +174,16 @@ impl Sender {
             None => Vec::new(),
             Some(Output::Raw(bytes)) => bytes,
             Some(Output::Command(signals)) => self.command(spec, signals),
-            Some(Output::Poll) => in_frame(&message::poll(self.next())),
+            Some(Output::Poll) => self.poll(spec.firmware.protocol),
+        }
+    }
+
+    fn poll(&mut self, protocol: Protocol) -> Vec<u8> {
+        match protocol {
+            Protocol::Framed { .. } => in_frame(&message::poll(self.next())),
+            Protocol::Khepera => khepera::POLL.to_vec(),
+            // The check refuses it.
+            Protocol::Bare { .. } => Vec::new(),
         }
     }
 
@@ -189,6 +198,10 @@ impl Sender {
         match spec.firmware.protocol {
             Protocol::Bare { .. } => {
                 let n = write_values(layout.motors, signals, &mut payload).expect(FITS);
+                payload[..n].to_vec()
+            }
+            Protocol::Khepera => {
+                let n = khepera::write_exchange(&layout, signals, &mut payload).expect(FITS);
                 payload[..n].to_vec()
             }
             Protocol::Framed { .. } => {
@@ -212,6 +225,6 @@ fn in_frame(payload: &[u8]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
-/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame, and there are
-/// as many signals as the robot has motors and actuators.
+/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame, or cannot be said in
+/// their protocol, and there are as many signals as the robot has motors and actuators.
 const FITS: &str = "a robot's signals fit into a frame";

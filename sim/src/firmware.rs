@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use baudbot_wire::khepera::Lines;
 use baudbot_wire::{BareDecoder, Encoding, Layout};
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,8 @@ pub enum Protocol {
         /// Silence after which a part of a message is given up, in nanoseconds.
         gap_ns: u64,
     },
+    /// The lines of text of a Khepera, which answers only when asked. It knows no readability either.
+    Khepera,
 }
 
 /// When readings are sent.
@@ -39,8 +42,8 @@ pub enum Protocol {
 pub enum Mode {
     /// On a schedule of the microcontroller's.
     Stream(Schedule),
-    /// In answer to a command, and to a poll in the framed protocol. Those that come while an answer waits to
-    /// be sent share it.
+    /// In answer to a command, and to a poll in the framed protocol; in that of the Khepera in answer to a poll
+    /// alone. Those that come while an answer waits to be sent share it.
     Poll,
 }
 
@@ -77,20 +80,21 @@ impl Firmware {
     }
 
     pub(crate) fn reading_decoder(&self) -> Decoder {
-        self.decoder(self.layout().bare_readings_len())
+        self.decoder(self.layout().bare_readings_len(), Lines::of_answers())
     }
 
     pub(crate) fn command_decoder(&self) -> Decoder {
-        self.decoder(self.layout().bare_command_len())
+        self.decoder(self.layout().bare_command_len(), Lines::of_questions())
     }
 
-    fn decoder(&self, bare_len: usize) -> Decoder {
+    fn decoder(&self, bare_len: usize, lines: Lines) -> Decoder {
         match self.protocol {
             Protocol::Framed { .. } => Decoder::Framed(baudbot_wire::Decoder::new()),
             Protocol::Bare { gap_ns } => {
                 let decoder = BareDecoder::new(bare_len, gap_ns);
                 Decoder::Bare(decoder.expect("scenario files refuse messages that are too long"))
             }
+            Protocol::Khepera => Decoder::Khepera { lines, owed: Owed::default() },
         }
     }
 }
@@ -100,6 +104,19 @@ impl Firmware {
 pub(crate) enum Decoder {
     Framed(baudbot_wire::Decoder),
     Bare(BareDecoder),
+    /// At the robot's end with what it owes in answer to the lines that came.
+    Khepera {
+        lines: Lines,
+        owed: Owed,
+    },
+}
+
+/// Answers that a robot owes which has one for each kind of question. What is asked for again while the answer waits
+/// is answered once.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Owed {
+    pub(crate) acknowledgement: bool,
+    pub(crate) readings: bool,
 }
 
 /// What a byte completed.
@@ -118,13 +135,35 @@ impl Decoder {
                 Some(Ok(payload)) => Found::Payload(payload),
                 Some(Err(_)) => Found::BadFrame,
             },
+            Self::Khepera { lines, .. } => match lines.push(byte) {
+                None => Found::Nothing,
+                Some(Ok(line)) => Found::Payload(line),
+                Some(Err(_)) => Found::BadFrame,
+            },
+        }
+    }
+
+    /// A message that was understood asks for readings, or else to have its obeying acknowledged. Where every answer
+    /// is readings there is nothing to remember.
+    pub(crate) fn owe(&mut self, readings: bool) {
+        if let Self::Khepera { owed, .. } = self {
+            owed.readings |= readings;
+            owed.acknowledgement |= !readings;
+        }
+    }
+
+    /// What is owed, which is answered now.
+    pub(crate) fn settle(&mut self) -> Owed {
+        match self {
+            Self::Framed(_) | Self::Bare(_) => Owed::default(),
+            Self::Khepera { owed, .. } => core::mem::take(owed),
         }
     }
 
     /// Messages that silence cut short so far.
     pub(crate) fn cut_short(&self) -> u64 {
         match self {
-            Self::Framed(_) => 0,
+            Self::Framed(_) | Self::Khepera { .. } => 0,
             Self::Bare(bare) => bare.discarded(),
         }
     }

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use baudbot_wire::{Message, Values, clock};
+use baudbot_wire::khepera::Answer;
+use baudbot_wire::{Layout, Message, Values, clock};
 use serde::{Deserialize, Serialize};
 
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
@@ -100,8 +101,9 @@ impl Laptop {
         uplink.counters.bad_messages += self.decoder.cut_short() - before;
         match found {
             None => {}
-            Some(false) => uplink.counters.bad_messages += 1,
-            Some(true) => {
+            Some(Noted::Nonsense) => uplink.counters.bad_messages += 1,
+            Some(Noted::Acknowledgement) => uplink.counters.messages += 1,
+            Some(Noted::Readings) => {
                 uplink.counters.messages += 1;
                 self.has_message = true;
                 let message = uplink.message();
@@ -160,13 +162,31 @@ impl Laptop {
     }
 }
 
-/// Notes the readings of a message; `false` if it makes no sense.
-fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTime) -> bool {
-    if let Protocol::Bare { .. } = firmware.protocol {
-        return note_bare(readings, firmware, payload);
-    }
+/// What a message was.
+enum Noted {
+    Nonsense,
+    /// Of a command: nothing that a brain waits for.
+    Acknowledgement,
+    Readings,
+}
+
+/// Notes the readings of a message.
+fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTime) -> Noted {
     let layout = firmware.layout();
-    let Ok(Message::Readings(message)) = Message::parse(payload, &layout) else { return false };
+    match firmware.protocol {
+        Protocol::Framed { .. } => note_frame(readings, &layout, payload, at),
+        // The bare decoder gives a payload only when it is whole, so there is a value for every component.
+        Protocol::Bare { .. } => note_all(readings, &layout, Values::new(layout.components, payload)),
+        Protocol::Khepera => match Answer::parse(payload, &layout) {
+            Ok(Answer::Readings(values)) => note_all(readings, &layout, values),
+            Ok(Answer::Acknowledgement) => Noted::Acknowledgement,
+            Err(_) => Noted::Nonsense,
+        },
+    }
+}
+
+fn note_frame(readings: &mut [Reading], layout: &Layout<'_>, payload: &[u8], at: SimTime) -> Noted {
+    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return Noted::Nonsense };
     let closed_ns = clock::unwrap_time(message.time_100us, at.as_ns());
     for entry in message.entries() {
         let reading = &mut readings[entry.sensor];
@@ -179,18 +199,16 @@ fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTi
         reading.sequence = message.sequence;
         reading.readable = true;
     }
-    true
+    Noted::Readings
 }
 
-/// The bare decoder gives a payload only when it is whole, so there is a value for every component.
-fn note_bare(readings: &mut [Reading], firmware: &Firmware, payload: &[u8]) -> bool {
-    let layout = firmware.layout();
-    let mut values = Values::new(layout.components, payload);
+/// Notes a message that knows no readability: a value for every component.
+fn note_all(readings: &mut [Reading], layout: &Layout<'_>, mut values: impl Iterator<Item = f64>) -> Noted {
     for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
         reading.values.clear();
         reading.values.extend(values.by_ref().take(components.len()));
         reading.sequence = reading.sequence.wrapping_add(1);
         reading.readable = true;
     }
-    true
+    Noted::Readings
 }

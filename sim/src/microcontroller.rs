@@ -5,11 +5,12 @@
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
 mod channel;
+mod khepera;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use baudbot_wire::{Message, Sample, Values, clock, frame, message, write_values};
+use baudbot_wire::{Layout, Message, Sample, Values, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
 use serde::{Deserialize, Serialize};
 
@@ -67,11 +68,11 @@ pub(crate) struct Order {
     pub(crate) others: Vec<f64>,
 }
 
-/// A message of readings that was sent.
+/// A message that was sent.
 pub(crate) struct Sent {
     pub(crate) bytes: u32,
-    /// When the control cycle began that it belongs to.
-    pub(crate) cycle: SimTime,
+    /// When the control cycle began that it belongs to; `None` if there are no readings in it.
+    pub(crate) cycle: Option<SimTime>,
     /// When it was framed.
     pub(crate) closed: SimTime,
     /// From when until when it is on the wire.
@@ -187,17 +188,32 @@ impl Microcontroller {
         }
         let mut bytes = [0; frame::MAX_FRAME];
         let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
+        let mut tells = true;
         let (n, closed) = match spec.firmware.protocol {
             Protocol::Bare { .. } => {
                 let n = self.write_bare(&spec.firmware, &mut bytes);
                 (n, now + n as u64 * cost)
             }
+            Protocol::Khepera => {
+                let n;
+                (n, tells) = self.write_lines(&spec.firmware, &mut bytes);
+                (n, now + n as u64 * cost)
+            }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
         };
-        // A bare message repeats what is not fresh.
-        let repeats = matches!(spec.firmware.protocol, Protocol::Bare { .. });
+        let tag = if tells { self.note_told(&spec.firmware, now) } else { Tag::default() };
+        let cycle = tag.cycle;
+        let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
+        self.free_at = closed.max(uplink.drained(&spec.link));
+        Sent { bytes: n as u32, cycle, closed, on_wire }
+    }
+
+    /// The readings are in a message that was begun at `now`.
+    fn note_told(&mut self, firmware: &Firmware, now: SimTime) -> Tag {
+        // Messages without a mask repeat what is not fresh.
+        let repeats = matches!(firmware.protocol, Protocol::Bare { .. } | Protocol::Khepera);
         let (mut sampled, mut reading_ns) = (Vec::new(), 0);
-        for (i, channel) in self.channels.iter_mut().enumerate().take(spec.firmware.layout().counts.len()) {
+        for (i, channel) in self.channels.iter_mut().enumerate().take(firmware.layout().counts.len()) {
             let fresh = core::mem::take(&mut channel.fresh);
             reading_ns += if fresh { channel.took_ns } else { 0 };
             if fresh || (repeats && channel.samples > 0) {
@@ -206,19 +222,19 @@ impl Microcontroller {
         }
         self.sequence = self.sequence.wrapping_add(1);
         let cycle = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));
-        let tag = Tag { sampled, cycle: Some(cycle), ..Tag::default() };
-        let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
-        self.free_at = closed.max(uplink.drained(&spec.link));
-        Sent { bytes: n as u32, cycle, closed, on_wire }
+        Tag { sampled, cycle: Some(cycle), ..Tag::default() }
     }
 
     /// The last sample of every sensor, zeros before the first.
+    fn last_values(&self, layout: &Layout<'_>) -> impl Iterator<Item = f64> {
+        self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
+            (0..components.len()).map(|i| channel.values.get(i).copied().unwrap_or(0.0))
+        })
+    }
+
     fn write_bare(&self, firmware: &Firmware, out: &mut [u8]) -> usize {
         let layout = firmware.layout();
-        let values = self.channels.iter().zip(layout.sensors()).flat_map(|(channel, components)| {
-            (0..components.len()).map(|i| channel.values.get(i).copied().unwrap_or(0.0))
-        });
-        write_values(layout.components, values, out).expect(FITS)
+        write_values(layout.components, self.last_values(&layout), out).expect(FITS)
     }
 
     /// A frame and the instant at which it is closed, which is the time that stands in it. That depends on
@@ -277,6 +293,7 @@ impl Microcontroller {
     }
 
     fn obey(&mut self, spec: &RobotSpec, request: Request) -> Taken {
+        self.decoder.owe(request == Request::Poll);
         let taken = match request {
             Request::Poll => Taken::Poll,
             Request::Drive(signals, others) => {
@@ -334,8 +351,10 @@ impl Request {
     /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
     fn parse(spec: &RobotSpec, payload: &[u8]) -> Option<Self> {
         let layout = spec.firmware.layout();
-        if let Protocol::Bare { .. } = spec.firmware.protocol {
-            return Self::drive(spec, &mut Values::new(layout.motors, payload));
+        match spec.firmware.protocol {
+            Protocol::Bare { .. } => return Self::drive(spec, &mut Values::new(layout.motors, payload)),
+            Protocol::Khepera => return khepera::request(spec, payload, &layout),
+            Protocol::Framed { .. } => {}
         }
         match Message::parse(payload, &layout).ok()? {
             Message::Readings(_) => None,

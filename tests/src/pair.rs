@@ -115,6 +115,7 @@ pub fn body(spec: &RobotSpec) -> Body {
     let protocol = match spec.firmware.protocol {
         SimProtocol::Framed { ages } => Protocol::Framed { ages },
         SimProtocol::Bare { gap_ns } => Protocol::Bare { gap_ns },
+        SimProtocol::Khepera => Protocol::Khepera,
     };
     let period_ns = match spec.firmware.mode {
         Mode::Stream(schedule) => Some(schedule.period_ns()),

@@ -112,6 +112,12 @@ async fn a_raw_brain_and_a_brain_of_messages_give_the_same_hash() {
         ],
         &["end.after_s=2.0", "robots.robot.firmware={ protocol = \"bare\", mode = \"poll\" }"],
         &["end.after_s=2.0", "robots.robot.firmware={ mode = \"poll\" }"],
+        &["end.after_s=2.0", "robots.robot.firmware={ protocol = \"khepera\" }"],
+        &[
+            "end.after_s=2.0",
+            "robots.robot.firmware={ protocol = \"khepera\" }",
+            "robots.robot.link.byte_error_rate=0.01",
+        ],
     ] {
         let expected = in_process_hash(WANDER, changes, "avoid");
         let server = serve(scenario(WANDER, changes), lockstep()).await;

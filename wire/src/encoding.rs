@@ -89,17 +89,40 @@ impl Encoding {
         let word = u64::from_le_bytes(word);
         Some(match self {
             Self::Float64 => f64::from_bits(word),
-            Self::Level { min, max, .. } => {
-                let top = self.top();
-                min + word.min(top) as f64 * (max - min) / top as f64
-            }
-            Self::Signed { limit, .. } => {
-                // The code below −top is never sent by `put`; if it comes, it means −limit.
-                let top = self.top() as f64;
-                (sign_extend(word, self.bits()) as f64).max(-top) * limit / top
-            }
-            Self::Counter { .. } => sign_extend(word, self.bits()) as f64,
+            Self::Level { .. } => self.value(word.min(self.top()) as i64),
+            // The code below −top is never sent by `put`; if it comes, it means −limit.
+            Self::Signed { .. } => self.value(sign_extend(word, self.bits()).max(-(self.top() as i64))),
+            Self::Counter { .. } => self.value(sign_extend(word, self.bits())),
         })
+    }
+
+    /// The least and the greatest code, as a text has it: those of `Signed` and `Counter` with their sign. `None` of
+    /// `Float64`, which has none.
+    pub const fn numbers(self) -> Option<[i64; 2]> {
+        let top = self.top() as i64;
+        match self {
+            Self::Float64 => None,
+            Self::Level { .. } => Some([0, top]),
+            Self::Signed { .. } => Some([-top, top]),
+            Self::Counter { .. } => {
+                let half = 1 << (self.bits() - 1);
+                Some([-half, half - 1])
+            }
+        }
+    }
+
+    /// The code that stands for `value`, as a text has it; `None` of `Float64`.
+    pub fn number(self, value: f64) -> Option<i64> {
+        match self {
+            Self::Float64 => None,
+            Self::Level { .. } | Self::Signed { .. } | Self::Counter { .. } => Some(self.code(value) as i64),
+        }
+    }
+
+    /// The value of a code, as a text has it; `None` if the encoding has no such code.
+    pub fn value_of(self, number: i64) -> Option<f64> {
+        let [least, greatest] = self.numbers()?;
+        (least..=greatest).contains(&number).then(|| self.value(number))
     }
 
     /// What the other side gets for `value`: `take` after `put`.
@@ -137,6 +160,17 @@ impl Encoding {
                 Err(LayoutError::Range { min: -limit, max: limit })
             }
             _ => Ok(()),
+        }
+    }
+
+    /// The value of a code; 0 of `Float64`.
+    fn value(self, number: i64) -> f64 {
+        let (number, top) = (number as f64, self.top() as f64);
+        match self {
+            Self::Float64 => 0.0,
+            Self::Level { min, max, .. } => min + number * (max - min) / top,
+            Self::Signed { limit, .. } => number * limit / top,
+            Self::Counter { .. } => number,
         }
     }
 
@@ -294,6 +328,26 @@ mod tests {
             let before = encoding.quantise(f64::from(start));
             let after = encoding.quantise((i64::from(start) + moved) as f64);
             prop_assert_eq!(encoding.quantise(after - before), moved as f64);
+        }
+
+        #[test]
+        fn a_number_in_a_text_means_what_its_bytes_mean(encoding in any_encoding(), value in any::<f64>()) {
+            match encoding.number(value) {
+                None => prop_assert_eq!(encoding, Encoding::Float64),
+                Some(number) => {
+                    let (read, taken) = (encoding.value_of(number).unwrap(), encoding.quantise(value));
+                    prop_assert!(read == taken || (read.is_nan() && taken.is_nan()), "{read} {taken}");
+                }
+            }
+        }
+
+        #[test]
+        fn a_number_that_no_code_is_has_no_value(encoding in any_encoding(), beyond in 1..i64::MAX / 2) {
+            if let Some([least, greatest]) = encoding.numbers() {
+                prop_assert_eq!(encoding.value_of(greatest + beyond), None);
+                prop_assert_eq!(encoding.value_of(least - beyond), None);
+                prop_assert!(encoding.value_of(least).is_some() && encoding.value_of(greatest).is_some());
+            }
         }
 
         #[test]

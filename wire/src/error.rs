@@ -26,6 +26,12 @@ pub enum WriteError {
         /// Values given. Of too many, one is counted.
         found: usize,
     },
+    /// A text cannot say the value, as its encoding has no codes.
+    #[error("value {index} has no code that a text could say")]
+    NoCode {
+        /// Which value, counted from 0.
+        index: usize,
+    },
 }
 
 /// A [`Layout`](crate::Layout) or an [`Encoding`](crate::Encoding) cannot be used as it is.
@@ -58,4 +64,13 @@ pub enum LayoutError {
     /// The longest message does not fit in a frame.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
+    /// A protocol of texts has an encoding without codes.
+    #[error("a text says whole numbers, but there is a value without a number of bits")]
+    NoCode,
+    /// A protocol for two motors has more or fewer.
+    #[error("the protocol has signals for 2 motors, but there are {found}")]
+    Motors {
+        /// Number of signals in the layout.
+        found: usize,
+    },
 }

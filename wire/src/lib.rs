@@ -11,7 +11,8 @@
 //! 4. [`encoding`] turns the bytes of each value into a number, and [`clock`] those of a time into an instant.
 //!
 //! What is in a message, in which order and in how many bytes, is a [`Layout`] that both ends have beforehand.
-//! [`bare`] is the alternative to all this: values and nothing else, as the lecture notes count them.
+//! [`bare`] is an alternative to all this: values and nothing else, as the lecture notes count them. [`khepera`] is
+//! another: lines of text, as a real robot speaks them.
 //!
 //! Apart from these stand the formats of sensors that have a wire of their own: [`scip`], a laser range finder;
 //! [`nmea`], a satellite navigation receiver; [`line_image`], a line camera. Each message is written into the caller's
@@ -86,6 +87,7 @@ pub mod clock;
 pub mod encoding;
 pub mod error;
 pub mod frame;
+pub mod khepera;
 pub mod layout;
 pub mod line_image;
 pub mod message;

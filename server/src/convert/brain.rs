@@ -69,10 +69,11 @@ fn actuator(spec: &Actuator) -> v1::ActuatorDescription {
 }
 
 fn firmware(spec: &RobotSpec) -> v1::Firmware {
-    use v1::firmware::{Bare, Framed, Protocol as P};
+    use v1::firmware::{Bare, Framed, Khepera, Protocol as P};
     let protocol = match spec.firmware.protocol {
         Protocol::Framed { ages } => P::Framed(Framed { ages }),
         Protocol::Bare { gap_ns } => P::Bare(Bare { gap_ns }),
+        Protocol::Khepera => P::Khepera(Khepera {}),
     };
     let period_ns = match spec.firmware.mode {
         Mode::Stream(schedule) => Some(schedule.period_ns()),

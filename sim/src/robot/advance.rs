@@ -128,7 +128,9 @@ impl Robot {
         if self.microcontroller.frames_missed() != missed {
             self.recorder.note(now, now, What::Missed { sensor: u16::MAX });
         }
-        self.cycles.open(sent.cycle);
+        if let Some(begun) = sent.cycle {
+            self.cycles.open(begun);
+        }
         let bytes = sent.bytes;
         self.recorder.note(now, sent.closed, What::Frame { bytes });
         let free = self.microcontroller.free_at();

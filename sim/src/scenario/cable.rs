@@ -3,7 +3,7 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use baudbot_wire::{Encoding, frame};
+use baudbot_wire::{Encoding, Layout, frame, khepera};
 
 use super::build::MIN_PERIOD_MS;
 use super::check::Path;
@@ -32,23 +32,59 @@ pub(super) fn firmware(
             refuse(path, "ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
             Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
         }
+        raw::Protocol::Khepera => {
+            refuse(path, "ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
+            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            can_be_said_in_lines(path, sensors, &motors)?;
+            Protocol::Khepera
+        }
     };
-    let mode = match raw.mode {
+    let mode = mode(path, raw, step_ms)?;
+    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
+    Ok(Firmware::new(protocol, mode, &encodings, motors))
+}
+
+fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
+    let is_khepera = raw.protocol == raw::Protocol::Khepera;
+    let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
+    match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
+            refuse(path, "mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
             let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
-            Mode::Stream(Schedule::new(
+            Ok(Mode::Stream(Schedule::new(
                 period_ns,
                 path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
-            ))
+            )))
         }
         raw::Mode::Poll => {
             refuse(path, "period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
             refuse(path, "phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
-            Mode::Poll
+            Ok(Mode::Poll)
         }
-    };
-    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
-    Ok(Firmware::new(protocol, mode, &encodings, motors))
+    }
+}
+
+/// The protocol of the Khepera has whole numbers, and a command for two wheels.
+fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -> Result<()> {
+    let path = path.field("protocol");
+    let others = motors.len().saturating_sub(2);
+    if others > 0 {
+        let problem = format!(
+            "\"khepera\" has no command for actuators besides the wheels, and there are {others}; take another \
+             protocol, or leave them out"
+        );
+        return Err(path.error(problem));
+    }
+    let exact = |encodings: &[Encoding]| encodings.contains(&Encoding::Float64);
+    if let Some(sensor) = sensors.iter().find(|sensor| exact(&sensor.encodings)) {
+        let problem =
+            format!("\"khepera\" says whole numbers; give sensor `{}` a number of `bits`", sensor.name);
+        return Err(path.error(problem));
+    }
+    if exact(motors) {
+        return Err(path.error("\"khepera\" says whole numbers; give the motors a number of `signal_bits`"));
+    }
+    Ok(())
 }
 
 /// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
@@ -87,13 +123,31 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
         return Err(path.field("actuators").error(problem));
     }
     layout.check().map_err(|error| path.field("sensors").error(format!("{error}")))?;
-    let longest = frame::encoded_len_max(readings.max(layout.command_len()));
+    let longest = match firmware.protocol {
+        Protocol::Framed { .. } | Protocol::Bare { .. } => {
+            frame::encoded_len_max(readings.max(layout.command_len()))
+        }
+        Protocol::Khepera => longest_lines(path, &layout)?,
+    };
     if link.laptop_buffer() < longest {
         let field = path.field("link").field("laptop_buffer_bytes");
         let problem = format!("must hold the longest message, {longest} bytes, is {}", link.laptop_buffer());
         return Err(field.error(problem));
     }
     Ok(())
+}
+
+/// Bytes of the most that is written at once in the protocol of the Khepera: an answer to a command and a poll, or the
+/// two.
+fn longest_lines(path: &Path, layout: &Layout<'_>) -> Result<usize> {
+    let readings = khepera::readings_len_max(layout);
+    if readings > frame::MAX_PAYLOAD {
+        let limit = frame::MAX_PAYLOAD;
+        let problem = format!("a line of all readings has up to {readings} bytes, the limit is {limit}");
+        return Err(path.field("sensors").error(problem));
+    }
+    let answers = khepera::ACKNOWLEDGEMENT.len() + readings;
+    Ok(answers.max(khepera::command_len_max(layout) + khepera::POLL.len()))
 }
 
 pub(super) fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {

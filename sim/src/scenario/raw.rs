@@ -153,7 +153,7 @@ pub(super) struct Microcontroller {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Firmware {
     pub(super) protocol: Protocol,
-    pub(super) mode: Mode,
+    pub(super) mode: Option<Mode>,
     pub(super) period_ms: Option<f64>,
     pub(super) phase_ms: Option<f64>,
     pub(super) ages: Option<bool>,
@@ -166,12 +166,12 @@ pub(super) enum Protocol {
     #[default]
     Framed,
     Bare,
+    Khepera,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Mode {
-    #[default]
     Stream,
     Poll,
 }

@@ -6,7 +6,7 @@ pub mod statistics;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::{Input, Override, Scenario, World};
-use baudbot_wire::{frame, write_command, write_values};
+use baudbot_wire::{frame, khepera, write_command, write_values};
 
 pub const ARSIM: &str = include_str!("../../../scenarios/arsim.toml");
 pub const WANDER: &str = include_str!("../../../scenarios/wander.toml");
@@ -34,14 +34,23 @@ pub fn refusal(toml: &str) -> String {
 pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
     let layout = spec.firmware.layout();
     let mut payload = [0; frame::MAX_PAYLOAD];
-    if let Protocol::Bare { .. } = spec.firmware.protocol {
-        let n = write_values(layout.motors, [left, right], &mut payload).unwrap();
-        return payload[..n].to_vec();
+    let signals = [left, right];
+    match spec.firmware.protocol {
+        Protocol::Bare { .. } => {
+            let n = write_values(layout.motors, signals, &mut payload).unwrap();
+            payload[..n].to_vec()
+        }
+        Protocol::Khepera => {
+            let n = khepera::write_exchange(&layout, signals, &mut payload).unwrap();
+            payload[..n].to_vec()
+        }
+        Protocol::Framed { .. } => {
+            let n = write_command(&layout, 0, signals, &mut payload).unwrap();
+            let mut bytes = [0; frame::MAX_FRAME];
+            let n = frame::encode(&payload[..n], &mut bytes).unwrap();
+            bytes[..n].to_vec()
+        }
     }
-    let n = write_command(&layout, 0, [left, right], &mut payload).unwrap();
-    let mut bytes = [0; frame::MAX_FRAME];
-    let n = frame::encode(&payload[..n], &mut bytes).unwrap();
-    bytes[..n].to_vec()
 }
 
 /// One tick in which every brain that steps sends these signals at once.

@@ -1,0 +1,102 @@
+//! Where a line begins and ends in a stream of bytes.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{MAX_DIGITS, MAX_LINE};
+use crate::buffer::Buffer;
+
+/// Finds lines in a stream of bytes. Behind the end of a line it is as new.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lines {
+    ends: Ends,
+    /// The bytes since the last end of a line.
+    collected: Buffer<MAX_LINE>,
+    /// How many bytes have come since the buffer was full.
+    dropped: u32,
+}
+
+impl Lines {
+    /// A reader of questions that has seen nothing. A carriage return ends them, or a line feed, or both.
+    pub const fn of_questions() -> Self {
+        Self { ends: Ends::Either, collected: Buffer::new(), dropped: 0 }
+    }
+
+    /// A reader of answers that has seen nothing. A line feed ends them, and not the carriage return before it: an
+    /// answer is not there before its last byte is.
+    pub const fn of_answers() -> Self {
+        Self { ends: Ends::Feed, collected: Buffer::new(), dropped: 0 }
+    }
+
+    /// Takes the next byte from the wire. Gives the line that the byte ends, without its end, if there is anything in it.
+    ///
+    /// # Errors
+    /// If the line that ends here was longer than [`MAX_LINE`].
+    pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], LineError>> {
+        if byte != b'\n' && (byte != b'\r' || self.ends == Ends::Feed) {
+            if !self.collected.push(byte) {
+                self.dropped = self.dropped.saturating_add(1);
+            }
+            return None;
+        }
+        let line = &*self.collected.drain();
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        match core::mem::take(&mut self.dropped) {
+            0 if line.is_empty() => None,
+            0 => Some(Ok(line)),
+            dropped => {
+                let found = MAX_LINE.saturating_add(dropped as usize);
+                Some(Err(LineError::TooLong { limit: MAX_LINE, found }))
+            }
+        }
+    }
+}
+
+/// What ends a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Ends {
+    Either,
+    Feed,
+}
+
+/// Why a line makes no sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum LineError {
+    /// More characters than any line has.
+    #[error("a line of {found} characters, but the longest has {limit}")]
+    TooLong {
+        /// The most that there may be.
+        limit: usize,
+        /// How many there were.
+        found: usize,
+    },
+    /// Nothing stands in it.
+    #[error("an empty line")]
+    Empty,
+    /// No line of this direction begins like this.
+    #[error("there is no line that begins with {found:#04x}")]
+    Letter {
+        /// The first byte.
+        found: u8,
+    },
+    /// Too few or too many numbers, or no comma where one should be.
+    #[error("the layout has {expected} numbers in this line, but there are {found}")]
+    Count {
+        /// Numbers that the line should have.
+        expected: usize,
+        /// Numbers that it has. Of too many, one is counted.
+        found: usize,
+    },
+    /// A number is none.
+    #[error("number {index} is not a whole number of at most {MAX_DIGITS} digits")]
+    Number {
+        /// Which one, counted from 0.
+        index: usize,
+    },
+    /// A number is no code of its encoding.
+    #[error("number {index} is beyond its encoding")]
+    Range {
+        /// Which one, counted from 0.
+        index: usize,
+    },
+}
