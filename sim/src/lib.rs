@@ -57,6 +57,7 @@ pub mod sight;
 mod statistics;
 pub mod surroundings;
 pub mod time;
+pub mod timeline;
 mod view;
 mod world;
 
