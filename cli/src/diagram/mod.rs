@@ -97,7 +97,11 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
     let late_from_ns =
         late_from_ns.filter(|late| cycle.as_ref().is_some_and(|it| it.end(events).as_ns() > *late));
     let (subtitle, marks) = match cycle {
-        None => ("What happened when, from the sensors to the brain and back.".to_owned(), Vec::new()),
+        None => {
+            let step = duration(step_ns as f64);
+            let told = format!("What happened when, from the sensors to the brain and back. Δt = {step}.");
+            (told, Vec::new())
+        }
         Some(cycle) => about(cycle, late_from_ns, step_ns),
     };
     Diagram {

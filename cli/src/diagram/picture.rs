@@ -168,8 +168,7 @@ impl Diagram {
             let tick = text((scale.x(at), bottom + 18.0), SIZE, PALE_INK, &label);
             canvas.put(tick.set("text-anchor", "middle"));
         }
-        let name = text((scale.left - 12.0, bottom + 18.0), SIZE, PALE_INK, "time in ms");
-        canvas.put(name.set("text-anchor", "end"));
+        canvas.put(text((MARGIN, bottom + 18.0), SIZE, PALE_INK, "time in ms"));
     }
 
     /// The end of what is late, if anything is.
@@ -187,8 +186,10 @@ impl Diagram {
             .iter()
             .map(|at| format!("M{} {}V{}", px(scale.x(*at)), px(top - 18.0), px(bottom)))
             .collect();
-        canvas.put(stroke(&lines, STEP, "1.2").set("stroke-dasharray", "5 3"));
-        if step_px < 46.0 {
+        let is_dense = step_px < 46.0;
+        let (color, wide) = if is_dense { (DENSE_STEP, "0.8") } else { (STEP, "1.2") };
+        canvas.put(stroke(&lines, color, wide).set("stroke-dasharray", "5 3"));
+        if is_dense {
             return;
         }
         let whole = format!("Δt = {}", duration(self.step_ns as f64));
@@ -322,3 +323,5 @@ const LABEL: f64 = 12.0;
 const LEAST_STEP: f64 = 6.0;
 /// Boundaries of steps.
 const STEP: &str = "#78829a";
+/// Boundaries of steps that are near each other.
+const DENSE_STEP: &str = "#b3bac8";
