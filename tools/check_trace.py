@@ -44,8 +44,8 @@ def check(trace):
                 raise ValueError(f"an event at {packet.timestamp} ns is on a track that is not described")
             events.append((packet.timestamp, event))
     counts = nest(tracks, events)
-    kinds = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
-    return f"{processes} robots, {len(tracks) - processes} tracks, {kinds}"
+    kinds = ", ".join(f"{name}: {count}" for name, count in sorted(counts.items()))
+    return f"robots: {processes}, tracks: {len(tracks) - processes}, {kinds}"
 
 
 def refuse_unknown(message):
