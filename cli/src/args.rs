@@ -41,6 +41,9 @@ pub(crate) enum Command {
     /// Says what a scenario is, or what is wrong with it
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
+    /// Shows what happened when in a run: sensors, microcontroller, cable, brain and motors over time
+    #[command(after_long_help = DIAGRAM_EXAMPLES)]
+    Diagram(DiagramArgs),
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
@@ -127,6 +130,33 @@ pub(crate) struct CheckArgs {
     /// A scenario file, or one that is part of the program: arsim, khepera, wander
     pub(crate) scenario: String,
     /// Draw it from above as a picture in SVG; `-` is stdout, and nothing else is then written there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DiagramArgs {
+    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    pub(crate) scenario: String,
+    /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
+    #[arg(long = "brain", value_name = "[ROBOT=]NAME[:K=V,…]")]
+    pub(crate) brains: Vec<String>,
+    /// The robot that is shown [default: the first]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// Show what happens from this simulated time on
+    #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
+    pub(crate) at: Option<f64>,
+    /// Show the N-th control cycle, from the reads of its sensors to its command; beyond Δt it is red [default: what
+    /// goes on about the third]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) cycle: Option<u32>,
+    /// How much is shown, in simulated milliseconds [default: 3 Δt, or the whole cycle]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]
+    pub(crate) span: Option<f64>,
+    /// Draw it as a picture in SVG; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
@@ -260,6 +290,18 @@ fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|number| f64::is_finite(*number)).ok_or_else(|| "must be a number".to_owned())
 }
 
+/// Seconds since the start of a run.
+fn instant(text: &str) -> Result<f64, String> {
+    let fits = |at_s: &f64| (0.0..=MOST_S).contains(at_s);
+    finite(text).ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_S}, is {text}"))
+}
+
+/// Milliseconds of a run.
+fn span(text: &str) -> Result<f64, String> {
+    let fits = |ms: &f64| *ms > 0.0 && *ms <= MOST_MS;
+    finite(text).ok().filter(fits).ok_or_else(|| format!("must be above 0 and at most {MOST_MS}, is {text}"))
+}
+
 impl Cli {
     /// What `baudbot` alone does: what `baudbot run` does.
     pub(crate) fn into_command(self) -> Command {
@@ -272,6 +314,12 @@ impl Cli {
 
 /// Where a server listens, and where one is looked for.
 pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:7400";
+
+/// Longer than any run that is waited for.
+const MOST_S: f64 = 1e6;
+
+/// More than anybody sees in one picture.
+const MOST_MS: f64 = 1e6;
 
 const PACE_HELP: &str = "\
 When a tick ends:
@@ -308,6 +356,13 @@ Examples:
   baudbot check wander
   baudbot check my.toml --set robots.alice.link.baud=4800
   baudbot check khepera --svg khepera.svg        a picture for a browser";
+
+const DIAGRAM_EXAMPLES: &str = "\
+Examples:
+  baudbot diagram wander                         a table of what happens about the third control cycle
+  baudbot diagram wander --svg timing.svg        the same as a picture for a browser
+  baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
+  baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100";
 
 const PRESET_EXAMPLES: &str = "\
 Examples:

@@ -3,7 +3,7 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `serve`, `brain`, `check`, `preset` and `watch` are the commands, one a file.
+//! 2. `run`, `serve`, `brain`, `check`, `diagram`, `preset` and `watch` are the commands, one a file.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
@@ -16,6 +16,7 @@ mod check;
 mod connect;
 mod crew;
 mod csv;
+mod diagram;
 mod drawing;
 mod error;
 mod link;
@@ -58,6 +59,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Check(args) => check::check(&args),
+        Command::Diagram(args) => diagram::diagram(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;

@@ -5,6 +5,7 @@
 //! chance, and a run that is restored has the same ones again.
 
 use alloc::string::String;
+use core::fmt;
 
 use crate::random;
 use crate::time::SimTime;
@@ -37,6 +38,17 @@ pub enum FaultKind {
         /// Its name.
         name: String,
     },
+}
+
+impl fmt::Display for FaultKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cable => f.write_str("cable out"),
+            Self::ByteErrors { .. } => f.write_str("byte errors"),
+            Self::Brain => f.write_str("brain stalls"),
+            Self::Sensor { name, .. } => write!(f, "{name} sticks"),
+        }
+    }
 }
 
 /// When a fault is in force.

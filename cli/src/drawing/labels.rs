@@ -144,7 +144,7 @@ pub(super) fn written((x, y): Place, text: &str, style: Style<'_>) -> Element {
 }
 
 /// About how wide text is, in pixels: fonts differ, and it must do in most of them.
-pub(super) fn width(text: &str, size: f64) -> f64 {
+pub(crate) fn width(text: &str, size: f64) -> f64 {
     let of = |c: char| match c {
         'i' | 'j' | 'l' | '.' | ',' | ':' | ' ' | '|' | '\'' => 0.36,
         'm' | 'w' | 'M' | 'W' => 0.95,
@@ -156,7 +156,7 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
 }
 
 /// As much of a text as fits into this width, with a sign that there was more.
-pub(super) fn shortened(text: &str, size: f64, room: f64) -> String {
+pub(crate) fn shortened(text: &str, size: f64, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_owned();
     }
@@ -171,7 +171,7 @@ pub(super) fn shortened(text: &str, size: f64, room: f64) -> String {
 }
 
 /// A name that fits into this width: its ends tell more than its middle.
-pub(super) fn without_middle(name: &str, size: f64, room: f64) -> String {
+pub(crate) fn without_middle(name: &str, size: f64, room: f64) -> String {
     if width(name, size) <= room {
         return name.to_owned();
     }
@@ -182,7 +182,7 @@ pub(super) fn without_middle(name: &str, size: f64, room: f64) -> String {
 }
 
 /// A text in lines that fit into this width; at most so many, the last of them shortened.
-pub(super) fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

@@ -28,7 +28,7 @@ mod tests;
 mod things;
 mod view;
 mod walls;
-mod xml;
+pub(crate) mod xml;
 
 use std::sync::Arc;
 
@@ -37,8 +37,9 @@ use baudbot_sim::{Scenario, World};
 
 use self::block::{Block, GAP, WIDTH};
 use self::kinds::Kind;
-use self::labels::{Labels, Style, wrapped};
-use self::palette::{FRAME, INK, PALE_INK, PAPER};
+use self::labels::{Labels, Style};
+pub(crate) use self::labels::{shortened, width, without_middle, wrapped};
+pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER};
 use self::view::{View, rectangle};
 use self::xml::{Canvas, Element, px};
 
@@ -115,7 +116,7 @@ fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
         let at = Element::new("text").number("x", 24.0).number("y", y).number("font-size", size);
         at.set("fill", color).text(text)
     };
-    let name = labels::shortened(name(scenario, label), 20.0, room);
+    let name = shortened(name(scenario, label), 20.0, room);
     canvas.put(text(34.0, 20.0, INK, &name).set("font-weight", "600"));
     let mut y = 38.0;
     for line in wrapped(scenario.description(), 13.0, room, 3) {
@@ -210,7 +211,7 @@ fn label_plan(
         let above = lens.map(|kind| lens::above(view, kind, lenses.height));
         let style = Style { size: 12.0, color: palette::ROBOT, bold: true };
         let off = view.length(body::reach(robot)) + 10.0;
-        let side = off + 0.5 * labels::width(&robot.name, 13.0);
+        let side = off + 0.5 * width(&robot.name, 13.0);
         let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
         let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
         labels.put(&robot.name, style, above.into_iter().chain(places).chain(far));

@@ -5,13 +5,13 @@ use baudbot_sim::sensor::Device;
 use baudbot_sim::surroundings::Zone;
 
 /// Text.
-pub(super) const INK: &str = "#1d2430";
+pub(crate) const INK: &str = "#1d2430";
 /// Text of less weight.
-pub(super) const PALE_INK: &str = "#3c4656";
+pub(crate) const PALE_INK: &str = "#3c4656";
 /// Axes and frames.
-pub(super) const FRAME: &str = "#8a93a3";
+pub(crate) const FRAME: &str = "#8a93a3";
 /// The picture's ground, so that it reads on light and on dark pages.
-pub(super) const PAPER: &str = "#f7f8fa";
+pub(crate) const PAPER: &str = "#f7f8fa";
 /// A robot's rim, if the scenario gives it no colour.
 pub(super) const ROBOT: &str = "#1f5fa8";
 /// A robot's body, if the scenario gives it no colour.

@@ -1,6 +1,7 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
 mod devices;
+mod diagrams;
 mod presets;
 mod processes;
 mod refusals;

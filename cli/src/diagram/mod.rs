@@ -1,0 +1,143 @@
+//! `baudbot diagram`: what happened when, as the timing diagram of the lecture notes (Fig. 3.2).
+//!
+//! From the command inwards:
+//!
+//! 1. This file is the command. `record` says which part of a run is wanted, and runs a world for it; `cycle` finds a
+//!    control cycle among the events.
+//! 2. `timeline` makes lanes of a robot's events; `table` writes them as text.
+//! 3. `picture` draws lanes of bars, whatever they stand for: `rows` finds places for what overlaps, `bars` draws a
+//!    row, `scale` is the axis of time, `class` has the colours and `key` says what they mean.
+
+mod bars;
+mod class;
+mod cycle;
+#[cfg(test)]
+mod demo;
+mod key;
+mod picture;
+mod record;
+mod rows;
+mod scale;
+mod table;
+#[cfg(test)]
+mod tests;
+mod timeline;
+
+use std::fs;
+
+use anyhow::{Context, anyhow};
+use baudbot_sim::Scenario;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::timeline::Event;
+
+use self::picture::{Diagram, Mark};
+use self::record::{Place, Wanted, Window};
+use crate::args::DiagramArgs;
+use crate::crew::{self, Job};
+use crate::error::Refused;
+use crate::run::overrides;
+use crate::scenarios::{self, Source};
+use crate::text::{self, duration};
+
+pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    scenarios::warn(&scenario);
+    let jobs = crew::share_out(&args.brains, scenario.robots())?;
+    jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
+    let place = place(args.robot.as_deref(), scenario.robots())?;
+    let robot = &scenario.robots()[place];
+    let wanted = wanted(args);
+    let events = wanted.record(robot, scenario.step_ns(), world(&scenario, &jobs, place))?;
+    let window = wanted.window(robot, &events, scenario.step_ns());
+    let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
+    let name = source.world_name(&scenario);
+    let picture = picture(&name, scenario.step_ns(), robot, &events, &window).draw();
+    if path.as_os_str() == "-" {
+        return text::print(&picture);
+    }
+    fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A world with its brains, tick by tick.
+fn world(
+    _: &Scenario,
+    _: &[Job],
+    _: usize,
+) -> impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>> + use<> {
+    |_| Err(anyhow!("not connected: the world does not record its events yet"))
+}
+
+/// The place of the robot that is asked for.
+fn place(name: Option<&str>, robots: &[RobotSpec]) -> anyhow::Result<usize> {
+    let names = || robots.iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>().join(", ");
+    match name {
+        Some(name) => robots.iter().position(|robot| robot.name == name).ok_or_else(|| {
+            Refused::error(format!("--robot: there is no robot `{name}`; there are: {}", names()))
+        }),
+        None if robots.is_empty() => Err(Refused::error("there is no robot to make a diagram of")),
+        None => Ok(0),
+    }
+}
+
+fn wanted(args: &DiagramArgs) -> Wanted {
+    let place = match (args.at, args.cycle) {
+        (Some(at_s), _) => Place::At((at_s * 1e9).round() as u64),
+        (None, Some(number)) => Place::Cycle(number),
+        (None, None) => Place::Usual,
+    };
+    Wanted { place, span_ns: args.span.map(|ms| (ms * 1e6).round().max(1.0) as u64) }
+}
+
+/// The diagram of a part of a robot's run.
+fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], window: &Window) -> Diagram {
+    let Window { from_ns, until_ns, cycle } = window;
+    let of_cycle = cycle.as_ref().map(|cycle| &cycle.events);
+    let late_from_ns = cycle.as_ref().map(|cycle| cycle.late_from_ns(robot));
+    let late_from_ns =
+        late_from_ns.filter(|late| cycle.as_ref().is_some_and(|it| it.end(events).as_ns() > *late));
+    let (subtitle, marks) = match cycle {
+        None => {
+            let step = duration(step_ns as f64);
+            let told = format!("What happened when, from the sensors to the brain and back. Δt = {step}.");
+            (told, Vec::new())
+        }
+        Some(cycle) => about(cycle, late_from_ns, robot),
+    };
+    Diagram {
+        title: match cycle {
+            None => format!("{} in {world}", robot.name),
+            Some(cycle) => format!("{} in {world}: control cycle {}", robot.name, cycle.number),
+        },
+        subtitle,
+        lanes: timeline::lanes(robot, events, (*from_ns, *until_ns), of_cycle),
+        from_ns: *from_ns,
+        until_ns: *until_ns,
+        step_ns,
+        marks,
+        late_from_ns,
+    }
+}
+
+/// What is told of a cycle, and marked.
+fn about(cycle: &cycle::Cycle, late_from_ns: Option<u64>, robot: &RobotSpec) -> (String, Vec<Mark>) {
+    let mark = |at_ns, label: &str| Mark { at_ns, label: label.to_owned() };
+    let within_ns = robot.deadline.within_ns;
+    let deadline = if robot.deadline.on_late.is_some() { "deadline" } else { "Δt" };
+    let mut marks = vec![mark(cycle.begun.as_ns(), "cycle begins")];
+    marks.extend(late_from_ns.map(|at_ns| mark(at_ns, "late")));
+    let told = match cycle.obeyed {
+        None => "No command answered this cycle's message. Other cycles are pale.".to_owned(),
+        Some(obeyed) => {
+            let ns = obeyed.since(cycle.begun);
+            marks.push(mark(obeyed.as_ns(), "obeyed"));
+            let verdict = if ns > within_ns { "longer than" } else { "within" };
+            format!(
+                "Reading, transfer, thinking and obeying take {}: {verdict} the {deadline} of {}. Other cycles are pale.",
+                duration(ns as f64),
+                duration(within_ns as f64)
+            )
+        }
+    };
+    (told, marks)
+}

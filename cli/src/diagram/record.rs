@@ -1,0 +1,224 @@
+//! Which part of a run is shown, and how far the world runs for it.
+
+use baudbot_sim::SimTime;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::timeline::Event;
+
+use super::cycle::{Cycle, is_anchor};
+use crate::error::Refused;
+use crate::text::{count, handy};
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wanted {
+    pub(super) place: Place,
+    /// In nanoseconds.
+    pub(super) span_ns: Option<u64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// From this instant on, in nanoseconds.
+    At(u64),
+    /// This control cycle, from 1 on, before all others.
+    Cycle(u32),
+    /// What goes on about an early cycle.
+    Usual,
+}
+
+/// A part of a run.
+#[derive(Debug, PartialEq)]
+pub(super) struct Window {
+    pub(super) from_ns: u64,
+    pub(super) until_ns: u64,
+    /// The cycle that it is about.
+    pub(super) cycle: Option<Cycle>,
+}
+
+impl Wanted {
+    /// Runs a world for as long as needed: `tick` does one tick, adds the robot's new events, and says the time after
+    /// it, in nanoseconds, or nothing if the run was over before. Gives back all events that may be wanted, in the
+    /// order in which they came.
+    pub(super) fn record(
+        &self,
+        robot: &RobotSpec,
+        step_ns: u64,
+        mut tick: impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>,
+    ) -> anyhow::Result<Vec<Event>> {
+        let (mut events, mut fresh) = (Vec::new(), Vec::new());
+        let (mut cycles, mut now_ns) = (0, 0);
+        let mut until_ns = match self.place {
+            Place::At(from_ns) => from_ns.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS),
+            Place::Cycle(_) | Place::Usual => PATIENCE_NS,
+        };
+        while now_ns < until_ns && events.len() < MOST_EVENTS {
+            let Some(now) = tick(&mut fresh)? else { break };
+            now_ns = now;
+            for event in fresh.drain(..) {
+                if is_anchor(event.what, robot) {
+                    cycles += 1;
+                    // It is answered later, and what is noted after its end comes later still.
+                    if Some(cycles) == self.cycle() {
+                        until_ns = now.saturating_add(self.span(step_ns)).saturating_add(SLACK_NS);
+                    }
+                }
+                if self.may_show(&event) {
+                    events.push(event);
+                }
+            }
+        }
+        self.refuse(cycles, now_ns)?;
+        Ok(events)
+    }
+
+    /// The part that is wanted, of a robot with these events.
+    pub(super) fn window(&self, robot: &RobotSpec, events: &[Event], step_ns: u64) -> Window {
+        let span_ns = self.span(step_ns);
+        let cycle = self.cycle().and_then(|number| Cycle::find(robot, events, number));
+        match (self.place, cycle) {
+            (Place::At(from_ns), _) => Window::new(from_ns, span_ns, None),
+            (Place::Cycle(_), Some(cycle)) => {
+                // A bit more than whole steps, so that their boundaries are seen.
+                let more_ns = step_ns / 5;
+                let from_ns = boundary(cycle.start, step_ns).saturating_sub(more_ns);
+                let end = boundary(cycle.end(events), step_ns).saturating_add(step_ns);
+                let end_ns = end.saturating_add(more_ns);
+                let span_ns = self.span_ns.unwrap_or_else(|| end_ns.saturating_sub(from_ns));
+                Window::new(from_ns, span_ns, Some(cycle))
+            }
+            (Place::Usual, Some(cycle)) => {
+                let from_ns = boundary(cycle.start, step_ns).saturating_sub(step_ns);
+                Window::new(from_ns, span_ns, None)
+            }
+            // It was not found out why: there is nothing to show.
+            (Place::Cycle(_) | Place::Usual, None) => Window::new(0, span_ns, None),
+        }
+    }
+
+    /// The cycle that it goes by.
+    fn cycle(&self) -> Option<u32> {
+        match self.place {
+            Place::At(_) => None,
+            Place::Cycle(number) => Some(number),
+            Place::Usual => Some(USUAL),
+        }
+    }
+
+    fn span(&self, step_ns: u64) -> u64 {
+        self.span_ns.unwrap_or_else(|| step_ns.saturating_mul(3))
+    }
+
+    /// Cycles are counted from the start; all else is wanted only if it reaches into the window.
+    fn may_show(&self, event: &Event) -> bool {
+        match self.place {
+            Place::At(from_ns) => event.end.as_ns() >= from_ns,
+            Place::Cycle(_) | Place::Usual => true,
+        }
+    }
+
+    fn refuse(&self, cycles: u32, now_ns: u64) -> anyhow::Result<()> {
+        let now_s = handy(now_ns as f64 * 1e-9);
+        match self.place {
+            Place::At(from_ns) if now_ns < from_ns => {
+                let at_s = handy(from_ns as f64 * 1e-9);
+                Err(Refused::error(format!("--at {at_s}: the run is over after {now_s} s")))
+            }
+            Place::Cycle(number) if cycles < number => {
+                let cycles = count(cycles as usize, "cycle");
+                Err(Refused::error(format!("--cycle {number}: the run had {cycles} in {now_s} s")))
+            }
+            Place::Usual if cycles < USUAL => Err(Refused::error(format!(
+                "the run had {} in {now_s} s; --at S shows any part of a run",
+                count(cycles as usize, "cycle")
+            ))),
+            Place::At(_) | Place::Cycle(_) | Place::Usual => Ok(()),
+        }
+    }
+}
+
+impl Window {
+    fn new(from_ns: u64, span_ns: u64, cycle: Option<Cycle>) -> Self {
+        Self { from_ns, until_ns: from_ns.saturating_add(span_ns.max(1)), cycle }
+    }
+}
+
+/// The last boundary of steps that is not after an instant.
+fn boundary(at: SimTime, step_ns: u64) -> u64 {
+    at.as_ns() - at.as_ns() % step_ns.max(1)
+}
+
+/// The cycle that is shown if none is asked for: by then all runs as it always will.
+const USUAL: u32 = 3;
+/// A cycle may be noted so much later than it begins, and answered so late, in nanoseconds.
+const SLACK_NS: u64 = 5_000_000_000;
+/// So long a cycle is waited for, in nanoseconds.
+const PATIENCE_NS: u64 = 3_600_000_000_000;
+/// More events than this nobody looks at.
+const MOST_EVENTS: usize = 4_000_000;
+
+#[cfg(test)]
+mod tests {
+    use super::super::demo;
+    use super::*;
+
+    const STEP_NS: u64 = 10_000_000;
+
+    fn wanted(place: Place) -> Wanted {
+        Wanted { place, span_ns: None }
+    }
+
+    /// What is recorded of a run of so many cycles of 20 ms, and when that stopped, in ms.
+    fn recorded(wanted: Wanted, cycles: u64) -> (anyhow::Result<Vec<Event>>, u64) {
+        let (scenario, events) = demo::wander(0, cycles);
+        let mut events = events.into_iter().peekable();
+        let mut now_ns = 0;
+        let tick = |fresh: &mut Vec<Event>| {
+            if events.peek().is_none() {
+                return Ok(None);
+            }
+            now_ns += STEP_NS;
+            while let Some(event) = events.next_if(|event| event.end.as_ns() <= now_ns) {
+                fresh.push(event);
+            }
+            Ok(Some(now_ns))
+        };
+        let events = wanted.record(&scenario.robots()[0], STEP_NS, tick);
+        (events, now_ns / 1_000_000)
+    }
+
+    fn problem(wanted: Wanted, cycles: u64) -> String {
+        recorded(wanted, cycles).0.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_run_goes_on_no_longer_than_is_needed() {
+        let (events, ms) = recorded(wanted(Place::Cycle(2)), 1000);
+        assert!(events.is_ok() && (5000..5200).contains(&ms), "{ms}");
+        let (events, ms) = recorded(wanted(Place::At(1_000_000_000)), 1000);
+        assert!((6000..6100).contains(&ms), "{ms}");
+        assert!(events.unwrap().iter().all(|event| event.end.as_ns() >= 1_000_000_000));
+    }
+
+    #[test]
+    fn what_a_run_does_not_have_is_refused() {
+        assert_eq!(problem(wanted(Place::Cycle(9)), 8), "--cycle 9: the run had 8 cycles in 0.19 s");
+        assert_eq!(problem(wanted(Place::At(2_000_000_000)), 8), "--at 2: the run is over after 0.19 s");
+        assert_eq!(
+            problem(wanted(Place::Usual), 1),
+            "the run had 1 cycle in 0.05 s; --at S shows any part of a run"
+        );
+    }
+
+    #[test]
+    fn a_cycle_is_shown_from_the_boundary_before_it_to_one_behind_it() {
+        let (scenario, events) = demo::wander(0, 6);
+        let window = |place| wanted(place).window(&scenario.robots()[0], &events, STEP_NS);
+        let cycle = window(Place::Cycle(3));
+        let end = cycle.cycle.as_ref().unwrap().end(&events).as_ns();
+        assert_eq!((end, cycle.from_ns, cycle.until_ns), (83_000_000, 38_000_000, 92_000_000));
+        let usual = window(Place::Usual);
+        assert_eq!((usual.from_ns, usual.until_ns, usual.cycle), (30_000_000, 60_000_000, None));
+        let at = Wanted { place: Place::At(u64::MAX), span_ns: Some(7) };
+        assert_eq!(at.window(&scenario.robots()[0], &events, STEP_NS).until_ns, u64::MAX);
+    }
+}

@@ -1,0 +1,41 @@
+//! The events of a window as text.
+
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::timeline::Event;
+use baudbot_trace::Lane;
+
+use super::record::Window;
+use super::scale::ms;
+use super::timeline::{is_in, what};
+
+/// A line for each event of a window: when it began and how long it took, in milliseconds, who it was, and what it did.
+/// Those of the cycle that the window is about have a `*`.
+pub(super) fn table(robot: &RobotSpec, events: &[Event], window: &Window) -> String {
+    let in_window = |(_, event): &(usize, &Event)| is_in(event, window.from_ns, window.until_ns);
+    let mut shown: Vec<_> = events.iter().enumerate().filter(in_window).collect();
+    shown.sort_by_key(|(_, event)| (event.start, event.end));
+    let head = ["start ms", "duration ms", "who", "what"].map(str::to_owned);
+    let rows: Vec<_> =
+        shown.into_iter().map(|(i, event)| row(robot, event, is_of_cycle(window, i))).collect();
+    let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
+    let wide = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
+    let [start, long, who] = [wide(0), wide(1), wide(2)];
+    let line =
+        |row: &[String; 4]| format!("{:>start$}  {:>long$}  {:<who$}  {}\n", row[0], row[1], row[2], row[3]);
+    rows.iter().map(line).collect()
+}
+
+fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool) -> [String; 4] {
+    let start = ms(event.start.as_ns(), DECIMALS);
+    let long = ms(event.end.since(event.start), DECIMALS);
+    let who = Lane::of(event.what, robot).next().map(|lane| lane.name(robot)).unwrap_or_default();
+    let mark = if is_of_cycle { " *" } else { "" };
+    [start, long, who, what(robot, event.what) + mark]
+}
+
+fn is_of_cycle(window: &Window, place: usize) -> bool {
+    window.cycle.as_ref().is_some_and(|cycle| cycle.events.contains(&place))
+}
+
+/// Of a millisecond.
+const DECIMALS: usize = 3;
