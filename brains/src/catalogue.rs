@@ -178,7 +178,8 @@ fn set<P: Default>(brain: &'static str, known: &[Parameter<P>], settings: &str) 
     Ok(parameters)
 }
 
-fn nearest_first(name: &str, known: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
+/// Names, those first that are most like `name`: that have the fewest letters to be put in, left out or changed.
+pub fn nearest_first<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut known: Vec<_> = known.collect();
     known.sort_by_key(|candidate| distance(name, candidate));
     known

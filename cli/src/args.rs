@@ -32,6 +32,9 @@ pub(crate) enum Command {
     /// Runs a scenario with its brains in this process and sums up
     #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
+    /// Runs an experiment: a scenario many times, with some of its fields varied
+    #[command(after_long_help = SWEEP_EXAMPLES)]
+    Sweep(SweepArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
@@ -70,6 +73,9 @@ pub(crate) struct RunArgs {
     /// Write the state at every tick as a table; `-` is stdout, and the summary then goes to stderr
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
+    /// Write all that happened on robots, cables and brains as a trace that ui.perfetto.dev opens
+    #[arg(long, value_name = "FILE")]
+    pub(crate) timeline: Option<PathBuf>,
     /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -85,6 +91,39 @@ pub(crate) struct RunArgs {
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]
     pub(crate) listen: ListenArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    /// An experiment file; docs/experiments.md describes them
+    pub(crate) experiment: PathBuf,
+    /// The folder for what comes of it [default: NAME.sweep here]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Delete what is in that folder of another sweep, and begin anew
+    #[arg(long)]
+    pub(crate) fresh: bool,
+    /// Runs at a time [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) connect: Option<String>,
+    /// Other seeds than the file's: N (1 to N), A..B (both too) or A,B,C
+    #[arg(long, value_name = "SEEDS")]
+    pub(crate) seeds: Option<String>,
+    /// Look for the limit of a field, by its label or path, at which the brain still succeeds
+    #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
+    pub(crate) find: Option<String>,
+    /// Go ahead even if it takes long: more than 10,000 runs, or an hour
+    #[arg(long)]
+    pub(crate) yes: bool,
+    /// Write what is told at the end as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress bar, no notes, no summary (JSON is still written)
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -333,11 +372,24 @@ Examples:
   baudbot run                                    the default: wander, brain avoid, 60 s
   baudbot run wander --pace real-time --seconds 10
   baudbot run khepera --set robots.khepera.link.baud=9600
+  baudbot run --seconds 2 --timeline run.pftrace   what happened when, for ui.perfetto.dev
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
 
 Ctrl-C (or SIGTERM) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends the
 program at once, without a summary.";
+
+const SWEEP_EXAMPLES: &str = "\
+Examples:
+  baudbot sweep experiments/baud-vs-speed.toml
+  baudbot sweep my.toml --out /tmp/my --jobs 2
+  baudbot sweep my.toml --seeds 101..120         the same with other seeds
+  baudbot sweep my.toml --find baud              the lowest baud rate that will do
+  baudbot sweep my.toml --connect 127.0.0.1:7400
+
+DIR gets rows.jsonl (a line a run, as they end), and at the end rows.csv, rows.parquet, summary.txt and the charts. A
+sweep that was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, goes on where it was when the same command
+is given again. The exit code is 1 if some of the runs could not be.";
 
 const SERVE_EXAMPLES: &str = "\
 Examples:

@@ -5,10 +5,7 @@
 //! empty cell.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::os::fd::AsFd;
-use std::path::Path;
 
 use baudbot_server::{sensor_columns, state_columns, state_values};
 use baudbot_sim::robot::RobotSpec;
@@ -29,38 +26,7 @@ pub(crate) struct Table {
     header: Option<String>,
 }
 
-/// A file that keeps what is in it until something new is written.
-struct Replaced {
-    file: File,
-    is_old: bool,
-}
-
-impl Write for Replaced {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if std::mem::replace(&mut self.is_old, false) {
-            self.file.set_len(0)?;
-        }
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
 impl Table {
-    /// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written.
-    pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
-        if path == Path::new("-") {
-            // Not the standard library's stdout: what that holds back is written at the program's exit, which
-            // must not wait for a reader.
-            return Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)));
-        }
-        let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-        let is_old = file.metadata()?.is_file();
-        Ok(Box::new(Replaced { file, is_old }))
-    }
-
     /// A table, and how it went: an error as soon as one occurs, or else the end, when the
     /// table is dropped.
     pub(crate) fn new(

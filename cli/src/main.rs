@@ -3,7 +3,7 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `serve`, `brain`, `check`, `diagram`, `preset` and `watch` are the commands, one a file.
+//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `diagram`, `preset` and `watch` are the commands, one a file.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
@@ -28,8 +28,11 @@ mod scenarios;
 mod serve;
 mod signals;
 mod summary;
+mod sweep;
 mod text;
+mod trace;
 mod watch;
+mod written;
 
 use std::process::ExitCode;
 
@@ -56,6 +59,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     let runtime = runtime.context("cannot start the runtime")?;
     match command {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
+        Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Check(args) => check::check(&args),

@@ -14,7 +14,7 @@ use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_server::{OnTick, Pace, Server, WorldConfig};
 use baudbot_sim::{Override, Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use tokio::sync::{Notify, oneshot};
+use tokio::sync::Notify;
 use tokio::task::JoinSet;
 use tonic::transport::Channel;
 
@@ -25,6 +25,8 @@ use crate::error::{Refused, from_builder, from_server};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
+use crate::trace::Trace;
+use crate::written::{self, Files};
 use crate::{connect, report, text};
 
 /// What is going to be run.
@@ -45,21 +47,18 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         eprintln!("{note}");
     }
     let monitor = Arc::new(Monitor::default());
-    let (on_tick, table) = hook(args.csv.as_deref(), &plan.scenario, Arc::clone(&monitor))?;
+    let (on_tick, files) = hook(args, &plan, Arc::clone(&monitor))?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let server = serve(args, &plan, on_tick).await?;
-    let mut run = Running { plan: &plan, server: &server, monitor, table, interrupted: false };
+    let mut run = Running { plan: &plan, server: &server, monitor, files, interrupted: false };
     let status = run.until_over(&mut stop, quiet).await;
-    let (interrupted, table) = (run.interrupted, run.table);
+    let (interrupted, files) = (run.interrupted, run.files);
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
         eprintln!("note: somebody kept a connection open; it was cut");
     }
-    let status = match table {
-        // The world's thread has closed the table, or will at once.
-        Some(table) => table.finish().await.and(status),
-        None => status,
-    }?;
+    // The world's thread has closed the files, or will at once.
+    let status = files.finish().await.and(status)?;
     let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
     show(args, &summary)?;
     Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
@@ -70,20 +69,25 @@ fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
         let json = serde_json::to_string_pretty(summary).context("cannot write the summary")?;
         return text::print(&format!("{json}\n"));
     }
-    match &args.csv {
-        _ if args.quiet => Ok(()),
-        Some(path) if path == Path::new(STDOUT) => {
-            eprint!("{}", report::text(summary));
-            Ok(())
-        }
-        _ => text::print(&report::text(summary)),
+    if args.quiet {
+        return Ok(());
     }
+    if [&args.csv, &args.timeline].into_iter().flatten().any(|path| path == Path::new(STDOUT)) {
+        eprint!("{}", report::text(summary));
+        return Ok(());
+    }
+    text::print(&report::text(summary))
 }
 
 impl Plan {
     fn new(args: &RunArgs) -> anyhow::Result<Self> {
         if args.json && args.csv.as_deref() == Some(Path::new(STDOUT)) {
             return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
+        }
+        if args.timeline.as_deref() == Some(Path::new(STDOUT))
+            && (args.json || args.csv.as_deref() == args.timeline.as_deref())
+        {
+            return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
         }
         let pace = args.pace.with(&args.watchdog)?;
         let source = Source::find(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT))?;
@@ -163,59 +167,46 @@ impl Drop for Telling {
     }
 }
 
-/// A table that is being written, seen from outside.
-struct TableWatch {
-    name: String,
-    outcome: oneshot::Receiver<std::io::Result<()>>,
-}
-
-impl TableWatch {
-    /// Waits for the table's end, or its failure.
-    async fn finish(self) -> anyhow::Result<()> {
-        match self.outcome.await {
-            Ok(result) => result.with_context(|| format!("cannot write {}", self.name)),
-            // It has failed before, and that was reported.
-            Err(_) => Ok(()),
-        }
+fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(OnTick, Files)> {
+    let mut files = Files::default();
+    let robots = plan.scenario.robots();
+    let mut table = None;
+    if let Some(path) = &args.csv {
+        let is_stdout = path == Path::new(STDOUT);
+        let name = if is_stdout { "the table to stdout".into() } else { path.display().to_string() };
+        let out = written::open(path).with_context(|| format!("cannot write {name}"))?;
+        let (made, outcome) = Table::new(out, robots);
+        files.watch(name, outcome);
+        table = Some(made);
     }
-}
-
-fn hook(
-    csv: Option<&Path>,
-    scenario: &Scenario,
-    monitor: Arc<Monitor>,
-) -> anyhow::Result<(OnTick, Option<TableWatch>)> {
-    let (mut table, watch) = match csv {
-        None => (None, None),
-        Some(path) => {
-            let name = if path == Path::new(STDOUT) {
-                "the table to stdout".into()
-            } else {
-                path.display().to_string()
-            };
-            let out = Table::open(path).with_context(|| format!("cannot write {name}"))?;
-            let (table, outcome) = Table::new(out, scenario.robots());
-            (Some(table), Some(TableWatch { name, outcome }))
-        }
-    };
+    let mut trace = None;
+    if let Some(path) = &args.timeline {
+        let out = written::open(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let (made, outcome) = Trace::new(out, &plan.world, robots.len());
+        files.watch(path.display().to_string(), outcome);
+        trace = Some(made);
+    }
     let monitor = Telling(monitor);
     let on_tick = move |world: &World| {
         if let Some(table) = &mut table {
             table.write(world);
+        }
+        if let Some(trace) = &mut trace {
+            trace.write(world);
         }
         monitor.0.tick.store(world.tick(), Ordering::Relaxed);
         if world.ending().is_some() {
             monitor.0.ended.notify_one();
         }
     };
-    Ok((Box::new(on_tick), watch))
+    Ok((Box::new(on_tick), files))
 }
 
 struct Running<'a> {
     plan: &'a Plan,
     server: &'a Server,
     monitor: Arc<Monitor>,
-    table: Option<TableWatch>,
+    files: Files,
     interrupted: bool,
 }
 
@@ -262,25 +253,12 @@ impl Running<'_> {
                     self.interrupted = true;
                     return Ok(());
                 }
-                error = table_failure(&mut self.table) => return Err(error),
+                error = self.files.failure() => return Err(error),
                 Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
                 _ = redraw.tick() => bar.set_position(self.monitor.tick.load(Ordering::Relaxed)),
             }
         }
     }
-}
-
-/// Waits for the table to fail; forever if there is none.
-async fn table_failure(table: &mut Option<TableWatch>) -> anyhow::Error {
-    if let Some(watch) = table {
-        let outcome = (&mut watch.outcome).await;
-        let context = format!("cannot write {}", watch.name);
-        *table = None;
-        if let Ok(Err(error)) = outcome {
-            return anyhow::Error::from(error).context(context);
-        }
-    }
-    std::future::pending().await
 }
 
 fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {

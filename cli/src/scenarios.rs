@@ -38,6 +38,18 @@ impl Source {
         Ok(Self { label: name.to_owned(), text })
     }
 
+    /// As [`find`](Self::find), of a file that another file refers to, which is in `folder`.
+    pub(crate) fn beside(folder: &Path, name: &str) -> anyhow::Result<Self> {
+        if EMBEDDED.iter().any(|(embedded, _)| *embedded == name) {
+            return Self::find(name);
+        }
+        Self::find(&folder.join(name).display().to_string())
+    }
+
+    pub(crate) fn into_text(self) -> String {
+        self.text
+    }
+
     /// Parses it, some of its fields changed.
     pub(crate) fn parse(&self, overrides: &[Override]) -> anyhow::Result<Scenario> {
         let parsed = Scenario::parse_with(&self.text, overrides);
@@ -78,7 +90,7 @@ pub(crate) fn set(path: &str, value: impl std::fmt::Display) -> Override {
     Override::parse(&format!("{path}={value}")).expect("a path of our own has no empty part")
 }
 
-fn read(path: &str) -> anyhow::Result<String> {
+pub(crate) fn read(path: &str) -> anyhow::Result<String> {
     let unreadable = |error: io::Error| Refused::error(unreadable(path, &error));
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() {

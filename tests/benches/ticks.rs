@@ -39,7 +39,7 @@ fn world_alone(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = [("arsim", "constant:left=0.3,right=0.5"), ("wander", "avoid")], sample_count = 20)]
 fn world_and_brain(bencher: Bencher<'_, '_>, (name, brain): (&str, &str)) {
-    let pair = || Pair::new(scenario(&toml(name), &["end={}", "collision=stop-robot"]), brain);
+    let pair = || Pair::new(scenario(&toml(name), &["end={}", "collision=stop-robot"]), brain).unwrap();
     bencher.counter(ItemsCount::new(TICKS)).with_inputs(pair).bench_refs(|pair| pair.run(TICKS));
 }
 

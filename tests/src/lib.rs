@@ -1,10 +1,9 @@
 //! What the whole-system tests share: scenarios, a world with its brains in one thread ([`Pair`]), and a
 //! server with its brains over real gRPC ([`system`]).
 
-pub mod pair;
 pub mod system;
 
-pub use pair::Pair;
+pub use baudbot_experiment::pair::{Pair, body};
 
 use baudbot_sim::{Override, Scenario};
 

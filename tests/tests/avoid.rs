@@ -5,7 +5,7 @@ use baudbot_tests::{Pair, WANDER, scenario};
 #[test]
 fn avoid_drives_ten_minutes_over_20_seeds_without_a_collision() {
     for seed in 1..=20 {
-        let mut pair = Pair::new(scenario(WANDER, &[&format!("seed={seed}")]), "avoid");
+        let mut pair = Pair::new(scenario(WANDER, &[&format!("seed={seed}")]), "avoid").unwrap();
         pair.run(60_000);
         let robot = pair.world.robot(0);
         assert_eq!(pair.world.ending(), None, "seed {seed} at {}", pair.world.time());

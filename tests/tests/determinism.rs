@@ -12,7 +12,7 @@ use tokio::task::JoinSet;
 const TWO_SECONDS: &[&str] = &["end.after_s=2.0"];
 
 fn in_process_hash(toml: &str, changes: &[&str], brain: &str) -> u64 {
-    let mut pair = Pair::new(scenario(toml, changes), brain);
+    let mut pair = Pair::new(scenario(toml, changes), brain).unwrap();
     pair.run(u64::MAX);
     pair.world.begin();
     pair.world.hash()

@@ -163,7 +163,7 @@ async fn a_brain_learns_of_its_turret_its_laser_and_its_ports() {
     assert_eq!((port.format.as_str(), port.baud), ("scip2", None));
     let nmea = body.sensors[2].port.as_ref().unwrap();
     assert_eq!((nmea.format.as_str(), nmea.baud), ("nmea", Some(4800)));
-    assert_eq!(body, &std::sync::Arc::new(baudbot_tests::pair::body(&scenario(SCOUT, &[]).robots()[0])));
+    assert_eq!(body, &std::sync::Arc::new(baudbot_tests::body(&scenario(SCOUT, &[]).robots()[0])));
     server.shutdown().await;
 }
 
@@ -262,7 +262,7 @@ async fn an_operator_is_told_what_the_ports_carried_and_what_was_scored() {
 
 #[tokio::test]
 async fn the_same_run_in_process_and_over_grpc() {
-    let mut pair = Pair::with_brain(scenario(SCOUT, &[]), Look);
+    let mut pair = Pair::with_brain(scenario(SCOUT, &[]), Look).unwrap();
     pair.run(u64::MAX);
     pair.world.begin();
     let (server, client) = scout().await;
@@ -387,7 +387,7 @@ async fn operations_of_a_brain_on_board_take_the_microcontrollers_time() {
     assert_eq!(second.tick, 2, "it thought through a tick");
     server.shutdown().await;
 
-    let mut pair = Pair::with_brain(scenario(LITTLE, &[]), Diligent(0));
+    let mut pair = Pair::with_brain(scenario(LITTLE, &[]), Diligent(0)).unwrap();
     pair.run(u64::MAX);
     pair.world.begin();
     let server = serve(scenario(LITTLE, &[]), lockstep()).await;

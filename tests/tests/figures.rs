@@ -24,7 +24,7 @@ where
 {
     let scenario = Scenario::parse(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
     let notes = Arc::new(Mutex::new(Vec::new()));
-    let mut pair = Pair::with_brain(scenario, Asks(Arc::clone(&notes), brain));
+    let mut pair = Pair::with_brain(scenario, Asks(Arc::clone(&notes), brain)).unwrap();
     pair.run(ticks);
     let notes = std::mem::take(&mut *notes.lock().unwrap());
     (pair, notes)

@@ -24,7 +24,7 @@ fn every_scenario_has_its_golden_hash_after_1000_ticks() {
             "khepera" => KHEPERA.to_owned(),
             _ => crowd(&(0..10).map(|i| format!("r{i}")).collect::<Vec<_>>()),
         };
-        let mut pair = Pair::new(scenario(&toml, &[]), brain);
+        let mut pair = Pair::new(scenario(&toml, &[]), brain).unwrap();
         pair.run(1000);
         found.push((name, brain, pair.world.hash()));
     }

@@ -135,7 +135,7 @@ fn in_process_to_1e_12() {
     for golden in &GOLDENS {
         let changes = golden.changes();
         let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-        let mut pair = Pair::new(scenario(ARSIM, &changes), golden.brain);
+        let mut pair = Pair::new(scenario(ARSIM, &changes), golden.brain).unwrap();
         let mut rows = Vec::new();
         while pair.world.ending().is_none() {
             pair.tick(|world| rows.push(row_of(world)));

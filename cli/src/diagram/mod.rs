@@ -26,6 +26,7 @@ mod timeline;
 use std::fs;
 
 use anyhow::{Context, anyhow};
+use baudbot_experiment::pair::Pair;
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
@@ -48,7 +49,7 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let place = place(args.robot.as_deref(), scenario.robots())?;
     let robot = &scenario.robots()[place];
     let wanted = wanted(args);
-    let events = wanted.record(robot, scenario.step_ns(), world(&scenario, &jobs, place))?;
+    let events = wanted.record(robot, scenario.step_ns(), world(scenario.clone(), &jobs, place)?)?;
     let window = wanted.window(robot, &events, scenario.step_ns());
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
@@ -59,13 +60,31 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// A world with its brains, tick by tick.
+/// A world with its brains, tick by tick: adds the new events of the robot in this place, and says the time after the
+/// tick, in nanoseconds, or nothing if the run was over.
 fn world(
-    _: &Scenario,
-    _: &[Job],
-    _: usize,
-) -> impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>> + use<> {
-    |_| Err(anyhow!("not connected: the world does not record its events yet"))
+    scenario: Scenario,
+    jobs: &[Job],
+    place: usize,
+) -> anyhow::Result<impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>> {
+    let mut pair = Pair::with_jobs(scenario, jobs).map_err(|error| Refused::error(error.to_string()))?;
+    let mut seen = 0;
+    Ok(move |events: &mut Vec<Event>| {
+        if pair.world.ending().is_some() {
+            return Ok(None);
+        }
+        pair.tick(|_| {});
+        let timeline = pair.world.robot(place).timeline();
+        let (gone, fresh) = timeline.since(seen);
+        events.extend(fresh);
+        seen = timeline.total();
+        match gone {
+            0 => Ok(Some(pair.world.time().as_ns())),
+            _ => Err(anyhow!(
+                "more happened in a tick than is kept of a robot's timeline: {gone} events are gone"
+            )),
+        }
+    })
 }
 
 /// The place of the robot that is asked for.

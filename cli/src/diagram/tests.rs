@@ -86,7 +86,7 @@ fn a_cycle_that_is_longer_than_a_step_is_red_beyond_it() {
     let svg = of_wander(Place::Cycle(3));
     let texts = texts(&svg);
     assert!(texts.iter().any(|text| text == "longer than Δt"), "{texts:?}");
-    let told = "43 ms from the first read to the motors: longer than Δt = 10 ms. Other cycles are pale.";
+    let told = "Reading, transfer, thinking and obeying take 42.7 ms: longer than the Δt of 10 ms. Other cycles are pale.";
     assert!(texts.iter().any(|text| text == told), "{texts:?}");
     let up = rectangles(&svg, "readings, 19 bytes: 40.6 to 60.392 ms, 19.792 ms");
     let [whole, late] = &up[..] else { panic!("{up:?}") };

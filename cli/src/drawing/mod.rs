@@ -7,7 +7,7 @@
 //!    and `kinds` finds robots that are alike.
 //! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, `labels` finds room for names,
-//!    `palette` has the colours, and `xml` writes elements.
+//!    `palette` has the colours, and `baudbot_experiment::svg`, here `xml`, writes elements.
 //!
 //! The same scenario gives the same bytes on every machine: all that needs a sine or a root takes it from
 //! `baudbot_geometry::math`.
@@ -28,7 +28,6 @@ mod tests;
 mod things;
 mod view;
 mod walls;
-pub(crate) mod xml;
 
 use std::sync::Arc;
 
@@ -41,7 +40,8 @@ use self::labels::{Labels, Style};
 pub(crate) use self::labels::{shortened, width, without_middle, wrapped};
 pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER};
 use self::view::{View, rectangle};
-use self::xml::{Canvas, Element, px};
+pub(crate) use baudbot_experiment::svg as xml;
+use xml::{Canvas, Element, px};
 
 /// The picture of a scenario at its start. `label` is what it is called if it has no name.
 pub(crate) fn draw(scenario: &Scenario, label: &str) -> String {

@@ -6,6 +6,7 @@ mod presets;
 mod processes;
 mod refusals;
 mod runs;
+mod timelines;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;

@@ -7,13 +7,13 @@ use std::fmt::Write;
 
 /// Elements one after the other.
 #[derive(Debug, Default)]
-pub(crate) struct Canvas {
+pub struct Canvas {
     text: String,
 }
 
 /// An element with its attributes.
 #[derive(Clone, Debug)]
-pub(crate) struct Element {
+pub struct Element {
     name: &'static str,
     attributes: Vec<(&'static str, String)>,
     inside: String,
@@ -21,7 +21,7 @@ pub(crate) struct Element {
 
 impl Canvas {
     /// An element that has an end.
-    pub(crate) fn put(&mut self, element: Element) {
+    pub fn put(&mut self, element: Element) {
         let _ = match element.inside.is_empty() {
             true => writeln!(self.text, "<{}/>", element.tag()),
             false => writeln!(self.text, "<{}>{}</{}>", element.tag(), element.inside, element.name),
@@ -29,17 +29,17 @@ impl Canvas {
     }
 
     /// The begin of an element: what is put is in it until it is closed.
-    pub(crate) fn open(&mut self, element: Element) {
+    pub fn open(&mut self, element: Element) {
         let _ = writeln!(self.text, "<{}>{}", element.tag(), element.inside);
     }
 
     /// The end of an element that was opened.
-    pub(crate) fn close(&mut self, name: &str) {
+    pub fn close(&mut self, name: &str) {
         let _ = writeln!(self.text, "</{name}>");
     }
 
     /// Dots at the ends of lines that have no length, if there are any.
-    pub(crate) fn put_dots(&mut self, dots: &str) {
+    pub fn put_dots(&mut self, dots: &str) {
         if !dots.is_empty() {
             let dots = Element::new("path").set("d", dots).set("fill", "none");
             self.put(dots.set("stroke-width", "4").set("stroke-linecap", "round"));
@@ -47,31 +47,34 @@ impl Canvas {
     }
 
     /// All of another canvas.
-    pub(crate) fn append(&mut self, other: &Self) {
+    pub fn append(&mut self, other: &Self) {
         self.text += &other.text;
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
+    /// Whether nothing was put into it.
+    pub fn is_empty(&self) -> bool {
         self.text.is_empty()
     }
 
-    pub(crate) fn into_text(self) -> String {
+    /// The text of all its elements.
+    pub fn into_text(self) -> String {
         self.text
     }
 }
 
 impl Element {
-    pub(crate) fn new(name: &'static str) -> Self {
+    /// An element without attributes.
+    pub fn new(name: &'static str) -> Self {
         Self { name, attributes: Vec::new(), inside: String::new() }
     }
 
     /// A group, to share attributes and a title.
-    pub(crate) fn group() -> Self {
+    pub fn group() -> Self {
         Self::new("g")
     }
 
     /// An attribute of any text, in place of the one of this name that it may have: XML allows only one.
-    pub(crate) fn set(mut self, name: &'static str, value: &str) -> Self {
+    pub fn set(mut self, name: &'static str, value: &str) -> Self {
         match self.attributes.iter_mut().find(|(other, _)| *other == name) {
             Some((_, old)) => *old = escape(value),
             None => self.attributes.push((name, escape(value))),
@@ -80,24 +83,24 @@ impl Element {
     }
 
     /// An attribute that is a number.
-    pub(crate) fn number(self, name: &'static str, value: f64) -> Self {
+    pub fn number(self, name: &'static str, value: f64) -> Self {
         self.set(name, &px(value))
     }
 
     /// What a browser shows when the mouse rests on it.
-    pub(crate) fn titled(mut self, title: &str) -> Self {
+    pub fn titled(mut self, title: &str) -> Self {
         let _ = write!(self.inside, "<title>{}</title>", escape(title));
         self
     }
 
     /// Text in it.
-    pub(crate) fn text(mut self, text: &str) -> Self {
+    pub fn text(mut self, text: &str) -> Self {
         self.inside += &escape(text);
         self
     }
 
     /// Another element in it.
-    pub(crate) fn with(mut self, child: Self) -> Self {
+    pub fn with(mut self, child: Self) -> Self {
         let mut canvas = Canvas::default();
         canvas.put(child);
         self.inside += canvas.text.trim_end();
@@ -113,7 +116,7 @@ impl Element {
 
 /// A number with at most two decimals: a hundredth of a pixel is seen by nobody. What is far outside of every
 /// picture is brought nearer, as not everybody who draws can count that far.
-pub(crate) fn px(value: f64) -> String {
+pub fn px(value: f64) -> String {
     let near = if value.is_finite() { value.clamp(-FAR, FAR) } else { 0.0 };
     let text = format!("{near:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -121,7 +124,7 @@ pub(crate) fn px(value: f64) -> String {
 }
 
 /// Text as it may stand in an element or an attribute. A character that XML does not know at all is replaced.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_brains::catalogue;
+use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{
     Action, Actuator, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading, Sensor,
     Turn,
@@ -15,11 +15,24 @@ use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Device;
 use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
 
-/// A world and a brain for each of its robots.
+use crate::crew::Job;
+
+/// A world and a brain for each of its robots, or for some of them.
 pub struct Pair {
     /// The world.
     pub world: World,
-    brains: Vec<Driver>,
+    brains: Vec<Option<Driver>>,
+}
+
+/// Why there is no brain for a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PairError {
+    /// The catalogue has no such brain for it.
+    #[error(transparent)]
+    Brain(#[from] CatalogueError),
+    /// A single brain was given for several robots, or for none.
+    #[error("the scenario must have one robot, it has {0}")]
+    Robots(usize),
 }
 
 struct Driver {
@@ -28,32 +41,65 @@ struct Driver {
     commands: RawCommands,
 }
 
+/// Runs a scenario with these brains, seeded with the scenario's seed, to its end, which it must have, and reads the
+/// sensors a last time, as a server does. Says how the world then is.
+///
+/// # Errors
+/// If the catalogue has no such brain for a robot.
+pub fn run(scenario: Scenario, jobs: &[Job]) -> Result<World, PairError> {
+    let mut pair = Pair::with_jobs(scenario, jobs)?;
+    pair.world.keep_timeline(0);
+    pair.run(u64::MAX);
+    pair.world.begin();
+    Ok(pair.world)
+}
+
+impl Driver {
+    fn new(
+        spec: &RobotSpec,
+        brain: impl FnOnce(&Body) -> Result<Box<dyn Brain + Send>, PairError>,
+    ) -> Result<Self, PairError> {
+        let body = Arc::new(body(spec));
+        let commands = RawCommands::new(&body).expect("a scenario is read only if its messages fit the wire");
+        Ok(Self { brain: brain(&body)?, body, commands })
+    }
+}
+
 impl Pair {
     /// All robots get the brain that `brain` describes, seeded with the scenario's seed.
     ///
-    /// # Panics
+    /// # Errors
     /// If the catalogue has no such brain for a robot.
-    pub fn new(scenario: Scenario, brain: &str) -> Self {
-        let driver = |spec| {
-            let body = Arc::new(body(spec));
-            let brain = catalogue::brain(brain, scenario.seed(), &body).expect("a brain of the catalogue");
-            let commands = RawCommands::new(&body).expect("a sound body");
-            Driver { body, brain, commands }
-        };
-        let brains = scenario.robots().iter().map(driver).collect();
-        Self { world: World::new(scenario.into()), brains }
+    pub fn new(scenario: Scenario, brain: &str) -> Result<Self, PairError> {
+        let robots = scenario.robots().iter().map(|spec| spec.name.clone()).collect();
+        Self::with_jobs(scenario, &[Job { brain: brain.to_owned(), robots }])
     }
 
-    /// As [`new`](Self::new), with a brain of the test's own for the only robot.
+    /// Each robot gets the brain of the job that names it, seeded with the scenario's seed; a robot that none names
+    /// gets none.
     ///
-    /// # Panics
+    /// # Errors
+    /// If the catalogue has no such brain for a robot.
+    pub fn with_jobs(scenario: Scenario, jobs: &[Job]) -> Result<Self, PairError> {
+        let driver = |spec: &RobotSpec| {
+            let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
+            let make = |job: &Job| {
+                Driver::new(spec, |body| Ok(catalogue::brain(&job.brain, scenario.seed(), body)?))
+            };
+            job.map(make).transpose()
+        };
+        let brains = scenario.robots().iter().map(driver).collect::<Result<_, _>>()?;
+        Ok(Self { world: World::new(scenario.into()), brains })
+    }
+
+    /// As [`new`](Self::new), with a brain of the caller's own for the only robot.
+    ///
+    /// # Errors
     /// If there is not one robot.
-    pub fn with_brain(scenario: Scenario, brain: impl Brain + Send + 'static) -> Self {
-        let [spec] = scenario.robots() else { panic!("a scenario with one robot") };
-        let body = Arc::new(body(spec));
-        let commands = RawCommands::new(&body).expect("a sound body");
-        let brains = vec![Driver { body, brain: Box::new(brain), commands }];
-        Self { world: World::new(scenario.into()), brains }
+    pub fn with_brain(scenario: Scenario, brain: impl Brain + Send + 'static) -> Result<Self, PairError> {
+        let [spec] = scenario.robots() else { return Err(PairError::Robots(scenario.robots().len())) };
+        let brains = vec![Some(Driver::new(spec, |_| Ok(Box::new(brain)))?)];
+        Ok(Self { world: World::new(scenario.into()), brains })
     }
 
     /// First half of a tick, the brains' steps, second half; `look` sees the world in between.
@@ -62,7 +108,7 @@ impl Pair {
         look(&self.world);
         let mut answers: Vec<(usize, SimTime, Vec<u8>)> = Vec::new();
         for turn in turns {
-            let driver = &mut self.brains[turn.robot];
+            let Some(driver) = &mut self.brains[turn.robot] else { continue };
             let view = self.world.robot(turn.robot);
             let action = driver.brain.step(&client_turn(&driver.body, &view, self.world.tick(), turn.at));
             let thinking_ns = thinking_ns(view.spec(), &action);

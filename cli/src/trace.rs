@@ -1,0 +1,82 @@
+//! The timelines of a run as a trace that Perfetto opens.
+
+use std::io::{self, BufWriter, Write};
+
+use baudbot_sim::World;
+use baudbot_trace::TraceWriter;
+use tokio::sync::oneshot;
+
+type Out = BufWriter<Box<dyn Write + Send>>;
+
+/// A trace that is being written, on its world's thread.
+pub(crate) struct Trace {
+    world: String,
+    /// Until the first tick.
+    out: Option<Out>,
+    writer: Option<TraceWriter<Out>>,
+    /// How many events of each robot have been written or were lost.
+    seen: Vec<u64>,
+    /// Taken when the first write fails; otherwise told when the trace is done.
+    outcome: Option<oneshot::Sender<io::Result<()>>>,
+}
+
+impl Trace {
+    /// A trace of a world of this name, and how it went: an error as soon as one occurs, or else the end, when the
+    /// trace is dropped.
+    pub(crate) fn new(
+        out: Box<dyn Write + Send>,
+        world: &str,
+        robots: usize,
+    ) -> (Self, oneshot::Receiver<io::Result<()>>) {
+        let (outcome, receiver) = oneshot::channel();
+        let out = Some(BufWriter::with_capacity(BUFFER, out));
+        let (world, seen) = (world.to_owned(), vec![0; robots]);
+        (Self { world, out, writer: None, seen, outcome: Some(outcome) }, receiver)
+    }
+
+    /// What happened since the last call.
+    pub(crate) fn write(&mut self, world: &World) {
+        if self.outcome.is_some()
+            && let Err(error) = self.events(world)
+        {
+            self.tell(Err(error));
+        }
+    }
+
+    fn events(&mut self, world: &World) -> io::Result<()> {
+        if let Some(out) = self.out.take() {
+            self.writer = Some(TraceWriter::new(out, &self.world, world.scenario().robots())?);
+        }
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        for (i, (robot, seen)) in world.robots().zip(&mut self.seen).enumerate() {
+            let timeline = robot.timeline();
+            // A world that was reset or restored begins anew.
+            let (gone, events) = timeline.since((*seen).min(timeline.total()));
+            if gone > 0 {
+                writer.lost(i, gone)?;
+            }
+            for event in events {
+                writer.event(i, event)?;
+            }
+            *seen = timeline.total();
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self, result: io::Result<()>) {
+        if let Some(outcome) = self.outcome.take() {
+            let _ = outcome.send(result);
+        }
+    }
+}
+
+impl Drop for Trace {
+    fn drop(&mut self) {
+        if self.outcome.is_some() {
+            let done = self.writer.take().map_or(Ok(()), |writer| writer.finish()?.flush());
+            self.tell(done);
+        }
+    }
+}
+
+const BUFFER: usize = 1 << 16;

@@ -1,0 +1,76 @@
+//! Files that are written during a run, on the world's thread, and how that goes as seen from outside.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::os::fd::AsFd;
+use std::path::Path;
+
+use anyhow::Context;
+use tokio::sync::oneshot;
+use tokio::task::JoinSet;
+
+/// How it goes with the files that are being written.
+#[derive(Default)]
+pub(crate) struct Files(JoinSet<anyhow::Result<()>>);
+
+impl Files {
+    /// Watches a file with this name. Its writer tells an error as soon as one occurs, or else the end.
+    pub(crate) fn watch(&mut self, name: String, outcome: oneshot::Receiver<io::Result<()>>) {
+        self.0.spawn(async move {
+            match outcome.await {
+                Ok(result) => result.with_context(|| format!("cannot write {name}")),
+                // The writer is gone without a word: it panicked, and that is reported elsewhere.
+                Err(_) => Ok(()),
+            }
+        });
+    }
+
+    /// Waits for one of them to fail; forever if none does.
+    pub(crate) async fn failure(&mut self) -> anyhow::Error {
+        while let Some(done) = self.0.join_next().await {
+            if let Ok(Err(error)) = done {
+                return error;
+            }
+        }
+        std::future::pending().await
+    }
+
+    /// Waits for their ends, or the first failure that was not told before.
+    pub(crate) async fn finish(mut self) -> anyhow::Result<()> {
+        while let Some(done) = self.0.join_next().await {
+            done.context("a file's watch panicked")??;
+        }
+        Ok(())
+    }
+}
+
+/// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written.
+pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
+    if path == Path::new("-") {
+        // Not the standard library's stdout: what that holds back is written at the program's exit, which
+        // must not wait for a reader.
+        return Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)));
+    }
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+    let is_old = file.metadata()?.is_file();
+    Ok(Box::new(Replaced { file, is_old }))
+}
+
+/// A file that keeps what is in it until something new is written.
+struct Replaced {
+    file: File,
+    is_old: bool,
+}
+
+impl Write for Replaced {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if std::mem::replace(&mut self.is_old, false) {
+            self.file.set_len(0)?;
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}

@@ -1,0 +1,117 @@
+//! A field of colours: a value for each pair of two fields' values.
+
+use super::axis::{Scale, number, percent};
+use super::page::{self, FRAME, Frame, PALE_INK, line, text, width};
+use super::{Data, marks, subtitle, title};
+use crate::experiment::{Chart, Experiment};
+use crate::svg::{Canvas, Element};
+
+pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> String {
+    let Some(by) = chart.by else { return String::new() };
+    let columns = names(&marks(&experiment.fields[chart.x]));
+    let rows = names(&marks(&experiment.fields[by]));
+    let is_share = chart.figure.is_none_or(|figure| figure.info().is_share);
+    let values: Vec<f64> = data.values().filter_map(|point| Some(point.value()?.0)).collect();
+    let longest = rows.iter().map(|name| width(name, 12.0)).fold(0.0, f64::max);
+    let cell = (cell_width(&columns), 38.0);
+    let left = 50.0 + longest.max(20.0);
+    let frame = Frame {
+        left,
+        right: left + cell.0 * columns.len() as f64,
+        top: 66.0,
+        bottom: 66.0 + (cell.1 * rows.len() as f64).max(LEAST_HEIGHT),
+    };
+    let cell = (cell.0, (frame.bottom - frame.top) / rows.len().max(1) as f64);
+    let figure = chart.figure.map_or("runs that succeed", |figure| figure.info().title);
+    let heading = title(experiment, chart);
+    let size = ((frame.right + 110.0).max(width(&heading, 16.0) + 40.0), frame.bottom + 60.0);
+    let words = |value| if is_share { percent(value) } else { number(value) };
+    let up = (frame.bottom, frame.top);
+    let scale = if is_share { Scale::share(up) } else { Scale::round(&values, up) };
+    let mut canvas = Canvas::default();
+    page::open(&mut canvas, size, &heading, &subtitle(experiment, chart));
+    for (i, column) in columns.iter().enumerate() {
+        let x = frame.left + (i as f64 + 0.5) * cell.0;
+        canvas.put(text((x, frame.bottom + 18.0), "middle", column).set("fill", PALE_INK));
+        for (j, row) in rows.iter().enumerate() {
+            // Numbers grow upwards, names are read downwards.
+            let from_top = if experiment.fields[by].is_numeric() { rows.len() - 1 - j } else { j };
+            let y = frame.top + from_top as f64 * cell.1;
+            if i == 0 {
+                let place = (frame.left - 8.0, y + 0.5 * cell.1 + 4.0);
+                canvas.put(text(place, "end", row).set("fill", PALE_INK));
+            }
+            let value = data.get(&(i, j)).and_then(|point| Some(point.value()?.0));
+            let share = value.map(|value| (up.0 - scale.px(value)) / (up.0 - up.1));
+            let place = (frame.left + i as f64 * cell.0, y);
+            tile(&mut canvas, (place, cell), share, &value.map_or_else(|| "—".to_owned(), words));
+        }
+    }
+    page::names(&mut canvas, &frame, &experiment.fields[chart.x].title(), &experiment.fields[by].title());
+    key(&mut canvas, &frame, &scale, figure, &words);
+    page::close(canvas)
+}
+
+fn names(marks: &[(String, Option<f64>)]) -> Vec<String> {
+    marks.iter().map(|(name, _)| page::cut(name)).collect()
+}
+
+fn cell_width(columns: &[String]) -> f64 {
+    let longest = columns.iter().map(|name| width(name, 12.0)).fold(0.0, f64::max);
+    (longest + 14.0).max(58.0).max((LEAST_WIDTH / columns.len().max(1) as f64).min(110.0))
+}
+
+/// A cell with its value.
+fn tile(canvas: &mut Canvas, ((x, y), (w, h)): ((f64, f64), (f64, f64)), share: Option<f64>, words: &str) {
+    let rect = Element::new("rect").number("x", x + 1.0).number("y", y + 1.0);
+    let rect = rect.number("width", w - 2.0).number("height", h - 2.0).number("rx", 2.0);
+    let (fill, ink) = match share {
+        Some(share) => (color(share), if share > 0.5 { "#ffffff" } else { page::INK }),
+        None => ("#e3e5e9".to_owned(), PALE_INK),
+    };
+    canvas.put(rect.set("fill", &fill));
+    canvas
+        .put(text((x + 0.5 * w, y + 0.5 * h + 4.5), "middle", words).set("fill", ink).set("font-size", "13"));
+}
+
+/// The scale of colours, to the right.
+fn key(canvas: &mut Canvas, frame: &Frame, scale: &Scale, figure: &str, words: &dyn Fn(f64) -> String) {
+    let (left, steps) = (frame.right + 22.0, 40);
+    let height = (frame.bottom - frame.top) / f64::from(steps);
+    for i in 0..steps {
+        let share = (f64::from(i) + 0.5) / f64::from(steps);
+        let y = frame.bottom - f64::from(i + 1) * height;
+        let rect = Element::new("rect").number("x", left).number("y", y).number("width", 14.0);
+        // A little overlap, so that no gaps are seen between them.
+        canvas.put(rect.number("height", height + 0.4).set("fill", &color(share)));
+    }
+    for tick in scale.ticks() {
+        let y = scale.px(tick);
+        canvas.put(line((left + 14.0, y), (left + 18.0, y), FRAME));
+        canvas.put(text((left + 22.0, y + 4.0), "start", &words(tick)).set("fill", PALE_INK));
+    }
+    canvas.put(
+        text((left + 14.0, frame.top - 8.0), "end", &page::cut(figure))
+            .set("fill", PALE_INK)
+            .set("font-size", "11"),
+    );
+}
+
+/// From pale to dark blue: by its lightness alone one sees which is more.
+fn color(share: f64) -> String {
+    let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let i = (at as usize).min(STOPS.len() - 2);
+    let mix = |channel: usize| {
+        let (a, b) = (f64::from(STOPS[i][channel]), f64::from(STOPS[i + 1][channel]));
+        (a + (b - a) * (at - i as f64)).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// Brewer's Blues, without its palest.
+const STOPS: [[u8; 3]; 5] =
+    [[0xe4, 0xee, 0xf8], [0xae, 0xcd, 0xe8], [0x5f, 0xa2, 0xd0], [0x21, 0x6f, 0xb4], [0x08, 0x30, 0x6b]];
+
+/// The least that the field is wide and high, in pixels.
+const LEAST_WIDTH: f64 = 420.0;
+const LEAST_HEIGHT: f64 = 150.0;

@@ -1,0 +1,129 @@
+//! Charts of an experiment as pictures in SVG: lines with their bands of 95 %, or a field of colours.
+//!
+//! `axis` is a scale with its ticks, `lines` and `heat` draw, `page` is what both have: title, frame, legend.
+
+mod axis;
+mod heat;
+mod lines;
+mod page;
+
+use std::collections::BTreeMap;
+
+use crate::choice::{Choice, Field};
+use crate::experiment::{Chart, Experiment};
+use crate::raw::ChartKind;
+use crate::row::Row;
+use crate::statistics::{Sample, wilson};
+
+/// All charts of an experiment, and what they show.
+#[derive(Debug)]
+pub struct Graphs {
+    data: Vec<Data>,
+}
+
+/// What a chart shows, by the places of its two fields' values.
+pub(crate) type Data = BTreeMap<(usize, usize), Point>;
+
+/// What came of the runs with the same two values.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Point {
+    sample: Sample,
+    is_share: bool,
+}
+
+impl Graphs {
+    /// The charts without any runs.
+    pub fn new(experiment: &Experiment) -> Self {
+        Self { data: experiment.charts.iter().map(|_| Data::new()).collect() }
+    }
+
+    /// Takes in a row.
+    pub fn add(&mut self, experiment: &Experiment, row: &Row) {
+        let Ok(ran) = &row.outcome else { return };
+        let cell = experiment.task(row.run).cell;
+        for (chart, data) in experiment.charts.iter().zip(&mut self.data) {
+            let place = |i: usize| place(&experiment.fields[i], &cell.levels[i].name, cell.levels[i].number);
+            let key = (place(chart.x), chart.by.map_or(0, place));
+            let value = match chart.figure {
+                Some(figure) => ran.figures.get(figure),
+                None => experiment.succeeded(row).map(|success| f64::from(u8::from(success))),
+            };
+            let point = data.entry(key).or_default();
+            point.is_share = chart.figure.is_none();
+            value.into_iter().for_each(|value| point.sample.add(value));
+        }
+    }
+
+    /// Each chart as a file's name and its text.
+    pub fn draw(&self, experiment: &Experiment) -> Vec<(String, String)> {
+        let mut files: Vec<(String, String)> = Vec::new();
+        for (chart, data) in experiment.charts.iter().zip(&self.data) {
+            let figure = chart.figure.map_or("success", |figure| figure.info().name);
+            let kind = if chart.kind == ChartKind::Heat { "-heat" } else { "" };
+            let same = files.iter().filter(|(name, _)| name.starts_with(&format!("{figure}{kind}"))).count();
+            let number = if same > 0 { format!("-{}", same + 1) } else { String::new() };
+            let picture = match chart.kind {
+                ChartKind::Lines => lines::draw(experiment, chart, data),
+                ChartKind::Heat => heat::draw(experiment, chart, data),
+            };
+            files.push((format!("{figure}{kind}{number}.svg"), picture));
+        }
+        files
+    }
+}
+
+impl Point {
+    /// The mean, or the share, with the ends of its interval, if it has one.
+    fn value(&self) -> Option<(f64, Option<(f64, f64)>)> {
+        let mean = self.sample.mean()?;
+        if self.is_share {
+            let successes = (mean * self.sample.count() as f64).round() as u64;
+            let (share, low, high) = wilson(successes, self.sample.count())?;
+            return Some((share, Some((low, high))));
+        }
+        Some((mean, self.sample.half_width().map(|half| (mean - half, mean + half))))
+    }
+}
+
+/// Where a value of a field is among its levels, or in which part of its range.
+fn place(field: &Field, name: &str, number: Option<f64>) -> usize {
+    match &field.choice {
+        Choice::Levels(levels) => levels.iter().position(|level| level.name == name).unwrap_or(0),
+        Choice::Range(range) => {
+            let share = number.map_or(0.0, |number| range.share(number));
+            ((share * BINS as f64) as usize).min(BINS - 1)
+        }
+    }
+}
+
+/// The values of a field as a chart has them: their names, and their numbers if all have one. A range is cut into parts.
+fn marks(field: &Field) -> Vec<(String, Option<f64>)> {
+    match &field.choice {
+        Choice::Levels(levels) => levels.iter().map(|level| (level.name.clone(), level.number)).collect(),
+        Choice::Range(range) => {
+            let middle = |i: usize| range.at((i as f64 + 0.5) / BINS as f64);
+            (0..BINS).map(|i| (axis::number(middle(i)), Some(middle(i)))).collect()
+        }
+    }
+}
+
+/// What stands above a chart.
+fn title(experiment: &Experiment, chart: &Chart) -> String {
+    let figure = chart.figure.map_or("runs that succeed", |figure| figure.info().title);
+    let by = chart.by.map(|by| format!(" and {}", experiment.fields[by].label)).unwrap_or_default();
+    chart.title.clone().unwrap_or_else(|| format!("{figure} by {}{by}", experiment.fields[chart.x].label))
+}
+
+/// What a chart's numbers are of.
+fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
+    let others = (0..experiment.fields.len()).filter(|&i| i != chart.x && Some(i) != chart.by);
+    let others: Vec<_> = others.map(|i| experiment.fields[i].label.as_str()).collect();
+    let over = if others.is_empty() { String::new() } else { format!(", mean over {}", others.join(", ")) };
+    let length =
+        experiment.seconds.map(|seconds| format!(", {} s", axis::number(seconds))).unwrap_or_default();
+    let seeds = experiment.seeds.count();
+    format!("{}{length}, {seeds} seed{}{over}", experiment.name, if seeds == 1 { "" } else { "s" })
+}
+
+/// Parts that a range is cut into.
+const BINS: usize = 12;

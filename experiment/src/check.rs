@@ -1,0 +1,173 @@
+//! Whether an experiment's paths lead anywhere, before the first run.
+//!
+//! Whether a field exists may depend on the values of others: a sensor of one kind has a range, one of another has none.
+//! So each value is tried together with the first values of all other fields, and a path is refused only if no
+//! combination that was tried has a place for it. What is wrong with a value is no matter here: it makes rows with an
+//! error, and the other runs go on.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use baudbot_brains::catalogue::{self, CatalogueError};
+use baudbot_sim::Scenario;
+
+use crate::choice::{Choice, Level, Setting};
+use crate::crew::{self, CrewError};
+use crate::design::Cell;
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::nearest::{Unknown, unknown};
+use crate::pair;
+use crate::row::Task;
+use crate::setup::{self, Setup};
+
+/// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
+///
+/// # Errors
+/// Says which field, and which names are near.
+pub fn check(experiment: &Experiment) -> Result<(), Error> {
+    let base = setup::overrides(experiment, [].iter());
+    let scenario = setup::parse(experiment, &base)
+        .map_err(|error| Error::field("scenario", format!("{}: {error}", experiment.scenario)))?;
+    check_brains(experiment, &scenario)?;
+    check_paths(experiment, &scenario)?;
+    let is_end =
+        |setting: &Setting| matches!(setting, Setting::Scenario { path, .. } if path.starts_with("end"));
+    let ends = || levels(experiment).any(|(_, level)| level.settings.iter().any(is_end));
+    if scenario.end().after.is_none() && !ends() {
+        let problem = format!("is missing, and {} sets no end.after_s; a run must end", experiment.scenario);
+        return Err(Error::field("seconds", problem));
+    }
+    Ok(())
+}
+
+/// Every level with the place of its field.
+fn levels(experiment: &Experiment) -> impl Iterator<Item = (usize, Level)> {
+    experiment.fields.iter().enumerate().flat_map(|(i, field)| {
+        let levels = match &field.choice {
+            Choice::Levels(levels) => levels.iter().take(MOST_LEVELS).cloned().collect(),
+            Choice::Range(range) => vec![range.level(range.from), range.level(range.to)],
+        };
+        levels.into_iter().map(move |level| (i, level))
+    })
+}
+
+fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Error> {
+    let field = if experiment.brains.len() == 1 { "brain" } else { "brains" };
+    let jobs = match crew::share_out(&experiment.brains, scenario.robots()) {
+        Ok(jobs) => jobs,
+        Err(error @ (CrewError::Robot { .. } | CrewError::Twice { .. })) => {
+            return Err(Error::field(field, error.to_string()));
+        }
+        // A run may have another robot.
+        Err(CrewError::Blind { .. } | CrewError::Brain(_) | CrewError::Client(_)) => Vec::new(),
+    };
+    for job in &jobs {
+        let robots = scenario.robots().iter().filter(|spec| job.robots.contains(&spec.name));
+        for spec in robots {
+            match catalogue::brain(&job.brain, 1, &pair::body(spec)) {
+                // A run may have other sensors.
+                Ok(_) | Err(CatalogueError::Sensor { .. }) => {}
+                Err(error) => return Err(Error::field(field, error.to_string())),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Settings of levels that no combination has a place for.
+fn check_paths(experiment: &Experiment, base: &Scenario) -> Result<(), Error> {
+    let first: Vec<_> = experiment.fields.iter().map(|field| first(&field.choice)).collect();
+    let (mut good, mut bad) = (BTreeSet::new(), BTreeMap::new());
+    for (place, level) in levels(experiment) {
+        let mut all = first.clone();
+        all[place] = level;
+        let task = Task { run: 0, cell: Cell { number: 0, levels: all }, seed: 1 };
+        let settings =
+            || (0..).zip(&task.cell.levels).flat_map(|(i, level)| level.settings.iter().map(move |s| (i, s)));
+        match Setup::new(experiment, &task) {
+            Ok(_) => good.extend(settings().map(|(_, setting)| name(setting).to_owned())),
+            Err(error) => {
+                if let Some((i, setting, words)) = missing(&error, settings(), base) {
+                    bad.entry((i, name(setting).to_owned())).or_insert(words);
+                }
+            }
+        }
+    }
+    match bad.into_iter().find(|((_, path), _)| !good.contains(path)) {
+        None => Ok(()),
+        Some(((i, path), words)) => Err(Error::field(format!("fields[{i}]"), format!("{path}: {words}"))),
+    }
+}
+
+fn first(choice: &Choice) -> Level {
+    match choice {
+        Choice::Levels(levels) => levels[0].clone(),
+        Choice::Range(range) => range.level(range.from),
+    }
+}
+
+fn name(setting: &Setting) -> &str {
+    match setting {
+        Setting::Scenario { path, .. } => path,
+        Setting::Parameter { name, .. } => name,
+        Setting::Brain(brain) => brain,
+    }
+}
+
+/// The setting whose place the error says is not there, and what is there.
+fn missing<'a>(
+    error: &str,
+    mut settings: impl Iterator<Item = (usize, &'a Setting)>,
+    base: &Scenario,
+) -> Option<(usize, &'a Setting, String)> {
+    let mut by = |is: &dyn Fn(&Setting) -> bool, words: String| {
+        settings.find(|(_, setting)| is(setting)).map(|(i, setting)| (i, setting, words))
+    };
+    if let Some(unknown) = Unknown::field(error) {
+        return by(&|setting| mentions(setting, &unknown.name), unknown.words("field"));
+    }
+    if let Some(unknown) = Unknown::element(error) {
+        return by(&|setting| parts(setting).any(|part| part == unknown.name), unknown.words("element"));
+    }
+    if error.starts_with("there is no parameter of a brain") || error.starts_with("no brain `") {
+        return by(&|setting| error.contains(&format!("`{}`", name(setting))), error.to_owned());
+    }
+    if error.contains(": is a list; ") || error.contains(", it has no field `") {
+        let (path, problem) = error.split_once(": ")?;
+        return by(&|setting| name(setting).starts_with(path), problem.to_owned());
+    }
+    let (path, problem) = error.split_once(": ")?;
+    let made = path.rsplit('.').next().filter(|_| problem.starts_with("missing field"))?;
+    let known = devices(base);
+    let is_new = !known.contains(&made);
+    by(
+        &|setting| is_new && parts(setting).skip_while(|part| !MAPS.contains(part)).nth(1) == Some(made),
+        unknown("sensor or actuator", made, &known),
+    )
+}
+
+fn parts(setting: &Setting) -> impl Iterator<Item = &str> {
+    name(setting).split(['.', '[', ']']).filter(|part| !part.is_empty())
+}
+
+fn mentions(setting: &Setting, field: &str) -> bool {
+    let in_value = |value: &str| value.starts_with('{') && value.contains(field);
+    parts(setting).any(|part| part == field)
+        || matches!(setting, Setting::Scenario { value, .. } if in_value(value))
+}
+
+/// Names of all sensors and actuators.
+fn devices(scenario: &Scenario) -> Vec<&str> {
+    let robots = scenario.robots().iter();
+    let names = robots.flat_map(|robot| {
+        let sensors = robot.sensors.iter().map(|sensor| sensor.name.as_str());
+        sensors.chain(robot.actuators.iter().map(|actuator| actuator.name.as_str()))
+    });
+    names.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// Tables of a robot to which a path can add a part.
+const MAPS: [&str; 2] = ["sensors", "actuators"];
+
+/// More levels of a field than these have no other paths, as `values` all have the same.
+const MOST_LEVELS: usize = 1000;

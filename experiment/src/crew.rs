@@ -1,0 +1,215 @@
+//! Which brain drives which robot, and the brains at work, as gRPC clients like any other.
+
+use std::collections::BTreeMap;
+
+use baudbot_brains::catalogue::{self, CatalogueError};
+use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::Device;
+
+/// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// As in the catalogue: `NAME[:K=V,…]`.
+    pub brain: String,
+    /// Their names.
+    pub robots: Vec<String>,
+}
+
+/// Why robots have not got their brains, or lost them.
+#[derive(Debug, thiserror::Error)]
+pub enum CrewError {
+    /// A brain is for a robot that is not there.
+    #[error("there is no robot `{robot}`; there are: {}", known.join(", "))]
+    Robot {
+        /// The name given.
+        robot: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// There are two brains for the same robot, or for all robots.
+    #[error("{whom} can have only one brain")]
+    Twice {
+        /// Which robots.
+        whom: String,
+    },
+    /// The default brain is for robots that see.
+    #[error(
+        "robot `{robot}` has no IR sensors, so that the default brain `{DEFAULT}` cannot drive it; name another as \
+         {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)"
+    )]
+    Blind {
+        /// The robot.
+        robot: String,
+    },
+    /// The catalogue has no such brain for a robot.
+    #[error(transparent)]
+    Brain(#[from] CatalogueError),
+    /// A stream to a server failed.
+    #[error(transparent)]
+    Client(#[from] Error),
+}
+
+/// Shares the robots out to brains: `NAME[:K=V,…]` for all that no `ROBOT=NAME[:K=V,…]` names. Without any for all,
+/// those that are not named get the default brain.
+///
+/// # Errors
+/// If a robot is not there, has two brains, or cannot see and is given none.
+pub fn share_out(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Job>, CrewError> {
+    let brains = parse(brains)?;
+    for robot in brains.keys().flatten() {
+        if !robots.iter().any(|spec| spec.name == *robot) {
+            let known = robots.iter().map(|spec| spec.name.clone()).collect();
+            return Err(CrewError::Robot { robot: (*robot).to_owned(), known });
+        }
+    }
+    let mut jobs: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for spec in robots {
+        let brain = match brains.get(&Some(spec.name.as_str())).or_else(|| brains.get(&None)) {
+            Some(brain) => brain,
+            None if has_infrared(spec) => DEFAULT,
+            None => return Err(CrewError::Blind { robot: spec.name.clone() }),
+        };
+        if brain != NONE {
+            jobs.entry(brain).or_default().push(spec.name.clone());
+        }
+    }
+    Ok(jobs.into_iter().map(|(brain, robots)| Job { brain: brain.to_owned(), robots }).collect())
+}
+
+/// Brains by robot; `None` is every robot that is not named.
+fn parse(brains: &[String]) -> Result<BTreeMap<Option<&str>, &str>, CrewError> {
+    let mut all = BTreeMap::new();
+    for text in brains {
+        let (robot, brain) = split(text);
+        if all.insert(robot, brain).is_some() {
+            let whom = robot.map_or_else(|| "all robots".to_owned(), |robot| format!("robot `{robot}`"));
+            return Err(CrewError::Twice { whom });
+        }
+    }
+    Ok(all)
+}
+
+/// The robot that a brain is for, if it names one, and the brain.
+pub fn split(text: &str) -> (Option<&str>, &str) {
+    // The settings behind a colon have equals signs, too.
+    let name = text.split(':').next().unwrap_or_default();
+    match name.split_once('=') {
+        Some((robot, _)) => (Some(robot), &text[robot.len() + 1..]),
+        None => (None, text),
+    }
+}
+
+/// A brain that can drive this robot: the default one if it sees enough, else one that is blind.
+pub fn fitting_brain(spec: &RobotSpec) -> &'static str {
+    if has_infrared(spec) { DEFAULT } else { "wander" }
+}
+
+fn has_infrared(spec: &RobotSpec) -> bool {
+    spec.sensors.iter().any(|sensor| matches!(sensor.device, Device::Infrared(_)))
+}
+
+/// A job that is being done.
+pub struct Crew {
+    brain: String,
+    fleet: Fleet,
+    brains: Vec<Box<dyn Brain + Send>>,
+}
+
+impl Crew {
+    /// Takes hold of the robots and makes their brains.
+    ///
+    /// # Errors
+    /// If the server refuses, or the catalogue has no such brain for a robot.
+    pub async fn attach(client: Client, world: &str, job: Job, seed: u64) -> Result<Self, CrewError> {
+        let robots: Vec<_> = job.robots.iter().map(String::as_str).collect();
+        let fleet = client.brain(shown_name(&job.brain)).attach_many(world, &robots).await?;
+        let make = |body| catalogue::brain(&job.brain, seed, body);
+        let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
+        Ok(Self { brain: job.brain, fleet, brains })
+    }
+
+    /// Drives the robots until the run is over or the server closes the stream.
+    ///
+    /// # Errors
+    /// If the stream fails.
+    pub async fn run(&mut self) -> Result<Summary, Error> {
+        run_fleet(&mut self.fleet, &mut self.brains).await
+    }
+
+    /// The brain, as the job describes it.
+    pub fn brain(&self) -> &str {
+        &self.brain
+    }
+
+    /// Whether the server has closed the stream.
+    pub fn is_closed(&self) -> bool {
+        self.fleet.is_closed()
+    }
+}
+
+/// The name that people see; the contract allows 64 bytes.
+fn shown_name(description: &str) -> String {
+    let mut end = description.len().min(64);
+    while !description.is_char_boundary(end) {
+        end -= 1;
+    }
+    description[..end].to_owned()
+}
+
+/// The brain of a robot that is given none.
+pub const DEFAULT: &str = "avoid";
+
+/// The word for no brain.
+pub const NONE: &str = "none";
+
+#[cfg(test)]
+mod tests {
+    use baudbot_sim::Scenario;
+
+    use super::*;
+
+    fn jobs(arguments: &[&str]) -> Result<Vec<(String, Vec<String>)>, String> {
+        let robot = |name: &str, x: f64, sensors: &str| {
+            format!(
+                "[[robots]]\nname = \"{name}\"\nstart.x_m = {x:?}\n{sensors}\n\
+                 body = {{ radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }}\n"
+            )
+        };
+        let ir = "sensors.front = { kind = \"ir\", bearing_rad = 0.0, rays = 1, opening_rad = 0.0, range_m = 1.0, c1_m2 = 0.03, c2 = 0.1 }";
+        let toml = robot("alice", 0.0, ir) + &robot("bob", 1.0, "") + &robot("carol", 2.0, ir);
+        let scenario = Scenario::parse(&toml).map_err(|error| error.to_string())?;
+        let arguments: Vec<_> = arguments.iter().map(|&argument| argument.to_owned()).collect();
+        let jobs = share_out(&arguments, scenario.robots()).map_err(|error| error.to_string())?;
+        Ok(jobs.into_iter().map(|job| (job.brain, job.robots)).collect())
+    }
+
+    fn job(brain: &str, robots: &[&str]) -> (String, Vec<String>) {
+        (brain.to_owned(), robots.iter().map(|&robot| robot.to_owned()).collect())
+    }
+
+    #[test]
+    fn robots_are_shared_out() {
+        let all = ["alice", "bob", "carol"];
+        assert_eq!(jobs(&["constant:left=0.5"]), Ok(vec![job("constant:left=0.5", &all)]));
+        assert_eq!(jobs(&["bob=none"]), Ok(vec![job("avoid", &["alice", "carol"])]));
+        let mixed = jobs(&["bob=constant:left=0.1,right=0.2", "wander"]);
+        let expected = vec![job("constant:left=0.1,right=0.2", &["bob"]), job("wander", &["alice", "carol"])];
+        assert_eq!(mixed, Ok(expected));
+        assert_eq!(jobs(&["none"]), Ok(vec![]));
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        assert!(jobs(&[]).unwrap_err().contains("robot `bob` has no IR sensors"));
+        assert!(jobs(&["dave=avoid"]).unwrap_err().ends_with("there are: alice, bob, carol"));
+        assert!(jobs(&["avoid", "wander"]).unwrap_err().contains("all robots can have only one brain"));
+        assert!(jobs(&["bob=avoid", "bob=none"]).unwrap_err().contains("robot `bob` can have only one"));
+    }
+
+    #[test]
+    fn long_names_are_cut() {
+        assert_eq!(shown_name(&"ä".repeat(40)), "ä".repeat(32));
+        assert_eq!(shown_name(&format!("a{}", "ä".repeat(40))).len(), 63);
+    }
+}

@@ -1,0 +1,51 @@
+//! What can be wrong with an experiment, and what can go wrong with a sweep.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why there is no experiment, or no end of a sweep. The message says where, and how to mend it.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The file is not TOML; the message has line and column.
+    #[error("{0}")]
+    Syntax(String),
+    /// A field of the experiment is missing, unknown, or has a value that makes no sense.
+    #[error("{path}: {problem}")]
+    Field {
+        /// Where, for instance `fields[1].values`.
+        path: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// What was asked for cannot be done as it was asked for.
+    #[error("{0}")]
+    Refused(String),
+    /// A file could not be read or written. What is in the journal is kept.
+    #[error("cannot {doing} {}: {cause}", path.display())]
+    File {
+        /// `read`, `write` or the like.
+        doing: &'static str,
+        /// Its path.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// A server could not be reached, or did not do as it should. What is in the journal is kept.
+    #[error("{0}")]
+    Server(String),
+}
+
+impl Error {
+    pub(crate) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Field { path: path.into(), problem: problem.into() }
+    }
+
+    pub(crate) fn file(doing: &'static str, path: &Path) -> impl Fn(io::Error) -> Self {
+        move |cause| Self::File { doing, path: path.to_owned(), cause }
+    }
+
+    /// Whether the experiment or the command must be changed; else something went wrong on the way.
+    pub fn is_refusal(&self) -> bool {
+        matches!(self, Self::Syntax(_) | Self::Field { .. } | Self::Refused(_))
+    }
+}

@@ -1,0 +1,320 @@
+//! An experiment, as its file describes it.
+
+use toml::Value;
+
+use crate::choice::{Field, Setting};
+use crate::crew;
+use crate::design::{Cell, Design};
+use crate::error::Error;
+use crate::figures::Figure;
+use crate::nearest::{reworded, unknown};
+use crate::raw::{self, ChartKind, Wants};
+use crate::row;
+use crate::success::Success;
+
+/// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// A short name.
+    pub name: String,
+    /// What it is about, for people.
+    pub description: String,
+    /// What the scenario is called: a file, or one that is part of the program.
+    pub scenario: String,
+    /// The scenario's text, with all files that it refers to in it.
+    pub text: String,
+    /// Brains: `NAME[:K=V,…]` for all robots, `ROBOT=NAME[:K=V,…]` for one.
+    pub brains: Vec<String>,
+    /// Simulated length of a run, in seconds; `None` is what the scenario says.
+    pub seconds: Option<f64>,
+    /// Each combination is run with each of them.
+    pub seeds: Seeds,
+    /// Which combinations are run.
+    pub design: Design,
+    /// What is varied.
+    pub fields: Vec<Field>,
+    /// What counts as success, if anything does.
+    pub success: Option<Success>,
+    /// How limits are looked for.
+    pub find: Find,
+    /// What is drawn.
+    pub charts: Vec<Chart>,
+}
+
+/// Seeds of the runs of a combination.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Seeds {
+    /// From one to another, both of them too.
+    From(u64, u64),
+    /// These.
+    List(Vec<u64>),
+}
+
+/// How a limit is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Find {
+    /// Which end of the values.
+    pub wants: Wants,
+    /// Share of the seeds that must succeed, above 0 and at most 1.
+    pub share: f64,
+    /// How near to the limit is near enough, in the unit of a range's field.
+    pub tolerance: Option<f64>,
+}
+
+/// A drawing of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// What it shows; `None` is the share of runs that succeed.
+    pub figure: Option<Figure>,
+    /// What it looks like.
+    pub kind: ChartKind,
+    /// The field along the horizontal axis, by its place.
+    pub x: usize,
+    /// The field with a line each, or along the vertical axis of colours, by its place.
+    pub by: Option<usize>,
+    /// What stands above it, if the file says so.
+    pub title: Option<String>,
+}
+
+impl Seeds {
+    /// How many there are; never 0.
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::From(first, last) => last - first + 1,
+            Self::List(seeds) => seeds.len() as u64,
+        }
+    }
+
+    /// One of them, from 0.
+    pub fn get(&self, place: u64) -> u64 {
+        match self {
+            Self::From(first, _) => first + place,
+            Self::List(seeds) => seeds[place as usize],
+        }
+    }
+
+    /// Parses `N` (1 to N), `A..B` (both of them too) or `A,B,C`.
+    ///
+    /// # Errors
+    /// If it is none of these.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let problem = || Error::field("seeds", format!("`{text}` is not N, A..B or A,B,C"));
+        let number =
+            |text: &str| text.trim().parse().ok().filter(|&seed| seed <= MAX_SEED).ok_or_else(problem);
+        if let Some((first, last)) = text.split_once("..") {
+            let (first, last) = (number(first)?, number(last)?);
+            return if first <= last { Ok(Self::From(first, last)) } else { Err(problem()) };
+        }
+        match text.split(',').map(number).collect::<Result<Vec<_>, _>>()?.as_slice() {
+            [count] => Self::up_to(*count),
+            seeds => Self::list(seeds.to_vec()),
+        }
+    }
+
+    fn up_to(count: u64) -> Result<Self, Error> {
+        if count == 0 {
+            return Err(Error::field("seeds", "must be at least 1, is 0"));
+        }
+        Ok(Self::From(1, count))
+    }
+
+    fn list(seeds: Vec<u64>) -> Result<Self, Error> {
+        let mut sorted = seeds.clone();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(Error::field("seeds", format!("{} is there twice", pair[0])));
+        }
+        if seeds.is_empty() {
+            return Err(Error::field(
+                "seeds",
+                "is empty, so that there is nothing to run; give at least one",
+            ));
+        }
+        Ok(Self::List(seeds))
+    }
+
+    fn of(value: Option<&Value>) -> Result<Self, Error> {
+        let problem = || {
+            Error::field(
+                "seeds",
+                "must be how many there are, or a list such as [1, 5, 9], of whole numbers from 0",
+            )
+        };
+        let seed =
+            |value: &Value| value.as_integer().and_then(|seed| u64::try_from(seed).ok()).ok_or_else(problem);
+        match value {
+            None => Self::up_to(DEFAULT_SEEDS),
+            Some(Value::Array(list)) => Self::list(list.iter().map(seed).collect::<Result<_, _>>()?),
+            Some(count) => Self::up_to(seed(count)?),
+        }
+    }
+}
+
+impl Experiment {
+    /// Reads an experiment. `stem` is its name if it gives none; `find` finds the text of a scenario.
+    ///
+    /// # Errors
+    /// Says which field is wrong, and how to mend it.
+    pub fn parse(
+        toml: &str,
+        stem: &str,
+        find: impl FnOnce(&str) -> Result<String, String>,
+    ) -> Result<Self, Error> {
+        let table: toml::Table =
+            toml.parse().map_err(|error: toml::de::Error| Error::Syntax(error.to_string()))?;
+        let raw: raw::Experiment =
+            serde_path_to_error::deserialize(Value::Table(table)).map_err(|error| {
+                let (path, message) = (error.path().to_string(), reworded(error.inner().message()));
+                Error::field(if path == "." { "experiment".to_owned() } else { path }, message)
+            })?;
+        let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;
+        Self::checked(raw, stem, text)
+    }
+
+    fn checked(raw: raw::Experiment, stem: &str, text: String) -> Result<Self, Error> {
+        let fields = raw.fields.into_iter().enumerate();
+        let fields: Vec<_> =
+            fields.map(|(i, field)| Field::new(&format!("fields[{i}]"), field)).collect::<Result<_, _>>()?;
+        unique(&fields)?;
+        let success = raw.success.as_ref().map(Success::new).transpose()?;
+        let charts = raw.charts.into_iter().enumerate();
+        let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
+        Ok(Self {
+            name: raw.name.filter(|name| !name.is_empty()).unwrap_or_else(|| stem.to_owned()),
+            description: raw.description,
+            scenario: raw.scenario,
+            text,
+            brains: brains(raw.brain, raw.brains)?,
+            seconds: raw.seconds.map(seconds).transpose()?,
+            seeds: Seeds::of(raw.seeds.as_ref())?,
+            design: Design::new(raw.design, raw.samples, raw.seed)?,
+            charts: charts.collect::<Result<_, _>>()?,
+            find: find_of(&raw.find)?,
+            fields,
+            success,
+        })
+    }
+
+    /// How many runs there are.
+    ///
+    /// # Errors
+    /// If there are none or too many to be counted, or the fields do not suit the design.
+    pub fn runs(&self) -> Result<u64, Error> {
+        let cells = self.design.cells(&self.fields)?;
+        let runs = cells.checked_mul(self.seeds.count()).filter(|&runs| runs <= i64::MAX as u64);
+        runs.ok_or_else(|| Error::field("seeds", "there are more than 2^63 runs"))
+    }
+
+    /// The combination of this number.
+    pub fn cell(&self, number: u64) -> Cell {
+        self.design.cell(&self.fields, number)
+    }
+
+    /// The place of a field by its label, or by the path that it varies.
+    ///
+    /// # Errors
+    /// Says which fields there are.
+    pub fn place(&self, name: &str) -> Result<usize, String> {
+        place(&self.fields, name)
+    }
+}
+
+fn place(fields: &[Field], name: &str) -> Result<usize, String> {
+    let is_target = |field: &Field| {
+        let first = match &field.choice {
+            crate::choice::Choice::Range(range) => return range.target == name,
+            crate::choice::Choice::Levels(levels) => levels.first(),
+        };
+        matches!(first.map(|level| level.settings.as_slice()), Some([Setting::Scenario { path, .. }]) if path == name)
+            || matches!(
+                first.map(|level| level.settings.as_slice()),
+                Some([Setting::Parameter { name: own, .. }]) if name.strip_prefix("brain.") == Some(own)
+            )
+    };
+    let labels: Vec<_> = fields.iter().map(|field| field.label.as_str()).collect();
+    let found = labels.iter().position(|label| *label == name).or_else(|| fields.iter().position(is_target));
+    found.ok_or_else(|| unknown("field", name, &labels))
+}
+
+fn unique(fields: &[Field]) -> Result<(), Error> {
+    for (i, field) in fields.iter().enumerate() {
+        let at = || format!("fields[{i}].label");
+        if field.label.is_empty() {
+            return Err(Error::field(at(), "is empty"));
+        }
+        if row::is_column(&field.label) {
+            return Err(Error::field(
+                at(),
+                format!("`{}` is a column of the table already; choose another", field.label),
+            ));
+        }
+        if fields[..i].iter().any(|other| other.label == field.label) {
+            return Err(Error::field(
+                at(),
+                format!("`{}` is there twice; give one another label", field.label),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn brains(one: Option<String>, many: Option<Vec<String>>) -> Result<Vec<String>, Error> {
+    match (one, many) {
+        (Some(_), Some(_)) => Err(Error::field("brains", "stands beside `brain`; give one of them")),
+        (Some(brain), None) => Ok(vec![brain]),
+        (None, Some(brains)) => Ok(brains),
+        (None, None) => Ok(vec![crew::DEFAULT.to_owned()]),
+    }
+}
+
+fn seconds(seconds: f64) -> Result<f64, Error> {
+    if (1e-9..=1e8).contains(&seconds) {
+        return Ok(seconds);
+    }
+    Err(Error::field("seconds", format!("must be from 1e-9 to 1e8, is {seconds}")))
+}
+
+fn find_of(raw: &raw::Find) -> Result<Find, Error> {
+    let share = raw.share.unwrap_or(1.0);
+    if !(share > 0.0 && share <= 1.0) {
+        return Err(Error::field("find.share", format!("must be above 0 and at most 1, is {share}")));
+    }
+    if let Some(tolerance) = raw.tolerance.filter(|tolerance| !(tolerance.is_finite() && *tolerance > 0.0)) {
+        return Err(Error::field("find.tolerance", format!("must be positive, is {tolerance}")));
+    }
+    Ok(Find { wants: raw.wants, share, tolerance: raw.tolerance })
+}
+
+fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Result<Chart, Error> {
+    let at = |name: &str| format!("charts[{i}].{name}");
+    let figure = match raw.figure.as_str() {
+        "success" if success => None,
+        "success" => {
+            return Err(Error::field(at("figure"), "there is no [success] that says what success is"));
+        }
+        name => Some(Figure::named(name).map_err(|problem| Error::field(at("figure"), problem))?),
+    };
+    let find =
+        |field: &str, name: &str| place(fields, name).map_err(|problem| Error::field(at(field), problem));
+    let x = match &raw.x {
+        Some(name) => find("x", name)?,
+        None => fields.iter().position(Field::is_numeric).unwrap_or(0),
+    };
+    let by = match &raw.by {
+        Some(name) => Some(find("by", name)?),
+        None => (0..fields.len()).find(|&other| other != x),
+    };
+    if by == Some(x) {
+        return Err(Error::field(at("by"), "is the same field as `x`"));
+    }
+    if raw.kind == ChartKind::Heat && by.is_none() {
+        return Err(Error::field(at("kind"), "a field of colours needs two [[fields]], there is one"));
+    }
+    Ok(Chart { figure, kind: raw.kind, x, by, title: raw.title })
+}
+
+/// How many seeds there are if the file does not say.
+const DEFAULT_SEEDS: u64 = 10;
+
+/// Largest seed that a scenario can have.
+const MAX_SEED: u64 = i64::MAX as u64;

@@ -1,0 +1,28 @@
+//! A run in this process.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::counted::Counted;
+use crate::experiment::Experiment;
+use crate::pair;
+use crate::row::{Ran, Row, Task};
+use crate::setup::Setup;
+
+/// Does a run. Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
+/// with others but the experiment, which never changes.
+pub fn run(experiment: &Experiment, task: &Task) -> Row {
+    let run = || -> Result<Ran, String> {
+        let Setup { scenario, jobs } = Setup::new(experiment, task)?;
+        let world = pair::run(scenario, &jobs).map_err(|error| error.to_string())?;
+        Ok(Ran::of(&Counted::of_world(&world)))
+    };
+    let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(panicked(&*panic)));
+    Row { run: task.run, outcome }
+}
+
+fn panicked(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+    format!("the run panicked, which is a fault of baudbot: {text}")
+}

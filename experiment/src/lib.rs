@@ -1,0 +1,52 @@
+//! Experiments: a scenario that is run many times with some of its fields varied, and what came of it.
+//!
+//! From the file inwards:
+//!
+//! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `choice` a
+//!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
+//! 2. [`crew`] says which brain drives which robot. [`pair`] is a world and its brains in one thread; `here` makes a
+//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `counted`.
+//! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
+//!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
+//! 4. [`find`] looks for the value at which a brain just succeeds.
+//! 5. [`chart`] draws, with the elements of [`svg`].
+
+pub mod chart;
+mod check;
+pub mod choice;
+mod counted;
+pub mod crew;
+mod csv_table;
+pub mod design;
+mod error;
+mod experiment;
+pub mod figures;
+pub mod find;
+mod fingerprint;
+mod here;
+mod journal;
+mod nearest;
+mod outputs;
+pub mod pair;
+mod parquet_table;
+mod pool;
+mod raw;
+mod remote;
+mod row;
+mod setup;
+pub mod statistics;
+mod success;
+pub mod summary;
+pub mod svg;
+mod sweep;
+pub mod table;
+
+pub use check::check;
+pub use error::Error;
+pub use experiment::{Chart, Experiment, Find, Seeds};
+pub use here::run;
+pub use pool::{Place, Workers};
+pub use raw::{ChartKind, Wants};
+pub use row::{Ran, Row, Task};
+pub use success::Success;
+pub use sweep::{Estimate, Options, Swept, span, sweep};

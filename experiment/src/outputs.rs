@@ -1,0 +1,93 @@
+//! The folder of a sweep: one sweep at a time, and files that are there as a whole or not at all.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+
+/// A folder that belongs to this sweep while this value lives, even if the program is killed meanwhile.
+#[derive(Debug)]
+pub(crate) struct Folder {
+    path: PathBuf,
+    _lock: File,
+}
+
+impl Folder {
+    /// Makes the folder if need be, and takes hold of it.
+    pub(crate) fn take(path: &Path) -> Result<Self, Error> {
+        fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
+        let at = path.join(LOCK);
+        let lock = File::options().write(true).create(true).truncate(false).open(&at);
+        let lock = lock.map_err(Error::file("write", &at))?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { path: path.to_owned(), _lock: lock }),
+            Err(TryLockError::WouldBlock) => Err(Error::Refused(format!(
+                "another sweep is writing into {}; wait for its end, or choose another place with --out DIR",
+                path.display()
+            ))),
+            Err(TryLockError::Error(cause)) => Err(Error::file("lock", &at)(cause)),
+        }
+    }
+
+    /// Where a file of this name is.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Removes a file if it is there.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), Error> {
+        let path = self.file(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::file("remove", &path)(error))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a file beside its place and then puts it there.
+    pub(crate) fn write(
+        &self,
+        name: &str,
+        content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Content>,
+    ) -> Result<(), Error> {
+        let (path, beside) = (self.file(name), self.file(&format!(".{name}.tmp")));
+        let write = || -> Result<(), Content> {
+            let mut out = BufWriter::new(File::create(&beside)?);
+            content(&mut out)?;
+            out.flush()?;
+            out.get_ref().sync_all()?;
+            Ok(fs::rename(&beside, &path)?)
+        };
+        write().map_err(|error| match error {
+            Content::Own(error) => error,
+            Content::Io(cause) => {
+                let _ = fs::remove_file(&beside);
+                Error::file("write", &path)(cause)
+            }
+        })
+    }
+}
+
+/// Why a file has no content: it could not be written, or there was nothing to write.
+#[derive(Debug)]
+pub(crate) enum Content {
+    Io(std::io::Error),
+    Own(Error),
+}
+
+impl From<std::io::Error> for Content {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<Error> for Content {
+    fn from(error: Error) -> Self {
+        Self::Own(error)
+    }
+}
+
+/// What a sweep locks.
+const LOCK: &str = ".lock";

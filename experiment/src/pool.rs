@@ -1,0 +1,96 @@
+//! Runs on all cores: threads that take the next run from a queue until it is empty, or they are told to stop.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::here;
+use crate::remote::Remote;
+use crate::row::{Row, Task};
+
+/// Where runs are done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// In this process.
+    Here,
+    /// On the server at this address: `HOST:PORT` or `unix:/PATH`.
+    Server(String),
+}
+
+/// Who does runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Workers {
+    /// Where.
+    pub place: Place,
+    /// How many at a time; at least 1.
+    pub jobs: usize,
+    /// What worlds on a server are called, before the number of the run.
+    pub name: String,
+}
+
+impl Workers {
+    /// Does the tasks and hands out each row as it comes, with the wall-clock time that it took. Runs that have begun
+    /// when `stop` is set are done to their end.
+    pub(crate) fn work(
+        &self,
+        experiment: &Experiment,
+        tasks: impl Iterator<Item = Task> + Send,
+        stop: &AtomicBool,
+        mut each: impl FnMut(Row, Duration) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (queue, halt) = (Mutex::new(tasks), AtomicBool::new(false));
+        let is_over = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
+        let next = || {
+            // A queue is never left in a state that makes no sense.
+            let mut queue = queue.lock().unwrap_or_else(PoisonError::into_inner);
+            if is_over() { None } else { queue.next() }
+        };
+        let (send, receive) = mpsc::sync_channel(2 * self.jobs);
+        thread::scope(|scope| {
+            for _ in 0..self.jobs.max(1) {
+                let (send, next) = (send.clone(), &next);
+                scope.spawn(move || self.work_alone(experiment, next, &send));
+            }
+            drop(send);
+            let (mut outcome, mut is_kept) = (Ok(()), true);
+            for answer in receive {
+                let done = answer.and_then(|(row, took)| match is_kept {
+                    true => each(row, took).inspect_err(|_| is_kept = false),
+                    false => Ok(()),
+                });
+                if done.is_err() {
+                    halt.store(true, Ordering::Relaxed);
+                }
+                outcome = outcome.and(done);
+            }
+            outcome
+        })
+    }
+
+    /// One thread's work.
+    fn work_alone(&self, experiment: &Experiment, next: &impl Fn() -> Option<Task>, send: &Answers) {
+        let mut remote = None;
+        if let Place::Server(address) = &self.place {
+            match Remote::connect(address, &self.name) {
+                Ok(connected) => remote = Some(connected),
+                Err(error) => return drop(send.send(Err(error))),
+            }
+        }
+        while let Some(task) = next() {
+            let start = Instant::now();
+            let row = match &remote {
+                None => Ok(here::run(experiment, &task)),
+                Some(remote) => remote.run(experiment, &task),
+            };
+            let failed = row.is_err();
+            if send.send(row.map(|row| (row, start.elapsed()))).is_err() || failed {
+                return;
+            }
+        }
+    }
+}
+
+type Answers = mpsc::SyncSender<Result<(Row, Duration), Error>>;

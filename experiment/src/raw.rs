@@ -1,0 +1,103 @@
+//! What may stand in an experiment file.
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Experiment {
+    pub(crate) name: Option<String>,
+    #[serde(default)]
+    pub(crate) description: String,
+    pub(crate) scenario: String,
+    pub(crate) brain: Option<String>,
+    pub(crate) brains: Option<Vec<String>>,
+    pub(crate) seconds: Option<f64>,
+    pub(crate) seeds: Option<Value>,
+    #[serde(default)]
+    pub(crate) design: Kind,
+    pub(crate) samples: Option<u64>,
+    pub(crate) seed: Option<u64>,
+    #[serde(default)]
+    pub(crate) fields: Vec<Field>,
+    pub(crate) success: Option<Table>,
+    #[serde(default)]
+    pub(crate) find: Find,
+    #[serde(default)]
+    pub(crate) charts: Vec<Chart>,
+}
+
+/// Which combinations of the fields' values are run.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Kind {
+    #[default]
+    Grid,
+    List,
+    Random,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Field {
+    pub(crate) field: Option<String>,
+    pub(crate) label: Option<String>,
+    pub(crate) unit: Option<String>,
+    pub(crate) values: Option<Vec<Value>>,
+    pub(crate) levels: Option<Vec<Level>>,
+    pub(crate) from: Option<f64>,
+    pub(crate) to: Option<f64>,
+    pub(crate) log: Option<bool>,
+    pub(crate) whole: Option<bool>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Level {
+    pub(crate) name: String,
+    #[serde(default)]
+    pub(crate) set: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Find {
+    #[serde(default)]
+    pub(crate) wants: Wants,
+    pub(crate) share: Option<f64>,
+    pub(crate) tolerance: Option<f64>,
+}
+
+/// Which end of a field's values is sought.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Wants {
+    /// The lowest value that succeeds.
+    #[default]
+    Lowest,
+    /// The highest value that succeeds.
+    Highest,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Chart {
+    pub(crate) figure: String,
+    #[serde(default)]
+    pub(crate) kind: ChartKind,
+    pub(crate) x: Option<String>,
+    pub(crate) by: Option<String>,
+    pub(crate) title: Option<String>,
+}
+
+/// What a chart looks like.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum ChartKind {
+    /// A line for each level of a field, over another.
+    #[default]
+    Lines,
+    /// A field of colours with a number in each.
+    Heat,
+}

@@ -1,0 +1,165 @@
+//! Runs on a server.
+
+use std::time::Duration;
+
+use baudbot_client::{Client, Error as ClientError, connect};
+use baudbot_proto::v1;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use tokio::runtime::Runtime;
+use tonic::transport::Channel;
+use tonic::{Code, Status};
+
+use crate::counted::Counted;
+use crate::crew::{Crew, CrewError};
+use crate::error::Error;
+use crate::experiment::Experiment;
+use crate::row::{Ran, Row, Task};
+use crate::setup::{self, Setup};
+
+/// A connection to a server that does runs.
+pub(crate) struct Remote {
+    runtime: Runtime,
+    client: Client,
+    name: String,
+}
+
+/// Why a run has no end.
+enum Failure {
+    /// This run could not be; others can.
+    Run(String),
+    /// The server could not.
+    Server(Error),
+}
+
+impl Remote {
+    pub(crate) fn connect(address: &str, name: &str) -> Result<Self, Error> {
+        let failed = |error: &dyn ToString| Error::Server(error.to_string());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|error| failed(&error))?;
+        let client = runtime.block_on(connect(address)).map_err(|error| failed(&error))?;
+        Ok(Self { runtime, client, name: name.to_owned() })
+    }
+
+    /// Does a run in a world of its own, which is there only for it.
+    pub(crate) fn run(&self, experiment: &Experiment, task: &Task) -> Result<Row, Error> {
+        let outcome = match self.runtime.block_on(self.world(experiment, task)) {
+            Ok(ran) => Ok(ran),
+            Err(Failure::Run(problem)) => Err(problem),
+            Err(Failure::Server(error)) => return Err(error),
+        };
+        Ok(Row { run: task.run, outcome })
+    }
+
+    async fn world(&self, experiment: &Experiment, task: &Task) -> Result<Ran, Failure> {
+        // What is wrong with the run is told here, in the same words as for one in this process.
+        let setup = Setup::new(experiment, task).map_err(Failure::Run)?;
+        let mut control =
+            ControlServiceClient::new(self.client.channel()).max_decoding_message_size(MAX_MESSAGE_BYTES);
+        let world = format!("{}-{}", self.name, task.run);
+        create(&mut control, experiment, task, &world).await?;
+        let ran = self.drive(&mut control, &world, setup).await;
+        let deleted = control.delete_world(v1::DeleteWorldRequest { world }).await;
+        let ran = ran?;
+        deleted.map_err(|status| Failure::of(&status))?;
+        Ok(ran)
+    }
+
+    async fn drive(
+        &self,
+        control: &mut ControlServiceClient<Channel>,
+        world: &str,
+        setup: Setup,
+    ) -> Result<Ran, Failure> {
+        let seed = setup.scenario.seed();
+        let mut crews = Vec::new();
+        for job in setup.jobs {
+            let crew = Crew::attach(self.client.clone(), world, job, seed).await;
+            crews.push(crew.map_err(Failure::of_crew)?);
+        }
+        let start = v1::StartWorldRequest { world: world.to_owned() };
+        control.start_world(start).await.map_err(|status| Failure::of(&status))?;
+        let mut brains = tokio::task::JoinSet::new();
+        for mut crew in crews {
+            // A crew holds its robots until all is over.
+            brains.spawn(async move { crew.run().await.map(|_| crew) });
+        }
+        for driven in brains.join_all().await {
+            driven.map_err(|error| Failure::of_crew(CrewError::Client(error)))?;
+        }
+        let status = ended(control, world).await?;
+        Ok(Ran::of(&Counted::of_status(&status)))
+    }
+}
+
+/// Makes the world of a task, in lockstep, which stands until its brains are there. One of that name is of this sweep
+/// before it was killed.
+async fn create(
+    control: &mut ControlServiceClient<Channel>,
+    experiment: &Experiment,
+    task: &Task,
+    world: &str,
+) -> Result<(), Failure> {
+    let mut overrides = setup::overrides(experiment, setup::settings(task));
+    overrides.push(format!("seed={}", task.seed));
+    let request = v1::CreateWorldRequest {
+        world: world.to_owned(),
+        scenario_toml: experiment.text.clone(),
+        overrides,
+        pace: Some(v1::Pace { kind: Some(v1::pace::Kind::Lockstep(v1::Lockstep::default())) }),
+        paused: true,
+    };
+    let mut answer = control.create_world(request.clone()).await;
+    if answer.as_ref().is_err_and(|status| status.code() == Code::AlreadyExists) {
+        let delete = v1::DeleteWorldRequest { world: world.to_owned() };
+        control.delete_world(delete).await.map_err(|status| Failure::of(&status))?;
+        answer = control.create_world(request).await;
+    }
+    answer.map(|_| ()).map_err(|status| Failure::of(&status))
+}
+
+/// Waits for the end of the run: for one without brains nobody else tells.
+async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Result<v1::WorldStatus, Failure> {
+    let mut pause = Duration::from_millis(1);
+    loop {
+        let answer = control.get_world(v1::GetWorldRequest { world: world.to_owned() }).await;
+        let status = answer.map_err(|status| Failure::of(&status))?.into_inner().status.unwrap_or_default();
+        match status.state() {
+            v1::WorldState::Ended => return Ok(status),
+            v1::WorldState::Running => {}
+            v1::WorldState::Unspecified | v1::WorldState::WaitingForBrains | v1::WorldState::Paused => {
+                return Err(Failure::Server(Error::Server(format!(
+                    "somebody stopped world `{world}` on the server"
+                ))));
+            }
+        }
+        tokio::time::sleep(pause).await;
+        pause = (2 * pause).min(LONGEST_PAUSE);
+    }
+}
+
+impl Failure {
+    /// What makes no sense to the server, or is too much for a robot, is the run's own fault; all else is the server's.
+    fn of(status: &Status) -> Self {
+        Self::said(status.code(), status.message())
+    }
+
+    fn said(code: Code, message: &str) -> Self {
+        match code {
+            Code::InvalidArgument | Code::ResourceExhausted => Self::Run(message.to_owned()),
+            code => Self::Server(Error::Server(format!("the server says: {message} ({code:?})"))),
+        }
+    }
+
+    fn of_crew(error: CrewError) -> Self {
+        match error {
+            CrewError::Client(ClientError::Status { code, message }) => Self::said(code, &message),
+            CrewError::Client(error) => Self::Server(Error::Server(error.to_string())),
+            error => Self::Run(error.to_string()),
+        }
+    }
+}
+
+/// Worlds are described in messages that are about as long as their scenarios, which may have 16 MiB.
+const MAX_MESSAGE_BYTES: usize = 64 << 20;
+
+const LONGEST_PAUSE: Duration = Duration::from_millis(100);

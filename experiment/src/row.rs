@@ -1,0 +1,142 @@
+//! A row of the table: one run and what came of it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::counted::Counted;
+use crate::design::Cell;
+use crate::experiment::Experiment;
+use crate::figures::{Figures, INFOS};
+
+/// A run and what came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Number of the run, from 0.
+    pub run: u64,
+    /// How it went, or why it could not.
+    pub outcome: Result<Ran, String>,
+}
+
+/// How a run went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ran {
+    /// Why it ended.
+    pub ending: String,
+    /// What was counted.
+    pub figures: Figures,
+    /// Fingerprint of the world's state at its end.
+    pub hash: u64,
+}
+
+/// A run that is to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Task {
+    /// Number of the run, from 0.
+    pub run: u64,
+    /// Its combination of values.
+    pub cell: Cell,
+    /// The scenario's seed, and its brains'.
+    pub seed: u64,
+}
+
+impl Experiment {
+    /// The run of this number: all seeds of a combination, then those of the next.
+    pub fn task(&self, run: u64) -> Task {
+        let seeds = self.seeds.count();
+        Task { run, cell: self.cell(run / seeds), seed: self.seeds.get(run % seeds) }
+    }
+
+    /// The columns of the table.
+    pub fn columns(&self) -> Vec<String> {
+        let labels = self.fields.iter().map(|field| field.label.as_str());
+        let success = self.success.iter().map(|_| SUCCESS);
+        let all = FIRST.into_iter().chain(labels).chain([ERROR, ENDING]).chain(success);
+        all.chain(INFOS.iter().map(|info| info.name)).chain([HASH]).map(str::to_owned).collect()
+    }
+
+    /// Whether a run succeeded, if anything counts as success. One that could not be did not.
+    pub fn succeeded(&self, row: &Row) -> Option<bool> {
+        let success = self.success.as_ref()?;
+        Some(row.outcome.as_ref().is_ok_and(|ran| success.of(&ran.figures)))
+    }
+}
+
+impl Ran {
+    pub(crate) fn of(run: &Counted) -> Self {
+        Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.hash }
+    }
+}
+
+/// Whether a column of this name is in every table, or may be.
+pub(crate) fn is_column(name: &str) -> bool {
+    FIRST.contains(&name)
+        || [ERROR, ENDING, SUCCESS, HASH].contains(&name)
+        || INFOS.iter().any(|info| info.name == name)
+}
+
+const FIRST: [&str; 3] = ["run", "cell", "seed"];
+const ERROR: &str = "error";
+const ENDING: &str = "ending";
+const SUCCESS: &str = "success";
+const HASH: &str = "state_hash";
+
+/// A row as the journal has it; the rest follows from its number.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Written {
+    pub(crate) run: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ending: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    figures: Option<[Option<f64>; Figures::COUNT]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state_hash: Option<String>,
+}
+
+impl From<&Row> for Written {
+    fn from(row: &Row) -> Self {
+        let ran = row.outcome.as_ref().ok();
+        Self {
+            run: row.run,
+            error: row.outcome.as_ref().err().cloned(),
+            ending: ran.map(|ran| ran.ending.clone()),
+            figures: ran.map(|ran| ran.figures.0),
+            state_hash: ran.map(|ran| format!("{:016x}", ran.hash)),
+        }
+    }
+}
+
+impl Written {
+    /// `None` if something of a row is not there.
+    pub(crate) fn row(self) -> Option<Row> {
+        let outcome = match self.error {
+            Some(error) => Err(error),
+            None => Ok(Ran {
+                ending: self.ending?,
+                figures: Figures(self.figures?),
+                hash: u64::from_str_radix(&self.state_hash?, 16).ok()?,
+            }),
+        };
+        Some(Row { run: self.run, outcome })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_comes_back_from_the_journal_to_the_last_bit() {
+        let mut figures = Figures::default();
+        figures.0[2] = Some(0.1 + 0.2);
+        figures.0[8] = Some(19.791_666_666_666_668);
+        let ran = Ran { ending: "the scenario's \"time\" is over\n".into(), figures, hash: u64::MAX - 1 };
+        for outcome in [Ok(ran), Err("robots[0].link.baud: must be ≥ 50".to_owned())] {
+            let row = Row { run: 7, outcome };
+            let text = serde_json::to_string(&Written::from(&row)).unwrap();
+            assert!(!text.contains('\n'), "{text}");
+            assert_eq!(serde_json::from_str::<Written>(&text).unwrap().row(), Some(row));
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What a run needs: its scenario, and who drives which robot.
+
+use baudbot_brains::catalogue;
+use baudbot_sim::{Override, Scenario};
+
+use crate::choice::Setting;
+use crate::crew::{self, Job};
+use crate::experiment::Experiment;
+use crate::nearest::unknown;
+use crate::row::Task;
+
+/// A run that can be done.
+pub(crate) struct Setup {
+    pub(crate) scenario: Scenario,
+    pub(crate) jobs: Vec<Job>,
+}
+
+impl Setup {
+    /// The error says, in a line, why the run cannot be.
+    pub(crate) fn new(experiment: &Experiment, task: &Task) -> Result<Self, String> {
+        let mut overrides = overrides(experiment, settings(task));
+        overrides.push(format!("seed={}", task.seed));
+        let scenario = parse(experiment, &overrides)?;
+        if scenario.end().after.is_none() {
+            return Err("the run has no end in time; set `seconds`, or end.after_s".to_owned());
+        }
+        let jobs = jobs(experiment, task, &scenario)?;
+        Ok(Self { scenario, jobs })
+    }
+}
+
+/// All that a task sets.
+pub(crate) fn settings(task: &Task) -> impl Iterator<Item = &Setting> {
+    task.cell.levels.iter().flat_map(|level| &level.settings)
+}
+
+/// The changes of the scenario, as `--set` has them; later ones win.
+pub(crate) fn overrides<'a>(
+    experiment: &Experiment,
+    settings: impl Iterator<Item = &'a Setting>,
+) -> Vec<String> {
+    let seconds = experiment.seconds.map(|seconds| format!("end.after_s={seconds:?}"));
+    seconds.into_iter().chain(settings.filter_map(Setting::as_override)).collect()
+}
+
+pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Scenario, String> {
+    let overrides = overrides.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>();
+    let scenario = overrides.and_then(|overrides| Scenario::parse_with(&experiment.text, &overrides));
+    scenario.map_err(|error| error.to_string())
+}
+
+/// The experiment's brains with what the task changes of them.
+fn jobs(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Vec<Job>, String> {
+    let mut brains = experiment.brains.clone();
+    for setting in settings(task) {
+        if let Setting::Brain(brain) = setting {
+            brains.retain(|text| crew::split(text).0.is_some());
+            brains.push(brain.clone());
+        }
+    }
+    let mut jobs = crew::share_out(&brains, scenario.robots()).map_err(|error| error.to_string())?;
+    for setting in settings(task) {
+        if let Setting::Parameter { name, value } = setting {
+            set_parameter(&mut jobs, name, value)?;
+        }
+    }
+    Ok(jobs)
+}
+
+/// Sets it for all brains that have it.
+fn set_parameter(jobs: &mut [Job], name: &str, value: &str) -> Result<(), String> {
+    let mut known = Vec::new();
+    let mut found = false;
+    for job in jobs {
+        let kind = job.brain.split(':').next().unwrap_or_default();
+        let entry = catalogue::catalogue().into_iter().find(|entry| entry.name == kind);
+        let names: Vec<_> =
+            entry.iter().flat_map(|entry| &entry.parameters).map(|setting| setting.name).collect();
+        if names.contains(&name) {
+            let and = if job.brain.contains(':') { ',' } else { ':' };
+            job.brain += &format!("{and}{name}={value}");
+            found = true;
+        }
+        known.extend(names);
+    }
+    if found { Ok(()) } else { Err(unknown("parameter of a brain", name, &known)) }
+}

@@ -1,0 +1,135 @@
+//! What is told about each combination: means over its seeds.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::experiment::Experiment;
+use crate::figures::{Figures, INFOS, Info};
+use crate::row::Row;
+use crate::statistics::{Sample, wilson};
+
+/// What came of the runs of a combination.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellSummary {
+    /// Its number.
+    pub number: u64,
+    /// The names of its values.
+    pub levels: Vec<String>,
+    /// Runs, failed ones too.
+    pub runs: u64,
+    /// Runs that could not be.
+    pub failed: u64,
+    /// Runs that succeeded, if anything counts as success.
+    pub succeeded: Option<u64>,
+    /// Of each figure, in the order of [`INFOS`].
+    pub figures: [Sample; Figures::COUNT],
+}
+
+/// What came of all runs.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// Combination by combination; of very many only the first.
+    pub cells: Vec<CellSummary>,
+    /// Combinations that are not in `cells`.
+    pub left_out: u64,
+    /// All runs.
+    pub runs: u64,
+    /// Runs that could not be.
+    pub failed: u64,
+    /// The first of them: the number of the run, and what was wrong.
+    pub failures: Vec<(u64, String)>,
+}
+
+impl Summary {
+    /// Takes in a row; rows come in the order of their runs.
+    pub(crate) fn add(&mut self, experiment: &Experiment, row: &Row) {
+        self.runs += 1;
+        if let Err(problem) = &row.outcome {
+            self.failed += 1;
+            if self.failures.len() < MOST_FAILURES {
+                self.failures.push((row.run, problem.clone()));
+            }
+        }
+        let seeds = experiment.seeds.count();
+        let number = row.run / seeds;
+        if self.cells.last().is_none_or(|cell| cell.number != number) {
+            if self.cells.len() >= MOST_CELLS {
+                self.left_out += u64::from(row.run % seeds == 0);
+                return;
+            }
+            self.cells.push(CellSummary::new(experiment, number));
+        }
+        if let Some(cell) = self.cells.last_mut() {
+            cell.add(experiment, row);
+        }
+    }
+
+    /// As an object of JSON.
+    pub fn json(&self, experiment: &Experiment) -> Value {
+        json!({
+            "experiment": experiment.name,
+            "scenario": experiment.scenario,
+            "success": experiment.success.as_ref().map(ToString::to_string),
+            "runs": self.runs,
+            "failed": self.failed,
+            "failures": self.failures.iter().map(|(run, error)| json!({ "run": run, "error": error })).collect::<Vec<_>>(),
+            "cells": self.cells.iter().map(|cell| cell.json(experiment)).collect::<Vec<_>>(),
+            "cells_left_out": self.left_out,
+        })
+    }
+}
+
+impl CellSummary {
+    fn new(experiment: &Experiment, number: u64) -> Self {
+        let levels = experiment.cell(number).levels.into_iter().map(|level| level.name).collect();
+        let succeeded = experiment.success.as_ref().map(|_| 0);
+        Self { number, levels, runs: 0, failed: 0, succeeded, figures: Default::default() }
+    }
+
+    fn add(&mut self, experiment: &Experiment, row: &Row) {
+        self.runs += 1;
+        self.failed += u64::from(row.outcome.is_err());
+        if let (Some(succeeded), Some(success)) = (&mut self.succeeded, experiment.succeeded(row)) {
+            *succeeded += u64::from(success);
+        }
+        let Ok(ran) = &row.outcome else { return };
+        for (sample, value) in self.figures.iter_mut().zip(ran.figures.0) {
+            value.into_iter().for_each(|value| sample.add(value));
+        }
+    }
+
+    /// Of runs that could be, the share that succeeded with its interval.
+    pub fn success(&self) -> Option<(f64, f64, f64)> {
+        wilson(self.succeeded?, self.runs - self.failed)
+    }
+
+    fn json(&self, experiment: &Experiment) -> Value {
+        let values = experiment.fields.iter().zip(&self.levels);
+        let values: Map<_, _> = values.map(|(field, level)| (field.label.clone(), json!(level))).collect();
+        let figure = |(info, sample): (&Info, &Sample)| {
+            let mean = Mean { runs: sample.count(), mean: sample.mean(), plus_minus: sample.half_width() };
+            (info.name.to_owned(), json!(mean))
+        };
+        let figures: Map<_, _> = INFOS.iter().zip(&self.figures).map(figure).collect();
+        let success =
+            self.success().map(|(share, low, high)| json!({ "share": share, "low": low, "high": high }));
+        json!({
+            "cell": self.number, "values": values, "runs": self.runs, "failed": self.failed,
+            "success": success, "figures": figures,
+        })
+    }
+}
+
+/// A mean with its interval of 95 %.
+#[derive(Serialize)]
+struct Mean {
+    runs: u64,
+    mean: Option<f64>,
+    plus_minus: Option<f64>,
+}
+
+/// Most combinations that are told.
+const MOST_CELLS: usize = 10_000;
+
+/// Most failures that are told.
+const MOST_FAILURES: usize = 20;
