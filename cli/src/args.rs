@@ -41,6 +41,9 @@ pub(crate) enum Command {
     /// Says what a scenario is, or what is wrong with it
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
+    /// Says what a control cycle of each robot costs, whether it fits into a step, and what would mend it
+    #[command(after_long_help = BUDGET_EXAMPLES)]
+    Budget(BudgetArgs),
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
@@ -129,6 +132,23 @@ pub(crate) struct CheckArgs {
     /// Draw it from above as a picture in SVG; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BudgetArgs {
+    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    pub(crate) scenario: String,
+    /// Only this robot; may be given several times [default: all]
+    #[arg(long = "robot", value_name = "ROBOT")]
+    pub(crate) robots: Vec<String>,
+    /// Write JSON, with the unit in each name
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Exit with 1 if a robot does not keep its step
+    #[arg(long)]
+    pub(crate) check: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
@@ -308,6 +328,12 @@ Examples:
   baudbot check wander
   baudbot check my.toml --set robots.alice.link.baud=4800
   baudbot check khepera --svg khepera.svg        a picture for a browser";
+
+const BUDGET_EXAMPLES: &str = "\
+Examples:
+  baudbot budget wander
+  baudbot budget wander --set robots.robot.link.baud=38400 --check
+  baudbot budget my.toml --robot alice --json";
 
 const PRESET_EXAMPLES: &str = "\
 Examples:

@@ -1,0 +1,1 @@
+//! Whatever the scenario, what is measured is within the bounds.
