@@ -61,6 +61,8 @@ pub struct RobotSpec {
     pub link: Link,
     /// How long a brain thinks that does not say, in nanoseconds.
     pub thinking_ns: u64,
+    /// How many operations a brain on board thinks, if the scenario says it so.
+    pub brain_operations: Option<u64>,
     /// Memory that a brain on board needs for its variables, in bytes, if the scenario says.
     pub brain_memory_bytes: Option<u64>,
 }

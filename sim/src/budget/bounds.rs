@@ -25,6 +25,8 @@ pub(super) struct Bounds {
     pub(super) pattern: Pattern,
     /// Whether the pattern holds: nothing is late by a period.
     pub(super) in_step: bool,
+    /// Whether all reads are done: none is late by its period.
+    pub(super) reads_all: bool,
     pub(super) framing: Range,
     pub(super) wire_up: Range,
     /// Most work of the microcontroller that is there at an instant, what is looked at included.
@@ -51,7 +53,6 @@ struct Fixed<'a> {
     plan: &'a Plan<'a>,
     bytes: Range,
     framing: Range,
-    step: u64,
 }
 
 /// Rounds until things are taken to have no end.
@@ -76,17 +77,20 @@ impl Bounds {
         let exact = |bytes: u64| plan.framing_ns(Range { least: bytes, most: bytes });
         // Framing is counted for the longest that a frame can be.
         let framing = Range { least: exact(bytes.least), most: exact(bytes.most) };
-        let fixed = Fixed { plan, bytes, framing, step: step_ns(plan) };
+        let fixed = Fixed { plan, bytes, framing };
         let estimate = fixed.settle();
         let Estimate { backlog, wait_up, down } = estimate;
         Self {
             pattern,
             in_step: false,
+            reads_all: estimate
+                .backlog
+                .is_some_and(|ns| plan.on_wire().iter().all(|sensor| ns < sensor.schedule.period_ns())),
             framing,
             wire_up: Range { least: wire::least_ns(link, bytes.least), most: link.burst_ns(bytes.most) },
             backlog,
             wait_up,
-            step: Some(fixed.step),
+            step: Some(fixed.step_ns(&estimate)),
             thinking: Some(
                 plan.spec.thinking_ns
                     + if plan.spec.is_onboard() { longest_task_ns(plan, framing.most) } else { 0 },
@@ -116,7 +120,9 @@ impl Bounds {
         let most = match plan.spec.firmware.mode {
             // A bare message repeats what is not new.
             Mode::Stream(frame) if !plan.is_bare() => {
-                let between_frames = frame_late.map(|late| frame.period_ns() + late);
+                // Before the first message there is none that a sample could have gone with.
+                let before = frame.phase_ns().saturating_sub(sensor.schedule.phase_ns());
+                let between_frames = frame_late.map(|late| frame.period_ns().max(before) + late);
                 between_reads.zip(between_frames).map(|(reads, frames)| reads.min(frames))
             }
             Mode::Stream(_) | Mode::Poll => between_reads,
@@ -135,12 +141,6 @@ fn frame_period_ns(plan: &Plan<'_>) -> Option<u64> {
 fn longest_task_ns(plan: &Plan<'_>, framing_ns: u64) -> u64 {
     let reads = plan.on_wire().iter().map(|sensor| plan.read_ns(sensor).most);
     reads.chain([framing_ns, plan.command_ns()]).max().unwrap_or(0)
-}
-
-/// How long a message waits at most for the brain's step: until the next tick begins, or the brain is done.
-fn step_ns(plan: &Plan<'_>) -> u64 {
-    let task_ns = if plan.spec.is_onboard() { longest_task_ns(plan, 0) } else { 0 };
-    plan.step_ns.max(plan.spec.thinking_ns + task_ns)
 }
 
 impl Fixed<'_> {
@@ -187,17 +187,47 @@ impl Fixed<'_> {
             return ways;
         };
         let wire = spec.link.burst_ns(self.bytes.most) - wire::least_ns(&spec.link, self.bytes.least);
-        let late = late + self.framing.width() + wire + wait + self.step;
+        let late = late + self.framing.width() + wire + wait + self.step_ns(estimate);
         let mut curves = vec![Curve::every(frame.period_ns()).late_by(late)];
         for (_, sensor, clock, link) in self.plan.ports() {
             let (spread, jitter) = if noise { (clock.spread_ns, clock.jitter_ns) } else { (0, 0) };
             let bytes = wire::port_bytes(sensor);
             let wire = link.burst_ns(bytes.most) - wire::least_ns(link, bytes.least) + wire::frame_ns(link);
-            let late = jitter + wire + wire::hold_up_ns(link).most + self.step;
+            let late = jitter + wire + wire::hold_up_ns(link).most + self.step_ns(estimate);
             curves.push(Curve::every(clock.period_ns.saturating_sub(spread).max(1)).late_by(late));
         }
         ways.push(curves);
         ways
+    }
+
+    /// How long a message waits at most for the brain's step: until the next tick begins, or the brain is done. If no
+    /// two messages can come in one tick, only a brain that thinks keeps them waiting.
+    fn step_ns(&self, estimate: &Estimate) -> u64 {
+        let Plan { spec, step_ns, .. } = *self.plan;
+        let task_ns = if spec.is_onboard() { longest_task_ns(self.plan, 0) } else { 0 };
+        let busy = spec.thinking_ns + task_ns;
+        let link = &spec.link;
+        let wire_least = wire::least_ns(link, self.bytes.least);
+        let least = self.framing.least + wire_least + wire::hold_up_ns(link).least;
+        match spec.firmware.mode {
+            _ if self.plan.has_ports() => step_ns.max(busy),
+            Mode::Poll => {
+                let command = wire::least_ns(link, self.plan.command_bytes().least);
+                let robot = super::cycle::least_obeying_ns(self.plan);
+                let down = spec.thinking_ns + wire::hold_down_ns(link).least + command + robot;
+                step_ns.saturating_sub(least + down).max(busy)
+            }
+            Mode::Stream(frame) => {
+                let Some((late, wait)) = estimate.backlog.zip(estimate.wait_up) else {
+                    return step_ns.max(busy);
+                };
+                let most = late + link.burst_ns(self.bytes.most) + wait + busy;
+                let tick = |ns: u64| (frame.phase_ns() + ns) / step_ns;
+                let in_place = frame.period_ns() % step_ns == 0 && tick(least) == tick(most);
+                let apart = frame.period_ns() >= step_ns + most.saturating_sub(least);
+                if in_place || apart { busy } else { step_ns.max(busy) }
+            }
+        }
     }
 
     /// The brain answers, and only then is there something to answer again.

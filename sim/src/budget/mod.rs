@@ -70,12 +70,18 @@ impl RobotBudget {
     /// Of one robot of a scenario.
     pub fn of(scenario: &Scenario, spec: &RobotSpec) -> Self {
         let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
-        let mut budget = Self::without_mends(&plan, FULL);
+        let mut budget = Self::computed(&plan, FULL);
         budget.mends = mend::mends(scenario, &plan, &budget);
         budget
     }
 
-    fn without_mends(plan: &Plan<'_>, effort: Effort) -> Self {
+    /// The same without looking for mends, which takes by far the most time.
+    pub fn without_mends(scenario: &Scenario, spec: &RobotSpec) -> Self {
+        let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
+        Self::computed(&plan, FULL)
+    }
+
+    fn computed(plan: &Plan<'_>, effort: Effort) -> Self {
         let bounds = Bounds::of(plan);
         let outcome = Timeline::run(*plan, effort.cycles, effort.events);
         let cycle = cycle::cycle(plan, &bounds, &outcome);

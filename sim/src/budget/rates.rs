@@ -65,14 +65,15 @@ fn most_messages(link: &Link, bytes: u64) -> Option<f64> {
     .filter(|per_s| per_s.is_finite())
 }
 
-/// What reading the sensors leaves of the processor, for framing and obeying.
+/// What reading the sensors leaves of the processor, for framing and obeying. If reads are left out, nobody knows how
+/// many.
 fn processor(plan: &Plan<'_>, bounds: &Bounds) -> Option<f64> {
     let reads = plan
         .on_wire()
         .iter()
         .map(|sensor| plan.read_ns(sensor).least as f64 / sensor.schedule.period_ns() as f64);
     let exchange_ns = bounds.framing.least + plan.command_ns() + on_board_ns(plan);
-    let left = (1.0 - reads.sum::<f64>()).max(0.0);
+    let left = if bounds.reads_all { (1.0 - reads.sum::<f64>()).max(0.0) } else { 1.0 };
     (exchange_ns > 0).then(|| left / exchange_ns as f64 * 1e9)
 }
 

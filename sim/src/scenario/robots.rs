@@ -167,6 +167,7 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         firmware,
         link,
         thinking_ns,
+        brain_operations: raw.brain.operations,
         brain_memory_bytes: raw.brain.memory_bytes,
     })
 }

@@ -50,7 +50,10 @@ fn known_numbers_are_foretold_and_measured() {
     let polled = [
         ("6 bytes at 9600 baud, 8 bits: exchanges/s", bare(4, "baud = 9600, bits_per_character = 8")),
         ("6 bytes at 9600 baud, 8N1: exchanges/s", bare(4, "baud = 9600")),
-        ("the same behind an FTDI chip, 16 ms: exchanges/s", bare(4, "baud = 38400, adapter = { kind = \"ftdi\" }")),
+        (
+            "the same behind an FTDI chip, 16 ms: exchanges/s",
+            bare(4, "baud = 38400, adapter = { kind = \"ftdi\" }"),
+        ),
         (
             "6 bytes at 38400 baud on a shared wire: exchanges/s",
             bare(4, "baud = 38400, half_duplex = true, turnaround_us = 500"),
@@ -61,7 +64,9 @@ fn known_numbers_are_foretold_and_measured() {
         let measured = run(Scenario::parse(&toml).unwrap(), 4.0).messages_per_s();
         apart.push(row(&mut table, what, most_per_s(&budget(&toml), "exchanges"), measured));
     }
-    for (what, baud) in [("URG-04LX at 115200 baud: scans/s", 115_200), ("URG-04LX at 750000 baud: scans/s", 750_000)] {
+    for (what, baud) in
+        [("URG-04LX at 115200 baud: scans/s", 115_200), ("URG-04LX at 750000 baud: scans/s", 750_000)]
+    {
         let robot = budget(&laser(baud));
         let urg = robot.rates.iter().find(|rate| rate.what == "port urg").unwrap();
         let measured = run(Scenario::parse(&laser(baud)).unwrap(), 20.0);

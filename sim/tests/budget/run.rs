@@ -5,21 +5,23 @@ use baudbot_sim::{Input, Scenario, SimTime, World};
 use crate::common::command;
 
 /// What was measured.
-pub struct Measured {
-    pub seconds: f64,
+pub(crate) struct Measured {
+    pub(crate) seconds: f64,
     /// Messages that arrived, and commands that were understood.
-    pub messages: u64,
-    pub commands: u64,
+    pub(crate) messages: u64,
+    pub(crate) commands: u64,
     /// When messages of the microcontroller arrived, in seconds.
-    pub arrivals: Vec<f64>,
+    pub(crate) arrivals: Vec<f64>,
     /// When each sensor was readable, in seconds.
-    pub readable: Vec<Vec<f64>>,
-    pub world: World,
+    pub(crate) readable: Vec<Vec<f64>>,
+    /// The true ages of its readings then, in nanoseconds.
+    pub(crate) ages: Vec<Vec<u64>>,
+    pub(crate) world: World,
 }
 
 /// Runs the only robot for a while; its brain answers each message, from a port too, and thinks as long as the scenario
 /// says, in each step.
-pub fn run(scenario: Scenario, seconds: f64) -> Measured {
+pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
     let step_ns = scenario.step_ns();
     let ticks = (seconds * 1e9 / step_ns as f64).ceil() as u64;
     let mut world = World::new(scenario.into());
@@ -28,6 +30,7 @@ pub fn run(scenario: Scenario, seconds: f64) -> Measured {
     let sensors = world.robot(0).spec().sensors.len();
     let mut arrivals = Vec::new();
     let mut readable = vec![Vec::new(); sensors];
+    let mut ages = vec![Vec::new(); sensors];
     let mut last: Option<u64> = None;
     for tick in 0..ticks {
         let turns = world.begin().to_vec();
@@ -49,21 +52,34 @@ pub fn run(scenario: Scenario, seconds: f64) -> Measured {
         let first = heard + ports > 0 && tick == 0;
         let speaks = tick == 0 || news || first;
         let input = Input { robot: 0, at: turn.at + thinking_ns, bytes: if speaks { &bytes } else { &[] } };
+        let before: Vec<_> = world.robot(0).sensors().map(|sensor| sensor.freshness).collect();
         world.finish(&[input]);
+        for (i, sensor) in world.robot(0).sensors().enumerate() {
+            let is_aged = sensor.freshness.aged > before[i].aged;
+            ages[i].extend(is_aged.then(|| sensor.freshness.age_sum_ns - before[i].age_sum_ns));
+        }
     }
     let (messages, commands) = (world.robot(0).uplink().messages, world.robot(0).downlink().messages);
-    Measured { seconds: SimTime::as_seconds(world.time()), messages, commands, arrivals, readable, world }
+    Measured {
+        seconds: SimTime::as_seconds(world.time()),
+        messages,
+        commands,
+        arrivals,
+        readable,
+        ages,
+        world,
+    }
 }
 
 impl Measured {
     /// Messages a second, from the first that arrived to the last.
-    pub fn messages_per_s(&self) -> f64 {
+    pub(crate) fn messages_per_s(&self) -> f64 {
         per_s(&self.arrivals)
     }
 }
 
 /// How often a second, from the first of these instants to the last.
-pub fn per_s(at: &[f64]) -> f64 {
+pub(crate) fn per_s(at: &[f64]) -> f64 {
     match at {
         [first, .., last] => (at.len() - 1) as f64 / (last - first),
         _ => 0.0,
