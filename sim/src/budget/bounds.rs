@@ -12,12 +12,11 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::curve::{Curve, Source, queue};
+use super::curve::Curve;
 use super::pattern::Pattern;
-use super::plan::{Plan, Range, turnaround_ns};
+use super::plan::{Plan, Range};
 use super::wire;
 use crate::firmware::Mode;
-use crate::link::Link;
 
 /// The bounds of a robot's cycle, in nanoseconds; `None` where there is no end.
 #[derive(Clone, Debug)]
@@ -42,21 +41,21 @@ pub(super) struct Bounds {
 
 /// What is known so far of what depends on itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Estimate {
-    backlog: Option<u64>,
-    wait_up: Option<u64>,
-    down: Option<u64>,
+pub(super) struct Estimate {
+    pub(super) backlog: Option<u64>,
+    pub(super) wait_up: Option<u64>,
+    pub(super) down: Option<u64>,
 }
 
 /// What stays the same meanwhile.
-struct Fixed<'a> {
-    plan: &'a Plan<'a>,
-    bytes: Range,
-    framing: Range,
+pub(super) struct Fixed<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    pub(super) bytes: Range,
+    pub(super) framing: Range,
 }
 
 /// Rounds until things are taken to have no end.
-const MOST_ROUNDS: usize = 100;
+pub(super) const MOST_ROUNDS: usize = 100;
 
 impl Bounds {
     pub(super) fn of(plan: &Plan<'_>) -> Self {
@@ -131,14 +130,14 @@ impl Bounds {
     }
 }
 
-fn frame_period_ns(plan: &Plan<'_>) -> Option<u64> {
+pub(super) fn frame_period_ns(plan: &Plan<'_>) -> Option<u64> {
     match plan.spec.firmware.mode {
         Mode::Stream(frame) => Some(frame.period_ns()),
         Mode::Poll => None,
     }
 }
 
-fn longest_task_ns(plan: &Plan<'_>, framing_ns: u64) -> u64 {
+pub(super) fn longest_task_ns(plan: &Plan<'_>, framing_ns: u64) -> u64 {
     let reads = plan.on_wire().iter().map(|sensor| plan.read_ns(sensor).most);
     reads.chain([framing_ns, plan.command_ns()]).max().unwrap_or(0)
 }
@@ -174,7 +173,7 @@ impl Fixed<'_> {
     }
 
     /// How often commands are written, in all the ways in which it is known; each is true.
-    fn commands(&self, estimate: &Estimate) -> Vec<Vec<Curve>> {
+    pub(super) fn commands(&self, estimate: &Estimate) -> Vec<Vec<Curve>> {
         let Plan { spec, step_ns, noise, .. } = *self.plan;
         // No more than one step a tick: the last instant of one and the first of the next are near.
         let mut ways = vec![vec![Curve::every(step_ns).late_by(step_ns)]];
@@ -231,231 +230,7 @@ impl Fixed<'_> {
     }
 
     /// The brain answers, and only then is there something to answer again.
-    fn takes_turns(&self) -> bool {
+    pub(super) fn takes_turns(&self) -> bool {
         self.plan.polls() && !self.plan.has_ports()
-    }
-
-    fn backlog(&self, estimate: &Estimate) -> Option<u64> {
-        let plan = self.plan;
-        let reads: Vec<u64> = plan.on_wire().iter().map(|sensor| plan.read_ns(sensor).most).collect();
-        let frame_ns = self.framing.most.checked_add(self.blocked_ns(estimate.wait_up?)?)?;
-        if plan.spec.is_onboard() && plan.spec.thinking_ns > 0 {
-            return self.backlog_on_board(&reads);
-        }
-        let byte_ns = plan.spec.link.burst_ns(plan.command_bytes().most);
-        let late = estimate.down?.checked_add(byte_ns)?;
-        let ways = self.commands(estimate).into_iter().map(|way| {
-            let curves = way.into_iter().map(|curve| curve.late_by(late));
-            curves.collect::<Vec<_>>()
-        });
-        ways.filter_map(|way| {
-            let in_order = self.in_order(&reads, frame_ns, &way, estimate.backlog?);
-            let once = self.once_each(&reads, frame_ns, &way);
-            [in_order, once].into_iter().flatten().min()
-        })
-        .min()
-    }
-
-    /// What fell due earlier comes first.
-    fn in_order(&self, reads: &[u64], frame_ns: u64, commands: &[Curve], late: u64) -> Option<u64> {
-        let source = |curve, work_ns| Source { curve, work_ns };
-        let sensors = self.plan.on_wire().iter().zip(reads);
-        let mut sources: Vec<_> =
-            sensors.map(|(sensor, &ns)| source(Curve::every(sensor.schedule.period_ns()), ns)).collect();
-        let command_ns = self.plan.command_ns();
-        sources.extend(commands.iter().map(|&curve| source(curve, command_ns)));
-        match self.plan.spec.firmware.mode {
-            Mode::Stream(frame) => sources.push(source(Curve::every(frame.period_ns()), frame_ns)),
-            Mode::Poll => sources.extend(commands.iter().map(|&curve| source(curve.late_by(late), frame_ns))),
-        }
-        queue(&sources).map(|queue| queue.backlog_ns)
-    }
-
-    /// What is under way, and each other task once; commands as many as can have come meanwhile.
-    fn once_each(&self, reads: &[u64], frame_ns: u64, commands: &[Curve]) -> Option<u64> {
-        let tasks = reads.iter().sum::<u64>() + frame_ns;
-        let command_ns = self.plan.command_ns();
-        let longest = reads.iter().copied().chain([frame_ns, command_ns]).max()?;
-        let base = tasks.checked_add(longest)?;
-        if self.takes_turns() {
-            return base.checked_add(command_ns);
-        }
-        let mut backlog = base;
-        for _ in 0..MOST_ROUNDS {
-            let come = commands.iter().fold(0_u64, |sum, curve| sum.saturating_add(curve.count(backlog)));
-            let next = base.checked_add(come.checked_mul(command_ns)?)?;
-            if next == backlog {
-                return Some(backlog);
-            }
-            backlog = next;
-        }
-        None
-    }
-
-    /// On board a step of the brain may come before each task, but no more than one a tick; and two commands can
-    /// wait, as a third is written only when a frame has been served behind the first.
-    fn backlog_on_board(&self, reads: &[u64]) -> Option<u64> {
-        let Plan { spec, step_ns, .. } = *self.plan;
-        if self.plan.has_ports() {
-            return None;
-        }
-        let command_ns = self.plan.command_ns();
-        let longest = longest_task_ns(self.plan, 0);
-        let tasks: u64 = reads.iter().sum::<u64>() + 2 * command_ns + longest;
-        let most = reads.len() as u64 + 5;
-        let mut backlog = tasks;
-        for _ in 0..MOST_ROUNDS {
-            let thinks = most.min(backlog / step_ns + 2);
-            let next = tasks + thinks * spec.thinking_ns;
-            if next == backlog {
-                break;
-            }
-            backlog = next;
-        }
-        Some(tasks + most.min(backlog / step_ns + 2) * spec.thinking_ns)
-    }
-
-    /// How long the microcontroller waits for its transmitter at most, if messages wait so long for the wire.
-    fn blocked_ns(&self, wait_up: u64) -> Option<u64> {
-        let link = &self.plan.spec.link;
-        let (bytes, burst) = (self.bytes.most, link.burst_ns(self.bytes.most));
-        let depth = link.transmit_depth() as u64;
-        match link {
-            Link::Ideal | Link::Onboard => Some(0),
-            Link::Usb(usb) if bytes <= depth && wait_up <= usb.frame_ns => Some(0),
-            Link::Usb(usb) => Some(2 * usb.frame_ns + burst),
-            Link::Uart(_) => {
-                let hold = wire::hold_up_ns(link).most;
-                let queued = wait_up.saturating_sub(hold);
-                let before = queued.div_ceil(link.burst_ns(1).max(1));
-                if before + bytes <= depth {
-                    return Some(0);
-                }
-                let shared = if turnaround_ns(link).is_some() { queued } else { 0 };
-                let over =
-                    if queued <= 1 { link.burst_ns(bytes.saturating_sub(depth)) + 2 } else { burst + 2 };
-                Some(over + shared)
-            }
-        }
-    }
-
-    /// How long a message waits besides being on the wire.
-    fn wait_up(&self, estimate: &Estimate) -> Option<u64> {
-        let link = &self.plan.spec.link;
-        let jitter = estimate.backlog?.saturating_sub(self.framing.most) + self.framing.width();
-        let closings = frame_period_ns(self.plan).map(|period| Curve::every(period).late_by(jitter));
-        let queued = match link {
-            Link::Ideal | Link::Onboard => 0,
-            Link::Usb(usb) => self.frames_ns(usb.frame_ns, usb.bytes_per_frame, closings),
-            Link::Uart(_) => self.queued_up_ns(closings),
-        };
-        let shared = match turnaround_ns(link) {
-            None => 0,
-            Some(turn) => self.shared_ns(turn, estimate)?,
-        };
-        let hold = wire::hold_up_ns(link).most;
-        if let Some(radio) = wire::radio(link) {
-            let packet = wire::packet_ns(&radio).most;
-            let by_wire = packet / link.burst_ns(1).max(1) + 1;
-            let by_messages = match closings {
-                _ if self.takes_turns() => self.bytes.most,
-                Some(closings) => {
-                    closings.late_by(queued + link.burst_ns(self.bytes.most)).count(packet) * self.bytes.most
-                }
-                None => u64::MAX,
-            };
-            let at_once = by_wire.min(by_messages);
-            if at_once > u64::from(radio.packet_bytes) || 3 * at_once > link.laptop_buffer() as u64 {
-                return None;
-            }
-        }
-        queued.checked_add(hold)?.checked_add(shared)
-    }
-
-    /// USB: what comes within a frame goes with the next, unless it is too much.
-    fn frames_ns(&self, frame_ns: u64, bytes_per_frame: u32, closings: Option<Curve>) -> u64 {
-        let at_once = match closings {
-            _ if self.takes_turns() => 1,
-            Some(closings) => closings.count(frame_ns),
-            None => u64::MAX,
-        };
-        let fits = at_once.saturating_mul(self.bytes.most) <= u64::from(bytes_per_frame);
-        // What fits into no frame alone begins with one, and nothing comes before it is over.
-        let alone = self.takes_turns()
-            || closings.is_some_and(|curve| curve.count(self.plan.spec.link.burst_ns(self.bytes.most)) == 1);
-        if fits || alone { frame_ns } else { 2 * frame_ns }
-    }
-
-    /// UART: what is on the wire already, which is no more than the transmitter holds.
-    fn queued_up_ns(&self, closings: Option<Curve>) -> u64 {
-        let link = &self.plan.spec.link;
-        if self.takes_turns() {
-            return 1;
-        }
-        let burst = link.burst_ns(self.bytes.most);
-        let held = link.burst_ns(link.transmit_depth() as u64);
-        let queue = closings.and_then(|curve| queue(&[Source { curve, work_ns: burst }]));
-        queue.map_or(held, |queue| held.min(queue.backlog_ns - burst)) + 1
-    }
-
-    /// Where both share the wire: the longest time that it is not idle.
-    fn shared_ns(&self, turn: u64, estimate: &Estimate) -> Option<u64> {
-        let link = &self.plan.spec.link;
-        if self.takes_turns() {
-            return Some(turn);
-        }
-        let period = frame_period_ns(self.plan)?;
-        let message = self.framing.most + link.burst_ns(self.bytes.most) + turn;
-        let command = link.burst_ns(self.plan.command_bytes().most) + turn;
-        let hold = wire::hold_down_ns(link).width();
-        let late = estimate.backlog?;
-        let busy = self.commands(estimate).into_iter().filter_map(|way| {
-            let commands =
-                way.into_iter().map(|curve| Source { curve: curve.late_by(hold), work_ns: command });
-            let mut sources = vec![Source { curve: Curve::every(period).late_by(late), work_ns: message }];
-            sources.extend(commands);
-            queue(&sources).map(|queue| queue.busy_ns)
-        });
-        // A robot that speaks again before its last message is over keeps the wire.
-        busy.min().filter(|busy| period.saturating_sub(late) > busy + turn)
-    }
-
-    /// From the write to the arrival of the command's last byte.
-    fn down(&self, estimate: &Estimate) -> Option<u64> {
-        let link = &self.plan.spec.link;
-        let bytes = self.plan.command_bytes().most;
-        let burst = link.burst_ns(bytes);
-        let hold = wire::hold_down_ns(link);
-        let shared = match turnaround_ns(link) {
-            None => 0,
-            Some(turn) => self.shared_ns(turn, estimate)?,
-        };
-        if self.takes_turns() {
-            let fits = wire::radio(link).is_none_or(|radio| bytes <= u64::from(radio.packet_bytes));
-            return fits.then_some(hold.most + wire::frame_ns(link) + burst + shared + 1);
-        }
-        let least = self.commands(estimate).into_iter().filter_map(|way| self.down_by(&way, bytes)).min()?;
-        least.checked_add(shared)
-    }
-
-    fn down_by(&self, commands: &[Curve], bytes: u64) -> Option<u64> {
-        let link = &self.plan.spec.link;
-        let hold = wire::hold_down_ns(link);
-        let come = |within_ns: u64| commands.iter().map(|curve| curve.count(within_ns)).sum::<u64>();
-        if let Some(radio) = wire::radio(link) {
-            let at_once = come(wire::packet_ns(&radio).most).saturating_mul(bytes);
-            if at_once > u64::from(radio.packet_bytes) {
-                return None;
-            }
-        }
-        if let Link::Usb(usb) = link
-            && come(usb.frame_ns).saturating_mul(bytes) <= u64::from(usb.bytes_per_frame)
-        {
-            return Some(2 * usb.frame_ns);
-        }
-        let work_ns = link.burst_ns(bytes);
-        let source = |curve: &Curve| Source { curve: curve.late_by(hold.width()), work_ns };
-        let queue = queue(&commands.iter().map(source).collect::<Vec<_>>())?;
-        hold.most.checked_add(wire::frame_ns(link))?.checked_add(queue.backlog_ns)?.checked_add(1)
     }
 }

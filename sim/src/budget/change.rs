@@ -9,11 +9,10 @@ use baudbot_wire::Encoding;
 
 use super::report::Cost;
 use crate::firmware::{Firmware, Mode, Protocol};
-use crate::link::{Adapter, Link, Uart, Usb};
+use crate::link::{Adapter, Link, Uart};
 use crate::microcontroller::Processor;
 use crate::presets::{Preset, PresetKind, presets};
 use crate::robot::RobotSpec;
-use crate::schedule::Schedule;
 use crate::sensor::{Device, Sensor};
 use crate::time::SECOND_NS;
 
@@ -188,52 +187,6 @@ impl Robot {
         costliest.map(|(i, _)| Change::Drop(i)).into_iter().collect()
     }
 
-    /// The robot with a change.
-    pub(super) fn with(&self, change: Change) -> Self {
-        let mut new = self.clone();
-        let spec = &mut new.spec;
-        match change {
-            Change::Latency(latency_ns) => {
-                if let Link::Uart(Uart { adapter: Adapter::Ftdi(ftdi), .. }) = &mut spec.link {
-                    ftdi.latency_ns = latency_ns;
-                }
-            }
-            Change::Baud(baud) => set_baud(&mut spec.link, baud),
-            Change::PortBaud(i, baud) => {
-                if let Some(port) = &mut spec.sensors[i].port {
-                    set_baud(&mut port.link, baud);
-                }
-            }
-            Change::NoAges => set_firmware(spec, Protocol::Framed { ages: false }, spec.firmware.mode),
-            Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
-            Change::FewerBits => fewer_bits(spec),
-            Change::Stream(period_ns) => {
-                set_firmware(
-                    spec,
-                    spec.firmware.protocol,
-                    Mode::Stream(new_schedule(&spec.firmware, period_ns)),
-                );
-            }
-            Change::Step(step_ns) => {
-                new.substeps = new.substeps.saturating_mul((step_ns / new.step_ns) as u32);
-                new.step_ns = step_ns;
-            }
-            Change::Cdc => {
-                if let Link::Uart(uart) = &mut spec.link {
-                    uart.adapter = Adapter::Cdc { frame_ns: MS };
-                }
-            }
-            Change::Usb => spec.link = usb(),
-            Change::Chip(preset) => set_chip(spec, preset),
-            Change::Laptop => {
-                spec.link = cable();
-                (spec.thinking_ns, spec.brain_operations, spec.brain_memory_bytes) = (0, None, None);
-            }
-            Change::Drop(i) => drop_sensor(spec, i),
-        }
-        new
-    }
-
     /// What a change does, in words.
     pub(super) fn phrase(&self, change: Change) -> String {
         let ms = |ns: u64| format!("{} ms", ns as f64 / 1e6);
@@ -288,7 +241,7 @@ impl Robot {
 
     /// Periods that a file leaves out are those of the step, and are to stay as they are.
     fn step_overrides(&self, step_ns: u64) -> Vec<String> {
-        let Robot { substeps, .. } = self.with(Change::Step(step_ns));
+        let Self { substeps, .. } = self.with(Change::Step(step_ns));
         let mut fields =
             alloc::vec![format!("step_ms={}", step_ns as f64 / 1e6), format!("substeps={substeps}")];
         let old_ms = self.step_ns as f64 / 1e6;
@@ -332,50 +285,6 @@ fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
     BAUDS.into_iter().filter(move |&baud| baud > now && baud <= most)
 }
 
-fn set_baud(link: &mut Link, to: u32) {
-    if let Link::Uart(uart) = link {
-        uart.baud = to;
-    }
-}
-
-fn usb() -> Link {
-    Link::Usb(Usb { frame_ns: MS, bytes_per_frame: 19 * 64, laptop_buffer_bytes: 4096, outages: Vec::new() })
-}
-
-/// A plain cable, as a scenario has it that says nothing but its rate.
-fn cable() -> Link {
-    Link::Uart(Uart {
-        baud: 115_200,
-        bits_per_character: 10,
-        receive_depth: 64,
-        transmit_depth: 64,
-        laptop_buffer_bytes: 4096,
-        byte_error_rate: 0.0,
-        adapter: Adapter::None,
-        turnaround_ns: None,
-        outages: Vec::new(),
-    })
-}
-
-/// The same sensors and signals in another form, or at another time.
-fn set_firmware(spec: &mut RobotSpec, protocol: Protocol, mode: Mode) {
-    let sensors: Vec<&[Encoding]> = spec
-        .sensors
-        .iter()
-        .filter(|sensor| sensor.is_on_wire())
-        .map(|sensor| &sensor.encodings[..])
-        .collect();
-    spec.firmware = Firmware::new(protocol, mode, &sensors, spec.firmware.layout().motors.to_vec());
-}
-
-fn new_schedule(firmware: &Firmware, period_ns: u64) -> Schedule {
-    let phase_ns = match firmware.mode {
-        Mode::Stream(frame) => frame.phase_ns(),
-        Mode::Poll => 0,
-    };
-    Schedule::new(period_ns, phase_ns)
-}
-
 fn firmware_table(firmware: &Firmware) -> String {
     let mode = match firmware.mode {
         Mode::Poll => "mode = \"poll\"".to_string(),
@@ -391,38 +300,15 @@ fn firmware_table(firmware: &Firmware) -> String {
 }
 
 /// Whether a sensor's values could be said in fewer bits.
-fn has_many_bits(sensor: &Sensor) -> bool {
+pub(super) fn has_many_bits(sensor: &Sensor) -> bool {
     // Of these nobody knows the largest value, unless there are bits already.
     let unknown = matches!(sensor.device, Device::Field(_) | Device::Microphone(_));
     let many = |encoding: &Encoding| encoding.len() > 1 && !(unknown && *encoding == Encoding::Float64);
     sensor.is_on_wire() && sensor.encodings.iter().any(many)
 }
 
-fn has_many_signal_bits(spec: &RobotSpec) -> bool {
+pub(super) fn has_many_signal_bits(spec: &RobotSpec) -> bool {
     spec.signal_limit.is_some() && spec.firmware.layout().motors.iter().any(|encoding| encoding.len() > 1)
-}
-
-fn fewer_bits(spec: &mut RobotSpec) {
-    for sensor in spec.sensors.iter_mut().filter(|sensor| has_many_bits(sensor)) {
-        sensor.encodings.fill(Encoding::Level { bits: 8, min: 0.0, max: 1.0 });
-    }
-    let mut motors = spec.firmware.layout().motors.to_vec();
-    if has_many_signal_bits(spec) {
-        motors.fill(Encoding::Signed { bits: 8, limit: 1.0 });
-    }
-    let wired = spec.sensors.iter().filter(|sensor| sensor.is_on_wire());
-    let sensors: Vec<&[Encoding]> = wired.map(|sensor| &sensor.encodings[..]).collect();
-    spec.firmware = Firmware::new(spec.firmware.protocol, spec.firmware.mode, &sensors, motors);
-}
-
-fn drop_sensor(spec: &mut RobotSpec, i: usize) {
-    spec.sensors.remove(i);
-    let places = |wanted: fn(&Sensor) -> bool| {
-        spec.sensors.iter().enumerate().filter(|(_, s)| wanted(s)).map(|(i, _)| i).collect::<Vec<_>>()
-    };
-    let (own_clocks, ports) = (places(|s| s.own_clock.is_some()), places(|s| s.port.is_some()));
-    (spec.own_clocks, spec.ports) = (own_clocks, ports);
-    set_firmware(spec, spec.firmware.protocol, spec.firmware.mode);
 }
 
 /// Whether another processor could do anything better.
@@ -433,11 +319,11 @@ fn matters(processor: &Processor) -> bool {
 }
 
 /// What a preset says of a processor.
-fn chip(preset: &Preset) -> Option<Processor> {
+pub(super) fn chip(preset: &Preset) -> Option<Processor> {
     let file: toml::Table = preset.text.parse().ok()?;
     let chip = file.get(preset.kind.word())?.as_table()?;
     let number = |field: &str| {
-        chip.get(field).and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)))
+        chip.get(field).and_then(|value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64)))
     };
     let ns = |field: &str| number(field).map_or(0, |us| (us * 1e3 + 0.5) as u64);
     Some(Processor {
@@ -449,14 +335,7 @@ fn chip(preset: &Preset) -> Option<Processor> {
     })
 }
 
-fn set_chip(spec: &mut RobotSpec, preset: &Preset) {
-    let Some(chip) = chip(preset) else { return };
-    let thinking_ns = spec.brain_operations.and_then(|operations| chip.thinking_ns(operations));
-    spec.thinking_ns = thinking_ns.unwrap_or(spec.thinking_ns);
-    spec.processor = chip;
-}
-
-const MS: u64 = 1_000_000;
+pub(super) const MS: u64 = 1_000_000;
 
 /// 19 packets of 64 bytes a frame of 1 ms, 8 bits a character.
 const CDC_MOST: u32 = 9_728_000;

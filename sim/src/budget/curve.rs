@@ -48,7 +48,7 @@ impl Curve {
 }
 
 /// Instants that are looked at until a queue is taken for one without end.
-const MOST_STEPS: usize = 4096;
+const MOST_STEPS: usize = 1024;
 
 /// The longest queue that these can make; `None` if there may be no end to it.
 pub(super) fn queue(sources: &[Source]) -> Option<Queue> {

@@ -3,7 +3,7 @@
 use alloc::format;
 use alloc::string::{String, ToString};
 
-use super::report::{Cycle, Load, Row, Verdict};
+use super::report::{Cycle, Load, Part, Row, Verdict};
 
 /// The verdict and the bottleneck: what is overloaded, or takes longest.
 pub(super) fn judge(step_ns: u64, cycle: &Cycle, loads: &[Load]) -> (Verdict, String) {
@@ -19,6 +19,9 @@ pub(super) fn judge(step_ns: u64, cycle: &Cycle, loads: &[Load]) -> (Verdict, St
     let longest = cycle.rows.iter().rev().max_by_key(|row| longest(row));
     let bottleneck = match (fullest, longest) {
         (Some(load), _) => format!("the {}", load.what),
+        (None, Some(row)) if matches!(row.part, Part::WireUp | Part::Down) => {
+            format!("the {}", row.part.phrase())
+        }
         (None, Some(row)) => row.part.phrase().to_string(),
         (None, None) => String::new(),
     };

@@ -56,7 +56,8 @@ fn together(plan: &Plan<'_>, robot: &Robot) -> Option<Mend> {
         let better = changes.iter().map(|&change| (badness(&tried(plan, &now.with(change))), change));
         let better: Vec<_> = better.filter(|(badness, _)| *badness < worst).collect();
         let enough = better.iter().find(|(badness, _)| badness.0 != Verdict::Misses);
-        let Some(&(badness, change)) = enough.or(better.iter().min_by_key(|(badness, _)| *badness)) else {
+        let Some(&(badness, change)) = enough.or_else(|| better.iter().min_by_key(|(badness, _)| *badness))
+        else {
             continue;
         };
         (worst, now) = (badness, now.with(change));

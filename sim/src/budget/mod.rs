@@ -7,11 +7,11 @@
 //! From the scenario to the answer:
 //!
 //! 1. `plan` says what each task costs and how long each message is; `pattern` which sensors are new in which.
-//! 2. `bounds` says what each part takes at least and at most, with queues by `curve` and the cable by `wire`. They
-//!    hold whatever happens.
+//! 2. `bounds` says what each part takes at least and at most: the microcontroller by `late`, the cable by `transfer` and
+//!    `wire`, queues by `curve`. They hold whatever happens.
 //! 3. `timeline` carries the plan out, without a world, with devices by `device`. What comes of it is typical.
 //! 4. `cycle`, `rates`, `ages`, `loads` put that together; `judge` gives the verdict.
-//! 5. `mend` changes the robot, and computes it again; `change` has what can be changed.
+//! 5. `mend` changes the robot and computes it again; `change` has what can be changed, `apply` does it.
 //!
 //! A brain is taken to answer each message once, and to write nothing else. Byte errors and outages are left out: what
 //! arrives is as old as the bounds say, what is lost has no age.
@@ -20,12 +20,14 @@
 //! way meanwhile; the cycle is then longer than Δt, and the verdict is that the robot does not keep its step.
 
 mod ages;
+mod apply;
 mod bounds;
 mod change;
 mod curve;
 mod cycle;
 mod device;
 mod judge;
+mod late;
 mod loads;
 mod mend;
 mod pattern;
@@ -33,6 +35,7 @@ mod plan;
 mod rates;
 mod report;
 mod timeline;
+mod transfer;
 mod wire;
 
 use alloc::vec::Vec;

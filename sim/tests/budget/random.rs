@@ -15,7 +15,7 @@ fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str
 }
 
 fn adapters() -> impl Strategy<Value = String> {
-    let ftdi = (1_u32..20, prop_oneof![Just(62_u32), 2_u32..64]);
+    let ftdi = (1_u32..20, prop_oneof![Just(62_u32), 4_u32..64]);
     let ftdi = ftdi.prop_map(|(ms, bytes)| {
         format!(", adapter = {{ kind = \"ftdi\", latency_ms = {ms}, packet_bytes = {bytes} }}")
     });
@@ -134,7 +134,7 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: std::env::var("BUDGET_CASES").map_or(500, |n| n.parse().unwrap()), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_measured_is_within_the_bounds(toml in scenarios()) {
