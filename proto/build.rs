@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use prost::Message;
 
-const FILES: [&str; 4] = [
+const FILES: [&str; 5] = [
     "baudbot/v1/world.proto",
+    "baudbot/v1/budget.proto",
     "baudbot/v1/control.proto",
     "baudbot/v1/brain_link.proto",
     "baudbot/v1/observe.proto",

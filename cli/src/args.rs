@@ -47,6 +47,9 @@ pub(crate) enum Command {
     /// Shows what happened when in a run: sensors, microcontroller, cable, brain and motors over time
     #[command(after_long_help = DIAGRAM_EXAMPLES)]
     Diagram(DiagramArgs),
+    /// Says what a control cycle of each robot costs, whether it fits into a step, and what would mend it
+    #[command(after_long_help = BUDGET_EXAMPLES)]
+    Budget(BudgetArgs),
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
@@ -198,6 +201,26 @@ pub(crate) struct DiagramArgs {
     /// Draw it as a picture in SVG; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BudgetArgs {
+    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    pub(crate) scenario: String,
+    /// Only this robot; may be given several times [default: all]
+    #[arg(long = "robot", value_name = "ROBOT")]
+    pub(crate) robots: Vec<String>,
+    /// Write JSON, with the unit in each name
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Exit with 1 if a robot does not keep its step
+    #[arg(long)]
+    pub(crate) check: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
@@ -415,6 +438,13 @@ Examples:
   baudbot diagram wander --svg timing.svg        the same as a picture for a browser
   baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
   baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100";
+
+const BUDGET_EXAMPLES: &str = "\
+Examples:
+  baudbot budget wander
+  baudbot budget wander --set robots.robot.link.baud=38400 --check
+  baudbot budget my.toml --robot alice --json
+  baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle";
 
 const PRESET_EXAMPLES: &str = "\
 Examples:

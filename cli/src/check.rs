@@ -1,9 +1,7 @@
 //! `baudbot check`: what a scenario is.
 
 use std::fmt::Write;
-use std::fs;
 
-use anyhow::Context;
 use baudbot_geometry::{Bounds, Circle, Segment};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
@@ -25,11 +23,11 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let scenario = source.parse(&overrides(&args.changes)?)?;
     if let Some(path) = &args.svg {
         let picture = drawing::draw(&scenario, source.label());
+        text::write(path, &picture)?;
         // A picture on stdout is for another program, which a text behind it would confuse.
         if path.as_os_str() == "-" {
-            return text::print(&picture);
+            return Ok(());
         }
-        fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))?;
     }
     text::print(&describe(&source, &scenario))
 }

@@ -3,7 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `diagram`, `preset` and `watch` are the commands, one a file.
+//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `budget`, `diagram`, `preset` and `watch` are the commands, one a file
+//!    or folder.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
@@ -12,6 +13,7 @@
 
 mod args;
 mod brain;
+mod budget;
 mod check;
 mod connect;
 mod crew;
@@ -64,6 +66,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Check(args) => check::check(&args),
         Command::Diagram(args) => diagram::diagram(&args),
+        Command::Budget(args) => return budget::budget(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;

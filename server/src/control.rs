@@ -1,7 +1,11 @@
 //! The operator's service.
 
+use std::sync::Arc;
+
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
+use baudbot_sim::budget::RobotBudget;
+use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::scenario::ScenarioError;
 use baudbot_sim::{Override, Scenario};
 use tonic::{Code, Request, Response, Status};
@@ -46,6 +50,26 @@ fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> 
         changes.push(Override::parse(text).map_err(|error| invalid(format!("overrides[{i}]"), error))?);
     }
     Scenario::parse_with(toml, &changes).map_err(|error| invalid("scenario_toml".into(), error))
+}
+
+/// Most robots that one call asks the budget of: each takes a while.
+const MAX_BUDGETS: usize = 256;
+
+/// The robots that are asked for; all if none is named.
+fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotSpec>, Status> {
+    let robots = scenario.robots();
+    if let Some(name) = names.iter().find(|name| robots.iter().all(|robot| robot.name != **name)) {
+        return Err(Status::not_found(format!("robots: there is no robot `{}`", brief(name))));
+    }
+    let wanted = |robot: &&RobotSpec| names.is_empty() || names.contains(&robot.name);
+    let chosen: Vec<_> = robots.iter().filter(wanted).collect();
+    if chosen.len() > MAX_BUDGETS {
+        let there = chosen.len();
+        return Err(Status::invalid_argument(format!(
+            "robots: name at most {MAX_BUDGETS}, these are {there}"
+        )));
+    }
+    Ok(chosen)
 }
 
 #[tonic::async_trait]
@@ -162,5 +186,34 @@ impl ControlService for Control {
         }
         let status = status?;
         Ok(Response::new(v1::DeleteWorldResponse { status }))
+    }
+
+    async fn get_budget(
+        &self,
+        request: Request<v1::GetBudgetRequest>,
+    ) -> Result<Response<v1::GetBudgetResponse>, Status> {
+        use v1::get_budget_request::Scenario as Given;
+        let v1::GetBudgetRequest { scenario, overrides, robots } = request.into_inner();
+        let (world, toml) = match scenario {
+            None => return Err(Status::invalid_argument("scenario: must be set")),
+            Some(Given::World(_)) if !overrides.is_empty() => {
+                return Err(Status::invalid_argument("overrides: are of a scenario_toml, not of a world"));
+            }
+            Some(Given::World(world)) => {
+                (Some(self.order(&world, Order::Report).await?.world), String::new())
+            }
+            Some(Given::ScenarioToml(toml)) => (None, toml),
+        };
+        let work = move || {
+            let scenario = match &world {
+                Some(world) => Arc::clone(world.scenario()),
+                None => parse_scenario(&toml, &overrides)?.into(),
+            };
+            let robots = chosen(&scenario, &robots)?.into_iter();
+            let robots = robots.map(|spec| convert::robot_budget(RobotBudget::of(&scenario, spec))).collect();
+            Ok(v1::GetBudgetResponse { robots })
+        };
+        let response = tokio::task::spawn_blocking(work).await;
+        response.map_err(|error| Status::internal(error.to_string()))?.map(Response::new)
     }
 }

@@ -17,6 +17,8 @@
 //! zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`] shows what
 //! sensors see.
 //!
+//! What a control cycle costs, and whether it fits into a step, can be told without a run: [`budget`].
+//!
 //! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
 //! bytes and seeds come in, bytes and instants go out. The same scenario, seed and inputs give the same bits
 //! on every machine ([`World::hash`]).
@@ -30,6 +32,7 @@ extern crate std;
 pub mod actuator;
 pub mod arena;
 pub mod battery;
+pub mod budget;
 pub mod collision;
 pub mod coverage;
 mod curve;

@@ -75,6 +75,10 @@ pub struct RobotSpec {
     pub deadline: Deadline,
     /// What goes wrong on it.
     pub faults: Vec<Fault>,
+    /// How many operations a brain on board thinks, if the scenario says it so.
+    pub brain_operations: Option<u64>,
+    /// Memory that a brain on board needs for its variables, in bytes, if the scenario says.
+    pub brain_memory_bytes: Option<u64>,
 }
 
 impl RobotSpec {

@@ -68,7 +68,7 @@ impl Class {
             Self::Acquire => "a sensor is read",
             Self::Measure => "a device measures",
             Self::Frame => "readings are framed",
-            Self::Block => "waits for the transmitter",
+            Self::Block => "waiting",
             Self::Up => "readings on the wire",
             Self::Adapter => "in the adapter",
             Self::Port => "on a cable of its own",

@@ -9,12 +9,12 @@
 //!    row, `scale` is the axis of time, `class` has the colours and `key` says what they mean.
 
 mod bars;
-mod class;
+pub(crate) mod class;
 mod cycle;
 #[cfg(test)]
 mod demo;
 mod key;
-mod picture;
+pub(crate) mod picture;
 mod record;
 mod rows;
 mod scale;
@@ -23,9 +23,7 @@ mod table;
 mod tests;
 mod timeline;
 
-use std::fs;
-
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use baudbot_experiment::pair::Pair;
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
@@ -54,10 +52,7 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
     let picture = picture(&name, scenario.step_ns(), robot, &events, &window).draw();
-    if path.as_os_str() == "-" {
-        return text::print(&picture);
-    }
-    fs::write(path, picture).with_context(|| format!("cannot write {}", path.display()))
+    text::write(path, &picture)
 }
 
 /// A world with its brains, tick by tick: adds the new events of the robot in this place, and says the time after the

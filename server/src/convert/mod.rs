@@ -1,8 +1,9 @@
 //! Between the contract's types and the domain's: the only folder that names both.
 //!
-//! A file for each who asks: `brain`, `observe`, and `status` for the operator. This one has what they share.
+//! A file for each who asks: `brain`, `observe`, and `status` and `budget` for the operator. This one has what they share.
 
 mod brain;
+mod budget;
 mod observe;
 mod pace;
 mod status;
@@ -12,6 +13,7 @@ use baudbot_proto::v1;
 use crate::letter::{Charge, Score};
 
 pub(crate) use brain::{delivery, welcome, writes};
+pub(crate) use budget::robot_budget;
 pub(crate) use observe::{frame, world_description};
 pub(crate) use pace::pace_from;
 pub(crate) use status::status;

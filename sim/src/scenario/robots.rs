@@ -173,6 +173,8 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         thinking_ns,
         deadline,
         faults,
+        brain_operations: raw.brain.operations,
+        brain_memory_bytes: raw.brain.memory_bytes,
     })
 }
 

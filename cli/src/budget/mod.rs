@@ -1,0 +1,67 @@
+//! `baudbot budget`: what one control cycle of each robot costs, and whether it fits into Δt.
+
+mod lanes;
+mod table;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use baudbot_sim::budget::{Budget, RobotBudget, Verdict};
+
+use crate::args::BudgetArgs;
+use crate::error::Refused;
+use crate::run::overrides;
+use crate::scenarios::Source;
+use crate::text;
+
+pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    let named = |name: &String| scenario.robots().iter().position(|robot| robot.name == *name);
+    if let Some(name) = args.robots.iter().find(|name| named(name).is_none()) {
+        let names: Vec<_> = scenario.robots().iter().map(|robot| format!("`{}`", robot.name)).collect();
+        let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        return Err(Refused::error(format!("--robot: there is no robot `{name}`; there are: {there}")));
+    }
+    let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
+    let wanted = scenario.robots().iter().filter(|robot| wanted(&robot.name));
+    let robots = wanted.map(|robot| RobotBudget::of(&scenario, robot)).collect();
+    let budget = Budget { robots };
+    if let Some(path) = &args.svg {
+        return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
+    }
+    if args.json {
+        text::print(&(serde_json::to_string_pretty(&budget)? + "\n"))?;
+    } else {
+        text::print(&told(&source, &budget))?;
+    }
+    Ok(code(args, &budget))
+}
+
+fn code(args: &BudgetArgs, budget: &Budget) -> ExitCode {
+    let kept = budget.robots.iter().all(|robot| robot.verdict != Verdict::Misses);
+    if args.check && !kept { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn draw(world: &str, budget: &Budget, path: &Path) -> anyhow::Result<()> {
+    let [robot] = &budget.robots[..] else {
+        let names: Vec<_> = budget.robots.iter().map(|robot| robot.robot.as_str()).collect();
+        return Err(Refused::error(format!(
+            "--svg draws one robot; choose it with --robot: {}",
+            names.join(", ")
+        )));
+    };
+    let never = || {
+        Refused::error(format!("no cycle of `{}` is ever completed, so there is none to draw", robot.robot))
+    };
+    let picture = lanes::diagram(world, robot).ok_or_else(never)?.draw();
+    text::write(path, &picture)
+}
+
+fn told(source: &Source, budget: &Budget) -> String {
+    if budget.robots.is_empty() {
+        return format!("{}: no robots\n", source.label());
+    }
+    let robots: Vec<_> = budget.robots.iter().map(table::robot).collect();
+    robots.join("\n")
+}

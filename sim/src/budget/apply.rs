@@ -1,0 +1,144 @@
+//! A robot with a change.
+
+use alloc::vec::Vec;
+
+use baudbot_wire::Encoding;
+
+use super::change::{Change, MS, Robot, chip, has_many_bits, has_many_signal_bits};
+use crate::firmware::{Firmware, Mode, Protocol};
+use crate::link::{Adapter, Ftdi, Link, Uart, Usb};
+use crate::presets::Preset;
+use crate::robot::RobotSpec;
+use crate::schedule::Schedule;
+use crate::sensor::Sensor;
+
+impl Robot {
+    /// The robot with a change.
+    pub(super) fn with(&self, change: Change) -> Self {
+        let mut new = self.clone();
+        let spec = &mut new.spec;
+        match change {
+            Change::Latency(ns) => set_adapter(&mut spec.link, |old| match old {
+                Adapter::Ftdi(ftdi) => Adapter::Ftdi(Ftdi { latency_ns: ns, ..ftdi }),
+                other => other,
+            }),
+            Change::Baud(baud) => set_baud(&mut spec.link, baud),
+            Change::PortBaud(i, baud) => {
+                if let Some(port) = &mut spec.sensors[i].port {
+                    set_baud(&mut port.link, baud);
+                }
+            }
+            Change::NoAges => set_firmware(spec, Protocol::Framed { ages: false }, spec.firmware.mode),
+            Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
+            Change::FewerBits => fewer_bits(spec),
+            Change::Stream(period_ns) => {
+                set_firmware(
+                    spec,
+                    spec.firmware.protocol,
+                    Mode::Stream(new_schedule(&spec.firmware, period_ns)),
+                );
+            }
+            Change::Step(step_ns) => {
+                new.substeps = new.substeps.saturating_mul((step_ns / new.step_ns) as u32);
+                new.step_ns = step_ns;
+            }
+            Change::Cdc => set_adapter(&mut spec.link, |_| Adapter::Cdc { frame_ns: MS }),
+            Change::Usb => spec.link = usb(),
+            Change::Chip(preset) => set_chip(spec, preset),
+            Change::Laptop => {
+                spec.link = cable();
+                (spec.thinking_ns, spec.brain_operations, spec.brain_memory_bytes) = (0, None, None);
+            }
+            Change::Drop(i) => drop_sensor(spec, i),
+        }
+        new
+    }
+}
+
+fn set_adapter(link: &mut Link, to: impl Fn(Adapter) -> Adapter) {
+    if let Link::Uart(uart) = link {
+        uart.adapter = to(uart.adapter);
+    }
+}
+
+fn set_baud(link: &mut Link, to: u32) {
+    if let Link::Uart(uart) = link {
+        uart.baud = to;
+    }
+}
+
+fn usb() -> Link {
+    Link::Usb(Usb {
+        frame_ns: MS,
+        bytes_per_frame: 19 * 64,
+        laptop_buffer_bytes: 4096,
+        outages: Vec::new(),
+        cuts: Vec::new(),
+    })
+}
+
+/// A plain cable, as a scenario has it that says nothing but its rate.
+fn cable() -> Link {
+    Link::Uart(Uart {
+        baud: 115_200,
+        bits_per_character: 10,
+        receive_depth: 64,
+        transmit_depth: 64,
+        laptop_buffer_bytes: 4096,
+        byte_error_rate: 0.0,
+        adapter: Adapter::None,
+        turnaround_ns: None,
+        outages: Vec::new(),
+        cuts: Vec::new(),
+        error_bursts: Vec::new(),
+    })
+}
+
+/// The same sensors and signals in another form, or at another time.
+fn set_firmware(spec: &mut RobotSpec, protocol: Protocol, mode: Mode) {
+    let sensors: Vec<&[Encoding]> = spec
+        .sensors
+        .iter()
+        .filter(|sensor| sensor.is_on_wire())
+        .map(|sensor| &sensor.encodings[..])
+        .collect();
+    spec.firmware = Firmware::new(protocol, mode, &sensors, spec.firmware.layout().motors.to_vec());
+}
+
+fn new_schedule(firmware: &Firmware, period_ns: u64) -> Schedule {
+    let phase_ns = match firmware.mode {
+        Mode::Stream(frame) => frame.phase_ns(),
+        Mode::Poll => 0,
+    };
+    Schedule::new(period_ns, phase_ns)
+}
+
+fn fewer_bits(spec: &mut RobotSpec) {
+    for sensor in spec.sensors.iter_mut().filter(|sensor| has_many_bits(sensor)) {
+        sensor.encodings.fill(Encoding::Level { bits: 8, min: 0.0, max: 1.0 });
+    }
+    let mut motors = spec.firmware.layout().motors.to_vec();
+    if has_many_signal_bits(spec) {
+        motors.fill(Encoding::Signed { bits: 8, limit: 1.0 });
+    }
+    let wired = spec.sensors.iter().filter(|sensor| sensor.is_on_wire());
+    let sensors: Vec<&[Encoding]> = wired.map(|sensor| &sensor.encodings[..]).collect();
+    spec.firmware = Firmware::new(spec.firmware.protocol, spec.firmware.mode, &sensors, motors);
+}
+
+fn drop_sensor(spec: &mut RobotSpec, i: usize) {
+    spec.sensors.remove(i);
+    let places = |wanted: fn(&Sensor) -> bool| {
+        spec.sensors.iter().enumerate().filter(|(_, s)| wanted(s)).map(|(i, _)| i).collect::<Vec<_>>()
+    };
+    let (own_clocks, ports) = (places(|s| s.own_clock.is_some()), places(|s| s.port.is_some()));
+    (spec.own_clocks, spec.ports) = (own_clocks, ports);
+    set_firmware(spec, spec.firmware.protocol, spec.firmware.mode);
+}
+
+fn set_chip(spec: &mut RobotSpec, preset: &Preset) {
+    let Some(chip) = chip(preset) else { return };
+    let thinking_ns = spec.brain_operations.and_then(|operations| chip.thinking_ns(operations));
+    spec.thinking_ns = thinking_ns.unwrap_or(spec.thinking_ns);
+    spec.processor = chip;
+}

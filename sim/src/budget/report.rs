@@ -1,0 +1,243 @@
+//! What a budget says: plain data, with the unit in each name.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use serde::Serialize;
+
+/// A time of which the least, the usual and the most is known, in nanoseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Span {
+    /// It never takes less.
+    pub best_ns: u64,
+    /// What is to be expected; `None` if nothing is, because nothing gets through.
+    pub typical_ns: Option<u64>,
+    /// It never takes more; `None` if it has no bound.
+    pub worst_ns: Option<u64>,
+}
+
+/// A part of a control cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Part {
+    /// The microcontroller reads the sensors that are new in the message.
+    Acquisition,
+    /// It frames the message.
+    Framing,
+    /// The bytes of the message on the wire.
+    WireUp,
+    /// The message waits: for the wire, in the adapter, for a frame of USB.
+    WaitUp,
+    /// The message waits for the brain's step.
+    Step,
+    /// The brain thinks; on board it waits for the processor first.
+    Thinking,
+    /// The command's way down: queue, adapter and wire.
+    Down,
+    /// The microcontroller takes the command from its receiver and obeys it.
+    Obeying,
+    /// Servos wait for their next pulse.
+    Actuation,
+}
+
+impl Part {
+    /// All parts, in the order in which they follow each other.
+    pub const ALL: [Self; 9] = [
+        Self::Acquisition,
+        Self::Framing,
+        Self::WireUp,
+        Self::WaitUp,
+        Self::Step,
+        Self::Thinking,
+        Self::Down,
+        Self::Obeying,
+        Self::Actuation,
+    ];
+
+    /// What people call it.
+    pub const fn phrase(self) -> &'static str {
+        match self {
+            Self::Acquisition => "reading the sensors",
+            Self::Framing => "framing",
+            Self::WireUp => "wire up",
+            Self::WaitUp => "adapter and waiting, up",
+            Self::Step => "waiting for the brain's step",
+            Self::Thinking => "thinking",
+            Self::Down => "way down",
+            Self::Obeying => "receiving and obeying",
+            Self::Actuation => "waiting for the next pulse",
+        }
+    }
+}
+
+/// A row of the cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Row {
+    /// Which part.
+    pub part: Part,
+    /// How long it takes.
+    #[serde(flatten)]
+    pub span: Span,
+}
+
+/// One control cycle: from the reading of the sensors that are new in a message to the command that answers it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Cycle {
+    /// Its parts, in their order. The typical ones are those of one cycle, so that they add up.
+    pub rows: Vec<Row>,
+    /// All of it.
+    pub total: Span,
+    /// Why there is no worst case, if there is none.
+    pub unbounded: Option<String>,
+}
+
+/// How often something can be done at most.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rate {
+    /// What: `exchanges`, `messages up`, `sensor front`, …
+    pub what: String,
+    /// How often a second at most; `None` if nothing limits it.
+    pub most_per_s: Option<f64>,
+    /// How often a second it will be; `None` if that is not foretold.
+    pub typical_per_s: Option<f64>,
+    /// Whether this is what limits the exchanges.
+    pub limits: bool,
+}
+
+/// How old a sensor's readings are at the brain's step in which they are readable, from the true instant of the
+/// measurement.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Age {
+    /// The sensor.
+    pub sensor: String,
+    /// Its age.
+    #[serde(flatten)]
+    pub span: Span,
+    /// Why there is no worst case, if there is none.
+    pub unbounded: Option<String>,
+}
+
+/// How much of something is used.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Load {
+    /// What: `uplink`, `downlink`, `wire`, `processor`, `radio up`, `radio down`, `port urg`.
+    pub what: String,
+    /// 1 is all of it.
+    pub share: f64,
+}
+
+/// Memory and operations that a brain's program has on its chip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Chip {
+    /// Memory for the brain's variables, in bytes, if the scenario says.
+    pub ram_bytes: Option<u64>,
+    /// What the brain says that it needs of it.
+    pub brain_memory_bytes: Option<u64>,
+    /// Operations that the processor does in one step Δt, if the scenario says how fast it is.
+    pub operations_per_step: Option<f64>,
+    /// Operations that the brain's thinking takes, if it is on board.
+    pub brain_operations: Option<f64>,
+}
+
+/// Whether a robot keeps its step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// A whole cycle fits into Δt, always, and nothing is overloaded.
+    Keeps,
+    /// The typical cycle fits, the worst does not, or has no bound.
+    Sometimes,
+    /// The typical cycle does not fit, or something is overloaded.
+    Misses,
+}
+
+/// What a mend costs, the cheapest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cost {
+    /// A setting of the laptop's software.
+    Setting,
+    /// A setting at both ends of a cable.
+    BothEnds,
+    /// Another firmware.
+    Firmware,
+    /// The brain is asked less often.
+    LongerStep,
+    /// Another cable or adapter.
+    Cable,
+    /// Another processor.
+    Processor,
+    /// Another layout: a laptop on the robot, a sensor with a cable of its own.
+    Layout,
+    /// Something is given up.
+    Loss,
+}
+
+/// A change that mends what is wrong: what the budget is with it was computed again.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Mend {
+    /// What to do, in words.
+    pub what: String,
+    /// What that costs.
+    pub cost: Cost,
+    /// The same as changes of the scenario, `PATH=VALUE`; empty if it cannot be said so.
+    pub overrides: Vec<String>,
+    /// The step that the robot is then held to, in nanoseconds.
+    pub step_ns: u64,
+    /// The whole cycle then.
+    pub total: Span,
+    /// The verdict then.
+    pub verdict: Verdict,
+}
+
+/// What one robot's control cycle costs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RobotBudget {
+    /// Its name.
+    pub robot: String,
+    /// Δt, in nanoseconds.
+    pub step_ns: u64,
+    /// When a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
+    pub deadline_ns: u64,
+    /// The cycle.
+    pub cycle: Cycle,
+    /// How often things can be done; the exchanges first.
+    pub rates: Vec<Rate>,
+    /// How old readings are, in the order of the robot's sensors.
+    pub ages: Vec<Age>,
+    /// How much of what there is is used.
+    pub loads: Vec<Load>,
+    /// Memory and operations of the chip.
+    pub chip: Chip,
+    /// Whether it keeps its step.
+    pub verdict: Verdict,
+    /// What takes longest, or what is overloaded.
+    pub bottleneck: String,
+    /// What would mend it, the cheapest first; none if it keeps its step.
+    pub mends: Vec<Mend>,
+}
+
+/// The budget of each robot of a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Budget {
+    /// In the order of their names.
+    pub robots: Vec<RobotBudget>,
+}
+
+impl Span {
+    /// Always the same.
+    pub(super) const fn exactly(ns: u64) -> Self {
+        Self { best_ns: ns, typical_ns: Some(ns), worst_ns: Some(ns) }
+    }
+
+    /// From the least to the most, with nothing typical yet.
+    pub(super) const fn between(best_ns: u64, worst_ns: Option<u64>) -> Self {
+        Self { best_ns, typical_ns: None, worst_ns }
+    }
+
+    /// One after the other; what is typical of the whole is not known then.
+    pub(super) fn then(self, next: Self) -> Self {
+        let worst_ns = self.worst_ns.zip(next.worst_ns).map(|(a, b)| a.saturating_add(b));
+        Self::between(self.best_ns.saturating_add(next.best_ns), worst_ns)
+    }
+}

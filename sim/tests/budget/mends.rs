@@ -1,0 +1,110 @@
+//! What would mend a robot: the scenario with a mend's overrides has the budget that the mend foretells.
+
+use baudbot_sim::budget::{Budget, Cost, Mend, RobotBudget, Verdict};
+use baudbot_sim::{Override, Scenario};
+use proptest::prelude::*;
+
+use crate::common::{BODY, WANDER};
+use crate::random::scenarios;
+
+fn scenario(toml: &str, changes: &[String]) -> Scenario {
+    let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
+    Scenario::parse_with(toml, &changes).unwrap_or_else(|error| panic!("{error}\n{changes:?}\n{toml}"))
+}
+
+fn budget(toml: &str, changes: &[&str]) -> RobotBudget {
+    let changes: Vec<_> = changes.iter().map(|&text| text.to_owned()).collect();
+    Budget::of(&scenario(toml, &changes)).robots.remove(0)
+}
+
+/// Makes the changes that a mend asks for; what the budget is then.
+fn mended(toml: &str, changes: &[&str], mend: &Mend) -> RobotBudget {
+    let all: Vec<_> = changes.iter().map(|&text| text.to_owned()).chain(mend.overrides.clone()).collect();
+    let scenario = scenario(toml, &all);
+    RobotBudget::without_mends(&scenario, &scenario.robots()[0])
+}
+
+/// Checks each mend that can be said as overrides; says what they are.
+fn check(toml: &str, changes: &[&str]) -> Vec<String> {
+    let robot = budget(toml, changes);
+    assert_eq!(robot.verdict == Verdict::Misses, !robot.mends.is_empty(), "{robot:?}");
+    assert!(robot.mends.is_sorted_by_key(|mend| mend.cost), "{:?}", robot.mends);
+    for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+        let after = mended(toml, changes, mend);
+        let found = (after.step_ns, after.cycle.total, after.verdict);
+        assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{toml}");
+        assert!(mend.verdict != Verdict::Misses);
+    }
+    robot.mends.into_iter().map(|mend| mend.what).collect()
+}
+
+fn has(mends: &[String], what: &str) {
+    assert!(mends.iter().any(|mend| mend == what), "no `{what}` in {mends:?}");
+}
+
+#[test]
+fn a_faster_cable_mends_wander() {
+    let mends = check(WANDER, &[]);
+    has(&mends, "38400 baud");
+    // With 30 ms every second message would wait for the next step.
+    has(&mends, "a step of 50 ms");
+}
+
+#[test]
+fn a_chip_that_waits_is_told_not_to() {
+    let polled = |baud: u32| {
+        format!(
+            "step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+             firmware = {{ protocol = \"bare\", mode = \"poll\" }}\n\
+             link = {{ kind = \"uart\", baud = {baud}, adapter = {{ kind = \"ftdi\" }} }}\n\
+             [robots.sensors.c]\nkind = \"compass\"\nbits = 32\n"
+        )
+    };
+    let mends = check(&polled(115_200), &[]);
+    assert_eq!(mends[0], "a latency timer of 1 ms");
+    has(&mends, "an adapter without a latency timer");
+    // At 1200 baud that is not enough.
+    let mends = check(&polled(1200), &[]);
+    assert_eq!(mends[0], "a latency timer of 1 ms and 9600 baud");
+}
+
+#[test]
+fn a_laser_is_given_a_faster_port() {
+    let toml = format!(
+        "step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\n[robots.sensors.urg]\nkind = \"laser\"\n\
+         mount = {{ x_m = 0.0 }}\nrays = 682\nopening_rad = 4.18\nrange_m = 4.0\nperiod_ms = 100.0\n\
+         port = {{ link = {{ kind = \"uart\", baud = 115200 }} }}\n"
+    );
+    assert_eq!(check(&toml, &[])[0], "230400 baud on the port of urg");
+}
+
+#[test]
+fn a_brain_on_board_gets_another_chip_or_a_laptop() {
+    let toml = include_str!("../../../scenarios/devices/onboard.toml");
+    let dc = ["robots.robot.motors={ kind = \"dc\", signal_bits = 8 }", "substeps=1000"];
+    let mends = check(toml, &dc);
+    has(&mends, "the processor basicx");
+    has(&mends, "a laptop on the robot, at 115200 baud");
+}
+
+#[test]
+fn what_costs_less_comes_first() {
+    let robot = budget(WANDER, &[]);
+    let costs: Vec<_> = robot.mends.iter().map(|mend| mend.cost).collect();
+    assert_eq!(costs.first(), Some(&Cost::BothEnds), "{costs:?}");
+    assert!(costs.contains(&Cost::LongerStep), "{costs:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_scenario_that_is_mended_has_the_budget_that_was_foretold(toml in scenarios()) {
+        let robot = budget(&toml, &[]);
+        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+            let after = mended(&toml, &[], mend);
+            let found = (after.step_ns, after.cycle.total, after.verdict);
+            prop_assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{:?}\n{}", mend, toml);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! A run in which a brain answers each message at once.
+
+use baudbot_sim::{Input, Scenario, SimTime, World};
+
+use crate::common::command;
+
+/// What was measured.
+pub(crate) struct Measured {
+    pub(crate) seconds: f64,
+    /// Messages that arrived, and commands that were understood.
+    pub(crate) messages: u64,
+    pub(crate) commands: u64,
+    /// When messages of the microcontroller arrived, in seconds.
+    pub(crate) arrivals: Vec<f64>,
+    /// When each sensor was readable, in seconds.
+    pub(crate) readable: Vec<Vec<f64>>,
+    /// The true ages of its readings then, in nanoseconds.
+    pub(crate) ages: Vec<Vec<u64>>,
+    pub(crate) world: World,
+}
+
+/// Runs the only robot for a while; its brain answers each message, from a port too, and thinks as long as the scenario
+/// says, in each step.
+pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
+    let step_ns = scenario.step_ns();
+    let ticks = (seconds * 1e9 / step_ns as f64).ceil() as u64;
+    let mut world = World::new(scenario.into());
+    let bytes = command(world.robot(0).spec(), 0.0, 0.0);
+    let thinking_ns = world.robot(0).spec().thinking_ns;
+    let sensors = world.robot(0).spec().sensors.len();
+    let mut arrivals = Vec::new();
+    let mut readable = vec![Vec::new(); sensors];
+    let mut ages = vec![Vec::new(); sensors];
+    let mut last: Option<u64> = None;
+    for tick in 0..ticks {
+        let turns = world.begin().to_vec();
+        let Some(turn) = turns.first() else {
+            world.finish(&[]);
+            continue;
+        };
+        let robot = world.robot(0);
+        let at = turn.at.as_seconds();
+        let ports: u64 = (0..sensors).filter_map(|i| robot.port(i)).map(|port| port.messages).sum();
+        let heard = robot.uplink().messages;
+        if heard > arrivals.len() as u64 {
+            arrivals.resize(heard as usize, at);
+        }
+        for (reading, times) in robot.readings().iter().zip(&mut readable) {
+            times.extend(reading.readable.then_some(at));
+        }
+        let news = last.replace(heard + ports).is_some_and(|last| heard + ports > last);
+        let first = heard + ports > 0 && tick == 0;
+        let speaks = tick == 0 || news || first;
+        let input = Input { robot: 0, at: turn.at + thinking_ns, bytes: if speaks { &bytes } else { &[] } };
+        let before: Vec<_> = world.robot(0).sensors().map(|sensor| sensor.freshness.clone()).collect();
+        world.finish(&[input]);
+        for (i, sensor) in world.robot(0).sensors().enumerate() {
+            let is_aged = sensor.freshness.ages.count() > before[i].ages.count();
+            ages[i].extend(is_aged.then(|| sensor.freshness.ages.sum_ns() - before[i].ages.sum_ns()));
+        }
+    }
+    let (messages, commands) = (world.robot(0).uplink().messages, world.robot(0).downlink().messages);
+    Measured {
+        seconds: SimTime::as_seconds(world.time()),
+        messages,
+        commands,
+        arrivals,
+        readable,
+        ages,
+        world,
+    }
+}
+
+impl Measured {
+    /// Messages a second, from the first that arrived to the last.
+    pub(crate) fn messages_per_s(&self) -> f64 {
+        per_s(&self.arrivals)
+    }
+}
+
+/// How often a second, from the first of these instants to the last.
+pub(crate) fn per_s(at: &[f64]) -> f64 {
+    match at {
+        [first, .., last] => (at.len() - 1) as f64 / (last - first),
+        _ => 0.0,
+    }
+}

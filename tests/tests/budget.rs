@@ -1,0 +1,63 @@
+//! The budget as an operator asks for it.
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::get_budget_request::Scenario as Given;
+use baudbot_server::{Pace, Watchdog};
+use baudbot_tests::system::{operator, serve};
+use baudbot_tests::{KHEPERA, WANDER, scenario};
+use tonic::{Code, Status};
+
+async fn ask(
+    server: &baudbot_server::Server,
+    request: v1::GetBudgetRequest,
+) -> Result<Vec<v1::RobotBudget>, Status> {
+    let mut operator = operator(server).await;
+    operator.get_budget(request).await.map(|response| response.into_inner().robots)
+}
+
+fn request(given: Given, overrides: &[&str]) -> v1::GetBudgetRequest {
+    let overrides = overrides.iter().map(|&text| text.to_owned()).collect();
+    v1::GetBudgetRequest { scenario: Some(given), overrides, robots: Vec::new() }
+}
+
+#[tokio::test]
+async fn an_operator_asks_what_a_cycle_costs_and_what_would_mend_it() {
+    let server = serve(scenario(WANDER, &[]), Pace::Stepped(Watchdog::default())).await;
+    let of_world = ask(&server, request(Given::World("w".into()), &[])).await.unwrap();
+    let of_text = ask(&server, request(Given::ScenarioToml(WANDER.into()), &[])).await.unwrap();
+    assert_eq!(of_world, of_text);
+    let [robot] = &of_world[..] else { panic!("{of_world:?}") };
+    assert_eq!((robot.robot.as_str(), robot.step_ns), ("robot", 10_000_000));
+    assert_eq!(robot.verdict(), v1::BudgetVerdict::Misses);
+    let sum: u64 = robot.rows.iter().map(|row| row.span.unwrap().typical_ns.unwrap()).sum();
+    assert_eq!(robot.total.unwrap().typical_ns, Some(sum));
+    assert_eq!(robot.ages.len(), 5);
+
+    // The first mend is tried.
+    let mend = &robot.mends[0];
+    assert_eq!(mend.overrides, ["robots.robot.link.baud=38400"]);
+    let mended = request(Given::ScenarioToml(WANDER.into()), &[&mend.overrides[0]]);
+    let mended = ask(&server, mended).await.unwrap().remove(0);
+    assert_eq!((mended.total, mended.verdict()), (mend.total, mend.verdict()));
+    assert!(mended.mends.is_empty(), "{mended:?}");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn what_cannot_be_asked_is_refused_by_name() {
+    let server = serve(scenario(KHEPERA, &[]), Pace::Stepped(Watchdog::default())).await;
+    let world = || Given::World("w".into());
+    let unknown = v1::GetBudgetRequest { robots: vec!["bob".into()], ..request(world(), &[]) };
+    let cases = [
+        (v1::GetBudgetRequest::default(), Code::InvalidArgument, "scenario: must be set"),
+        (request(world(), &["step_ms=1"]), Code::InvalidArgument, "overrides: are of a scenario_toml"),
+        (request(Given::World("v".into()), &[]), Code::NotFound, "`v`"),
+        (request(Given::ScenarioToml("x".into()), &[]), Code::InvalidArgument, "scenario_toml: "),
+        (unknown, Code::NotFound, "robots: there is no robot `bob`"),
+    ];
+    for (request, code, text) in cases {
+        let refused = ask(&server, request).await.unwrap_err();
+        assert!(refused.code() == code && refused.message().contains(text), "{refused:?}");
+    }
+    server.shutdown().await;
+}
