@@ -134,7 +134,7 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: std::env::var("BUDGET_CASES").map_or(500, |n| n.parse().unwrap()), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_measured_is_within_the_bounds(toml in scenarios()) {
@@ -174,20 +174,23 @@ fn check(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
 /// So many in a run: what has begun when it ends is counted, and what was counted when it began.
 fn rates(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
     let robot = measured.world.robot(0);
-    let no_more = |what: &str, count: u64| {
+    let no_more = |what: &str, count: u64, spare: f64| {
         let rate = budget.rates.iter().find(|rate| rate.what == what);
-        let most = rate.and_then(|rate| rate.most_per_s).unwrap_or(f64::INFINITY) * measured.seconds + 2.0;
+        let most = rate.and_then(|rate| rate.most_per_s).unwrap_or(f64::INFINITY);
+        let most = most * measured.seconds * spare + 2.0;
         if count as f64 <= most { Ok(()) } else { Err(format!("{count} {what}, at most {most}")) }
     };
-    no_more("exchanges", measured.messages.min(measured.commands))?;
-    no_more("messages up", measured.messages)?;
-    no_more("frames", measured.messages)?;
-    no_more("commands down", measured.commands)?;
-    no_more("steps of the brain", measured.commands)?;
+    // Until the last sensor has begun to be read, the processor has more time than later.
+    no_more("exchanges", measured.messages.min(measured.commands), 1.05)?;
+    no_more("round trips", measured.messages, 1.0)?;
+    no_more("messages up", measured.messages, 1.0)?;
+    no_more("frames", measured.messages, 1.0)?;
+    no_more("commands down", measured.commands, 1.0)?;
+    no_more("steps of the brain", measured.commands, 1.0)?;
     for (i, (sensor, view)) in robot.spec().sensors.iter().zip(robot.sensors()).enumerate() {
         match robot.port(i) {
-            Some(port) => no_more(&format!("port {}", sensor.name), port.messages)?,
-            None => no_more(&format!("sensor {}", sensor.name), view.samples)?,
+            Some(port) => no_more(&format!("port {}", sensor.name), port.messages, 1.0)?,
+            None => no_more(&format!("sensor {}", sensor.name), view.samples, 1.0)?,
         }
     }
     Ok(())
