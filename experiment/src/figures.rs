@@ -152,7 +152,7 @@ impl Figures {
     }
 
     pub(crate) fn of(run: &Counted) -> Self {
-        let time_s = run.time_ns as f64 * 1e-9;
+        let time_s = run.time_ns as f64 / 1e9;
         let sum = |count: fn(&RobotCounted) -> u64| Some(run.robots.iter().map(count).sum::<u64>() as f64);
         let ages = || run.robots.iter().flat_map(|robot| &robot.ages);
         let aged: u64 = ages().map(|ages| ages.readings).sum();
@@ -169,8 +169,8 @@ impl Figures {
         figures.set(Figure::GoalsReached, Some(run.goals_reached as f64));
         figures.set(Figure::GoalTimeS, run.is_goal.then_some(time_s));
         figures.set(Figure::EnergyJ, energy);
-        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 * 1e-6));
-        figures.set(Figure::StalenessMaxMs, ages().map(|ages| ages.max_ns).max().map(|ns| ns as f64 * 1e-6));
+        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
+        figures.set(Figure::StalenessMaxMs, ages().map(|ages| ages.max_ns).max().map(|ns| ns as f64 / 1e6));
         figures.set(Figure::ExchangesPerS, exchanges.map(|count| count as f64 / time_s));
         figures.set(Figure::BytesLost, sum(|robot| robot.bytes_lost));
         figures.set(Figure::FramesMissed, sum(|robot| robot.frames_missed));

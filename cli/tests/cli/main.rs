@@ -5,6 +5,7 @@ mod presets;
 mod processes;
 mod refusals;
 mod runs;
+mod sweep;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;

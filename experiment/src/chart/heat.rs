@@ -2,7 +2,7 @@
 
 use super::axis::{Scale, number, percent};
 use super::page::{self, FRAME, Frame, PALE_INK, line, text, width};
-use super::{Data, marks, subtitle, title};
+use super::{Data, marks, scale, subtitle, title};
 use crate::experiment::{Chart, Experiment};
 use crate::svg::{Canvas, Element};
 
@@ -27,7 +27,7 @@ pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> Strin
     let size = ((frame.right + 110.0).max(width(&heading, 16.0) + 40.0), frame.bottom + 60.0);
     let words = |value| if is_share { percent(value) } else { number(value) };
     let up = (frame.bottom, frame.top);
-    let scale = if is_share { Scale::share(up) } else { Scale::round(&values, up) };
+    let scale = scale(chart, &values, up);
     let mut canvas = Canvas::default();
     page::open(&mut canvas, size, &heading, &subtitle(experiment, chart));
     for (i, column) in columns.iter().enumerate() {
