@@ -184,6 +184,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_figure_is_in_the_book() {
+        let book = include_str!("../../docs/experiments.md");
+        for info in &INFOS {
+            assert!(book.contains(&format!("\n| `{}` | ", info.name)), "{}", info.name);
+        }
+    }
+
+    #[test]
     fn every_figure_stands_in_its_place() {
         for (i, info) in INFOS.iter().enumerate() {
             assert_eq!(info.figure as usize, i, "{}", info.name);

@@ -263,3 +263,24 @@ fn the_limit_of_a_field_is_found() {
     assert_eq!(code, 2);
     assert!(err.starts_with("error: --find: there is no field `bau`; did you mean `baud`?"), "{err}");
 }
+
+#[test]
+fn the_experiments_of_the_book_can_be_run() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        if !text.contains("[[fields]]") {
+            continue;
+        }
+        count += 1;
+        // A second of each instead of a minute.
+        let short = path.with_file_name("khepera-box.toml");
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let own = experiment(name, &text.replace("seconds = 60.0", "seconds = 1.0"));
+        std::fs::copy(short, Path::new(&own).with_file_name("khepera-box.toml")).unwrap();
+        assert!(table(&[&own, "--seeds", "1"], &out(&own, "out")).lines().count() > 2, "{name}");
+    }
+    assert_eq!(count, 3);
+}

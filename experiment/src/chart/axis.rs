@@ -26,7 +26,8 @@ impl Scale {
     /// A scale from 0, or near the numbers if they are far from it, to a round number.
     pub(super) fn round(numbers: &[f64], pixels: (f64, f64)) -> Self {
         let (low, high) = ends(numbers);
-        let low = if low >= 0.0 && low < 0.6 * high || low == high && low >= 0.0 { 0.0 } else { low };
+        let is_near = low < 0.6 * high || low == high;
+        let low = if low >= 0.0 && is_near { 0.0 } else { low };
         let high = if high > low { high } else { low + 1.0 };
         let step = step((high - low) / TICKS);
         Self { from: (low / step).floor() * step, to: (high / step - 1e-9).ceil() * step, log: false, pixels }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::choice::{Choice, Field};
 use crate::experiment::{Chart, Experiment};
+use crate::figures::INFOS;
 use crate::raw::ChartKind;
 use crate::row::Row;
 use crate::statistics::{Sample, wilson};
@@ -52,6 +53,20 @@ impl Graphs {
             point.is_share = chart.figure.is_none();
             value.into_iter().for_each(|value| point.sample.add(value));
         }
+    }
+
+    /// Names that charts of any experiment can have, but for those with a high number.
+    pub(crate) fn names() -> impl Iterator<Item = String> {
+        let figures = INFOS.iter().map(|info| info.name).chain(["success"]);
+        figures.flat_map(|figure| {
+            ["", "-heat"].into_iter().flat_map(move |kind| {
+                let numbers = (2..=9).map(|number| format!("-{number}"));
+                [String::new()]
+                    .into_iter()
+                    .chain(numbers)
+                    .map(move |number| format!("{figure}{kind}{number}.svg"))
+            })
+        })
     }
 
     /// Each chart as a file's name and its text.
