@@ -276,7 +276,9 @@ impl Limit {
         let keeps = format!("{label} at which {} has {what}{length}", experiment.brains.join(" "));
         let Some(i) = self.limit else {
             let tried = self.probes.last().map(Probe::told).unwrap_or_default();
-            return format!("there is no {keeps}; at {tried}");
+            return format!(
+                "there is no {keeps}; at the easiest value, {tried}; `wants` in [find] says which end is easy"
+            );
         };
         let beyond = match i.checked_sub(1).map(|i| &self.probes[i]) {
             Some(harder) => format!("at {}: {} of {}", harder.name, harder.succeeded, harder.runs),

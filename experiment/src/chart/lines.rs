@@ -39,7 +39,8 @@ pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> Strin
     let legend =
         chart.by.map_or(0.0, |by| longest.max(width(&experiment.fields[by].title(), 12.0) - 30.0) + 62.0);
     let frame = Frame { left: 78.0, right: 78.0 + PLOT.0, top: 66.0, bottom: 66.0 + PLOT.1 };
-    let size = (frame.right + legend.max(24.0), frame.bottom + 60.0);
+    let size =
+        (frame.right + legend.max(24.0), frame.bottom.max(frame.top + 20.0 * lines.len() as f64) + 60.0);
     let is_share = chart.figure.is_none_or(|figure| figure.info().is_share);
     let across = Scale::of(&at, (frame.left, frame.right));
     let up = scale(chart, &heights(&lines), (frame.bottom, frame.top));
