@@ -1,7 +1,7 @@
 //! Figures of merit: what is said of a run in numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
-//! [`Figures::of`]. What they are made of is in `counted`, which takes it from a world here or from a server's status.
+//! `Figures::of`. What they are made of is in `counted`, which takes it from a world here or from a server's status.
 //!
 //! STILL TO COME, once the sim has `RobotView::cycles` and `Freshness.ages`: the share of steps that were kept
 //! (`step_kept`), and the median and the 95th percentile of the staleness (`staleness_p50_ms`, `staleness_p95_ms`).
