@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
-use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Swept, table};
+use baudbot_experiment::find::{Limit, find};
+use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Swept, Workers, table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::SweepArgs;
@@ -22,7 +23,10 @@ pub(crate) async fn sweep(args: SweepArgs) -> anyhow::Result<ExitCode> {
     let stop = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&stop);
     // The runs are on threads of their own; this one waits for a signal meanwhile.
-    let mut work = tokio::task::spawn_blocking(move || run(&experiment, &args, &told));
+    let mut work = tokio::task::spawn_blocking(move || match &args.find {
+        Some(field) => look(&experiment, &args, field, &told),
+        None => run(&experiment, &args, &told),
+    });
     tokio::select! {
         done = &mut work => return done.context("the sweep panicked")?,
         () = listening.wait() => stop.store(true, Ordering::Relaxed),
@@ -54,7 +58,7 @@ fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::
     let options = Options {
         out: &out,
         fresh: args.fresh,
-        place: args.connect.clone().map_or(Place::Here, Place::Server),
+        place: place(args),
         jobs: jobs(args),
         confirmed: args.yes,
         stop,
@@ -77,6 +81,42 @@ fn run(experiment: &Experiment, args: &SweepArgs, stop: &AtomicBool) -> anyhow::
     }
     show(experiment, args, &swept)?;
     Ok(if swept.summary.failed > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// `--find`: each limit is told as it is found.
+fn look(
+    experiment: &Experiment,
+    args: &SweepArgs,
+    field: &str,
+    stop: &AtomicBool,
+) -> anyhow::Result<ExitCode> {
+    let name = format!("find-{}-{}", std::process::id(), experiment.seeds.get(0));
+    let workers = Workers { place: place(args), jobs: jobs(args), name };
+    let quiet = args.quiet || args.json || !std::io::stderr().is_terminal();
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    let told =
+        |value: &str| bar.set_message(format!("{field} = {value}: {} seeds", experiment.seeds.count()));
+    let found = find(experiment, field, &workers, stop, &told);
+    bar.finish_and_clear();
+    let Some(limits) = found.map_err(|error| from_experiment(args, error))? else {
+        eprintln!("stopped before a limit was found");
+        return Ok(ExitCode::from(INTERRUPTED));
+    };
+    if args.json {
+        let json = serde_json::json!({ "field": field, "limits": limits.iter().map(Limit::json).collect::<Vec<_>>() });
+        text::print(&format!(
+            "{}\n",
+            serde_json::to_string_pretty(&json).context("cannot write the limits")?
+        ))?;
+    } else if !args.quiet {
+        let limits: String = limits.iter().map(|limit| limit.text(experiment, field)).collect();
+        text::print(&limits)?;
+    }
+    Ok(if limits.iter().all(|limit| limit.limit.is_some()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn place(args: &SweepArgs) -> Place {
+    args.connect.clone().map_or(Place::Here, Place::Server)
 }
 
 /// What a person or a program is told at the end.

@@ -302,7 +302,9 @@ fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Resul
     };
     let by = match &raw.by {
         Some(name) => Some(find("by", name)?),
-        None => (0..fields.len()).find(|&other| other != x),
+        // Lines for the parts of a range would be a tangle.
+        None => (0..fields.len())
+            .find(|&i| i != x && (raw.kind == ChartKind::Heat || fields[i].levels().is_some())),
     };
     if by == Some(x) {
         return Err(Error::field(at("by"), "is the same field as `x`"));

@@ -1,7 +1,7 @@
 //! Figures of merit: what is said of a run in numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
-//! [`Figures::of`]. What they are made of is in `counted`, which takes it from a world here or from a server's status.
+//! `Figures::of`. What they are made of is in `counted`, which takes it from a world here or from a server's status.
 
 use crate::counted::{Ages, Counted, RobotCounted};
 use crate::nearest::unknown;
@@ -177,14 +177,14 @@ impl Figures {
     }
 
     pub(crate) fn of(run: &Counted) -> Self {
-        let time_s = run.time_ns as f64 * 1e-9;
+        let time_s = run.time_ns as f64 / 1e9;
         let sum = |count: fn(&RobotCounted) -> u64| Some(run.robots.iter().map(count).sum::<u64>() as f64);
         let ages = || run.robots.iter().flat_map(|robot| &robot.ages);
         let aged: u64 = ages().map(|ages| ages.readings).sum();
         let age_ns: f64 = ages().map(|ages| ages.mean_ns as f64 * ages.readings as f64).sum();
         let energy = run.robots.iter().filter_map(|robot| robot.used_j).reduce(|a, b| a + b);
         let exchanges = run.robots.iter().map(|robot| robot.answered).min();
-        let oldest = |of: fn(&Ages) -> u64| ages().map(of).max().map(|ns| ns as f64 * 1e-6);
+        let oldest = |of: fn(&Ages) -> u64| ages().map(of).max().map(|ns| ns as f64 / 1e6);
         let cycle = run.robots.iter().filter_map(|robot| robot.cycle_p95_ns).max();
         let kept: u64 = run.robots.iter().map(|robot| robot.kept).sum();
         let cycles: u64 = run.robots.iter().map(|robot| robot.kept + robot.late).sum();
@@ -198,12 +198,12 @@ impl Figures {
         figures.set(Figure::GoalsReached, Some(run.goals_reached as f64));
         figures.set(Figure::GoalTimeS, run.is_goal.then_some(time_s));
         figures.set(Figure::EnergyJ, energy);
-        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 * 1e-6));
+        figures.set(Figure::StalenessMeanMs, (aged > 0).then(|| age_ns / aged as f64 / 1e6));
         figures.set(Figure::StalenessP50Ms, oldest(|ages| ages.p50_ns));
         figures.set(Figure::StalenessP95Ms, oldest(|ages| ages.p95_ns));
         figures.set(Figure::StalenessMaxMs, oldest(|ages| ages.max_ns));
         figures.set(Figure::StepKept, (cycles > 0).then(|| kept as f64 / cycles as f64));
-        figures.set(Figure::CycleP95Ms, cycle.map(|ns| ns as f64 * 1e-6));
+        figures.set(Figure::CycleP95Ms, cycle.map(|ns| ns as f64 / 1e6));
         figures.set(Figure::ExchangesPerS, exchanges.map(|count| count as f64 / time_s));
         figures.set(Figure::BytesLost, sum(|robot| robot.bytes_lost));
         figures.set(Figure::FramesMissed, sum(|robot| robot.frames_missed));
@@ -215,6 +215,14 @@ impl Figures {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_figure_is_in_the_book() {
+        let book = include_str!("../../docs/experiments.md");
+        for info in &INFOS {
+            assert!(book.contains(&format!("\n| `{}` | ", info.name)), "{}", info.name);
+        }
+    }
 
     #[test]
     fn every_figure_stands_in_its_place() {

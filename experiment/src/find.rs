@@ -240,7 +240,7 @@ impl Search<'_> {
         self.workers.work(self.experiment, tasks, self.stop, |row, _| {
             runs += 1;
             succeeded += u64::from(self.experiment.succeeded(&row).unwrap_or_default());
-            error = error.take().or(row.outcome.err());
+            error = error.take().or_else(|| row.outcome.err());
             Ok(())
         })?;
         self.runs += seeds.count();
@@ -264,53 +264,44 @@ impl Limit {
 
     /// What is told about it.
     pub fn text(&self, experiment: &Experiment, field: &str) -> String {
+        let others = self.others.iter().map(|(label, level)| format!("{label} {level}: "));
+        others.collect::<String>() + &self.headline(experiment, field) + "\n" + &self.notes()
+    }
+
+    fn headline(&self, experiment: &Experiment, field: &str) -> String {
         let label = experiment.place(field).map_or(field, |place| &experiment.fields[place].label);
         let end = if experiment.find.wants == Wants::Lowest { "lowest" } else { "highest" };
-        let others: Vec<_> = self.others.iter().map(|(label, level)| format!("{label} {level}: ")).collect();
         let what = experiment.success.as_ref().map(ToString::to_string).unwrap_or_default();
         let length = experiment.seconds.map(|s| format!(" in {s} s")).unwrap_or_default();
-        let mut text = others.concat();
-        let _ = match (self.limit, self.probes.last()) {
-            (Some(i), _) => {
-                let probe = &self.probes[i];
-                let _ = write!(
-                    text,
-                    "{end} {label} at which {} has {what}{length}: {}",
-                    experiment.brains.join(" "),
-                    probe.told()
-                );
-                match i.checked_sub(1).map(|i| &self.probes[i]) {
-                    Some(harder) => {
-                        write!(text, "; at {}: {} of {}", harder.name, harder.succeeded, harder.runs)
-                    }
-                    None => write!(text, "; nothing harder was given"),
-                }
-            }
-            (None, Some(probe)) => write!(
-                text,
-                "there is no {label} at which {} has {what}{length}; at {}",
-                experiment.brains.join(" "),
-                probe.told()
-            ),
-            (None, None) => Ok(()),
+        let keeps = format!("{label} at which {} has {what}{length}", experiment.brains.join(" "));
+        let Some(i) = self.limit else {
+            let tried = self.probes.last().map(Probe::told).unwrap_or_default();
+            return format!(
+                "there is no {keeps}; at the easiest value, {tried}; `wants` in [find] says which end is easy"
+            );
         };
-        text.push('\n');
+        let beyond = match i.checked_sub(1).map(|i| &self.probes[i]) {
+            Some(harder) => format!("at {}: {} of {}", harder.name, harder.succeeded, harder.runs),
+            None => "nothing harder was given".to_owned(),
+        };
+        format!("{end} {keeps}: {}; {beyond}", self.probes[i].told())
+    }
+
+    fn notes(&self) -> String {
+        let mut text = String::new();
         if !self.is_monotone() {
-            let all: Vec<_> =
-                self.probes.iter().map(|p| format!("{}: {} of {}", p.name, p.succeeded, p.runs)).collect();
+            let told = |p: &Probe| format!("{}: {} of {}", p.name, p.succeeded, p.runs);
+            let all: Vec<_> = self.probes.iter().map(told).collect();
+            let all = all.join(", ");
             let _ = writeln!(
                 text,
-                "  note: success does not change once and for all there ({}); more seeds may tell",
-                all.join(", ")
+                "  note: success does not change once and for all ({all}); more seeds may tell"
             );
         }
-        for probe in self.probes.iter().filter(|probe| probe.error.is_some()) {
-            let _ = writeln!(
-                text,
-                "  note: at {} runs could not be: {}",
-                probe.name,
-                probe.error.as_deref().unwrap_or_default()
-            );
+        for probe in &self.probes {
+            if let Some(error) = &probe.error {
+                let _ = writeln!(text, "  note: at {} runs could not be: {error}", probe.name);
+            }
         }
         text
     }

@@ -26,3 +26,16 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
     format!("the run panicked, which is a fault of baudbot: {text}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_the_rows_error() {
+        let panic = catch_unwind(|| panic!("at {}", 7)).unwrap_err();
+        assert_eq!(panicked(&*panic), "the run panicked, which is a fault of baudbot: at 7");
+        let panic = catch_unwind(|| panic!("here")).unwrap_err();
+        assert!(panicked(&*panic).ends_with(": here"));
+    }
+}

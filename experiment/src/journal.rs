@@ -177,3 +177,57 @@ impl<M: Medium> Journal<M> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Has room for so many bytes.
+    #[derive(Default)]
+    struct Full {
+        bytes: Vec<u8>,
+        room: usize,
+    }
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let fits = bytes.len().min(self.room - self.bytes.len());
+            self.bytes.extend(&bytes[..fits]);
+            if fits == 0 { Err(io::ErrorKind::StorageFull.into()) } else { Ok(fits) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Medium for Full {
+        fn cut(&mut self, len: u64) -> io::Result<()> {
+            self.bytes.truncate(len as usize);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
+        let row = |run| Row { run, outcome: Err("too short".to_owned()) };
+        let mut journal =
+            Journal::new(Path::new("/somewhere/rows.jsonl"), Full { bytes: Vec::new(), room: 100 });
+        let mut run = 0;
+        let error = loop {
+            match journal.append(&row(run)) {
+                Ok(()) => run += 1,
+                Err(error) => break error.to_string(),
+            }
+        };
+        assert!(error.starts_with("cannot write /somewhere/rows.jsonl: "), "{error}");
+        let text = String::from_utf8(journal.medium.bytes.clone()).unwrap();
+        assert_eq!(text.lines().count() as u64, run);
+        assert!(run > 0 && text.ends_with("}\n"), "{text}");
+        assert_eq!(journal.runs(), (0..run).collect::<Vec<_>>());
+        // With room again it goes on where it was.
+        journal.medium.room = 1000;
+        journal.append(&row(run)).unwrap();
+        assert_eq!(journal.medium.bytes.len() as u64, journal.len);
+    }
+}

@@ -40,6 +40,8 @@ pub mod summary;
 pub mod svg;
 mod sweep;
 pub mod table;
+#[cfg(test)]
+mod tests;
 
 pub use check::check;
 pub use error::Error;

@@ -54,7 +54,7 @@ impl Summary {
         let number = row.run / seeds;
         if self.cells.last().is_none_or(|cell| cell.number != number) {
             if self.cells.len() >= MOST_CELLS {
-                self.left_out += u64::from(row.run % seeds == 0);
+                self.left_out += u64::from(row.run.is_multiple_of(seeds));
                 return;
             }
             self.cells.push(CellSummary::new(experiment, number));

@@ -102,7 +102,7 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
         files: Vec::new(),
     };
     if !swept.interrupted {
-        write(experiment, &folder, &mut journal, &mut swept)?;
+        write(experiment, &folder, &journal, &mut swept)?;
     }
     Ok(swept)
 }
@@ -168,7 +168,7 @@ impl Runner<'_> {
 fn write(
     experiment: &Experiment,
     folder: &Folder,
-    journal: &mut Journal,
+    journal: &Journal,
     swept: &mut Swept,
 ) -> Result<(), Error> {
     let mut graphs = chart::Graphs::new(experiment);
@@ -182,6 +182,8 @@ fn write(
     let text = table::text(experiment, &swept.summary, usize::MAX);
     folder.write(SUMMARY, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
     swept.files = [CSV, PARQUET, SUMMARY].map(|name| folder.file(name)).to_vec();
+    // Of an experiment that had other charts there may be some that nothing else would replace.
+    chart::Graphs::names().try_for_each(|name| folder.remove(&name))?;
     for (name, picture) in graphs.draw(experiment) {
         let content = |out: &mut std::io::BufWriter<_>| -> Result<(), Content> {
             Ok(std::io::Write::write_all(out, picture.as_bytes())?)

@@ -7,6 +7,7 @@ mod presets;
 mod processes;
 mod refusals;
 mod runs;
+mod sweep;
 mod timelines;
 
 use std::io::{BufRead, BufReader, Read};

@@ -7,7 +7,7 @@ use baudbot_proto::v1;
 use crate::{Running, baudbot, good, place};
 
 /// A server on a free port and a Unix socket, and both addresses.
-fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {
+pub(crate) fn serve(socket: &str, args: &[&str]) -> (Running, String, String) {
     let socket = format!("unix:{}", place(socket).display());
     let listen = ["serve", "--listen", "127.0.0.1:0", "--listen", &socket];
     let mut server = Running::start(&[&listen, args].concat());
@@ -180,7 +180,7 @@ fn a_scenario_is_drawn_into_a_file_or_to_stdout() {
 
 #[test]
 fn help_has_examples() {
-    for command in ["run", "serve", "brain", "check", "watch"] {
+    for command in ["run", "sweep", "serve", "brain", "check", "watch"] {
         assert!(good(&[command, "--help"]).contains(&format!("Examples:\n  baudbot {command}")), "{command}");
     }
     assert!(good(&["run", "--help"]).contains("the exit code is 130"));

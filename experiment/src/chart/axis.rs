@@ -26,7 +26,8 @@ impl Scale {
     /// A scale from 0, or near the numbers if they are far from it, to a round number.
     pub(super) fn round(numbers: &[f64], pixels: (f64, f64)) -> Self {
         let (low, high) = ends(numbers);
-        let low = if low >= 0.0 && low < 0.6 * high || low == high && low >= 0.0 { 0.0 } else { low };
+        let is_near = low < 0.6 * high || low == high;
+        let low = if low >= 0.0 && is_near { 0.0 } else { low };
         let high = if high > low { high } else { low + 1.0 };
         let step = step((high - low) / TICKS);
         Self { from: (low / step).floor() * step, to: (high / step - 1e-9).ceil() * step, log: false, pixels }
@@ -87,7 +88,8 @@ pub(super) fn number(value: f64) -> String {
 
 /// A share as people say it.
 pub(super) fn percent(share: f64) -> String {
-    format!("{} %", number(share * 100.0))
+    let percent = share * 100.0;
+    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{} %", number(percent)) }
 }
 
 /// Numbers whose largest is more than so many times their least are drawn on a logarithmic scale.
@@ -120,7 +122,7 @@ mod tests {
     #[test]
     fn numbers_far_apart_have_a_logarithmic_scale() {
         let scale = Scale::of(&[1200.0, 115_200.0], (0.0, 100.0));
-        assert_eq!(scale.ticks(), [2000.0, 5000.0, 10_000.0, 20_000.0, 50_000.0, 100_000.0]);
+        assert_eq!(scale.ticks(), [1000.0, 2000.0, 5000.0, 10_000.0, 20_000.0, 50_000.0, 100_000.0]);
         assert!((scale.px((1200.0 * 115_200.0_f64).sqrt()) - 50.0).abs() < 1e-9);
         assert!(!Scale::of(&[1.0, 16.0], (0.0, 1.0)).log && !Scale::of(&[0.0, 160.0], (0.0, 1.0)).log);
     }
@@ -129,6 +131,6 @@ mod tests {
     fn numbers_are_short() {
         let texts = [0.0, 1.0, 0.5, 0.125, 12.3456, 1234.5, 115_200.0, -2.0, 1e-9, 0.012_34].map(number);
         assert_eq!(texts, ["0", "1", "0.5", "0.125", "12.3", "1234", "115200", "−2", "1.0e−9", "0.0123"]);
-        assert_eq!(percent(0.705), "70.5 %");
+        assert_eq!([percent(0.705), percent(0.0123), percent(0.0)], ["70 %", "1.23 %", "0 %"]);
     }
 }

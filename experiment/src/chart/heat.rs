@@ -2,7 +2,7 @@
 
 use super::axis::{Scale, number, percent};
 use super::page::{self, FRAME, Frame, PALE_INK, line, text, width};
-use super::{Data, marks, subtitle, title};
+use super::{Data, marks, scale, subtitle, title};
 use crate::experiment::{Chart, Experiment};
 use crate::svg::{Canvas, Element};
 
@@ -12,35 +12,25 @@ pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> Strin
     let rows = names(&marks(&experiment.fields[by]));
     let is_share = chart.figure.is_none_or(|figure| figure.info().is_share);
     let values: Vec<f64> = data.values().filter_map(|point| Some(point.value()?.0)).collect();
-    let longest = rows.iter().map(|name| width(name, 12.0)).fold(0.0, f64::max);
-    let cell = (cell_width(&columns), 38.0);
-    let left = 50.0 + longest.max(20.0);
-    let frame = Frame {
-        left,
-        right: left + cell.0 * columns.len() as f64,
-        top: 66.0,
-        bottom: 66.0 + (cell.1 * rows.len() as f64).max(LEAST_HEIGHT),
-    };
-    let cell = (cell.0, (frame.bottom - frame.top) / rows.len().max(1) as f64);
+    let (frame, cell) = frame(&columns, &rows);
     let figure = chart.figure.map_or("runs that succeed", |figure| figure.info().title);
     let heading = title(experiment, chart);
     let size = ((frame.right + 110.0).max(width(&heading, 16.0) + 40.0), frame.bottom + 60.0);
     let words = |value| if is_share { percent(value) } else { number(value) };
     let up = (frame.bottom, frame.top);
-    let scale = if is_share { Scale::share(up) } else { Scale::round(&values, up) };
+    let scale = scale(chart, &values, up);
     let mut canvas = Canvas::default();
     page::open(&mut canvas, size, &heading, &subtitle(experiment, chart));
     for (i, column) in columns.iter().enumerate() {
         let x = frame.left + (i as f64 + 0.5) * cell.0;
         canvas.put(text((x, frame.bottom + 18.0), "middle", column).set("fill", PALE_INK));
-        for (j, row) in rows.iter().enumerate() {
-            // Numbers grow upwards, names are read downwards.
-            let from_top = if experiment.fields[by].is_numeric() { rows.len() - 1 - j } else { j };
-            let y = frame.top + from_top as f64 * cell.1;
-            if i == 0 {
-                let place = (frame.left - 8.0, y + 0.5 * cell.1 + 4.0);
-                canvas.put(text(place, "end", row).set("fill", PALE_INK));
-            }
+    }
+    for (j, row) in rows.iter().enumerate() {
+        // Numbers grow upwards, names are read downwards.
+        let from_top = if experiment.fields[by].is_numeric() { rows.len() - 1 - j } else { j };
+        let y = frame.top + from_top as f64 * cell.1;
+        canvas.put(text((frame.left - 8.0, y + 0.5 * cell.1 + 4.0), "end", row).set("fill", PALE_INK));
+        for i in 0..columns.len() {
             let value = data.get(&(i, j)).and_then(|point| Some(point.value()?.0));
             let share = value.map(|value| (up.0 - scale.px(value)) / (up.0 - up.1));
             let place = (frame.left + i as f64 * cell.0, y);
@@ -50,6 +40,16 @@ pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> Strin
     page::names(&mut canvas, &frame, &experiment.fields[chart.x].title(), &experiment.fields[by].title());
     key(&mut canvas, &frame, &scale, figure, &words);
     page::close(canvas)
+}
+
+/// Where the field is, and the size of a cell.
+fn frame(columns: &[String], rows: &[String]) -> (Frame, (f64, f64)) {
+    let longest = rows.iter().map(|name| width(name, 12.0)).fold(0.0, f64::max);
+    let (left, across) = (50.0 + longest.max(20.0), cell_width(columns));
+    let height = (38.0 * rows.len() as f64).max(LEAST_HEIGHT);
+    let right = left + across * columns.len() as f64;
+    let frame = Frame { left, right, top: 66.0, bottom: 66.0 + height };
+    (frame, (across, height / rows.len().max(1) as f64))
 }
 
 fn names(marks: &[(String, Option<f64>)]) -> Vec<String> {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::axis::{Scale, number, percent};
 use super::page::{self, FRAME, Frame, GRID, PALE_INK, line, text, width};
-use super::{Data, marks, subtitle, title};
+use super::{Data, marks, scale, subtitle, title};
 use crate::experiment::{Chart, Experiment};
 use crate::svg::{Canvas, Element, px};
 
@@ -39,13 +39,11 @@ pub(super) fn draw(experiment: &Experiment, chart: &Chart, data: &Data) -> Strin
     let legend =
         chart.by.map_or(0.0, |by| longest.max(width(&experiment.fields[by].title(), 12.0) - 30.0) + 62.0);
     let frame = Frame { left: 78.0, right: 78.0 + PLOT.0, top: 66.0, bottom: 66.0 + PLOT.1 };
-    let size = (frame.right + legend.max(24.0), frame.bottom + 60.0);
+    let size =
+        (frame.right + legend.max(24.0), frame.bottom.max(frame.top + 20.0 * lines.len() as f64) + 60.0);
     let is_share = chart.figure.is_none_or(|figure| figure.info().is_share);
     let across = Scale::of(&at, (frame.left, frame.right));
-    let up = match is_share {
-        true => Scale::share((frame.bottom, frame.top)),
-        false => Scale::round(&heights(&lines), (frame.bottom, frame.top)),
-    };
+    let up = scale(chart, &heights(&lines), (frame.bottom, frame.top));
     let mut canvas = Canvas::default();
     let note = if experiment.seeds.count() > 1 { "; bands: 95 % confidence" } else { "" };
     page::open(&mut canvas, size, &title(experiment, chart), &(subtitle(experiment, chart) + note));

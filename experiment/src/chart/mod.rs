@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::choice::{Choice, Field};
 use crate::experiment::{Chart, Experiment};
+use crate::figures::INFOS;
 use crate::raw::ChartKind;
 use crate::row::Row;
 use crate::statistics::{Sample, wilson};
@@ -52,6 +53,20 @@ impl Graphs {
             point.is_share = chart.figure.is_none();
             value.into_iter().for_each(|value| point.sample.add(value));
         }
+    }
+
+    /// Names that charts of any experiment can have, but for those with a high number.
+    pub(crate) fn names() -> impl Iterator<Item = String> {
+        let figures = INFOS.iter().map(|info| info.name).chain(["success"]);
+        figures.flat_map(|figure| {
+            ["", "-heat"].into_iter().flat_map(move |kind| {
+                let numbers = (2..=9).map(|number| format!("-{number}"));
+                [String::new()]
+                    .into_iter()
+                    .chain(numbers)
+                    .map(move |number| format!("{figure}{kind}{number}.svg"))
+            })
+        })
     }
 
     /// Each chart as a file's name and its text.
@@ -107,11 +122,27 @@ fn marks(field: &Field) -> Vec<(String, Option<f64>)> {
     }
 }
 
+/// The scale of a chart's figure.
+fn scale(chart: &Chart, values: &[f64], pixels: (f64, f64)) -> axis::Scale {
+    match chart.figure {
+        None => axis::Scale::share(pixels),
+        Some(figure) if figure.info().is_share => {
+            axis::Scale::round(&values.iter().map(|value| value.min(1.0)).collect::<Vec<_>>(), pixels)
+        }
+        Some(_) => axis::Scale::round(values, pixels),
+    }
+}
+
 /// What stands above a chart.
 fn title(experiment: &Experiment, chart: &Chart) -> String {
     let figure = chart.figure.map_or("runs that succeed", |figure| figure.info().title);
     let by = chart.by.map(|by| format!(" and {}", experiment.fields[by].label)).unwrap_or_default();
-    chart.title.clone().unwrap_or_else(|| format!("{figure} by {}{by}", experiment.fields[chart.x].label))
+    let own = || {
+        let words = format!("{figure} by {}{by}", experiment.fields[chart.x].label);
+        let mut letters = words.chars();
+        letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+    };
+    chart.title.clone().unwrap_or_else(own)
 }
 
 /// What a chart's numbers are of.

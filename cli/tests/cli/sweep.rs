@@ -1,0 +1,286 @@
+//! `baudbot sweep`: what it writes, and that nothing is lost or doubled whatever ends it.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::processes::serve;
+use crate::{Running, baudbot, good};
+
+const ROOM: &str = r#"
+name = "room"
+step_ms = 10.0
+substeps = 10
+[[arena.polygons]]
+name = "wall"
+solid = false
+points_m = [[-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]]
+[[robots]]
+name = "alice"
+preset = "khepera-1"
+firmware = { mode = "stream", period_ms = 20.0, phase_ms = 17.6 }
+link = { kind = "uart", baud = 38400 }
+"#;
+
+/// Six baud rates and four sets of sensors.
+const GRID: &str = r#"
+name = "grid"
+scenario = "room.toml"
+brain = "avoid:forward=0.3"
+seconds = 5.0
+seeds = 3
+[[fields]]
+field = "robots.alice.link.baud"
+label = "baud"
+values = [2400, 4800, 9600, 19200, 38400, 115200]
+[[fields]]
+label = "sensors"
+levels = [
+  { name = "all eight" },
+  { name = "front six", set = ["robots.alice.without=['ir_6', 'ir_7']"] },
+  { name = "front four", set = ["robots.alice.without=['ir_0', 'ir_5', 'ir_6', 'ir_7']"] },
+  { name = "front two", set = ["robots.alice.without=['ir_0', 'ir_1', 'ir_4', 'ir_5', 'ir_6', 'ir_7']"] },
+]
+[success]
+collisions_at_most = 0
+[[charts]]
+figure = "collisions"
+"#;
+
+/// A folder with the scenario and this experiment; the experiment's path.
+fn experiment(name: &str, toml: &str) -> String {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("sweep-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("room.toml"), ROOM).unwrap();
+    let path = folder.join("experiment.toml");
+    std::fs::write(&path, toml).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// A folder for outputs, beside an experiment.
+fn out(experiment: &str, name: &str) -> String {
+    Path::new(experiment).with_file_name(name).to_str().unwrap().to_owned()
+}
+
+/// Sweeps quietly to a good end; the table.
+fn table(args: &[&str], out: &str) -> String {
+    assert_eq!(good(&[&["sweep", "--quiet", "--out", out], args].concat()), "");
+    std::fs::read_to_string(Path::new(out).join("rows.csv")).unwrap()
+}
+
+/// Waits until a journal has so many rows.
+fn wait_for_rows(out: &str, rows: usize) {
+    let deadline = Instant::now() + Duration::from_secs(20);
+    let lines =
+        || std::fs::read_to_string(Path::new(out).join("rows.jsonl")).unwrap_or_default().lines().count();
+    while lines() <= rows {
+        assert!(Instant::now() < deadline, "there are no rows");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn rows(out: &str) -> usize {
+    std::fs::read_to_string(Path::new(out).join("rows.jsonl")).unwrap().lines().count() - 1
+}
+
+#[test]
+fn a_sweep_that_is_killed_goes_on_to_the_same_table() {
+    let grid = experiment("killed", GRID);
+    let (whole, killed) = (out(&grid, "whole"), out(&grid, "killed"));
+    let expected = table(&[&grid], &whole);
+    assert_eq!(expected.lines().count(), 1 + 6 * 4 * 3);
+    let long = ["sweep", &grid, "--out", &killed, "--jobs", "1"];
+    for rows in [5, 20] {
+        let running = Running::start(&long);
+        wait_for_rows(&killed, rows);
+        // SIGKILL.
+        drop(running);
+    }
+    assert!(rows(&killed) < 72 && !Path::new(&killed).join("rows.csv").exists());
+    assert_eq!(table(&[&grid], &killed), expected);
+    assert_eq!(rows(&killed), 72, "no row is there twice");
+    let parquet = |out: &str| std::fs::read(Path::new(out).join("rows.parquet")).unwrap();
+    assert!(parquet(&whole) == parquet(&killed));
+}
+
+#[test]
+fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
+    let grid = experiment("interrupted", GRID);
+    let to = out(&grid, "out");
+    let running = Running::start(&["sweep", &grid, "--out", &to, "--jobs", "1"]);
+    wait_for_rows(&to, 3);
+    running.signal("-INT");
+    let (code, stdout, err) = running.end();
+    assert_eq!((code, stdout.as_str()), (130, ""));
+    assert!(
+        err.starts_with("stopped after ") && err.contains("the same command goes on from there"),
+        "{err}"
+    );
+    assert_eq!(table(&[&grid], &to).lines().count(), 73);
+}
+
+#[test]
+fn two_sweeps_do_not_write_into_one_folder() {
+    let grid = experiment("two", &GRID.replace("seconds = 5.0", "seconds = 60.0"));
+    let to = out(&grid, "out");
+    let _first = Running::start(&["sweep", &grid, "--out", &to, "--jobs", "1"]);
+    wait_for_rows(&to, 1);
+    let (code, _, err) = baudbot(&["sweep", &grid, "--out", &to]);
+    assert_eq!(code, 2);
+    assert!(err.starts_with("error: another sweep is writing into ") && err.contains("--out"), "{err}");
+}
+
+#[test]
+fn a_folder_of_another_experiment_is_left_alone_until_it_is_to_be_fresh() {
+    let short = experiment("fresh", &GRID.replace("seconds = 5.0", "seconds = 0.1"));
+    let to = out(&short, "out");
+    let first = table(&[&short], &to);
+    let (code, _, err) = baudbot(&["sweep", &short, "--out", &to, "--seeds", "4..6"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("is of another experiment") && err.contains("--fresh"), "{err}");
+    let other = table(&[&short, "--seeds", "4..6", "--fresh"], &to);
+    assert_eq!(other.lines().count(), first.lines().count());
+    assert_ne!(other, first);
+}
+
+#[test]
+fn mistakes_are_found_before_the_first_run() {
+    let refused = |name: &str, toml: &str| {
+        let path = experiment(name, toml);
+        let to = out(&path, "out");
+        let (code, stdout, err) = baudbot(&["sweep", &path, "--out", &to]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{err}");
+        assert!(!Path::new(&to).exists(), "{err}");
+        err.strip_prefix(&format!("error: {path}: ")).unwrap_or_else(|| panic!("{err}")).to_owned()
+    };
+    let misspelt = refused("misspelt", &GRID.replace("link.baud", "link.buad"));
+    assert!(
+        misspelt
+            .starts_with("fields[0]: robots.alice.link.buad: there is no field `buad`; did you mean `baud`?"),
+        "{misspelt}"
+    );
+    let empty = refused("empty", "scenario = \"room.toml\"\nseconds = 1.0\n");
+    assert_eq!(empty, "fields: is missing: give at least one [[fields]] that is varied\n");
+    let nothing = refused(
+        "nothing",
+        "scenario = \"room.toml\"\nseconds = 1.0\nfields = [{ field = \"step_ms\", values = [] }]",
+    );
+    assert!(nothing.starts_with("fields[0].values: is empty"), "{nothing}");
+    let nowhere = refused("nowhere", "scenario = \"rom.toml\"\n");
+    assert!(nowhere.contains("rom.toml: there is no such file"), "{nowhere}");
+}
+
+#[test]
+fn what_cannot_be_run_is_told_and_the_others_are_run() {
+    let path = experiment(
+        "failing",
+        &GRID.replace("2400, 4800", "2400, 20").replace("seconds = 5.0", "seconds = 0.1"),
+    );
+    let to = out(&path, "out");
+    let (code, stdout, _) = baudbot(&["sweep", &path, "--out", &to]);
+    assert_eq!(code, 1);
+    assert!(stdout.contains("12 of 72 runs could not be:\n  run 12: robots[0].link.baud: "), "{stdout}");
+    assert_eq!(rows(&to), 72);
+    let json: serde_json::Value =
+        serde_json::from_str(&baudbot(&["sweep", &path, "--out", &to, "--json", "--quiet"]).1).unwrap();
+    assert_eq!((&json["runs"], &json["failed"]), (&72.into(), &12.into()));
+    assert_eq!(json["cells"][0]["values"]["sensors"], "all eight");
+    assert_eq!(json["cells"][0]["figures"]["time_s"]["mean"], 0.1);
+    assert!(json["cells"][4]["figures"]["time_s"]["mean"].is_null(), "it could not be run");
+}
+
+#[test]
+fn what_takes_long_must_be_meant() {
+    let path = experiment("long", &GRID.replace("seeds = 3", "seeds = 500000"));
+    let to = out(&path, "out");
+    let (code, _, err) = baudbot(&["sweep", &path, "--out", &to]);
+    assert_eq!(code, 2);
+    assert!(err.contains(" runs are to be done, which take about ") && err.contains("--yes"), "{err}");
+    assert!(rows(&to) < 100, "they were run all the same");
+}
+
+#[test]
+fn a_full_disk_is_told_with_the_files_name() {
+    let path = experiment("full", &GRID.replace("seconds = 5.0", "seconds = 0.1"));
+    let to = out(&path, "out");
+    std::fs::create_dir_all(&to).unwrap();
+    std::os::unix::fs::symlink("/dev/full", Path::new(&to).join("rows.jsonl")).unwrap();
+    let (code, _, err) = baudbot(&["sweep", &path, "--out", &to]);
+    assert_eq!(code, 1);
+    assert!(
+        err.starts_with(&format!("error: cannot write {to}/rows.jsonl: No space left on device")),
+        "{err}"
+    );
+    // The rows fit, the table does not: they are kept for when there is room again.
+    std::fs::remove_file(Path::new(&to).join("rows.jsonl")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", Path::new(&to).join(".rows.csv.tmp")).unwrap();
+    let (code, _, err) = baudbot(&["sweep", &path, "--out", &to]);
+    assert_eq!(code, 1);
+    assert!(err.starts_with(&format!("error: cannot write {to}/rows.csv: No space left on device")), "{err}");
+    assert_eq!(rows(&to), 72);
+    assert_eq!(table(&[&path], &to).lines().count(), 73);
+}
+
+#[test]
+fn runs_on_a_server_are_the_same_to_the_last_bit() {
+    let path = experiment(
+        "server",
+        &GRID
+            .replace("seeds = 3", "seeds = 1")
+            .replace("seconds = 5.0", "seconds = 2.0")
+            .replace("115200]", "20]"),
+    );
+    let (here, there) = (out(&path, "here"), out(&path, "there"));
+    let (server, tcp, _) = serve("sweep.sock", &["wander", "--paused"]);
+    // Some of it could not be run, with the same words in both.
+    let sweep =
+        |args: &[&str]| assert_eq!(baudbot(&[&["sweep", &path, "--quiet", "--out"], args].concat()).0, 1);
+    sweep(&[&here]);
+    sweep(&[&there, "--connect", &tcp]);
+    let read = |out: &str| std::fs::read_to_string(Path::new(out).join("rows.csv")).unwrap();
+    assert_eq!(read(&there), read(&here));
+    drop(server);
+    let lost = out(&path, "lost");
+    let (code, _, err) = baudbot(&["sweep", &path, "--out", &lost, "--connect", &tcp]);
+    assert_eq!(code, 1);
+    assert!(err.contains("no server answers at"), "{err}");
+    assert_eq!(rows(&lost), 0);
+}
+
+#[test]
+fn the_limit_of_a_field_is_found() {
+    let path =
+        experiment("find", &GRID.replace("collisions_at_most = 0", "staleness_mean_ms_at_most = 50.0"));
+    let found = good(&["sweep", &path, "--find", "baud", "--seeds", "7..8"]);
+    let lines: Vec<_> = found.lines().collect();
+    assert_eq!(lines.len(), 4, "{found}");
+    assert!(
+        lines[0].starts_with("sensors all eight: lowest baud at which avoid:forward=0.3 has staleness_mean_ms at most 50 in 5 s: ")
+            && lines[0].contains("(2 of 2 seeds, 95 % interval 34–100 %); at "),
+        "{found}"
+    );
+    let (code, _, err) = baudbot(&["sweep", &path, "--find", "bau"]);
+    assert_eq!(code, 2);
+    assert!(err.starts_with("error: --find: there is no field `bau`; did you mean `baud`?"), "{err}");
+}
+
+#[test]
+fn the_experiments_of_the_book_can_be_run() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        if !text.contains("[[fields]]") {
+            continue;
+        }
+        count += 1;
+        // A second of each instead of a minute.
+        let short = path.with_file_name("khepera-box.toml");
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let own = experiment(name, &text.replace("seconds = 60.0", "seconds = 1.0"));
+        std::fs::copy(short, Path::new(&own).with_file_name("khepera-box.toml")).unwrap();
+        assert!(table(&[&own, "--seeds", "1"], &out(&own, "out")).lines().count() > 2, "{name}");
+    }
+    assert_eq!(count, 3);
+}
