@@ -1,8 +1,7 @@
 //! What one control cycle costs, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
 //!
-//! "Δt must be longer than the total duration (in hardware) of all events taking place within a time step." For each
-//! robot this says how long that is, how often it can be done, how old readings are by then, what is the bottleneck,
-//! and what would mend it.
+//! What takes place in one step must take the real robot less than that step. For each robot this says how long it takes,
+//! how often it can be done, how old readings are by then, what is the bottleneck, and what would mend it.
 //!
 //! From the scenario to the answer:
 //!

@@ -32,8 +32,25 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
         most_per_s,
         typical_per_s: None,
     }));
+    rates.extend(polls(plan));
     rates.extend(sensors(plan));
     rates
+}
+
+/// How often a Khepera can be asked for readings by a program that sends no commands. It depends on how many digits
+/// they have.
+fn polls(plan: &Plan<'_>) -> Vec<Rate> {
+    if plan.spec.firmware.protocol != Protocol::Khepera {
+        return Vec::new();
+    }
+    let poll = |which: &str, bytes: u64| Rate {
+        what: format!("polls alone, {which} answer"),
+        most_per_s: most_messages(&plan.spec.link, khepera::POLL.len() as u64 + bytes),
+        typical_per_s: None,
+        limits: false,
+    };
+    let answer = plan.answer_bytes();
+    alloc::vec![poll("shortest", answer.least), poll("longest", answer.most)]
 }
 
 fn per_s(count: u64, within_ns: u64) -> Option<f64> {
@@ -49,11 +66,6 @@ fn limits(plan: &Plan<'_>, bounds: &Bounds) -> Vec<(String, Option<f64>)> {
         limits.push(often("frames", frame.period_ns()));
     } else if !plan.has_ports() {
         limits.push(often("round trips", round_trip_ns(plan, bounds)));
-    }
-    if plan.spec.firmware.protocol == Protocol::Khepera {
-        let poll = khepera::POLL.len() as u64;
-        let alone = most_messages(link, poll + plan.answer_bytes().least);
-        limits.push(("polls without commands".to_string(), alone));
     }
     limits.push(("messages up".to_string(), most_messages(link, bounds.pattern.bytes.least)));
     limits.push(("commands down".to_string(), most_messages(link, plan.command_bytes().least)));

@@ -111,7 +111,7 @@ impl Fixed<'_> {
             sources.extend(commands);
             queue(&sources).map(|queue| queue.busy_ns)
         });
-        // A robot that speaks again before its last message is over keeps the wire.
+        // Where the robot speaks again before its last message is over, nobody has worked it out.
         busy.min().filter(|busy| period.saturating_sub(late) > busy + turn)
     }
 

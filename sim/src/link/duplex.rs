@@ -19,7 +19,7 @@ impl Line {
     /// The microcontroller asks for the wire at `now`: `self` is its line, `other` the laptop's.
     pub(crate) fn claim_wire(&mut self, link: &Link, now: SimTime, other: &mut Self) {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
-        other.settle(link, now);
+        other.settle_asked(link, now);
         if let Some(detour) = &mut self.detour {
             detour.blocked_until = other.burst.over(turnaround_ns);
         }
@@ -30,6 +30,15 @@ impl Line {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
         if let Some(detour) = &mut self.detour {
             detour.blocked_until = other.burst.over(turnaround_ns);
+        }
+    }
+
+    /// Puts those of the laptop's bytes on the wire that asked for it before `now`: they come before those of a side that
+    /// asks now, even if they have to wait for what is on the wire.
+    fn settle_asked(&mut self, link: &Link, now: SimTime) {
+        let Some(detour) = &mut self.detour else { return };
+        while let Some((ready, byte)) = detour.asking.pop_front_if(|(ready, _)| *ready < now) {
+            self.in_flight.push_back((self.burst.put(link, ready.max(detour.blocked_until)), byte));
         }
     }
 
@@ -124,6 +133,17 @@ mod tests {
         wire.readings(at(46), at(48), &[5]);
         assert_eq!(wire.down.arrival(&wire.link), at(73));
         assert_eq!(wire.arrivals(), [vec![30, 40, 58], vec![73, 83]]);
+    }
+
+    #[test]
+    fn a_robot_that_speaks_again_before_it_is_done_does_not_shut_the_laptop_out() {
+        let mut wire = Wire::new();
+        wire.readings(at(0), at(0), &[1, 2, 3]);
+        wire.write(at(10), &[9]);
+        // Both ask again while the first message is on the wire, after the laptop did.
+        wire.readings(at(20), at(20), &[4, 5]);
+        wire.readings(at(25), at(25), &[6]);
+        assert_eq!(wire.arrivals(), [vec![10, 20, 30, 60, 70, 80], vec![45]]);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use baudbot_sim::Scenario;
 use baudbot_sim::budget::{Budget, RobotBudget, Verdict};
+use baudbot_sim::timeline::What;
+use baudbot_sim::{Input, Scenario, World};
 
 use crate::common::{BODY, KHEPERA};
 use crate::run::{per_s, run};
@@ -44,6 +45,53 @@ fn row(table: &mut String, what: &str, foretold: f64, measured: f64) -> f64 {
     (foretold - measured).abs() / measured
 }
 
+/// A Khepera that is asked in lines of text, of which all eight sensors say `code`: compasses, which stand for any.
+fn lines_of_text(code: f64) -> String {
+    let heading = -core::f64::consts::PI + code * core::f64::consts::TAU / 1023.0;
+    let mut toml = format!(
+        "step_ms = 0.5\nnoise = false\n[[robots]]\nname = \"r\"\nstart = {{ heading_rad = {heading} }}\n{BODY}\n\
+         motors = {{ signal_bits = 8 }}\nfirmware = {{ protocol = \"khepera\" }}\n\
+         link = {{ kind = \"uart\", baud = 9600, bits_per_character = 11 }}\n"
+    );
+    for i in 0..8 {
+        writeln!(toml, "[robots.sensors.s{i}]\nkind = \"compass\"\nbits = 10").unwrap();
+    }
+    toml
+}
+
+/// Of a brain that asks again as soon as readings have come.
+fn polls_per_s(toml: &str) -> f64 {
+    let mut world = World::new(Scenario::parse(toml).unwrap().into());
+    let (mut asks, mut arrivals) = (true, Vec::new());
+    for _ in 0..8000 {
+        let turn = world.begin()[0];
+        if world.robot(0).readings()[0].readable {
+            arrivals.push(turn.at.as_seconds());
+            asks = true;
+        }
+        let bytes: &[u8] = if core::mem::take(&mut asks) { b"N\r" } else { &[] };
+        world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
+    }
+    per_s(&arrivals)
+}
+
+/// A BASIC Stamp whose program does 40 operations a step.
+fn onboard_thinking() -> String {
+    format!(
+        "[[robots]]\nname = \"r\"\n{BODY}\nmicrocontroller = {{ preset = \"bs2\" }}\n\
+         link = {{ kind = \"onboard\" }}\nbrain = {{ operations = 40 }}\n\
+         firmware = {{ period_ms = 10.0 }}\n[robots.sensors.c]\nkind = \"compass\"\nperiod_ms = 10.0\n"
+    )
+}
+
+/// From the thoughts on its timeline that did not wait for the processor: the shortest.
+fn operations_in_10_ms(toml: &str) -> f64 {
+    let world = run(Scenario::parse(toml).unwrap(), 2.0).world;
+    let thoughts =
+        world.robot(0).timeline().events().filter(|event| matches!(event.what, What::Think { .. }));
+    40.0 * 10e6 / thoughts.map(|event| event.end.since(event.start)).min().unwrap() as f64
+}
+
 #[test]
 fn known_numbers_are_foretold_and_measured() {
     let mut table = format!("{:<52} {:>10} {:>10}\n", "", "foretold", "measured");
@@ -72,6 +120,16 @@ fn known_numbers_are_foretold_and_measured() {
         let measured = run(Scenario::parse(&laser(baud)).unwrap(), 20.0);
         apart.push(row(&mut table, what, urg.typical_per_s.unwrap(), per_s(&measured.readable[0])));
     }
+    for (what, rate, code) in [
+        ("Khepera's N at 9600 baud, 8N2, one digit: polls/s", "polls alone, shortest answer", 5.0),
+        ("Khepera's N at 9600 baud, 8N2, four digits: polls/s", "polls alone, longest answer", 1020.0),
+    ] {
+        let toml = lines_of_text(code);
+        apart.push(row(&mut table, what, most_per_s(&budget(&toml), rate), polls_per_s(&toml)));
+    }
+    let stamp = onboard_thinking();
+    let foretold = budget(&stamp).chip.operations_per_step.unwrap();
+    apart.push(row(&mut table, "BASIC Stamp 2: operations in 10 ms", foretold, operations_in_10_ms(&stamp)));
     let measured = run(Scenario::parse(KHEPERA).unwrap(), 4.0);
     let khepera = budget(KHEPERA);
     apart.push(row(

@@ -168,6 +168,10 @@ fn check(budget: &RobotBudget, measured: &Measured) -> Result<(), String> {
     }
     let total = budget.cycle.total;
     total.typical_ns.map_or(Ok(()), |ns| within("cycle", ns, total))?;
+    let durations = &measured.world.robot(0).cycles().durations;
+    for ns in [durations.min_ns(), durations.max_ns()].into_iter().flatten() {
+        within("measured cycle", ns, total)?;
+    }
     rates(budget, measured)
 }
 
