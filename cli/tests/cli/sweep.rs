@@ -282,5 +282,5 @@ fn the_experiments_of_the_book_can_be_run() {
         std::fs::copy(short, Path::new(&own).with_file_name("khepera-box.toml")).unwrap();
         assert!(table(&[&own, "--seeds", "1"], &out(&own, "out")).lines().count() > 2, "{name}");
     }
-    assert_eq!(count, 3);
+    assert_eq!(count, 4);
 }

@@ -1,0 +1,78 @@
+//! What `baudbot help COMMAND` says besides the options.
+
+pub(super) const PACE_HELP: &str = "\
+When a tick ends:
+  lockstep   when every brain has answered: the same run on any machine
+  real-time  by the wall clock, brains or not
+  scaled:X   by the wall clock, X simulated seconds a second
+  free       at once; a brain that has not answered yet is silent";
+
+pub(super) const RUN_EXAMPLES: &str = "\
+Examples:
+  baudbot run                                    the default: wander, brain avoid, 60 s
+  baudbot run wander --pace real-time --seconds 10
+  baudbot run khepera --set robots.khepera.link.baud=9600
+  baudbot run --seconds 2 --timeline run.pftrace   what happened when, for ui.perfetto.dev
+  baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
+  baudbot run wander --json --quiet | python3 -m json.tool
+
+Ctrl-C (or SIGTERM) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends the
+program at once, without a summary.";
+
+pub(super) const SWEEP_EXAMPLES: &str = "\
+Examples:
+  baudbot sweep experiments/baud-vs-speed.toml
+  baudbot sweep my.toml --out /tmp/my --jobs 2
+  baudbot sweep my.toml --seeds 101..120         the same with other seeds
+  baudbot sweep my.toml --find baud              the lowest baud rate that will do
+  baudbot sweep my.toml --connect 127.0.0.1:7400
+
+DIR gets rows.jsonl (a line a run, as they end), and at the end rows.csv, rows.parquet, summary.txt and the charts. A
+sweep that was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, goes on where it was when the same command
+is given again. The exit code is 1 if some of the runs could not be.";
+
+pub(super) const SERVE_EXAMPLES: &str = "\
+Examples:
+  baudbot serve                                  wander at 127.0.0.1:7400, in real time
+  baudbot serve wander khepera --pace lockstep
+  baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0";
+
+pub(super) const BRAIN_EXAMPLES: &str = "\
+Examples:
+  baudbot brain --list
+  baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
+  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot";
+
+pub(super) const CHECK_EXAMPLES: &str = "\
+Examples:
+  baudbot check wander
+  baudbot check my.toml --set robots.alice.link.baud=4800
+  baudbot check khepera --svg khepera.svg        a picture for a browser";
+
+pub(super) const DIAGRAM_EXAMPLES: &str = "\
+Examples:
+  baudbot diagram wander                         a table of what happens about the third control cycle
+  baudbot diagram wander --svg timing.svg        the same as a picture for a browser
+  baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
+  baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100";
+
+pub(super) const BUDGET_EXAMPLES: &str = "\
+Examples:
+  baudbot budget wander
+  baudbot budget wander --set robots.robot.link.baud=38400 --check
+  baudbot budget my.toml --robot alice --json
+  baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle";
+
+pub(super) const PRESET_EXAMPLES: &str = "\
+Examples:
+  baudbot preset                                 all that there are, kind by kind
+  baudbot preset khepera-1                       its file, each number with where it is from
+  baudbot preset gp2d12 --json
+  baudbot preset khepera-1 --json | jq '.values[] | select(.standing == \"guess\")'
+
+A scenario uses one as `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table that they are for.";
+
+pub(super) const WATCH_EXAMPLES: &str = "\
+Examples:
+  baudbot watch                                  the only world at 127.0.0.1:7400
+  baudbot watch --world wander --once";
