@@ -6,8 +6,9 @@ use baudbot_geometry::{Bounds, Circle, Segment};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
+use baudbot_sim::fault::When;
 use baudbot_sim::firmware::{Mode, Protocol};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::robot::{Deadline, OnLate, RobotSpec};
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame, khepera};
 
@@ -131,22 +132,12 @@ fn end(scenario: &Scenario) -> String {
 fn describe_robot(robot: &RobotSpec) -> String {
     let drive = &robot.drive;
     let position = robot.start.pose.position;
-    let shape = match robot.outline.len() {
-        0 => format!("radius {} m", drive.radius_m),
-        corners => format!("{corners} corners in a radius of {} m", handy(drive.radius_m)),
-    };
-    let body = format!(
-        "{shape}, {} kg, wheels of radius {} m, {} m apart",
-        drive.mass_kg,
-        drive.wheel_radius_m,
-        handy(2.0 * drive.half_track_m)
-    );
     let mut facts = vec![
         (
             "start",
             format!("x {} m, y {} m, heading {} rad", position.x, position.y, robot.start.pose.heading),
         ),
-        ("body", body),
+        ("body", body(robot)),
         (
             "motors",
             format!("{}, signals of {}", drive.motor.kind(), encoding(robot.firmware.motor_encoding())),
@@ -168,6 +159,9 @@ fn describe_robot(robot: &RobotSpec) -> String {
         ("readings", message(robot, frame_bytes(robot), "with all sensors")),
         ("command", message(robot, command_bytes(robot), "each")),
     ]);
+    facts.extend(deadline(&robot.deadline).map(|deadline| ("deadline", deadline)));
+    facts
+        .extend(robot.faults.iter().map(|fault| ("fault", format!("{}, {}", fault.kind, when(&fault.when)))));
     let load = load(robot);
     if let Some((bytes, used)) = load {
         facts.push(("up line", format!("{} bytes/s, {} of its capacity", handy(bytes), percent(used))));
@@ -181,6 +175,41 @@ fn describe_robot(robot: &RobotSpec) -> String {
         text += &table("    ", &sensors(robot));
     }
     text
+}
+
+fn body(robot: &RobotSpec) -> String {
+    let drive = &robot.drive;
+    let shape = match robot.outline.len() {
+        0 => format!("radius {} m", drive.radius_m),
+        corners => format!("{corners} corners in a radius of {} m", handy(drive.radius_m)),
+    };
+    format!(
+        "{shape}, {} kg, wheels of radius {} m, {} m apart",
+        drive.mass_kg,
+        drive.wheel_radius_m,
+        handy(2.0 * drive.half_track_m)
+    )
+}
+
+/// The deadline of a brain, if the scenario states one.
+fn deadline(deadline: &Deadline) -> Option<String> {
+    let late = match deadline.on_late? {
+        OnLate::Hold => "a late brain finds its old command held",
+        OnLate::Stop => "then the motors stop until the next command",
+        OnLate::End => "then the run ends",
+    };
+    Some(format!("{} a cycle; {late}", duration(deadline.within_ns as f64)))
+}
+
+fn when(when: &When) -> String {
+    match *when {
+        When::Once { from, until } => {
+            format!("from {} s on for {}", handy(from.as_seconds()), duration(until.since(from) as f64))
+        }
+        When::Each { every_ns, for_ns, .. } => {
+            format!("for {} once in each {}", duration(for_ns as f64), duration(every_ns as f64))
+        }
+    }
 }
 
 fn firmware(robot: &RobotSpec) -> String {

@@ -133,16 +133,32 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
 }
 
 fn cycles(cycles: &Cycles) -> String {
-    let Some(percent_kept) = cycles.kept_percent else { return "none was answered by a command".to_owned() };
+    let unanswered = match cycles.unanswered {
+        0 => String::new(),
+        n => format!("; {n} unanswered"),
+    };
+    let Some(percent_kept) = cycles.kept_percent else {
+        return format!("none was answered by a command{unanswered}");
+    };
     let deadline = duration(cycles.deadline_ms * 1e6);
     let all = cycles.kept + cycles.late;
     let kept = percent(percent_kept / 100.0);
-    let mut text = format!("{} of {all} ({kept}) within {deadline}", cycles.kept);
+    let mut text = format!("{} of {all} ({kept}) within {deadline}{unanswered}", cycles.kept);
     if let Some(Durations { p50_ms, p95_ms, max_ms, .. }) = cycles.duration {
-        let [median, most, longest] = [p50_ms, p95_ms, max_ms].map(|ms| duration(ms * 1e6));
-        text += &format!("; half took at most {median}, 95 % {most}, the longest {longest}");
+        let [median, most] = [p50_ms, p95_ms].map(|ms| duration(about(ms) * 1e6));
+        text += &format!("; half took at most {median}, 95 % {most}, the longest {}", duration(max_ms * 1e6));
     }
-    text + &format!("; {} exchanges a second", handy(cycles.exchanges_per_s))
+    text + &format!("; {} exchanges a second", handy(about(cycles.exchanges_per_s)))
+}
+
+/// With three digits: quantiles are right to no more than 0.8 %.
+fn about(number: f64) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    let unit = 10_f64.powi(number.abs().log10().floor() as i32 - 2);
+    // A negative power is not exact, so it is divided by the positive one.
+    if unit < 1.0 { (number / unit).round() / (1.0 / unit).round() } else { (number / unit).round() * unit }
 }
 
 /// Bytes that were lost on the robot's cables, and why; `None` if there were none.
@@ -205,13 +221,15 @@ fn lines(robot: &Robot) -> Vec<[String; 8]> {
 
 fn sensors(robot: &Robot) -> Vec<[String; 9]> {
     let age = |age: Option<f64>| age.map_or_else(|| NOTHING.to_owned(), |ms| format!("{ms:.3} ms"));
+    let about =
+        |age: Option<f64>| age.map_or_else(|| NOTHING.to_owned(), |ms| format!("{} ms", handy(about(ms))));
     let row = |sensor: &Sensor| {
         let share = percent(sensor.readable as f64 / robot.turns as f64);
         let counts = [sensor.samples, sensor.missed, sensor.readable];
         let [samples, missed, readable] = counts.map(|n| n.to_string());
-        let ages = |of: fn(&Durations) -> f64| age(sensor.age.as_ref().map(of));
-        let [mean, median, most, max] =
-            [ages(|age| age.mean_ms), ages(|age| age.p50_ms), ages(|age| age.p95_ms), ages(|age| age.max_ms)];
+        let ages = |of: fn(&Durations) -> f64| sensor.age.as_ref().map(of);
+        let [mean, max] = [ages(|age| age.mean_ms), ages(|age| age.max_ms)].map(age);
+        let [median, most] = [ages(|age| age.p50_ms), ages(|age| age.p95_ms)].map(about);
         [sensor.sensor.clone(), samples, missed, readable, share, mean, median, most, max]
     };
     let head = [
@@ -244,6 +262,12 @@ mod tests {
         let clock = Clock { overruns: 0, lateness_max_ms: 0.007, drift_percent: 0.0, lateness };
         let expected = format!("  < 2 µs  4000  {}\n  < 4 µs     0\n  < 8 µs     1  █\n", "█".repeat(40));
         assert_eq!(histogram(&clock), expected);
+    }
+
+    #[test]
+    fn quantiles_are_told_with_three_digits() {
+        let found = [0.0, 0.012_345, 28.8051, 399.01, 12_345.0, 0.999_9].map(about);
+        assert_eq!(found, [0.0, 0.0123, 28.8, 399.0, 12_300.0, 1.0]);
     }
 
     #[test]

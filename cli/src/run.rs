@@ -81,14 +81,7 @@ fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
 
 impl Plan {
     fn new(args: &RunArgs) -> anyhow::Result<Self> {
-        if args.json && args.csv.as_deref() == Some(Path::new(STDOUT)) {
-            return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
-        }
-        if args.timeline.as_deref() == Some(Path::new(STDOUT))
-            && (args.json || args.csv.as_deref() == args.timeline.as_deref())
-        {
-            return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
-        }
+        check_outputs(args)?;
         let pace = args.pace.with(&args.watchdog)?;
         let source = Source::find(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT))?;
         let mut overrides = overrides(&args.changes)?;
@@ -120,6 +113,42 @@ impl Plan {
         let after = self.scenario.end().after?;
         Some(after.as_ns().div_ceil(self.scenario.step_ns()).max(1))
     }
+}
+
+/// Refuses outputs that would be written into each other.
+fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
+    let stdout = Some(Path::new(STDOUT));
+    let (csv, timeline) = (args.csv.as_deref(), args.timeline.as_deref());
+    if args.json && csv == stdout {
+        return Err(Refused::error("--json and --csv - both want stdout; write the table to a file"));
+    }
+    if timeline == stdout && (args.json || csv == timeline) {
+        return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
+    }
+    if let Some((csv, timeline)) = csv.zip(timeline)
+        && is_same_file(csv, timeline)
+    {
+        let (csv, timeline) = (csv.display(), timeline.display());
+        return Err(Refused::error(format!(
+            "--csv {csv} and --timeline {timeline} are the same file; write each to a file of its own"
+        )));
+    }
+    Ok(())
+}
+
+/// Whether both paths lead to one file, which need not be there yet.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| {
+        path.canonicalize().or_else(|_| {
+            let path = std::path::absolute(path)?;
+            let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+            Ok::<_, std::io::Error>(match folder.zip(path.file_name()) {
+                Some((folder, name)) => folder.join(name),
+                None => path,
+            })
+        })
+    };
+    one == other || real(one).ok().zip(real(other).ok()).is_some_and(|(one, other)| one == other)
 }
 
 /// The overrides that the arguments ask for.
@@ -286,6 +315,8 @@ const STDOUT: &str = "-";
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
 
     #[test]
@@ -298,5 +329,43 @@ mod tests {
                 assert_eq!(after.as_ns().div_ceil(step_ns), ticks, "{ticks} of {step} ms");
             }
         }
+    }
+
+    #[test]
+    fn a_table_and_a_trace_do_not_go_into_one_file() {
+        let folder = std::env::temp_dir().join(format!("baudbot-run-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let folder = folder.display();
+        let check = |csv: &str, timeline: &str| {
+            #[derive(clap::Parser)]
+            struct Parsed {
+                #[command(flatten)]
+                run: RunArgs,
+            }
+            let parsed = Parsed::try_parse_from(["run", "--csv", csv, "--timeline", timeline]).unwrap();
+            check_outputs(&parsed.run).map_err(|error| error.to_string())
+        };
+        let file = format!("{folder}/out");
+        for other in [file.clone(), format!("{folder}/./out"), format!("{folder}/../{}/out", name(&file))] {
+            let error = check(&file, &other).unwrap_err();
+            assert_eq!(
+                error,
+                format!(
+                    "--csv {file} and --timeline {other} are the same file; write each to a file of its own"
+                )
+            );
+        }
+        assert_eq!(check(&file, &format!("{file}2")), Ok(()));
+        // Also if one is only another name of the other.
+        std::fs::write(&file, "").unwrap();
+        let link = format!("{folder}/link");
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        assert!(check(&file, &link).unwrap_err().contains("same file"));
+    }
+
+    /// The name of the folder that a file is in.
+    fn name(file: &str) -> &str {
+        Path::new(file).parent().and_then(Path::file_name).and_then(|name| name.to_str()).unwrap()
     }
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use baudbot_experiment::find::{Limit, find};
-use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Swept, Workers, table};
+use baudbot_experiment::{Error, Experiment, Options, Place, Seeds, Swept, Workers, table, unique_name};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::SweepArgs;
@@ -90,13 +90,12 @@ fn look(
     field: &str,
     stop: &AtomicBool,
 ) -> anyhow::Result<ExitCode> {
-    let name = format!("find-{}-{}", std::process::id(), experiment.seeds.get(0));
-    let workers = Workers { place: place(args), jobs: jobs(args), name };
+    let workers = Workers { place: place(args), jobs: jobs(args), name: unique_name("find") };
     let quiet = args.quiet || args.json || !std::io::stderr().is_terminal();
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     let told =
         |value: &str| bar.set_message(format!("{field} = {value}: {} seeds", experiment.seeds.count()));
-    let found = find(experiment, field, &workers, stop, &told);
+    let found = find(experiment, field, &workers, args.yes, stop, &told);
     bar.finish_and_clear();
     let Some(limits) = found.map_err(|error| from_experiment(args, error))? else {
         eprintln!("stopped before a limit was found");

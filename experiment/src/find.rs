@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
@@ -9,6 +10,7 @@ use crate::check::check;
 use crate::choice::{Choice, Level, Range};
 use crate::design::Cell;
 use crate::error::Error;
+use crate::estimate::Estimate;
 use crate::experiment::Experiment;
 use crate::pool::Workers;
 use crate::raw::Wants;
@@ -44,14 +46,16 @@ pub struct Probe {
 }
 
 /// Looks for the limit of a field, by its label or path, for each combination of the other fields' values. `None` if it
-/// was stopped.
+/// was stopped. One that takes long must be `confirmed`.
 ///
 /// # Errors
-/// If the field has no numbers to look through, nothing counts as success, or the server fails.
+/// If the field has no numbers to look through, nothing counts as success, it would take long and is not confirmed, or the
+/// server fails.
 pub fn find(
     experiment: &Experiment,
     field: &str,
     workers: &Workers,
+    confirmed: bool,
     stop: &AtomicBool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Vec<Limit>>, Error> {
@@ -63,10 +67,14 @@ pub fn find(
     }
     let place = experiment.place(field).map_err(|problem| Error::Refused(format!("--find: {problem}")))?;
     check(experiment)?;
-    let mut limits = Vec::new();
-    for others in others(experiment, place)? {
+    let (mut limits, all) = (Vec::new(), others(experiment, place)?);
+    for (i, others) in all.iter().enumerate() {
+        let others = others.clone();
         let mut search =
             Search { experiment, place, others, workers, stop, progress, tried: Vec::new(), runs: 0 };
+        if i == 0 && !confirmed {
+            search.pilot(all.len() as u64)?;
+        }
         match search.limit()? {
             Some(limit) => limits.push(limit),
             None => return Ok(None),
@@ -172,6 +180,17 @@ impl Line {
         }
     }
 
+    /// Most values that a search tries: both ends, those that halve what is between, and two neighbours.
+    fn most_probes(&self) -> u64 {
+        match self {
+            Self::Levels(levels) => {
+                let count = levels.len() as u64;
+                count.min(4 + u64::from(count.next_power_of_two().ilog2()))
+            }
+            Self::Range(_, near, _) => 4 + near.recip().log2().ceil() as u64,
+        }
+    }
+
     /// The values beyond both ends of the limit, to see that it is one.
     fn neighbours(&self, hard: f64, easy: f64) -> [Option<f64>; 2] {
         let step = match self {
@@ -184,6 +203,35 @@ impl Line {
 }
 
 impl Search<'_> {
+    /// A run for each worker, to see how long so many searches may take. Nothing is kept of them.
+    fn pilot(&self, searches: u64) -> Result<(), Error> {
+        let line = Line::new(self.experiment, self.place)?;
+        // The seeds of one value are run at a time.
+        let jobs = self.experiment.seeds.count().min(self.workers.jobs as u64);
+        let runs = searches.saturating_mul(line.most_probes()).saturating_mul(self.experiment.seeds.count());
+        let easiest = line.level(line.ends().1);
+        let mut time = Duration::ZERO;
+        self.workers.work(self.experiment, self.tasks(&easiest, jobs), self.stop, |_, took| {
+            time += took;
+            Ok(())
+        })?;
+        if self.stop.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        Estimate::new(runs, jobs, time, jobs as usize).refuse_long("up to ")
+    }
+
+    /// Runs with a value and the first seeds.
+    fn tasks(&self, level: &Level, count: u64) -> impl Iterator<Item = Task> + Send {
+        let mut levels = self.others.clone();
+        levels[self.place] = level.clone();
+        let (seeds, first) = (&self.experiment.seeds, self.runs);
+        (0..count).map(move |i| {
+            let cell = Cell { number: 0, levels: levels.clone() };
+            Task { run: first + i, cell, seed: seeds.get(i) }
+        })
+    }
+
     fn limit(&mut self) -> Result<Option<Limit>, Error> {
         let line = Line::new(self.experiment, self.place)?;
         let (mut hard, mut easy) = line.ends();
@@ -229,13 +277,8 @@ impl Search<'_> {
         }
         let level = line.level(at);
         (self.progress)(&level.name);
-        let mut levels = self.others.clone();
-        levels[self.place] = level.clone();
-        let (seeds, first) = (&self.experiment.seeds, self.runs);
-        let tasks = (0..seeds.count()).map(|i| {
-            let cell = Cell { number: 0, levels: levels.clone() };
-            Task { run: first + i, cell, seed: seeds.get(i) }
-        });
+        let seeds = self.experiment.seeds.count();
+        let tasks = self.tasks(&level, seeds);
         let (mut runs, mut succeeded, mut error) = (0, 0, None);
         self.workers.work(self.experiment, tasks, self.stop, |row, _| {
             runs += 1;
@@ -243,8 +286,8 @@ impl Search<'_> {
             error = error.take().or_else(|| row.outcome.err());
             Ok(())
         })?;
-        self.runs += seeds.count();
-        if self.stop.load(Ordering::Relaxed) && runs < seeds.count() {
+        self.runs += seeds;
+        if self.stop.load(Ordering::Relaxed) && runs < seeds {
             return Ok(None);
         }
         let share = succeeded as f64 / runs.max(1) as f64;

@@ -1,9 +1,14 @@
-//! What tells two experiments apart.
+//! What tells two experiments apart, and two builds of the program.
 
 use std::fmt::Write;
 
+use baudbot_sim::Scenario;
+
+use crate::counted::Counted;
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
+use crate::pair::Pair;
+use crate::row::Ran;
 
 /// Equal for experiments whose runs are the same, run by run. What is only told or drawn of the runs makes no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {
@@ -11,9 +16,22 @@ pub(crate) fn fingerprint(experiment: &Experiment) -> String {
     let choices: Vec<_> = fields.iter().map(|field| &field.choice).collect();
     let figures = INFOS.map(|info| info.name);
     let mut hash = Hash(OFFSET);
-    let version = env!("CARGO_PKG_VERSION");
-    let _ = write!(hash, "{:?}", (version, text, brains, seconds, seeds, design, choices, figures));
+    let _ = write!(hash, "{:?}", (text, brains, seconds, seeds, design, choices, figures));
     format!("{:032x}", hash.0)
+}
+
+/// The version, and what becomes of a second of two scenarios here. Builds that say the same are taken to run an
+/// experiment in the same way; those whose model, default brain or figures differ say something else, but for devices
+/// that neither of the two has.
+pub(crate) fn build() -> String {
+    let mut hash = Hash(OFFSET);
+    for text in PROBES {
+        let scenario = Scenario::parse(text).expect("it is part of the program, and its tests read it");
+        let mut pair = Pair::new(scenario, crate::crew::DEFAULT).expect("its only robot has IR sensors");
+        pair.run(PROBE_TICKS);
+        let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&pair.world)));
+    }
+    format!("{} {:016x}", env!("CARGO_PKG_VERSION"), hash.0 as u64)
 }
 
 /// 128-bit FNV-1a.
@@ -30,3 +48,21 @@ impl Write for Hash {
 
 const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+
+const PROBES: [&str; 2] =
+    [include_str!("../../scenarios/wander.toml"), include_str!("../../scenarios/khepera.toml")];
+const PROBE_TICKS: u64 = 100;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_always_says_the_same_of_itself_and_knows_quickly() {
+        let start = std::time::Instant::now();
+        let first = build();
+        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+        assert_eq!(first, build());
+        assert!(first.starts_with(concat!(env!("CARGO_PKG_VERSION"), " ")), "{first}");
+    }
+}

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::counted::Counted;
 use crate::experiment::Experiment;
 use crate::pair;
-use crate::row::{Ran, Row, Task};
+use crate::row::{PANICKED, Ran, Row, Task};
 use crate::setup::Setup;
 
 /// Does a run. Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
@@ -24,7 +24,7 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-    format!("the run panicked, which is a fault of baudbot: {text}")
+    format!("{PANICKED}, which is a fault of baudbot: {text}")
 }
 
 #[cfg(test)]

@@ -1,16 +1,18 @@
 //! The folder of a sweep: one sweep at a time, and files that are there as a whole or not at all.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::names;
 
 /// A folder that belongs to this sweep while this value lives, even if the program is killed meanwhile.
 #[derive(Debug)]
 pub(crate) struct Folder {
     path: PathBuf,
     _lock: File,
+    id: String,
 }
 
 impl Folder {
@@ -18,16 +20,29 @@ impl Folder {
     pub(crate) fn take(path: &Path) -> Result<Self, Error> {
         fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
         let at = path.join(LOCK);
-        let lock = File::options().write(true).create(true).truncate(false).open(&at);
-        let lock = lock.map_err(Error::file("write", &at))?;
+        let lock = File::options().read(true).write(true).create(true).truncate(false).open(&at);
+        let mut lock = lock.map_err(Error::file("write", &at))?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { path: path.to_owned(), _lock: lock }),
+            Ok(()) => {
+                let id = id_in(&mut lock).map_err(Error::file("read or write", &at))?;
+                let no_lock = || {
+                    let at = at.display();
+                    Error::Refused(format!("{at} is of no sweep; choose another place with --out DIR"))
+                };
+                Ok(Self { path: path.to_owned(), _lock: lock, id: id.ok_or_else(no_lock)? })
+            }
             Err(TryLockError::WouldBlock) => Err(Error::Refused(format!(
                 "another sweep is writing into {}; wait for its end, or choose another place with --out DIR",
                 path.display()
             ))),
             Err(TryLockError::Error(cause)) => Err(Error::file("lock", &at)(cause)),
         }
+    }
+
+    /// What only this folder has: random, and the same whenever a sweep goes on here. It tells the worlds on a server
+    /// that are of this sweep from all others.
+    pub(crate) fn id(&self) -> &str {
+        &self.id
     }
 
     /// Where a file of this name is.
@@ -39,9 +54,7 @@ impl Folder {
     pub(crate) fn remove(&self, name: &str) -> Result<(), Error> {
         let path = self.file(name);
         match fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(Error::file("remove", &path)(error))
-            }
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Error::file("remove", &path)(error)),
             _ => Ok(()),
         }
     }
@@ -70,15 +83,33 @@ impl Folder {
     }
 }
 
+/// The id in a lock, which gets one if it has none, or a torn one; `None` if something else is in it.
+fn id_in(lock: &mut File) -> io::Result<Option<String>> {
+    let mut bytes = Vec::new();
+    lock.take(64).read_to_end(&mut bytes)?;
+    let text = String::from_utf8_lossy(&bytes);
+    if names::is_id(&text) {
+        return Ok(Some(text.into_owned()));
+    }
+    if !names::is_start_of_id(&text) {
+        return Ok(None);
+    }
+    let id = names::random_id();
+    lock.rewind()?;
+    lock.write_all(id.as_bytes())?;
+    lock.sync_all()?;
+    Ok(Some(id))
+}
+
 /// Why a file has no content: it could not be written, or there was nothing to write.
 #[derive(Debug)]
 pub(crate) enum Content {
-    Io(std::io::Error),
+    Io(io::Error),
     Own(Error),
 }
 
-impl From<std::io::Error> for Content {
-    fn from(error: std::io::Error) -> Self {
+impl From<io::Error> for Content {
+    fn from(error: io::Error) -> Self {
         Self::Io(error)
     }
 }

@@ -27,7 +27,8 @@ pub struct Workers {
     pub place: Place,
     /// How many at a time; at least 1.
     pub jobs: usize,
-    /// What worlds on a server are called, before the number of the run.
+    /// What worlds on a server are called, before the number of the run. Nobody else may use it, as worlds of this name
+    /// are deleted: see [`unique_name`](crate::unique_name).
     pub name: String,
 }
 

@@ -74,7 +74,7 @@ impl Remote {
         let mut crews = Vec::new();
         for job in setup.jobs {
             let crew = Crew::attach(self.client.clone(), world, job, seed).await;
-            crews.push(crew.map_err(Failure::of_crew)?);
+            crews.push(crew.map_err(Failure::of_attach)?);
         }
         let start = v1::StartWorldRequest { world: world.to_owned() };
         control.start_world(start).await.map_err(|status| Failure::of(&status))?;
@@ -84,7 +84,7 @@ impl Remote {
             brains.spawn(async move { crew.run().await.map(|_| crew) });
         }
         for driven in brains.join_all().await {
-            driven.map_err(|error| Failure::of_crew(CrewError::Client(error)))?;
+            driven.map_err(Failure::of_client)?;
         }
         let status = ended(control, world).await?;
         Ok(Ran::of(&Counted::of_status(&status)))
@@ -92,7 +92,7 @@ impl Remote {
 }
 
 /// Makes the world of a task, in lockstep, which stands until its brains are there. One of that name is of this sweep
-/// before it was killed.
+/// before it was killed: nobody else knows its id.
 async fn create(
     control: &mut ControlServiceClient<Channel>,
     experiment: &Experiment,
@@ -138,23 +138,36 @@ async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Resu
 }
 
 impl Failure {
-    /// What makes no sense to the server, or is too much for a robot, is the run's own fault; all else is the server's.
+    /// What makes no sense to the server is the run's own fault; all else is the server's, as that it is full.
     fn of(status: &Status) -> Self {
         Self::said(status.code(), status.message())
     }
 
     fn said(code: Code, message: &str) -> Self {
         match code {
-            Code::InvalidArgument | Code::ResourceExhausted => Self::Run(message.to_owned()),
+            Code::InvalidArgument => Self::Run(message.to_owned()),
+            Code::ResourceExhausted => Self::Server(Error::Server(format!(
+                "the server is full: {message}; go on when there is room, or on another server"
+            ))),
             code => Self::Server(Error::Server(format!("the server says: {message} ({code:?})"))),
         }
     }
 
-    fn of_crew(error: CrewError) -> Self {
+    /// A brain that is too much for its robot is the run's own fault, too.
+    fn of_attach(error: CrewError) -> Self {
         match error {
-            CrewError::Client(ClientError::Status { code, message }) => Self::said(code, &message),
-            CrewError::Client(error) => Self::Server(Error::Server(error.to_string())),
+            CrewError::Client(ClientError::Status { code: Code::ResourceExhausted, message }) => {
+                Self::Run(message)
+            }
+            CrewError::Client(error) => Self::of_client(error),
             error => Self::Run(error.to_string()),
+        }
+    }
+
+    fn of_client(error: ClientError) -> Self {
+        match error {
+            ClientError::Status { code, message } => Self::said(code, &message),
+            error => Self::Server(Error::Server(error.to_string())),
         }
     }
 }
@@ -163,3 +176,27 @@ impl Failure {
 const MAX_MESSAGE_BYTES: usize = 64 << 20;
 
 const LONGEST_PAUSE: Duration = Duration::from_millis(100);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_server_is_no_fault_of_the_run_but_a_brain_that_is_too_large_is() {
+        let full = Failure::of(&Status::resource_exhausted("a server has at most 1024 worlds"));
+        let Failure::Server(error) = full else { panic!("it is journalled") };
+        assert!(
+            error.to_string().starts_with("the server is full: a server has at most 1024 worlds; "),
+            "{error}"
+        );
+        let status = |code| ClientError::Status { code, message: "hello: so it is".to_owned() };
+        let large = Failure::of_attach(CrewError::Client(status(Code::ResourceExhausted)));
+        assert!(matches!(large, Failure::Run(message) if message == "hello: so it is"));
+        assert!(matches!(Failure::of_client(status(Code::ResourceExhausted)), Failure::Server(_)));
+        assert!(matches!(Failure::of_client(status(Code::InvalidArgument)), Failure::Run(_)));
+        assert!(matches!(
+            Failure::of_attach(CrewError::Client(status(Code::Unavailable))),
+            Failure::Server(_)
+        ));
+    }
+}

@@ -60,6 +60,16 @@ impl Experiment {
     }
 }
 
+impl Row {
+    /// Whether the program failed, and not the run: a better one may do it.
+    pub(crate) fn has_panicked(&self) -> bool {
+        self.outcome.as_ref().is_err_and(|error| error.starts_with(PANICKED))
+    }
+}
+
+/// Errors of runs that panicked begin with it.
+pub(crate) const PANICKED: &str = "the run panicked";
+
 impl Ran {
     pub(crate) fn of(run: &Counted) -> Self {
         Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.hash }

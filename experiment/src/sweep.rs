@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use crate::check::check;
 use crate::error::Error;
+use crate::estimate::Estimate;
 use crate::experiment::Experiment;
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::{build, fingerprint};
 use crate::journal::{Header, Journal};
 use crate::outputs::{Content, Folder};
 use crate::pool::{Place, Workers};
@@ -18,7 +19,7 @@ use crate::{chart, csv_table, parquet_table, table};
 pub struct Options<'a> {
     /// The folder for its outputs.
     pub out: &'a Path,
-    /// What is there already is deleted.
+    /// What is there already is deleted, once it is clear that this sweep is done.
     pub fresh: bool,
     /// Where runs are done.
     pub place: Place,
@@ -49,28 +50,6 @@ pub struct Swept {
     pub files: Vec<PathBuf>,
 }
 
-/// How long a sweep will take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// Runs that are missing.
-    pub runs: u64,
-    /// By the wall clock.
-    pub time: Duration,
-}
-
-impl Estimate {
-    fn new(missing: u64, pilots: u64, took: Duration, jobs: usize) -> Self {
-        let each_s = took.as_secs_f64() / pilots.max(1) as f64;
-        let seconds = each_s * missing as f64 / jobs.max(1) as f64;
-        Self { runs: missing, time: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX) }
-    }
-
-    /// Whether somebody must confirm it.
-    fn is_long(self) -> bool {
-        self.runs > MOST_RUNS || self.time > LONGEST
-    }
-}
-
 /// Runs an experiment, or what is missing of it, and writes what came of it.
 ///
 /// # Errors
@@ -80,16 +59,26 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
     let total = experiment.runs()?;
     check(experiment)?;
     let folder = Folder::take(options.out)?;
+    let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
+    // What is there is deleted only once nothing can refuse this sweep any more.
+    let at = folder.file(if options.fresh { FRESH } else { JOURNAL });
     if options.fresh {
-        [JOURNAL, CSV, PARQUET, SUMMARY].iter().try_for_each(|name| folder.remove(name))?;
+        folder.remove(FRESH)?;
     }
-    let print = fingerprint(experiment);
-    let name = world_name(&print, options.out);
-    let mut journal = Journal::open(&folder.file(JOURNAL), &Header::new(&experiment.name, print, total))?;
+    let mut journal = Journal::open(&at, &header)?;
     let resumed = journal.done();
+    let name = world_name(folder.id(), options.out);
     let mut runner = Runner { experiment, options, journal: &mut journal, total, name };
     if !options.confirmed {
-        runner.pilot()?;
+        let pilot = runner.pilot();
+        if pilot.is_err() && options.fresh {
+            folder.remove(FRESH)?;
+        }
+        pilot?;
+    }
+    if options.fresh {
+        remove_outputs(&folder)?;
+        runner.journal.move_to(&folder.file(JOURNAL))?;
     }
     runner.rest()?;
     let done = journal.done();
@@ -128,15 +117,7 @@ impl Runner<'_> {
             return Ok(());
         }
         let missing = self.total - self.journal.done();
-        let estimate = Estimate::new(missing, jobs, took, self.options.jobs);
-        if !estimate.is_long() {
-            return Ok(());
-        }
-        Err(Error::Refused(format!(
-            "{} runs are to be done, which take about {} here; say --yes if that is meant",
-            estimate.runs,
-            span(estimate.time)
-        )))
+        Estimate::new(missing, jobs, took, self.options.jobs).refuse_long("")
     }
 
     fn rest(&mut self) -> Result<(), Error> {
@@ -154,13 +135,14 @@ impl Runner<'_> {
         let mut time = Duration::ZERO;
         (options.progress)(done.len() as u64, total);
         let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
-        workers.work(experiment, tasks, options.stop, |row, took| {
+        let worked = workers.work(experiment, tasks, options.stop, |row, took| {
             time += took;
             self.journal.append(&row)?;
             (options.progress)(self.journal.done(), total);
             Ok(())
-        })?;
-        Ok(time)
+        });
+        let synced = self.journal.sync();
+        worked.and(synced).map(|()| time)
     }
 }
 
@@ -194,33 +176,26 @@ fn write(
     Ok(())
 }
 
-/// What worlds of a sweep are called on a server: no two sweeps that run at a time have the same names, and one that goes
-/// on has those that it had.
-fn world_name(fingerprint: &str, out: &Path) -> String {
-    let place = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
-    let place =
-        place.to_string_lossy().bytes().fold(0_u32, |hash, byte| hash.wrapping_mul(31) + u32::from(byte));
-    format!("sweep-{}-{place:08x}", &fingerprint[..8])
+/// Removes what an earlier sweep made of its journal.
+fn remove_outputs(folder: &Folder) -> Result<(), Error> {
+    [CSV, PARQUET, SUMMARY].iter().try_for_each(|name| folder.remove(name))?;
+    chart::Graphs::names().try_for_each(|name| folder.remove(&name))
 }
 
-/// A time for people, no more exact than a guess.
-pub fn span(time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    match seconds {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 90.0 * 60.0 => format!("{:.0} min", s / 60.0),
-        s if s < 48.0 * 3600.0 => format!("{:.1} h", s / 3600.0),
-        s if s < 700.0 * 86_400.0 => format!("{:.0} days", s / 86_400.0),
-        s => format!("{:.0} years", s / (365.25 * 86_400.0)),
-    }
+/// What worlds of a sweep are called on a server: no other sweep has the same names, not even in a copy of the folder, and
+/// one that goes on has those that it had.
+pub(crate) fn world_name(id: &str, out: &Path) -> String {
+    let place = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
+    let place = place
+        .to_string_lossy()
+        .bytes()
+        .fold(0_u32, |hash, byte| hash.wrapping_mul(31).wrapping_add(u32::from(byte)));
+    format!("sweep-{id}-{place:08x}")
 }
 
 const JOURNAL: &str = "rows.jsonl";
+/// The journal of a sweep that is to replace another.
+const FRESH: &str = ".rows.jsonl.tmp";
 const CSV: &str = "rows.csv";
 const PARQUET: &str = "rows.parquet";
 const SUMMARY: &str = "summary.txt";
-
-/// More runs than these must be confirmed.
-const MOST_RUNS: u64 = 10_000;
-/// A longer sweep must be confirmed.
-const LONGEST: Duration = Duration::from_secs(3600);

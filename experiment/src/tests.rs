@@ -52,16 +52,20 @@ fn run_until(experiment: &Experiment, out: &Path, runs: u64) -> Result<Swept, Er
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let options = Options {
+    sweep(experiment, &Options { stop: &stop, progress: &progress, ..options(out) })
+}
+
+fn options(out: &Path) -> Options<'_> {
+    static GO_ON: AtomicBool = AtomicBool::new(false);
+    Options {
         out,
         fresh: false,
         place: Place::Here,
         jobs: 2,
         confirmed: true,
-        stop: &stop,
-        progress: &progress,
-    };
-    sweep(experiment, &options)
+        stop: &GO_ON,
+        progress: &|_, _| {},
+    }
 }
 
 fn read(folder: &Path, name: &str) -> Vec<u8> {
@@ -249,7 +253,7 @@ fn a_limit_is_found_by_bisection_and_its_neighbours_are_looked_at() {
         [success]\ncollisions_at_most = 0\n[find]\nwants = \"highest\"\n";
     let experiment = experiment(values).unwrap();
     let workers = Workers { place: Place::Here, jobs: 2, name: "find".into() };
-    let limits = find(&experiment, "x", &workers, &AtomicBool::new(false), &|_| {}).unwrap().unwrap();
+    let limits = find(&experiment, "x", &workers, false, &AtomicBool::new(false), &|_| {}).unwrap().unwrap();
     let [limit] = &limits[..] else { panic!("{limits:?}") };
     let text = limit.text(&experiment, "x");
     assert!(limit.is_monotone(), "{limits:?}");
@@ -257,4 +261,188 @@ fn a_limit_is_found_by_bisection_and_its_neighbours_are_looked_at() {
         text.starts_with("speed slow: highest x at which constant has no collision in 3 s: 0.5 (2 of 2 seeds, 95 % interval 34–100 %); at 0.7: 0 of 2"),
         "{text}"
     );
+}
+
+/// An experiment of two runs, its folder once they are done, and the lines of the journal there.
+fn two_runs(name: &str) -> (Experiment, PathBuf, Vec<String>) {
+    let toml = "brain = \"constant\"\nseconds = 0.1\nseeds = 2\n\
+        [[fields]]\nfield = \"step_ms\"\nvalues = [10.0]\n[[charts]]\nfigure = \"collisions\"\n";
+    let (experiment, out) = (experiment(toml).unwrap(), folder(name));
+    run(&experiment, &out).unwrap();
+    let lines = String::from_utf8(read(&out, "rows.jsonl")).unwrap().lines().map(str::to_owned).collect();
+    (experiment, out, lines)
+}
+
+#[test]
+fn a_file_that_is_no_journal_is_not_cut_but_a_torn_header_of_our_own_is() {
+    let (experiment, out, lines) = two_runs("torn-header");
+    let journal = out.join("rows.jsonl");
+    for text in ["my only copy", "{\"sweep\":\"test\",\"fingerprint\":\"0\"}", "no\nnewline"] {
+        std::fs::write(&journal, text).unwrap();
+        let error = run(&experiment, &out).unwrap_err().to_string();
+        assert!(error.contains("rows.jsonl is no journal of a sweep"), "{error}");
+        assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
+    }
+    for len in [1, 40, lines[0].len()] {
+        std::fs::write(&journal, &lines[0][..len]).unwrap();
+        let swept = run(&experiment, &out).unwrap();
+        assert_eq!((swept.resumed, swept.done), (0, 2), "{len} bytes");
+    }
+}
+
+#[test]
+fn a_row_of_a_run_that_the_experiment_has_not_is_refused_with_its_line() {
+    let (experiment, out, lines) = two_runs("beyond");
+    for confirmed in [true, false] {
+        let text = [&lines[..], &[lines[1].replace("\"run\":", "\"run\":100")]].concat().join("\n") + "\n";
+        std::fs::write(out.join("rows.jsonl"), text).unwrap();
+        let error = sweep(&experiment, &Options { confirmed, ..options(&out) }).unwrap_err().to_string();
+        assert!(error.contains("rows.jsonl: line 4 is of run 100"), "{error}");
+        assert!(error.contains("but the last run is 1; delete that line"), "{error}");
+    }
+}
+
+#[test]
+fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
+    let (experiment, out, lines) = two_runs("panicked");
+    let expected = read(&out, "rows.csv");
+    let with = |error: &str| {
+        let row = format!("{{\"run\":0,\"error\":\"{error}\"}}");
+        let good = lines[1..].iter().find(|line| line.contains("\"run\":1,")).unwrap();
+        std::fs::write(out.join("rows.jsonl"), format!("{}\n{row}\n{good}\n", lines[0])).unwrap();
+        run(&experiment, &out).unwrap()
+    };
+    let again = with("the run panicked, which is a fault of baudbot: at 7");
+    assert_eq!((again.resumed, again.done, again.summary.failed), (1, 2, 0));
+    assert!(read(&out, "rows.csv") == expected);
+    assert_eq!(run(&experiment, &out).unwrap().resumed, 2, "the better row is not found");
+    let refused = with("robots[0]: is too large");
+    assert_eq!((refused.resumed, refused.summary.failed), (2, 1));
+}
+
+#[test]
+fn another_build_of_the_model_does_not_go_on_with_a_journal() {
+    let (experiment, out, lines) = two_runs("build");
+    let own = crate::fingerprint::build();
+    let version = own.split(' ').next().unwrap();
+    let other = format!("{version} 0123456789abcdef");
+    std::fs::write(out.join("rows.jsonl"), lines[0].replace(&own, &other) + "\n").unwrap();
+    let error = run(&experiment, &out).unwrap_err().to_string();
+    assert!(
+        error.contains("was begun by another build of baudbot, whose runs differ from this one's")
+            && error.contains(&format!("(`{other}`, and not `{own}`)"))
+            && error.contains("--fresh"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_fresh_sweep_that_is_refused_deletes_nothing_and_one_that_is_done_deletes_all() {
+    let (small, out, _) = two_runs("fresh");
+    let all = || ["rows.jsonl", "rows.csv", "rows.parquet", "summary.txt", "collisions.svg"];
+    let before = all().map(|name| read(&out, name));
+    let mut long = small;
+    long.seeds = crate::Seeds::From(1, 1_000_000);
+    let fresh = || Options { fresh: true, ..options(&out) };
+    let error = sweep(&long, &Options { confirmed: false, ..fresh() }).unwrap_err().to_string();
+    assert!(error.contains("say --yes"), "{error}");
+    assert!(all().map(|name| read(&out, name)) == before, "it is gone");
+    assert!(!out.join(".rows.jsonl.tmp").exists());
+    let stop = AtomicBool::new(false);
+    let progress = |done, _| stop.store(done > 20, Ordering::Relaxed);
+    let swept = sweep(&long, &Options { stop: &stop, progress: &progress, ..fresh() }).unwrap();
+    assert!(swept.interrupted && swept.resumed == 0, "{swept:?}");
+    let left = all().map(|name| out.join(name).exists());
+    assert_eq!(left, [true, false, false, false, false]);
+    assert_eq!(run_until(&long, &out, 0).unwrap().resumed, swept.done);
+}
+
+#[test]
+fn a_search_that_takes_long_must_be_meant() {
+    let toml = "brain = \"constant\"\nseconds = 0.1\nseeds = 3000\n[success]\ncollisions_at_most = 0\n\
+        [[fields]]\nfield = \"brain.left\"\nlabel = \"left\"\nvalues = [0.1, 0.2, 0.3, 0.4]\n";
+    let mut experiment = experiment(toml).unwrap();
+    let workers = Workers { place: Place::Here, jobs: 2, name: "find".into() };
+    let look = |experiment: &Experiment, confirmed| {
+        find(experiment, "left", &workers, confirmed, &AtomicBool::new(false), &|_| {})
+    };
+    let error = look(&experiment, false).unwrap_err();
+    assert!(error.is_refusal());
+    let error = error.to_string();
+    assert!(error.starts_with("up to 12000 runs are to be done, which take about "), "{error}");
+    assert!(error.contains("say --yes"), "{error}");
+    experiment.seeds = crate::Seeds::From(1, 3);
+    assert_eq!(look(&experiment, false).unwrap(), look(&experiment, true).unwrap());
+}
+
+/// A server that is full of worlds, which are called `w0`, `w1` and so on.
+fn full_server(runtime: &tokio::runtime::Runtime) -> baudbot_server::Server {
+    use baudbot_server::{Server, WorldConfig};
+    let scenario = std::sync::Arc::new(baudbot_sim::Scenario::parse("step_ms = 10.0").unwrap());
+    let worlds = (0..1024).map(|i| WorldConfig::new(format!("w{i}"), scenario.clone()).paused(true));
+    let builder = worlds.fold(Server::builder(), |builder, world| builder.world(world));
+    let address = "127.0.0.1:0".parse().unwrap();
+    runtime.block_on(builder.listen(address).serve()).unwrap()
+}
+
+#[test]
+fn a_full_server_stops_a_sweep_which_goes_on_when_there_is_room_and_leaves_foreign_worlds_alone() {
+    use baudbot_proto::v1::control_service_client::ControlServiceClient;
+    use baudbot_proto::v1::{CreateWorldRequest, DeleteWorldRequest};
+    let (experiment, here, _) = two_runs("not-full");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let server = full_server(&runtime);
+    let address = server.addresses()[0].to_string();
+    let out = folder("full");
+    let there = || {
+        let options = Options { place: Place::Server(address.clone()), jobs: 1, ..options(&out) };
+        std::thread::scope(|scope| {
+            let sweep = scope.spawn(|| sweep(&experiment, &options));
+            // The server works only while this thread waits.
+            runtime.block_on(async {
+                while !sweep.is_finished() {
+                    tokio::time::sleep(std::time::Duration::from_millis(1)).await;
+                }
+            });
+            sweep.join().unwrap()
+        })
+    };
+    let error = there().unwrap_err();
+    assert!(matches!(&error, Error::Server(text) if text.contains("the server is full: ")), "{error}");
+    assert_eq!(read(&out, "rows.jsonl").iter().filter(|&&byte| byte == b'\n').count(), 1, "an error is kept");
+    let mut control = ControlServiceClient::new(runtime.block_on(server.channel()).unwrap());
+    let delete = |world: &str| DeleteWorldRequest { world: world.to_owned() };
+    let id = |out: &Path| String::from_utf8(read(out, ".lock")).unwrap();
+    // A world that a sweep left here when it was killed, and one of a sweep in another folder.
+    let world = |out: &Path| format!("{}-0", sweep::world_name(&id(out), out));
+    let (own, foreign) = (world(&out), world(&here));
+    assert_ne!(id(&out), id(&here));
+    for (i, world) in [&own, &foreign].into_iter().enumerate() {
+        runtime.block_on(control.delete_world(delete(&format!("w{i}")))).unwrap();
+        let (world, scenario_toml) = (world.clone(), "step_ms = 10.0".to_owned());
+        let request = CreateWorldRequest { world, scenario_toml, paused: true, ..Default::default() };
+        runtime.block_on(control.create_world(request)).unwrap();
+    }
+    runtime.block_on(control.delete_world(delete("w7"))).unwrap();
+    assert_eq!(there().unwrap().done, 2);
+    assert!(read(&out, "rows.csv") == read(&here, "rows.csv"));
+    assert!(runtime.block_on(control.delete_world(delete(&own))).is_err(), "it is left over");
+    runtime.block_on(control.delete_world(delete(&foreign))).expect("it is not ours to delete");
+    runtime.block_on(server.shutdown());
+}
+
+#[test]
+fn a_folder_keeps_its_id_and_a_lock_of_something_else_is_left_alone() {
+    let (experiment, out, _) = two_runs("id");
+    let lock = out.join(".lock");
+    let id = read(&out, ".lock");
+    run(&experiment, &out).unwrap();
+    assert!(read(&out, ".lock") == id && id.len() == 16, "{id:?}");
+    std::fs::write(&lock, &id[..7]).unwrap();
+    run(&experiment, &out).unwrap();
+    assert!(read(&out, ".lock").len() == 16 && read(&out, ".lock") != id);
+    std::fs::write(&lock, "pid 7").unwrap();
+    let error = run(&experiment, &out).unwrap_err().to_string();
+    assert!(error.contains(".lock is of no sweep; choose another place"), "{error}");
+    assert_eq!(read(&out, ".lock"), b"pid 7");
 }

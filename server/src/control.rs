@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
-use baudbot_sim::budget::RobotBudget;
+use baudbot_sim::budget::{Allowance, RobotBudget};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::scenario::ScenarioError;
 use baudbot_sim::{Override, Scenario};
+use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 
 use crate::convert;
@@ -70,6 +71,29 @@ fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotS
         )));
     }
     Ok(chosen)
+}
+
+/// Most budgets that are computed at a time, by all servers of the process: each takes a core for seconds.
+const BUDGETS_AT_A_TIME: usize = 2;
+
+static BUDGETS: Semaphore = Semaphore::const_new(BUDGETS_AT_A_TIME);
+
+fn budget_permit() -> Result<SemaphorePermit<'static>, Status> {
+    let busy = || {
+        Status::resource_exhausted(format!(
+            "{BUDGETS_AT_A_TIME} budgets are being computed, which is the limit; ask again in some seconds"
+        ))
+    };
+    BUDGETS.try_acquire().map_err(|_| busy())
+}
+
+/// The budgets of the robots that are asked for, all within one allowance.
+fn budgets(scenario: &Scenario, names: &[String]) -> Result<Response<v1::GetBudgetResponse>, Status> {
+    let mut allowance = Allowance::of_a_call();
+    let robots = chosen(scenario, names)?.into_iter();
+    let budgets: Vec<_> = robots.map(|spec| RobotBudget::within(scenario, spec, &mut allowance)).collect();
+    let robots = budgets.into_iter().map(convert::robot_budget).collect();
+    Ok(Response::new(v1::GetBudgetResponse { robots }))
 }
 
 #[tonic::async_trait]
@@ -204,16 +228,35 @@ impl ControlService for Control {
             }
             Some(Given::ScenarioToml(toml)) => (None, toml),
         };
+        let permit = budget_permit()?;
         let work = move || {
+            // Kept until the work is done, even if nobody waits for it any more.
+            let _permit = permit;
             let scenario = match &world {
                 Some(world) => Arc::clone(world.scenario()),
                 None => parse_scenario(&toml, &overrides)?.into(),
             };
-            let robots = chosen(&scenario, &robots)?.into_iter();
-            let robots = robots.map(|spec| convert::robot_budget(RobotBudget::of(&scenario, spec))).collect();
-            Ok(v1::GetBudgetResponse { robots })
+            budgets(&scenario, &robots)
         };
         let response = tokio::task::spawn_blocking(work).await;
-        response.map_err(|error| Status::internal(error.to_string()))?.map(Response::new)
+        response.map_err(|error| Status::internal(error.to_string()))?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_third_budget_at_a_time_is_refused_until_another_is_done() {
+        let first = budget_permit().unwrap();
+        let _second = budget_permit().unwrap();
+        let refused = budget_permit().unwrap_err();
+        assert!(
+            refused.code() == Code::ResourceExhausted && refused.message().contains("2 budgets"),
+            "{refused:?}"
+        );
+        drop(first);
+        assert!(budget_permit().is_ok());
     }
 }

@@ -35,6 +35,8 @@ struct Session {
     deliveries: mpsc::Sender<Delivery>,
     /// Number of the last Turn that it was given.
     last_turn: u64,
+    /// The numbers of the last Turns that it was given, and their ticks.
+    given: VecDeque<(u64, u64)>,
     /// In lockstep, the numbers of the Turns that it has not answered, oldest first.
     open: VecDeque<u64>,
     /// The last Turn before a reset, or a change of pace: answers to it and to earlier ones are thrown away.
@@ -112,6 +114,7 @@ impl Sessions {
             robots: robots.clone(),
             deliveries,
             last_turn: 0,
+            given: VecDeque::new(),
             open: VecDeque::new(),
             void_turn: 0,
             late: false,
@@ -194,6 +197,12 @@ impl Sessions {
         if turn != 0 && turn <= session.void_turn { Answer::Void } else { Answer::Unasked }
     }
 
+    /// The tick of the Turn of this number, if it is not too long ago.
+    pub(crate) fn tick_of(&self, session: u64, turn: u64) -> Option<u64> {
+        let given = &self.by_number.get(&session)?.given;
+        given.iter().rev().find(|(number, _)| *number == turn).map(|(_, tick)| *tick)
+    }
+
     /// The world is at another time, or at another pace: Turns up to now are void, and no answer is owed.
     pub(crate) fn void_turns(&mut self) {
         self.forget_unanswered();
@@ -271,6 +280,10 @@ impl Session {
         let room = self.deliveries.capacity() > RESERVED && self.open.len() < MAX_OPEN;
         if room && self.deliveries.try_send(delivery).is_ok() {
             self.last_turn = number;
+            if self.given.len() == MAX_OPEN {
+                self.given.pop_front();
+            }
+            self.given.push_back((number, world.tick()));
             self.open.extend(lockstep.then_some(number));
         } else {
             for &robot in &self.robots {

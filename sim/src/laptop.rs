@@ -1,5 +1,6 @@
 //! The laptop's end of the link: what has arrived, decoded, with the state of readability.
 
+use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use baudbot_wire::khepera::Answer;
@@ -44,10 +45,16 @@ pub(crate) struct Laptop {
     sampled: Vec<Option<SimTime>>,
     /// Began the control cycle of the newest message of the microcontroller's since the brain's last step.
     heard: Option<SimTime>,
-    /// Began the control cycle that the brain is about to answer.
-    pub(crate) answering: Option<SimTime>,
+    /// The ticks of the brain's last steps, and when the control cycles began that it had to answer in them.
+    asked: VecDeque<(u64, Option<SimTime>)>,
+    /// In which tick the step was that is answered now; `None` if it is the last one.
+    pub(crate) answers_tick: Option<u64>,
+    /// Whether it has been answered.
+    has_answered: bool,
     /// Whether a message had come before the brain's last step.
     pub(crate) informed: bool,
+    /// Whether there is a brain, and it has taken the step.
+    pub(crate) has_stepped: bool,
 }
 
 /// How old one sensor's readings were when the brain got them.
@@ -71,8 +78,11 @@ impl Laptop {
             freshness: alloc::vec![Freshness::default(); sensors],
             sampled: alloc::vec![None; sensors],
             heard: None,
-            answering: None,
+            asked: VecDeque::new(),
+            answers_tick: None,
+            has_answered: false,
             informed: false,
+            has_stepped: false,
         }
     }
 
@@ -143,11 +153,32 @@ impl Laptop {
         }
     }
 
-    /// The brain steps at `at`: it has now been given all that arrived.
-    pub(crate) fn hand_over(&mut self, at: SimTime) {
+    /// When the control cycle began that what is written now answers.
+    pub(crate) fn answer(&mut self) -> Option<SimTime> {
+        match self.answers_tick {
+            None => {
+                self.has_answered = true;
+                self.asked.back()?.1
+            }
+            Some(tick) => self.asked.iter().find(|(other, _)| *other == tick)?.1,
+        }
+    }
+
+    /// When the control cycle began that the brain's step has not answered, now that it is over.
+    pub(crate) fn left_unanswered(&mut self) -> Option<SimTime> {
+        self.answers_tick = None;
+        if self.has_answered { None } else { self.asked.back()?.1 }
+    }
+
+    /// The brain steps at `at`, in this tick: it has now been given all that arrived.
+    pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime) {
+        if self.asked.len() == MAX_ASKED {
+            self.asked.pop_front();
+        }
+        self.asked.push_back((tick, self.heard.take()));
+        self.has_answered = false;
         self.unread.clear();
         self.informed = core::mem::take(&mut self.has_message);
-        self.answering = self.heard.take();
         self.busy_until = at;
         for (i, reading) in self.readings.iter_mut().enumerate() {
             if !core::mem::take(&mut reading.readable) {
@@ -212,3 +243,6 @@ fn note_all(readings: &mut [Reading], layout: &Layout<'_>, mut values: impl Iter
     }
     Noted::Readings
 }
+
+/// Most steps of the brain that it may answer later than in their ticks, and be known to.
+const MAX_ASKED: usize = 64;

@@ -82,7 +82,10 @@ pub(crate) struct Sent {
 /// What a byte from the laptop completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Taken {
-    Nothing,
+    /// Nothing yet.
+    Part,
+    /// A message that made no sense.
+    Nonsense,
     Poll,
     /// A command, which is obeyed at this instant.
     Command(SimTime),
@@ -161,18 +164,23 @@ impl Microcontroller {
         running.measure(sensor, clock, at, Parts { memory, noise, stream }, sticks);
     }
 
+    /// When the measurement of sensor `i` began that comes to its output next.
+    pub(crate) fn pending_since(&self, i: usize) -> Option<SimTime> {
+        self.channels[i].running.as_ref()?.pending_since()
+    }
+
     /// What the device of sensor `i` has measured comes to its output. If it has a cable of its own, the answer
-    /// is what it sends: the values, and when they were measured.
-    pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime)> {
+    /// is what it sends: the values, when they were measured as it tells it, and when they truly were.
+    pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime, SimTime)> {
         let channel = &mut self.channels[i];
         let held = channel.running.as_mut()?.output()?;
         if sensor.is_on_wire() {
             return None;
         }
         channel.values.clone_from(&held.values);
-        (channel.sampled_at, channel.measured_at) = (held.measured_at, held.measured_at);
+        (channel.sampled_at, channel.measured_at) = (held.measured_at, held.truly_at);
         channel.samples += 1;
-        Some((&channel.values, channel.measured_at))
+        Some((&channel.values, channel.sampled_at, channel.measured_at))
     }
 
     /// A measurement of sensor `i` could not be sent, because its cable was still taken.
@@ -263,7 +271,7 @@ impl Microcontroller {
         downlink.overrun(&spec.link, now);
         self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
         let arrival = downlink.take(&spec.link, now);
-        arrival.map_or(Taken::Nothing, |arrival| self.receive_byte(spec, arrival, &mut downlink.counters))
+        arrival.map_or(Taken::Part, |arrival| self.receive_byte(spec, arrival, &mut downlink.counters))
     }
 
     fn receive_byte(
@@ -273,23 +281,21 @@ impl Microcontroller {
         counters: &mut LineCounters,
     ) -> Taken {
         let before = self.decoder.cut_short();
-        let request = match self.decoder.push(byte, arrived) {
-            Found::Nothing => None,
+        let found = match self.decoder.push(byte, arrived) {
+            Found::Nothing => Err(Taken::Part),
             Found::BadFrame => {
                 counters.bad_frames += 1;
-                None
+                Err(Taken::Nonsense)
             }
             Found::Payload(payload) => {
-                let request = Request::parse(spec, payload);
-                match request {
-                    Some(_) => counters.messages += 1,
-                    None => counters.bad_messages += 1,
-                }
-                request
+                Request::parse(spec, payload).ok_or(Taken::Nonsense).inspect_err(|_| {
+                    counters.bad_messages += 1;
+                })
             }
         };
         counters.bad_messages += self.decoder.cut_short() - before;
-        request.map_or(Taken::Nothing, |request| self.obey(spec, request))
+        counters.messages += u64::from(found.is_ok());
+        found.map_or_else(|taken| taken, |request| self.obey(spec, request))
     }
 
     fn obey(&mut self, spec: &RobotSpec, request: Request) -> Taken {

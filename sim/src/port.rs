@@ -82,14 +82,14 @@ impl PortState {
         port: &Port,
         i: usize,
         now: SimTime,
-        (values, measured_at): (&[f64], SimTime),
+        (values, measured_at, truly_at): (&[f64], SimTime, SimTime),
     ) -> Option<(SimTime, SimTime)> {
         if self.line.waiting(&port.link, now) > 0 {
             return None;
         }
         let bytes = port.format.write(&sensor.device, self.sequence, measured_at, values);
         self.sequence = self.sequence.wrapping_add(1);
-        let message = Message { sampled: vec![(i, measured_at)], ..Message::default() };
+        let message = Message { sampled: vec![(i, truly_at)], ..Message::default() };
         Some(self.line.send_message(&port.link, now, &bytes, message))
     }
 

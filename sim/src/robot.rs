@@ -94,6 +94,17 @@ impl RobotSpec {
         self.faults.iter().any(|fault| is_it(fault) && fault.when.until(at).is_some())
     }
 
+    /// From when on its brain does not stall, from `from` on and as far as `end`.
+    pub(crate) fn awake_from(&self, from: SimTime, end: SimTime) -> SimTime {
+        let mut from = from;
+        while from < end
+            && let Some(until) = self.stalls().filter_map(|when| when.until(from)).max()
+        {
+            from = until;
+        }
+        from
+    }
+
     /// The faults that make its brain stall.
     pub(crate) fn stalls(&self) -> impl Iterator<Item = When> {
         self.faults.iter().filter(|fault| fault.kind == FaultKind::Brain).map(|fault| fault.when)

@@ -153,7 +153,7 @@ impl World {
     /// difference to anything else.
     pub fn keep_timeline(&mut self, events: usize) {
         for robot in &mut self.state.robots {
-            robot.recorder = Recorder::with_room(events);
+            robot.recorder = Recorder::new(events, robot.lost());
         }
     }
 
@@ -185,22 +185,27 @@ impl World {
         let moment = Moment { scene: &scene, noise: self.scenario.noise, start: now, end };
         robot.note_faults(spec, now, end);
         let mut earliest = robot.laptop.busy_until.max(now);
-        while let Some(until) = spec.stalls().filter_map(|when| when.until(earliest)).max()
-            && earliest < end
-        {
-            earliest = until;
-        }
-        if ended || earliest >= end {
+        if ended {
             robot.advance(spec, &moment, now + 1, None);
             return;
         }
-        let stalls = spec.stalls().filter_map(|when| when.begins_within(earliest, end)).min();
-        let step = robot.advance(spec, &moment, stalls.map_or(end, |(from, _)| from), Some(earliest));
-        if step.is_none() && stalls.is_some() {
-            return;
-        }
+        // The brain steps when a message has come, in the first stretch of time in which it does not stall.
+        let step = loop {
+            earliest = spec.awake_from(earliest, end);
+            if earliest >= end {
+                robot.advance(spec, &moment, now + 1, None);
+                return;
+            }
+            let stall = spec.stalls().filter_map(|when| when.begins_within(earliest, end + 1)).min();
+            let until = stall.map_or(end, |(from, _)| from);
+            match (robot.advance(spec, &moment, until.min(end), Some(earliest)), stall) {
+                (Some(at), _) => break at,
+                (None, None) => break end,
+                (None, Some((_, until))) => earliest = until,
+            }
+        };
         robot.counters.turns += 1;
-        self.state.turns.push(Turn { robot: own, at: step.unwrap_or(end) });
+        self.state.turns.push(Turn { robot: own, at: step });
     }
 
     /// Second half of a tick: what the brains wrote travels the links, the microcontrollers obey what has
@@ -226,9 +231,17 @@ impl World {
         self.look_for_the_end();
     }
 
+    /// What this robot's brain writes in the tick that is begun does not answer its step in this tick but in that one:
+    /// in real time a brain may be late. It matters to [`Cycles`](crate::robot::Cycles) alone.
+    pub fn answers(&mut self, robot: usize, tick: u64) {
+        if let Some(robot) = self.state.robots.get_mut(robot) {
+            robot.laptop.answers_tick = Some(tick).filter(|_| tick != self.state.tick);
+        }
+    }
+
     fn hand_over(&mut self) {
         for turn in &self.state.turns {
-            self.state.robots[turn.robot].hand_over(turn.at);
+            self.state.robots[turn.robot].hand_over(self.state.tick, turn.at);
         }
     }
 

@@ -4,6 +4,8 @@ mod common;
 
 #[path = "budget/examples.rs"]
 mod examples;
+#[path = "budget/limits.rs"]
+mod limits;
 #[path = "budget/mends.rs"]
 mod mends;
 #[path = "budget/random.rs"]

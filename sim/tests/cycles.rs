@@ -158,3 +158,114 @@ fn a_snapshot_goes_back_to_its_cycles() {
     assert_eq!(world.hash(), copy.hash());
     assert_eq!(copy.robot(0).cycles().kept, 20);
 }
+
+/// Counted cycles, and messages that were framed.
+fn accounts(world: &World) -> (u64, u64) {
+    let cycles = world.robot(0).cycles();
+    let framed = events(world, |what| matches!(what, What::Frame { .. })).len() as u64;
+    (cycles.kept + cycles.late + cycles.unanswered + cycles.under_way(), framed)
+}
+
+#[test]
+fn every_message_is_counted_once_however_often_they_come_and_whatever_is_answered() {
+    for period_ms in [1, 2, 7, 20, 50] {
+        for deadline in ["", "deadline_ms = 3", "deadline_ms = 100, on_late = \"stop\""] {
+            for link in ["baud = 9600", "baud = 115200", "baud = 1200, adapter = { kind = \"bluetooth\" }"] {
+                let toml = robot(deadline, "")
+                    .replace("period_ms = 20.0, phase", &format!("period_ms = {period_ms}, phase"));
+                let mut world = world(&toml.replace("baud = 9600", link));
+                world.keep_timeline(100_000);
+                drive(&mut world, 100, |at| at.as_ns() % 3 != 0);
+                let (counted, framed) = accounts(&world);
+                assert_eq!(
+                    counted,
+                    framed,
+                    "{period_ms} ms, {deadline}, {link}: {:?}",
+                    world.robot(0).cycles()
+                );
+                let cycles = world.robot(0).cycles();
+                assert!(cycles.durations.count() <= cycles.kept + cycles.late, "{cycles:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_silent_brain_is_late_however_many_messages_are_under_way() {
+    let toml = robot("deadline_ms = 100, on_late = \"end\"", "")
+        .replace("period_ms = 20.0, phase", "period_ms = 1.0, phase");
+    let mut world = world(&toml);
+    drive(&mut world, 100, |_| false);
+    assert_eq!(world.ending(), Some(&Ending::DeadlineMissed("r".into())));
+    assert!((100..=140).contains(&(world.time().as_ns() / 1_000_000)), "{}", world.time());
+}
+
+#[test]
+fn a_run_does_not_end_before_the_deadline_is_over() {
+    let toml =
+        robot("deadline_ms = 45, on_late = \"end\"", "").replace("obeying_us = 20", "obeying_us = 60000");
+    let mut world = world(&toml);
+    drive(&mut world, 100, |_| true);
+    assert_eq!(world.ending(), Some(&Ending::DeadlineMissed("r".into())));
+    assert!(world.time().as_ns() >= 45_000_000, "{}", world.time());
+    assert_eq!(events(&world, |what| *what == What::Late)[0].start.as_ns(), 400_000 + 45_000_000);
+}
+
+#[test]
+fn an_old_command_does_not_start_motors_that_were_stopped_after_it() {
+    // One substep a tick: what was obeyed in the last tick and what was late in it are found at the same time.
+    let toml = robot("deadline_ms = 4.7, on_late = \"stop\"", "").replace("substeps = 20", "substeps = 1");
+    let mut world = world(&toml.replace("period_ms = 20.0, phase", "period_ms = 10.0, phase"));
+    drive(&mut world, 50, |_| true);
+    // The second message of a tick finds its brain done with it, and is late.
+    let robot = world.robot(0);
+    assert!(robot.cycles().late >= 49, "{:?}", robot.cycles());
+    assert_eq!(robot.signals().left, 0.0);
+}
+
+#[test]
+fn a_command_in_two_pieces_answers_the_same_message() {
+    let mut world = world(&robot("", ""));
+    for _ in 0..50 {
+        let turns = world.begin().to_vec();
+        let bytes = command(world.robot(0).spec(), 1.0, 1.0);
+        let (first, second) = bytes.split_at(1);
+        let input = |bytes| Input { robot: 0, at: turns[0].at, bytes };
+        world.finish(&[input(first), input(second)]);
+    }
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late, cycles.unanswered), (50, 0, 0));
+}
+
+#[test]
+fn two_commands_in_one_write_answer_one_message() {
+    let mut world = world(&robot("", ""));
+    for _ in 0..50 {
+        let turns = world.begin().to_vec();
+        let bytes =
+            [command(world.robot(0).spec(), 1.0, 1.0), command(world.robot(0).spec(), 0.0, 0.0)].concat();
+        world.finish(&[Input { robot: 0, at: turns[0].at, bytes: &bytes }]);
+    }
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late, cycles.unanswered), (50, 0, 0));
+    assert_eq!(cycles.durations.max_ns(), Some(COST_NS));
+}
+
+#[test]
+fn an_answer_that_comes_a_tick_late_is_late() {
+    let mut world = world(&robot("", ""));
+    let mut last = None;
+    for tick in 0..50 {
+        let turns = world.begin().to_vec();
+        let bytes = command(world.robot(0).spec(), 1.0, 1.0);
+        // As a server in real time does: what comes now answers the last Turn, and is handed over now.
+        if let Some(answered) = last.replace(tick) {
+            world.answers(0, answered);
+        }
+        let bytes: &[u8] = if tick == 0 { &[] } else { &bytes };
+        world.finish(&[Input { robot: 0, at: turns[0].at, bytes }]);
+    }
+    let cycles = world.robot(0).cycles();
+    assert_eq!((cycles.kept, cycles.late), (0, 49));
+    assert_eq!(cycles.durations.min_ns(), Some(COST_NS + 20_000_000));
+}

@@ -139,3 +139,27 @@ fn what_makes_no_sense_is_refused_with_its_path() {
     let late = refusal(&format!("[[robots]]\nname = \"r\"\n{BODY}\nbrain = {{ on_late = \"stop\" }}"));
     assert!(late.contains("robots[0].brain.on_late: needs a deadline: deadline_ms"), "{late}");
 }
+
+#[test]
+fn a_stall_that_is_short_delays_a_step_by_no_more_than_itself() {
+    let stall = "{ kind = \"brain\", from_s = 0.10003, for_s = 0.002 }";
+    let mut world = world(&robot("kind = \"usb\"", stall));
+    for _ in 0..10 {
+        world.begin();
+        world.finish(&[]);
+    }
+    let undisturbed_ns = 101_000_000;
+    assert_eq!(world.begin()[0].at.as_ns(), undisturbed_ns + 1_030_000, "at the stall's end");
+}
+
+#[test]
+fn a_brain_takes_no_step_at_the_instant_at_which_a_stall_begins() {
+    let mut world = world(&robot(UART, "{ kind = \"brain\", from_s = 0.05, for_s = 0.03 }"));
+    let mut steps = Vec::new();
+    for _ in 0..12 {
+        steps.extend(world.begin().iter().map(|turn| turn.at.as_ns()));
+        world.finish(&[]);
+    }
+    assert!(steps.iter().all(|ns| !(50_000_000..80_000_000).contains(ns)), "{steps:?}");
+    assert!(steps.iter().any(|ns| *ns >= 80_000_000));
+}

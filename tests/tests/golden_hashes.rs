@@ -6,12 +6,12 @@ use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
-    ("arsim", "constant:left=0.7,right=-0.7", 0xe9e1dceacabed7de),
-    ("arsim", "navigate", 0x83b9f37e8f20112c),
-    ("wander", "avoid", 0x23026d0b167fb1be),
-    ("wander", "wander:forward=0.3", 0x814206df273bbc5a),
-    ("khepera", "avoid", 0xe742e8cf7664362c),
-    ("crowd", "avoid", 0x79218c010eb83df9),
+    ("arsim", "constant:left=0.7,right=-0.7", 0x6aac6e1bf23d609f),
+    ("arsim", "navigate", 0xd14ff56530303bb5),
+    ("wander", "avoid", 0x986b919e077e9243),
+    ("wander", "wander:forward=0.3", 0x0d72b6b05680e68d),
+    ("khepera", "avoid", 0x9653797cff2d5949),
+    ("crowd", "avoid", 0xa2f16396467c5cc9),
 ];
 
 #[test]

@@ -20,19 +20,20 @@ pub(super) fn robot(robot: &RobotBudget) -> String {
 
 /// The verdict in words.
 fn verdict(robot: &RobotBudget) -> String {
-    let step = duration(robot.deadline_ns as f64);
+    let which = if robot.deadline_ns == robot.step_ns { "step" } else { "deadline" };
+    let step = format!("{which} of {}", duration(robot.deadline_ns as f64));
     let total = robot.cycle.total;
     let times = format!("{} typical, {}", span_ms(total.typical_ns), worst(total));
     match (robot.verdict, total.typical_ns) {
-        (Verdict::Keeps, _) => format!("keeps its step of {step}: {times}"),
-        (Verdict::Sometimes, _) => format!("mostly keeps its step of {step}: {times}"),
-        (Verdict::Misses, None) => format!("DOES NOT keep its step of {step}: no cycle is ever completed"),
+        (Verdict::Keeps, _) => format!("keeps its {step}: {times}"),
+        (Verdict::Sometimes, _) => format!("mostly keeps its {step}: {times}"),
+        (Verdict::Misses, None) => format!("DOES NOT keep its {step}: no cycle is ever completed"),
         (Verdict::Misses, Some(typical)) if typical > robot.deadline_ns => {
             let (needs, blame) = (duration(typical as f64), &robot.bottleneck);
-            format!("DOES NOT keep its step of {step}: needs {needs}; the bottleneck is {blame}")
+            format!("DOES NOT keep its {step}: needs {needs}; the bottleneck is {blame}")
         }
         (Verdict::Misses, Some(_)) => {
-            format!("DOES NOT keep its step of {step}: {times}, but {} is overloaded", robot.bottleneck)
+            format!("DOES NOT keep its {step}: {times}, but {} is overloaded", robot.bottleneck)
         }
     }
 }
@@ -141,9 +142,13 @@ fn chip(robot: &RobotBudget) -> String {
 
 fn mends(robot: &RobotBudget) -> String {
     let mut text = String::new();
+    if let Some(left_out) = &robot.left_out {
+        let _ = writeln!(text, "  {left_out}");
+    }
     if robot.mends.is_empty() {
+        let known = if robot.left_out.is_some() { "was tried" } else { "is known here" };
         if robot.verdict == Verdict::Misses {
-            text += "  no change that is known here mends that\n";
+            let _ = writeln!(text, "  no change that {known} mends that");
         }
         return text;
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use baudbot_sim::SimTime;
+use baudbot_sim::firmware::Protocol;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
@@ -26,30 +27,28 @@ pub(super) struct Cycle {
 
 impl Cycle {
     /// The one with this number among a robot's events since the start of the run. Cycles go by the messages that the
-    /// microcontroller lays out, on board by the brain's steps.
+    /// microcontroller lays out.
     pub(super) fn find(robot: &RobotSpec, events: &[Event], number: u32) -> Option<Self> {
         let nth = usize::try_from(number.checked_sub(1)?).ok()?;
-        let anchors = || events.iter().enumerate().filter(|(_, event)| is_anchor(event.what, robot));
+        let anchors = || events.iter().enumerate().filter(|(_, event)| is_anchor(event.what));
         let (anchor, event) = anchors().nth(nth)?;
         let begin = event.start;
         let previous = nth.checked_sub(1).and_then(|before| anchors().nth(before));
-        let after = previous.map_or(SimTime::ZERO, |(_, event)| event.start);
+        let after = previous.map_or(0, |(before, _)| before);
         let events_of = BTreeSet::from([anchor]);
         let mut found =
             Self { number, start: begin, begun: begin, obeyed: None, act: None, events: events_of };
         let mut reading_ns = 0;
-        for (i, read) in events.iter().enumerate() {
-            if matches!(read.what, What::Acquire { .. }) && (after..begin).contains(&read.start) {
+        // Events are noted in the order in which the microcontroller does its tasks, also those that take no time.
+        for (i, read) in events.iter().enumerate().take(anchor).skip(after) {
+            if matches!(read.what, What::Acquire { .. }) {
                 found.start = found.start.min(read.start);
                 reading_ns += read.end.since(read.start);
                 found.events.insert(i);
             }
         }
         found.begun = SimTime::from_ns(begin.as_ns().saturating_sub(reading_ns));
-        match robot.is_onboard() {
-            true => found.answer_on_board(events, event.end),
-            false => found.follow(events, event, nth),
-        }
+        found.follow(robot, events, event, nth);
         Some(found)
     }
 
@@ -66,7 +65,7 @@ impl Cycle {
     }
 
     /// Follows the n-th message, from 0 on, to the brain and the answer to the actuators, as far as they get.
-    fn follow(&mut self, events: &[Event], frame: &Event, nth: usize) {
+    fn follow(&mut self, robot: &RobotSpec, events: &[Event], frame: &Event, nth: usize) {
         let (start, end) = (frame.start, frame.end);
         self.take(events, |event| event.what == What::Block && (start..=end).contains(&event.start));
         let What::Frame { bytes } = frame.what else { return };
@@ -77,10 +76,12 @@ impl Cycle {
         let Some(thought) = self.take(events, think) else { return };
         let down = |event: &Event| matches!(event.what, What::Down { .. }) && event.start >= thought;
         let Some(down) = self.take(events, down) else { return };
-        let Some(obeyed) = self.take(events, |event| event.what == What::Obey && event.end >= down) else {
+        // Who asks for readings besides is obeyed before all that was written has come.
+        let least = if robot.firmware.protocol == Protocol::Khepera { thought + 1 } else { down };
+        let Some(obeyed) = self.take(events, |event| event.what == What::Obey && event.end >= least) else {
             return;
         };
-        self.obeyed = Some(obeyed);
+        self.obeyed = Some(robot.drive.motor.takes_effect(obeyed));
         self.act = self.take(events, |event| event.what == What::Act && event.start >= obeyed);
     }
 
@@ -93,14 +94,6 @@ impl Cycle {
         self.take(events, |event| can_be(event) && own.is_none_or(|own| own == *event))
     }
 
-    /// What the brain thought on board is obeyed at once.
-    fn answer_on_board(&mut self, events: &[Event], thought: SimTime) {
-        let obeyed = self.take(events, |event| event.what == What::Obey && event.start == thought);
-        let obeyed = obeyed.unwrap_or(thought);
-        self.obeyed = Some(obeyed);
-        self.act = self.take(events, |event| event.what == What::Act && event.start >= obeyed);
-    }
-
     /// Takes the first event of a kind, by its begin, as one of its own; when that is over.
     fn take(&mut self, events: &[Event], is_it: impl Fn(&Event) -> bool) -> Option<SimTime> {
         let found = events.iter().enumerate().filter(|(_, event)| is_it(event));
@@ -111,11 +104,8 @@ impl Cycle {
 }
 
 /// Whether an event is the one by which cycles are counted.
-pub(super) fn is_anchor(what: What, robot: &RobotSpec) -> bool {
-    match robot.is_onboard() {
-        true => matches!(what, What::Think { .. }),
-        false => matches!(what, What::Frame { .. }),
-    }
+pub(super) fn is_anchor(what: What) -> bool {
+    matches!(what, What::Frame { .. })
 }
 
 #[cfg(test)]
@@ -154,28 +144,6 @@ mod tests {
         ];
         let cycle = Cycle::find(&scenario.robots()[0], &events, 3).unwrap();
         assert_eq!(cycle.events, BTreeSet::from([2, 5]));
-    }
-
-    #[test]
-    fn on_board_a_cycle_is_a_step_of_the_brain() {
-        let scenario = baudbot_sim::Scenario::parse(
-            "[[robots]]\nname = \"r\"\nlink = { kind = \"onboard\" }\n\
-             body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }",
-        );
-        let event =
-            |start, end, what| Event { start: SimTime::from_ns(start), end: SimTime::from_ns(end), what };
-        let think = What::Think { informed: true };
-        let events = [
-            event(0, 2, What::Acquire { sensor: 0 }),
-            event(2, 9, think),
-            event(9, 9, What::Act),
-            event(10, 12, What::Acquire { sensor: 0 }),
-            event(12, 19, think),
-            event(20, 20, What::Act),
-        ];
-        let cycle = Cycle::find(&scenario.unwrap().robots()[0], &events, 2).unwrap();
-        assert_eq!((cycle.start.as_ns(), cycle.act), (10, Some(SimTime::from_ns(20))));
-        assert_eq!(cycle.events, BTreeSet::from([3, 4, 5]));
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let place = place(args.robot.as_deref(), scenario.robots())?;
     let robot = &scenario.robots()[place];
     let wanted = wanted(args);
-    let events = wanted.record(robot, scenario.step_ns(), world(scenario.clone(), &jobs, place)?)?;
+    let events = wanted.record(scenario.step_ns(), world(scenario.clone(), &jobs, place)?)?;
     let window = wanted.window(robot, &events, scenario.step_ns());
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);

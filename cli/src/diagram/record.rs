@@ -41,7 +41,6 @@ impl Wanted {
     /// order in which they came.
     pub(super) fn record(
         &self,
-        robot: &RobotSpec,
         step_ns: u64,
         mut tick: impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>,
     ) -> anyhow::Result<Vec<Event>> {
@@ -55,7 +54,7 @@ impl Wanted {
             let Some(now) = tick(&mut fresh)? else { break };
             now_ns = now;
             for event in fresh.drain(..) {
-                if is_anchor(event.what, robot) {
+                if is_anchor(event.what) {
                     cycles += 1;
                     // It is answered later, and what is noted after its end comes later still.
                     if Some(cycles) == self.cycle() {
@@ -169,7 +168,7 @@ mod tests {
 
     /// What is recorded of a run of so many cycles of 20 ms, and when that stopped, in ms.
     fn recorded(wanted: Wanted, cycles: u64) -> (anyhow::Result<Vec<Event>>, u64) {
-        let (scenario, events) = demo::wander(0, cycles);
+        let (_, events) = demo::wander(0, cycles);
         let mut events = events.into_iter().peekable();
         let mut now_ns = 0;
         let tick = |fresh: &mut Vec<Event>| {
@@ -182,7 +181,7 @@ mod tests {
             }
             Ok(Some(now_ns))
         };
-        let events = wanted.record(&scenario.robots()[0], STEP_NS, tick);
+        let events = wanted.record(STEP_NS, tick);
         (events, now_ns / 1_000_000)
     }
 

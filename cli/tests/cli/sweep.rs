@@ -197,6 +197,39 @@ fn what_takes_long_must_be_meant() {
     assert_eq!(code, 2);
     assert!(err.contains(" runs are to be done, which take about ") && err.contains("--yes"), "{err}");
     assert!(rows(&to) < 100, "they were run all the same");
+    let (code, stdout, err) = baudbot(&["sweep", &path, "--find", "baud"]);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    // Four limits of at most six values each.
+    assert!(err.starts_with("error: up to 12000000 runs are to be done, which take about "), "{err}");
+    assert!(err.contains("--yes"), "{err}");
+}
+
+#[test]
+fn a_fresh_sweep_that_is_not_meant_deletes_nothing() {
+    let path = experiment("fresh-long", &GRID.replace("seconds = 5.0", "seconds = 0.1"));
+    let to = out(&path, "out");
+    let before = table(&[&path], &to);
+    let fresh = ["sweep", &path, "--out", &to, "--fresh", "--seeds", "500000"];
+    let (code, _, err) = baudbot(&fresh);
+    assert_eq!(code, 2);
+    assert!(err.contains("--yes"), "{err}");
+    assert_eq!(table(&[&path], &to), before);
+    assert_eq!(rows(&to), 72);
+}
+
+#[test]
+fn a_table_and_a_trace_do_not_go_into_one_file() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let file = folder.join("both.out").to_str().unwrap().to_owned();
+    let _ = std::fs::remove_file(&file);
+    let (code, stdout, err) =
+        baudbot(&["run", "wander", "--ticks", "1", "--csv", &file, "--timeline", &file]);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    assert!(
+        err.starts_with(&format!("error: --csv {file} and --timeline {file} are the same file")),
+        "{err}"
+    );
+    assert!(!Path::new(&file).exists());
 }
 
 #[test]

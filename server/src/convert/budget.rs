@@ -17,6 +17,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         verdict,
         bottleneck,
         mends,
+        left_out,
     } = robot;
     v1::RobotBudget {
         robot,
@@ -32,6 +33,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         verdict: verdict_of(verdict).into(),
         bottleneck,
         mends: mends.into_iter().map(mend).collect(),
+        left_out: left_out.unwrap_or_default(),
     }
 }
 

@@ -70,6 +70,8 @@ struct Pending {
     robot: usize,
     at: SimTime,
     bytes: Vec<u8>,
+    /// The tick whose Turn it answers, if that is known.
+    tick: Option<u64>,
 }
 
 /// What the world does next.
@@ -223,6 +225,11 @@ impl Host {
         } else if self.pace.watchdog().is_some() {
             self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
         }
+        for pending in &self.inputs {
+            if let Some(tick) = pending.tick {
+                self.world.answers(pending.robot, tick);
+            }
+        }
         let inputs: Vec<Input<'_>> =
             self.inputs.iter().map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
         self.world.finish(&inputs);
@@ -320,12 +327,13 @@ impl Host {
             }
             (Answer::Due, _) | (Answer::Unasked, None) => {}
         }
+        let tick = self.sessions.tick_of(session, turn);
         for write in writes {
             let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
             let at = self.written_at(robot, write.thinking);
             let spec = &self.world.scenario().robots()[robot];
             let bytes = self.senders[robot].encode(spec, write.output);
-            self.inputs.push(Pending { robot, at, bytes });
+            self.inputs.push(Pending { robot, at, bytes, tick });
         }
         self.permits.push(permit);
     }

@@ -23,10 +23,9 @@ impl Robot {
                 other => other,
             }),
             Change::Baud(baud) => set_baud(&mut spec.link, baud),
-            Change::PortBaud(i, baud) => {
-                if let Some(port) = &mut spec.sensors[i].port {
-                    set_baud(&mut port.link, baud);
-                }
+            Change::PortBauds(baud) => {
+                let slow = self.slow_ports().into_iter();
+                slow.for_each(|(i, _)| set_port_baud(&mut spec.sensors[i], baud));
             }
             Change::NoAges => set_firmware(spec, Protocol::Framed { ages: false }, spec.firmware.mode),
             Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
@@ -64,6 +63,12 @@ fn set_adapter(link: &mut Link, to: impl Fn(Adapter) -> Adapter) {
 fn set_baud(link: &mut Link, to: u32) {
     if let Link::Uart(uart) = link {
         uart.baud = to;
+    }
+}
+
+fn set_port_baud(sensor: &mut Sensor, to: u32) {
+    if let Some(port) = &mut sensor.port {
+        set_baud(&mut port.link, to);
     }
 }
 

@@ -160,6 +160,9 @@ impl Fixed<'_> {
     }
 
     fn reason(&self, estimate: &Estimate) -> Option<&'static str> {
+        if self.plan.acknowledgement_bytes() > 0 {
+            return Some("the acknowledgement of a command may be in the way of readings");
+        }
         match estimate {
             Estimate { down: None, .. } if wire::radio(&self.plan.spec.link).is_none() => {
                 Some("commands come faster than the way down can carry them")

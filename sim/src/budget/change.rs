@@ -8,11 +8,12 @@ use alloc::vec::Vec;
 use baudbot_wire::Encoding;
 
 use super::report::Cost;
+use crate::fault::{Fault, FaultKind};
 use crate::firmware::{Firmware, Mode, Protocol};
 use crate::link::{Adapter, Link, Uart};
 use crate::microcontroller::Processor;
 use crate::presets::{Preset, PresetKind, presets};
-use crate::robot::RobotSpec;
+use crate::robot::{Deadline, OnLate, RobotSpec};
 use crate::sensor::{Device, Sensor};
 use crate::time::SECOND_NS;
 
@@ -23,8 +24,8 @@ pub(super) enum Change {
     Latency(u64),
     /// Bits a second.
     Baud(u32),
-    /// Bits a second of the cable of this sensor's own.
-    PortBaud(usize, u32),
+    /// Bits a second of the sensors' own cables that carry too little.
+    PortBauds(u32),
     /// Readings without their ages.
     NoAges,
     /// The notes' bare bytes.
@@ -56,7 +57,7 @@ pub(super) struct Robot {
 }
 
 /// Rates that serial ports have.
-const BAUDS: [u32; 15] = [
+pub(super) const BAUDS: [u32; 15] = [
     1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200, 230_400, 250_000, 460_800, 500_000, 750_000,
     921_600, 1_000_000,
 ];
@@ -64,19 +65,13 @@ const BAUDS: [u32; 15] = [
 impl Robot {
     /// Changes of each kind, the smallest first.
     pub(super) fn changes(&self) -> Vec<Vec<Change>> {
-        let mut kinds = alloc::vec![self.latencies(), self.bauds()];
-        kinds.extend(self.spec.ports.iter().map(|&i| self.port_bauds(i)));
-        kinds.extend([
-            self.ages(),
-            self.fewer_bits(),
-            self.bare(),
-            self.streams(),
-            self.steps(),
-            self.cables(),
-        ]);
-        kinds.extend([self.usb(), self.chips(), self.laptop(), self.drops()]);
-        kinds.retain(|kind| !kind.is_empty());
-        kinds
+        let [settings, rates, ports] = [self.latencies(), self.bauds(), self.port_bauds()];
+        let firmware = [self.ages(), self.fewer_bits(), self.bare(), self.streams()];
+        let [steps, adapters, usb] = [self.steps(), self.cables(), self.usb()];
+        let [chips, laptop, drops] = [self.chips(), self.laptop(), self.drops()];
+        let kinds = [settings, rates, ports].into_iter().chain(firmware);
+        let kinds = kinds.chain([steps, adapters, usb, chips, laptop, drops]);
+        kinds.filter(|kind| !kind.is_empty()).collect()
     }
 
     fn uart(&self) -> Option<&Uart> {
@@ -93,12 +88,6 @@ impl Robot {
     fn bauds(&self) -> Vec<Change> {
         let Some(uart) = self.uart() else { return Vec::new() };
         faster(uart).map(Change::Baud).collect()
-    }
-
-    fn port_bauds(&self, i: usize) -> Vec<Change> {
-        let port = self.spec.sensors.get(i).and_then(|sensor| sensor.port.as_ref());
-        let Some(Link::Uart(uart)) = port.map(|port| &port.link) else { return Vec::new() };
-        faster(uart).map(|baud| Change::PortBaud(i, baud)).collect()
     }
 
     fn has_wire(&self) -> bool {
@@ -120,13 +109,18 @@ impl Robot {
         if any && self.has_wire() { alloc::vec![Change::FewerBits] } else { Vec::new() }
     }
 
-    /// Of a polled robot: as often as its brain steps, or less. Of a stream: less often.
+    /// Of a polled robot: as often as its brain steps, or less. Of a stream: less often. A Khepera speaks only when
+    /// asked.
     fn streams(&self) -> Vec<Change> {
+        if self.spec.firmware.protocol == Protocol::Khepera {
+            return Vec::new();
+        }
         let every = match self.spec.firmware.mode {
             Mode::Poll => self.step_ns,
             Mode::Stream(frame) => frame.period_ns() * 2,
         };
-        [1, 2, 5].map(|times| Change::Stream(every * times)).to_vec()
+        let periods = [1, 2, 5].map(|times| every * times).into_iter();
+        periods.filter(|ns| *ns <= MOST_PERIOD_NS).map(Change::Stream).collect()
     }
 
     /// Round numbers that are multiples of the present step, so that bodies move as they did.
@@ -135,7 +129,18 @@ impl Robot {
             [1, 10, 100].into_iter().flat_map(|decade| [1, 2, 3, 4, 5, 6, 8].map(|n| n * decade * MS));
         let longer =
             rounds.filter(|ns| *ns > self.step_ns && ns.is_multiple_of(self.step_ns) && *ns <= SECOND_NS);
-        longer.map(Change::Step).collect()
+        longer.filter(|ns| self.can_step(*ns)).map(Change::Step).collect()
+    }
+
+    /// Whether a scenario may have so long a step, in which bodies and rays do what they did in several.
+    fn can_step(&self, ns: u64) -> bool {
+        let rays = self.spec.sensors.iter().filter_map(|sensor| {
+            let period_ns =
+                sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns);
+            Some(ns.div_ceil(period_ns) * sensor.device.fan()?.len() as u64)
+        });
+        let substeps = u64::from(self.substeps) * (ns / self.step_ns);
+        substeps <= MOST_SUBSTEPS && rays.max().is_none_or(|rays| rays <= MOST_RAYS_A_TICK)
     }
 
     fn cables(&self) -> Vec<Change> {
@@ -149,8 +154,19 @@ impl Robot {
         }
     }
 
+    /// USB has no byte errors, and a scenario with a fault that makes some is refused.
     fn usb(&self) -> Vec<Change> {
-        if self.uart().is_some() { alloc::vec![Change::Usb] } else { Vec::new() }
+        let errs = |fault: &Fault| matches!(fault.kind, FaultKind::ByteErrors { .. });
+        let can = self.uart().is_some() && !self.spec.faults.iter().any(errs);
+        if can && self.is_told_by_silence(Change::Usb) { alloc::vec![Change::Usb] } else { Vec::new() }
+    }
+
+    /// Whether the silence that ends a bare message is longer than those within it, if there is one.
+    fn is_told_by_silence(&self, change: Change) -> bool {
+        match self.spec.firmware.protocol {
+            Protocol::Bare { gap_ns } => gap_ns > self.with(change).spec.link.pause_ns(),
+            Protocol::Framed { .. } | Protocol::Khepera => true,
+        }
     }
 
     fn chips(&self) -> Vec<Change> {
@@ -194,7 +210,7 @@ impl Robot {
         match change {
             Change::Latency(ns) => format!("a latency timer of {}", ms(ns)),
             Change::Baud(baud) => format!("{baud} baud"),
-            Change::PortBaud(i, baud) => format!("{baud} baud on the port of {}", name(i)),
+            Change::PortBauds(baud) => self.port_phrase(baud),
             Change::NoAges => "readings without their ages".to_string(),
             Change::Bare => "the bare protocol".to_string(),
             Change::FewerBits => "8 bits a value".to_string(),
@@ -212,14 +228,20 @@ impl Robot {
     pub(super) fn overrides(&self, change: Change) -> Option<Vec<String>> {
         let at = |rest: &str| format!("robots.{}.{rest}", self.spec.name);
         let ms = |ns: u64| ns as f64 / 1e6;
-        let name = |i: usize| self.spec.sensors[i].name.as_str();
         let one = |text: String| Some(alloc::vec![text]);
         match change {
             Change::Latency(ns) => one(at(&format!("link.adapter.latency_ms={}", ms(ns)))),
             Change::Baud(baud) => one(at(&format!("link.baud={baud}"))),
-            Change::PortBaud(i, baud) => one(at(&format!("sensors.{}.port.link.baud={baud}", name(i)))),
+            Change::PortBauds(baud) => Some(self.port_overrides(baud)),
             Change::NoAges => one(at("firmware.ages=false")),
-            Change::Bare | Change::Stream(_) => one(at(&firmware_table(&self.with(change).spec.firmware))),
+            Change::Bare => {
+                let mode = mode_fields(&self.spec.firmware).join(", ");
+                one(at(&format!("firmware={{ protocol = \"bare\", {mode} }}")))
+            }
+            Change::Stream(_) => {
+                let fields = mode_fields(&self.with(change).spec.firmware).into_iter();
+                Some(fields.map(|field| at(&format!("firmware.{}", field.replace(" = ", "=")))).collect())
+            }
             Change::FewerBits => {
                 let sensors = self.spec.sensors.iter().filter(|sensor| has_many_bits(sensor));
                 let mut fields: Vec<_> =
@@ -233,7 +255,7 @@ impl Robot {
             Change::Chip(preset) => one(at(&format!("microcontroller={{ preset = \"{}\" }}", preset.name))),
             Change::Laptop => Some(alloc::vec![
                 at("link={ kind = \"uart\", baud = 115200 }"),
-                at("brain={ thinking_us = 0 }"),
+                at(&format!("brain={{ thinking_us = 0{} }}", deadline_fields(&self.spec.deadline))),
             ]),
             Change::Drop(_) => None,
         }
@@ -260,7 +282,7 @@ impl Change {
     pub(super) const fn cost(self) -> Cost {
         match self {
             Self::Latency(_) => Cost::Setting,
-            Self::Baud(_) | Self::PortBaud(..) => Cost::BothEnds,
+            Self::Baud(_) | Self::PortBauds(_) => Cost::BothEnds,
             Self::NoAges | Self::Bare | Self::FewerBits | Self::Stream(_) => Cost::Firmware,
             Self::Step(_) => Cost::LongerStep,
             Self::Cdc | Self::Usb => Cost::Cable,
@@ -272,7 +294,7 @@ impl Change {
 }
 
 /// Standard rates that are faster than this cable, and that its adapter keeps up with.
-fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
+pub(super) fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
     let most = match uart.adapter {
         Adapter::None | Adapter::Bluetooth(_) => u32::MAX,
         Adapter::Cdc { .. } => CDC_MOST,
@@ -285,19 +307,27 @@ fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
     BAUDS.into_iter().filter(move |&baud| baud > now && baud <= most)
 }
 
-fn firmware_table(firmware: &Firmware) -> String {
-    let mode = match firmware.mode {
-        Mode::Poll => "mode = \"poll\"".to_string(),
+/// When a firmware speaks, as a scenario says it.
+fn mode_fields(firmware: &Firmware) -> Vec<String> {
+    match firmware.mode {
+        Mode::Poll => alloc::vec!["mode = \"poll\"".to_string()],
         Mode::Stream(frame) => {
             let [period, phase] = [frame.period_ns(), frame.phase_ns()].map(|ns| ns as f64 / 1e6);
-            format!("mode = \"stream\", period_ms = {period}, phase_ms = {phase}")
+            let [period, phase] = [format!("period_ms = {period}"), format!("phase_ms = {phase}")];
+            alloc::vec!["mode = \"stream\"".to_string(), period, phase]
         }
-    };
-    match firmware.protocol {
-        Protocol::Bare { .. } => format!("firmware={{ protocol = \"bare\", {mode} }}"),
-        Protocol::Khepera => "firmware={ protocol = \"khepera\" }".to_string(),
-        Protocol::Framed { ages } => format!("firmware={{ protocol = \"framed\", ages = {ages}, {mode} }}"),
     }
+}
+
+/// What a scenario says of a deadline, if it does.
+fn deadline_fields(deadline: &Deadline) -> String {
+    let on_late = match deadline.on_late {
+        None => return String::new(),
+        Some(OnLate::Hold) => "hold",
+        Some(OnLate::Stop) => "stop",
+        Some(OnLate::End) => "end",
+    };
+    format!(", deadline_ms = {}, on_late = \"{on_late}\"", deadline.within_ns as f64 / 1e6)
 }
 
 /// Whether a sensor's values could be said in fewer bits.
@@ -337,6 +367,11 @@ pub(super) fn chip(preset: &Preset) -> Option<Processor> {
 }
 
 pub(super) const MS: u64 = 1_000_000;
+
+/// What a scenario may have at most: a period, Euler steps in a tick, and rays in a tick.
+const MOST_PERIOD_NS: u64 = 10_000_000 * MS;
+const MOST_SUBSTEPS: u64 = 10_000;
+const MOST_RAYS_A_TICK: u64 = 100_000;
 
 /// 19 packets of 64 bytes a frame of 1 ms, 8 bits a character.
 const CDC_MOST: u32 = 9_728_000;

@@ -61,8 +61,12 @@ fn bounds_of(plan: &Plan<'_>, bounds: &Bounds, part: Part) -> Span {
 /// From the arrival of a command's last byte until it is obeyed, at least: a receiver that is slower than the wire
 /// has others before it.
 pub(super) fn least_obeying_ns(plan: &Plan<'_>) -> u64 {
-    let bytes = plan.command_bytes().least;
     let byte = plan.receiving_ns();
-    let apart = plan.spec.link.burst_ns(bytes) - plan.spec.link.burst_ns(bytes.min(1));
-    (bytes * byte).saturating_sub(apart).max(byte) + plan.spec.processor.obeying_ns
+    // A longer command need not take longer: its end may come with a later frame of USB.
+    let commands = plan.command_bytes();
+    let least = (commands.least..=commands.most).map(|bytes| {
+        let apart = plan.spec.link.burst_ns(bytes) - plan.spec.link.burst_ns(bytes.min(1));
+        (bytes * byte).saturating_sub(apart).max(byte)
+    });
+    least.min().unwrap_or(byte) + plan.spec.processor.obeying_ns
 }

@@ -28,5 +28,10 @@ pub(super) fn judge(deadline_ns: u64, cycle: &Cycle, loads: &[Load]) -> (Verdict
     (verdict, bottleneck)
 }
 
+/// Whether something has more to do than time.
+pub(super) fn is_overloaded(loads: &[Load]) -> bool {
+    loads.iter().any(|load| load.share > FULL)
+}
+
 /// More than this is overloaded; sums of fractions are not exact.
 const FULL: f64 = 1.0 + 1e-9;

@@ -11,6 +11,7 @@ use super::timeline::Outcome;
 use super::wire;
 use crate::firmware::Mode;
 use crate::link::Link;
+use crate::sensor::{OwnClock, Sensor};
 use crate::time::SECOND_NS;
 
 /// What comes in a nanosecond.
@@ -41,10 +42,15 @@ pub(super) fn loads(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
     }
     load("processor", processor(plan, &rates));
     for (_, sensor, clock, link) in plan.ports() {
-        let bytes = sensor.port.as_ref().map_or(0, |port| port.format.message_len(&sensor.device));
-        load(&format!("port {}", sensor.name), byte_ns(link) * bytes as f64 / clock.period_ns as f64);
+        load(&format!("port {}", sensor.name), port_share(sensor, clock, link));
     }
     loads
+}
+
+/// How much a sensor's own cable has to do that carries each measurement.
+pub(super) fn port_share(sensor: &Sensor, clock: &OwnClock, link: &Link) -> f64 {
+    let bytes = sensor.port.as_ref().map_or(0, |port| port.format.message_len(&sensor.device));
+    byte_ns(link) * bytes as f64 / clock.period_ns as f64
 }
 
 /// A stream comes as it is due, whether or not it is carried; answers come with it, or with a step of the brain. A

@@ -10,7 +10,8 @@
 //!    `wire`, queues by `curve`. They hold whatever happens.
 //! 3. `timeline` carries the plan out, without a world, with devices by `device`. What comes of it is typical.
 //! 4. `cycle`, `rates`, `ages`, `loads` put that together; `judge` gives the verdict.
-//! 5. `mend` changes the robot and computes it again; `change` has what can be changed, `apply` does it.
+//! 5. `mend` changes the robot and computes it again, as far as the `allowance` goes; `change` has what can be changed,
+//!    `ports` what of sensors' own cables, `apply` does it.
 //!
 //! A brain is taken to answer each message once, and to write nothing else. Byte errors and outages are left out: what
 //! arrives is as old as the bounds say, what is lost has no age.
@@ -19,6 +20,7 @@
 //! way meanwhile; the cycle is then longer than Δt, and the verdict is that the robot does not keep its step.
 
 mod ages;
+mod allowance;
 mod apply;
 mod bounds;
 mod change;
@@ -31,21 +33,24 @@ mod loads;
 mod mend;
 mod pattern;
 mod plan;
+mod ports;
 mod rates;
 mod report;
 mod timeline;
 mod transfer;
 mod wire;
 
+use alloc::string::ToString;
 use alloc::vec::Vec;
 
+pub use allowance::Allowance;
 pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
 
 use crate::robot::RobotSpec;
 use crate::scenario::Scenario;
 use bounds::Bounds;
 use plan::Plan;
-use timeline::Timeline;
+use timeline::{Outcome, Timeline};
 
 /// How thoroughly what is typical is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +65,12 @@ const FULL: Effort = Effort { cycles: 1000, events: 200_000 };
 /// For what is tried.
 const BRIEF: Effort = Effort { cycles: 300, events: 60_000 };
 
+/// For what comes after all that may be computed.
+const LEAST: Effort = Effort { cycles: 100, events: 5_000 };
+
+const TOO_MANY: &str =
+    "no mends were looked for, and what is typical is from a short dry run: ask for fewer robots at once";
+
 impl Budget {
     /// Of all robots of a scenario, with mends for those that do not keep their step.
     pub fn of(scenario: &Scenario) -> Self {
@@ -71,21 +82,47 @@ impl Budget {
 impl RobotBudget {
     /// Of one robot of a scenario.
     pub fn of(scenario: &Scenario, spec: &RobotSpec) -> Self {
+        Self::within(scenario, spec, &mut Allowance::default())
+    }
+
+    /// Of one of several robots that share an allowance. Once it is used up, robots get no mends, and say so.
+    pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
         let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
-        let mut budget = Self::computed(&plan, FULL);
-        budget.mends = mend::mends(scenario, &plan, &budget);
+        if allowance.is_used_up() {
+            let budget = Self::computed(&plan, LEAST, allowance);
+            return Self { left_out: Some(TOO_MANY.to_string()), ..budget };
+        }
+        let mut own = allowance.of_a_robot();
+        let mut budget = Self::computed(&plan, FULL, &mut own);
+        mend::add(scenario, &plan, &mut budget, &mut own);
+        allowance.settle(&own);
         budget
     }
 
     /// The same without looking for mends, which takes by far the most time.
     pub fn without_mends(scenario: &Scenario, spec: &RobotSpec) -> Self {
         let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
-        Self::computed(&plan, FULL)
+        Self::computed(&plan, FULL, &mut Allowance::default())
     }
 
-    fn computed(plan: &Plan<'_>, effort: Effort) -> Self {
+    /// Whether a robot keeps its step, at least mostly. What is overloaded anyway is not carried out.
+    fn keeps(plan: &Plan<'_>, effort: Effort, allowance: &mut Allowance) -> bool {
+        let bounds = Bounds::of(plan);
+        if judge::is_overloaded(&loads::loads(plan, &bounds, &Outcome::default())) {
+            allowance.charge(plan, 0);
+            return false;
+        }
+        let outcome = Timeline::run(*plan, effort.cycles, effort.events);
+        allowance.charge(plan, outcome.events);
+        let cycle = cycle::cycle(plan, &bounds, &outcome);
+        let loads = loads::loads(plan, &bounds, &outcome);
+        judge::judge(plan.deadline_ns(), &cycle, &loads).0 != Verdict::Misses
+    }
+
+    fn computed(plan: &Plan<'_>, effort: Effort, allowance: &mut Allowance) -> Self {
         let bounds = Bounds::of(plan);
         let outcome = Timeline::run(*plan, effort.cycles, effort.events);
+        allowance.charge(plan, outcome.events);
         let cycle = cycle::cycle(plan, &bounds, &outcome);
         let loads = loads::loads(plan, &bounds, &outcome);
         let (verdict, bottleneck) = judge::judge(plan.deadline_ns(), &cycle, &loads);
@@ -97,6 +134,7 @@ impl RobotBudget {
             ages: ages::ages(plan, &bounds, &outcome),
             chip: loads::chip(plan),
             mends: Vec::new(),
+            left_out: None,
             cycle,
             loads,
             verdict,

@@ -23,10 +23,6 @@ impl Range {
         Self { least: bytes as u64, most: bytes as u64 }
     }
 
-    const fn and(self, bytes: usize) -> Self {
-        Self { least: self.least + bytes as u64, most: self.most + bytes as u64 }
-    }
-
     pub(super) const fn middle(self) -> u64 {
         self.least + (self.most - self.least) / 2
     }
@@ -91,8 +87,7 @@ impl<'a> Plan<'a> {
         let layout = self.spec.firmware.layout();
         match self.spec.firmware.protocol {
             Protocol::Bare { .. } => return Range::exactly(layout.bare_readings_len()),
-            // That a command was obeyed is said before.
-            Protocol::Khepera => return self.answer_bytes().and(khepera::ACKNOWLEDGEMENT.len()),
+            Protocol::Khepera => return self.answer_bytes(),
             Protocol::Framed { .. } => {}
         }
         let entry = |sensor: &Sensor| usize::from(layout.ages) + sample_bytes(sensor);
@@ -129,6 +124,14 @@ impl<'a> Plan<'a> {
         match self.spec.deadline.on_late {
             Some(_) => self.spec.deadline.within_ns,
             None => self.step_ns,
+        }
+    }
+
+    /// Bytes that go up before the readings do: a Khepera says that it obeyed.
+    pub(super) fn acknowledgement_bytes(&self) -> u64 {
+        match self.spec.firmware.protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => 0,
+            Protocol::Khepera => khepera::ACKNOWLEDGEMENT.len() as u64,
         }
     }
 

@@ -108,7 +108,8 @@ fn round_trip_ns(plan: &Plan<'_>, bounds: &Bounds) -> u64 {
     let robot = (least_obeying_ns(plan) + bounds.framing.least).max(turn);
     let laptop = (up + plan.spec.thinking_ns + down).max(turn);
     let bytes = bounds.pattern.bytes.least;
-    let wires = wire::least_ns(link, bytes) + wire::least_ns(link, plan.command_bytes().least);
+    let wires = wire::least_ns(link, bytes + plan.acknowledgement_bytes())
+        + wire::least_ns(link, plan.command_bytes().least);
     let least = robot + laptop + wires;
     match adapter(link) {
         // A message that does not end with a full packet ends with the timer, which the one before restarted.

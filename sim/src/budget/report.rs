@@ -215,6 +215,8 @@ pub struct RobotBudget {
     pub bottleneck: String,
     /// What would mend it, the cheapest first; none if it keeps its step.
     pub mends: Vec<Mend>,
+    /// What was not computed, and why; `None` if all was.
+    pub left_out: Option<String>,
 }
 
 /// The budget of each robot of a scenario.

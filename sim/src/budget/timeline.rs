@@ -29,6 +29,8 @@ pub(super) struct Outcome {
     /// How long it was carried out, in nanoseconds, and bytes that were sent up.
     pub(super) ran_ns: u64,
     pub(super) bytes_up: u64,
+    /// Events that were carried out.
+    pub(super) events: usize,
 }
 
 /// A message of readings, from the microcontroller to the brain.
@@ -131,6 +133,7 @@ impl<'a> Timeline<'a> {
             start = end;
         }
         timeline.outcome.ran_ns = start.as_ns();
+        timeline.outcome.events = events - timeline.left;
         timeline.outcome
     }
 

@@ -37,6 +37,9 @@ impl Fixed<'_> {
     /// How long a message waits besides being on the wire.
     pub(super) fn wait_up(&self, estimate: &Estimate) -> Option<u64> {
         let link = &self.plan.spec.link;
+        if self.plan.acknowledgement_bytes() > 0 {
+            return None;
+        }
         let jitter = estimate.backlog?.saturating_sub(self.framing.most) + self.framing.width();
         let closings = frame_period_ns(self.plan).map(|period| Curve::every(period).late_by(jitter));
         let queued = match link {

@@ -185,12 +185,16 @@ impl Line {
 
     /// All bytes that were lost in an outage by `now` are gone.
     pub(super) fn lose_all(&mut self, link: &Link, now: SimTime) {
-        let before = self.in_flight.len();
-        if link.has_outages() {
-            self.in_flight.retain(|(at, _)| *at > now || !link.is_out(*at));
+        if !link.has_outages() {
+            return;
         }
-        let lost = (before - self.in_flight.len()) as u64;
-        self.counters.bytes += lost;
-        self.counters.lost_bytes += lost;
+        for place in (0..self.in_flight.len()).rev() {
+            let (at, _) = self.in_flight[place];
+            if at <= now && link.is_out(at) {
+                self.drop_in_flight(place);
+                self.counters.bytes += 1;
+                self.counters.lost_bytes += 1;
+            }
+        }
     }
 }

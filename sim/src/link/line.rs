@@ -71,10 +71,10 @@ impl Line {
         message: Message,
     ) -> (SimTime, SimTime) {
         self.messages.forget(self.over());
-        let from = self.free_at(link).max(now);
+        let (from, begin) = (self.free_at(link).max(now), self.sent);
         self.send(link, now, bytes);
         let until = self.free_at(link).max(from);
-        self.messages.push(self.sent, Message { on_wire_until: until, ..message });
+        self.messages.push((begin, self.sent), Message { on_wire_until: until, ..message });
         (from, until)
     }
 
@@ -84,9 +84,16 @@ impl Line {
         self.messages.take(self.over())
     }
 
-    /// What was sent together with the byte that has just arrived.
-    pub(crate) fn message_around(&mut self) -> Option<Message> {
-        self.messages.take_around(self.over())
+    /// When the control cycle began that the message with the byte that has just arrived belongs to.
+    pub(crate) fn cycle_of_last_byte(&mut self) -> Option<SimTime> {
+        self.messages.around(self.over())?.cycle
+    }
+
+    /// The byte in this place, which is under way, is lost: it is as if it had not been sent.
+    pub(super) fn drop_in_flight(&mut self, place: usize) {
+        self.messages.drop_byte(self.over() + place as u64 + 1);
+        self.in_flight.remove(place);
+        self.sent -= 1;
     }
 
     /// How many of the bytes that were sent are over.
@@ -111,7 +118,7 @@ impl Line {
         let depth = link.receive_depth();
         let here = self.in_flight.partition_point(|(at, _)| *at <= now);
         if here > depth {
-            self.in_flight.drain(depth..here);
+            (depth..here).rev().for_each(|place| self.drop_in_flight(place));
             self.counters.overrun_bytes += (here - depth) as u64;
             self.counters.bytes += (here - depth) as u64;
         }

@@ -24,15 +24,25 @@ pub(super) struct Messages(VecDeque<Sent>);
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Sent {
+    /// How many bytes were sent before it.
+    begin: u64,
     /// How many bytes will be over when it is.
     end: u64,
     message: Message,
 }
 
 impl Messages {
-    /// A message ends with the byte of that number, from 1.
-    pub(super) fn push(&mut self, end: u64, message: Message) {
-        self.0.push_back(Sent { end, message });
+    /// A message has the bytes of these numbers, from 1: those behind `begin`, and `end` as the last.
+    pub(super) fn push(&mut self, (begin, end): (u64, u64), message: Message) {
+        self.0.push_back(Sent { begin, end, message });
+    }
+
+    /// The byte of this number was lost on its way, and will never be over: all behind it move up.
+    pub(super) fn drop_byte(&mut self, number: u64) {
+        for sent in self.0.iter_mut().rev().take_while(|sent| sent.end >= number) {
+            sent.end -= 1;
+            sent.begin -= u64::from(sent.begin >= number);
+        }
     }
 
     /// Takes the message that ends with the byte `over`, which is the last that is over.
@@ -41,10 +51,10 @@ impl Messages {
         self.0.pop_front_if(|sent| sent.end == over).map(|sent| sent.message)
     }
 
-    /// Takes the message that the byte `over` is of, which is the last that is over.
-    pub(super) fn take_around(&mut self, over: u64) -> Option<Message> {
+    /// The message that the byte `over` is of, which is the last that is over.
+    pub(super) fn around(&mut self, over: u64) -> Option<&Message> {
         self.forget(over);
-        self.0.pop_front().map(|sent| sent.message)
+        self.0.front().filter(|sent| sent.begin < over).map(|sent| &sent.message)
     }
 
     /// A message of which the last byte is over, and that nobody asked about then, was not understood.

@@ -67,7 +67,7 @@ impl Channel {
             match running.held() {
                 Some(held) => {
                     self.values.copy_from_slice(&held.values);
-                    self.measured_at = held.measured_at;
+                    self.measured_at = held.truly_at;
                 }
                 None => {
                     sensor.device.unmeasured(&mut self.values);

@@ -67,7 +67,7 @@ impl Motors {
     }
 
     /// When a command that is obeyed at this instant moves the motors: a servo with its next pulse, all others at once.
-    pub(crate) fn takes_effect(&self, command: SimTime) -> SimTime {
+    pub fn takes_effect(&self, command: SimTime) -> SimTime {
         match self {
             Self::Servo(servo) => servo.takes_effect(command),
             Self::Dc(_) | Self::Velocity(_) | Self::Stepper(_) => command,

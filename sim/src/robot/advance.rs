@@ -1,6 +1,6 @@
 //! A robot's timeline within a tick: its devices, its microcontroller and its cables, one event after the other.
 
-use super::{Moment, Robot, RobotSpec};
+use super::{Moment, OnLate, Robot, RobotSpec};
 use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
@@ -19,9 +19,9 @@ enum Next {
 }
 
 impl Robot {
-    /// The brain steps at `at`: it has now been given all that arrived.
-    pub(crate) fn hand_over(&mut self, at: SimTime) {
-        self.laptop.hand_over(at);
+    /// The brain steps at `at`, in this tick: it has now been given all that arrived.
+    pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime) {
+        self.laptop.hand_over(tick, at);
         for port in &mut self.ports {
             port.unread.clear();
         }
@@ -112,10 +112,9 @@ impl Robot {
 
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
         let taken = self.microcontroller.receive(spec, now, &mut self.downlink);
-        self.recorder.receive(now, taken != Taken::Nothing, self.microcontroller.free_at());
+        self.recorder.receive(now, taken, self.microcontroller.free_at());
         let Taken::Command(at) = taken else { return };
-        let written = self.downlink.message_around();
-        if let Some(begun) = written.and_then(|message| message.cycle) {
+        if let Some(begun) = self.downlink.cycle_of_last_byte() {
             self.cycles.close(&spec.deadline, begun, spec.drive.motor.takes_effect(at));
         }
     }
@@ -132,7 +131,10 @@ impl Robot {
             self.cycles.open(begun);
         }
         let bytes = sent.bytes;
-        self.recorder.note(now, sent.closed, What::Frame { bytes });
+        // What only says that a command was obeyed is no message of readings.
+        if sent.cycle.is_some() {
+            self.recorder.note(now, sent.closed, What::Frame { bytes });
+        }
         let free = self.microcontroller.free_at();
         if free > sent.closed {
             self.recorder.note(sent.closed, free, What::Block);
@@ -155,10 +157,10 @@ impl Robot {
                 microcontroller.measure(i, sensor, &at);
             }
             Event::Output => {
-                let output = self.microcontroller.output(i, sensor);
-                if let Some((_, measured_at)) = output {
-                    self.recorder.note(measured_at, now, What::Measure { sensor: i as u16 });
+                if let Some(begun) = self.microcontroller.pending_since(i) {
+                    self.recorder.note(begun, now, What::Measure { sensor: i as u16 });
                 }
+                let output = self.microcontroller.output(i, sensor);
                 let (Some(output), Some(port)) = (output, &sensor.port) else { return };
                 let Some(k) = spec.ports.iter().position(|&other| other == i) else { return };
                 match self.ports[k].send(sensor, port, i, now, output) {
@@ -203,13 +205,14 @@ impl Robot {
 
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
+        self.laptop.has_stepped = true;
         let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
         self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
         if taken == 0 {
             return;
         }
-        let message = Message { cycle: self.laptop.answering.take(), ..Message::default() };
+        let message = Message { cycle: self.laptop.answer(), ..Message::default() };
         let (_, until) = self.downlink.send_message(&spec.link, at, &bytes[..taken], message);
         self.recorder.note(at, until, What::Down { bytes: taken as u32 });
     }
@@ -217,8 +220,10 @@ impl Robot {
     /// The brain's step that began at `begun` is over: it has written what it wanted to.
     pub(crate) fn step_over(&mut self, spec: &RobotSpec, begun: SimTime) {
         let informed = self.laptop.informed;
-        self.recorder.note(begun, self.laptop.busy_until, What::Think { informed });
-        if let Some(cycle) = self.laptop.answering.take() {
+        if core::mem::take(&mut self.laptop.has_stepped) {
+            self.recorder.note(begun, self.laptop.busy_until, What::Think { informed });
+        }
+        if let Some(cycle) = self.laptop.left_unanswered() {
             self.cycles.leave(&spec.deadline, cycle);
         }
     }
@@ -226,30 +231,44 @@ impl Robot {
     /// The faults that come into force from `now` until `end`.
     pub(crate) fn note_faults(&mut self, spec: &RobotSpec, now: SimTime, end: SimTime) {
         for (i, fault) in spec.faults.iter().enumerate() {
-            if let Some((from, until)) = fault.when.begins_within(now, end) {
-                self.recorder.note(from, until, What::Fault { fault: i as u16 });
+            let mut from = now;
+            while let Some((begun, until)) = fault.when.begins_within(from, end) {
+                self.recorder.note(begun, until, What::Fault { fault: i as u16 });
+                from = begun + 1;
             }
         }
     }
 
     /// What was lost on the cables is looked at when a tick ends.
     pub(crate) fn look_for_losses(&mut self, now: SimTime) {
-        let Self { recorder, uplink, downlink, ports, .. } = self;
-        let cables = [&*uplink, downlink].into_iter().chain(ports.iter().map(|port| &port.line));
-        recorder.look_for_losses(now, cables.map(|line| &line.counters));
+        let lost = self.lost();
+        self.recorder.note_losses(now, lost);
+    }
+
+    /// Bytes that were lost on all its cables so far.
+    pub(crate) fn lost(&self) -> u64 {
+        let cables =
+            [&self.uplink, &self.downlink].into_iter().chain(self.ports.iter().map(|port| &port.line));
+        cables.map(|line| line.counters.lost()).sum()
     }
 
     /// The actuators take up what has been commanded by `now`, and what is late is found out.
     pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime) {
-        while let Some(due) = self.cycles.give_up(&spec.deadline, now) {
+        let mut stopped_at = None;
+        while let Some(due) = self.cycles.settle(&spec.deadline, now) {
             self.recorder.note(due, due, What::Late);
-            if spec.deadline.on_late == Some(super::OnLate::Stop) {
-                self.signals = Wheels::default();
-            }
+            stopped_at = stopped_at.max((spec.deadline.on_late == Some(OnLate::Stop)).then_some(due));
+        }
+        if stopped_at.is_some() {
+            self.signals = Wheels::default();
         }
         let until = spec.drive.motor.obeys_until(now);
         if let Some(Order { at, signals, others }) = self.microcontroller.order_at(until) {
-            (self.signals, self.commanded_at) = (signals, at);
+            // What was commanded before the motors were stopped does not start them again.
+            if stopped_at.is_none_or(|stopped_at| spec.drive.motor.takes_effect(at) > stopped_at) {
+                self.signals = signals;
+            }
+            self.commanded_at = at;
             for (actuator, signal) in self.actuators.iter_mut().zip(others) {
                 actuator.signal = signal;
             }

@@ -8,8 +8,9 @@
 //!
 //! *Choices.* The notes ask that the sum of the boxes be shorter than Δt, so that is the deadline unless the scenario
 //! states another. A message that a newer one overtook before the brain's step, or that the brain chose not to answer,
-//! is neither kept nor late; but where a deadline is stated it is late like any other, since a real controller that
-//! waits for a command cannot know why none comes.
+//! is neither kept nor late. Where a deadline is stated it is late like any other if no command takes effect by then,
+//! since a real controller that waits for a command cannot know why none comes; a command that answers a newer message
+//! will do.
 
 use alloc::collections::VecDeque;
 
@@ -41,7 +42,7 @@ pub enum OnLate {
 /// How the control cycles of a robot went.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cycles {
-    /// Answered by a command that was obeyed by the deadline.
+    /// Answered by a command that took effect by the deadline.
     pub kept: u64,
     /// Answered later than that, or, where a deadline is stated, not by then.
     pub late: u64,
@@ -49,12 +50,20 @@ pub struct Cycles {
     pub unanswered: u64,
     /// How long those took that were answered, in time or not.
     pub durations: Histogram,
-    /// When those began that are not over yet, oldest first.
-    open: VecDeque<SimTime>,
+    /// Those that are not over yet, oldest first.
+    open: VecDeque<Open>,
     /// When the newest began that was answered.
     answered: Option<SimTime>,
-    /// Where a deadline is stated: that of a cycle which was closed after it, until that is noticed.
-    overdue: Option<SimTime>,
+}
+
+/// A cycle that is not over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Open {
+    begun: SimTime,
+    /// It has been counted as late, and is only waited for.
+    is_late: bool,
+    /// When the command takes effect that closes it, and whether that answers this very message.
+    closed: Option<(SimTime, bool)>,
 }
 
 impl Cycles {
@@ -64,32 +73,46 @@ impl Cycles {
         (all > 0).then(|| self.kept as f64 / all as f64)
     }
 
-    /// A message of readings is framed.
-    pub(crate) fn open(&mut self, begun: SimTime) {
-        if self.open.len() == MAX_OPEN {
-            self.open.pop_front();
-            self.unanswered += 1;
-        }
-        self.open.push_back(begun);
+    /// Those that are neither kept nor late nor unanswered yet.
+    pub fn under_way(&self) -> u64 {
+        self.open.iter().filter(|open| !open.is_late).count() as u64
     }
 
-    /// A command takes effect that answers the message whose cycle began at `begun`.
+    /// A message of readings is framed.
+    pub(super) fn open(&mut self, begun: SimTime) {
+        if self.open.len() == MAX_OPEN
+            && let Some(oldest) = self.open.pop_front()
+        {
+            self.unanswered += u64::from(!oldest.is_late);
+        }
+        self.open.push_back(Open { begun, is_late: false, closed: None });
+    }
+
+    /// A command is obeyed that answers the message whose cycle began at `begun`, and takes effect at `at`.
     pub(super) fn close(&mut self, deadline: &Deadline, begun: SimTime, at: SimTime) {
         if self.answered.is_some_and(|answered| answered >= begun) {
             return;
         }
         self.answered = Some(begun);
-        let duration_ns = at.since(begun);
+        let mut is_known = false;
+        for open in self.open.iter_mut().take_while(|open| open.begun <= begun) {
+            let is_it = open.begun == begun && !is_known;
+            is_known |= is_it;
+            open.closed = open.closed.or(Some((at, is_it)));
+        }
+        if !is_known {
+            // It was given up: nobody thought that an answer would come.
+            self.unanswered = self.unanswered.saturating_sub(1);
+            self.count(deadline, at.since(begun));
+        }
+    }
+
+    fn count(&mut self, deadline: &Deadline, duration_ns: u64) {
         self.durations.note(duration_ns);
-        while let Some(open) = self.open.pop_front_if(|open| *open <= begun) {
-            if open < begun {
-                self.unanswered += 1;
-            } else if duration_ns <= deadline.within_ns {
-                self.kept += 1;
-            } else {
-                self.late += 1;
-                self.overdue = deadline.on_late.map(|_| begun + deadline.within_ns);
-            }
+        if duration_ns <= deadline.within_ns {
+            self.kept += 1;
+        } else {
+            self.late += 1;
         }
     }
 
@@ -98,22 +121,56 @@ impl Cycles {
         if deadline.on_late.is_some() {
             return;
         }
-        while self.open.pop_front_if(|open| *open <= begun).is_some() {
+        let open = &mut self.open;
+        while open.pop_front_if(|open| open.begun <= begun && open.closed.is_none()).is_some() {
             self.unanswered += 1;
         }
     }
 
-    /// Where a deadline is stated: one that is over at `now` before its cycle was, and that was not noticed before.
-    pub(super) fn give_up(&mut self, deadline: &Deadline, now: SimTime) -> Option<SimTime> {
-        deadline.on_late?;
-        if let Some(overdue) = self.overdue.take_if(|overdue| *overdue < now) {
-            return Some(overdue);
+    /// Counts what is over at `now`. Where a deadline is stated, says of the first that has passed unnoticed when that
+    /// was: ask again until there is none.
+    pub(super) fn settle(&mut self, deadline: &Deadline, now: SimTime) -> Option<SimTime> {
+        while let Some(Open { begun, is_late, closed: Some((at, is_it)) }) = self.open.front().copied() {
+            let due = begun + deadline.within_ns;
+            let misses = deadline.on_late.is_some() && at > due;
+            if misses && !is_late && due < now {
+                self.front_is_late();
+                return Some(due);
+            }
+            if at > now {
+                break;
+            }
+            self.open.pop_front();
+            match (is_it, is_late) {
+                (true, true) => self.durations.note(at.since(begun)),
+                (true, false) => self.count(deadline, at.since(begun)),
+                (false, true) => {}
+                (false, false) => self.unanswered += 1,
+            }
         }
-        let begun = self.open.pop_front_if(|open| *open + deadline.within_ns < now)?;
+        self.give_up(deadline, now)
+    }
+
+    fn front_is_late(&mut self) {
         self.late += 1;
-        Some(begun + deadline.within_ns)
+        if let Some(front) = self.open.front_mut() {
+            front.is_late = true;
+        }
+    }
+
+    /// Where a deadline is stated: that of the first cycle which is over it at `now`.
+    fn give_up(&mut self, deadline: &Deadline, now: SimTime) -> Option<SimTime> {
+        deadline.on_late?;
+        let is_over = |open: &Open| {
+            let due = open.begun + deadline.within_ns;
+            !open.is_late && due < now && open.closed.is_none_or(|(at, _)| at > due)
+        };
+        let open = self.open.iter_mut().find(|open| is_over(open))?;
+        open.is_late = true;
+        self.late += 1;
+        Some(open.begun + deadline.within_ns)
     }
 }
 
-/// Most cycles that are under way at once: more messages than that on one cable wait in vain.
-const MAX_OPEN: usize = 64;
+/// Most cycles that are under way at once. A brain that is farther behind than that answers nothing that is known here.
+const MAX_OPEN: usize = 1024;

@@ -1,6 +1,6 @@
 //! What is noted on a robot's timeline. It is no part of the robot's state.
 
-use crate::link::LineCounters;
+use crate::microcontroller::Taken;
 use crate::time::SimTime;
 use crate::timeline::{Event, Timeline, What};
 
@@ -15,8 +15,9 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    pub(crate) fn with_room(room: usize) -> Self {
-        Self { timeline: Timeline::with_room(room), ..Self::default() }
+    /// Begins to look when `lost` bytes have been lost so far.
+    pub(crate) fn new(room: usize, lost: u64) -> Self {
+        Self { timeline: Timeline::with_room(room), lost, ..Self::default() }
     }
 
     #[inline]
@@ -24,26 +25,25 @@ impl Recorder {
         self.timeline.push(Event { start, end, what });
     }
 
-    /// The microcontroller takes a byte at `now`, and with it has a message or not.
-    pub(super) fn receive(&mut self, now: SimTime, whole: bool, until: SimTime) {
+    /// The microcontroller takes a byte at `now`, and is busy with it until `until`.
+    pub(super) fn receive(&mut self, now: SimTime, taken: Taken, until: SimTime) {
         let since = *self.receiving_since.get_or_insert(now);
-        if whole {
-            self.receiving_since = None;
-            self.note(since, until, What::Obey);
+        match taken {
+            Taken::Part => {}
+            Taken::Nonsense => self.receiving_since = None,
+            Taken::Poll | Taken::Command(_) => {
+                self.receiving_since = None;
+                self.note(since, until, What::Obey);
+            }
         }
     }
 
-    /// Looks at the cables when a tick ends.
-    pub(super) fn look_for_losses<'a>(
-        &mut self,
-        now: SimTime,
-        cables: impl Iterator<Item = &'a LineCounters>,
-    ) {
-        let lost = cables.map(LineCounters::lost).sum();
-        let bytes = u32::try_from(lost - self.lost.min(lost)).unwrap_or(u32::MAX);
+    /// When a tick ends, so many bytes have been lost on the robot's cables so far.
+    pub(super) fn note_losses(&mut self, now: SimTime, lost: u64) {
+        let bytes =
+            u32::try_from(lost.saturating_sub(core::mem::replace(&mut self.lost, lost))).unwrap_or(u32::MAX);
         if bytes > 0 {
             self.note(now, now, What::Lost { bytes });
-            self.lost = lost;
         }
     }
 }

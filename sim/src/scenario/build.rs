@@ -28,12 +28,7 @@ type Result<T> = core::result::Result<T, ScenarioError>;
 
 pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
     let path = Path::root();
-    let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
-    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, robots::MAX_SUBSTEPS)?;
-    if step_ns % substeps != 0 {
-        let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
-        return Err(path.field("substeps").error(problem));
-    }
+    let step = step(&path, &raw)?;
     let at = path.field("arena");
     let mut names = Names::default();
     let mut arena = arena(&at, &raw.arena, &mut names)?;
@@ -42,7 +37,6 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
     let movables =
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
     let bodies = stand(&at, &movers, &movables, &arena)?;
-    let step = Step { step_ms: raw.step_ms, step_ns, substeps };
     let mut world = robots::World {
         step,
         seed: raw.seed,
@@ -55,8 +49,8 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         name: raw.name,
         description: raw.description,
         seed: raw.seed,
-        step_ns,
-        substeps: substeps as u32,
+        step_ns: step.step_ns,
+        substeps: step.substeps as u32,
         noise: raw.noise,
         collision: match raw.collision {
             raw::Collision::StopRun => CollisionPolicy::StopRun,
@@ -70,6 +64,16 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
         movables,
         robots,
     })
+}
+
+fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
+    let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
+    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, robots::MAX_SUBSTEPS)?;
+    if step_ns % substeps != 0 {
+        let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
+        return Err(path.field("substeps").error(problem));
+    }
+    Ok(Step { step_ms: raw.step_ms, step_ns, substeps })
 }
 
 /// What moves and what is pushed, where it starts: pushed things must stand free, of movers too. A door may sit in a

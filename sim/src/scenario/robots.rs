@@ -5,6 +5,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Point, Pose, angle, polygon};
+use baudbot_wire::Encoding;
 
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
@@ -13,6 +14,7 @@ use crate::actuator::Actuator;
 use crate::arena::Arena;
 use crate::battery::Battery;
 use crate::drive::{Drive, Wheel, forward_gain, turn_gain};
+use crate::firmware::Firmware;
 use crate::link::Link;
 use crate::microcontroller::Processor;
 use crate::movable::Body;
@@ -132,7 +134,6 @@ fn stands_free(
 }
 
 fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut World<'_>) -> Result<RobotSpec> {
-    let step_ms = context.step.step_ms;
     let start = start(&path.field("start"), &raw.start)?;
     let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
@@ -143,13 +144,8 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
     let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
-    let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
-    let mut link = link::link(&path.field("link"), &raw.link)?;
-    let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
-    let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
-    let motors = alloc::vec![motor; 2 + actuators.len()];
-    let firmware = cable::firmware(&path.field("firmware"), &raw.firmware, &on_wire, motors, step_ms, &link)?;
-    cable::check_sizes(path, &firmware, &link)?;
+    let Mind { processor, mut link, thinking_ns, firmware } =
+        mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
     let deadline = faults::deadline(path, &raw.brain, context.step.step_ns)?;
     let parts = faults::Parts { name: &name, seed: context.seed, sensors: &sensors, link: &mut link };
     let faults = faults::faults(path, &raw.faults, parts)?;
@@ -176,6 +172,31 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         brain_operations: raw.brain.operations,
         brain_memory_bytes: raw.brain.memory_bytes,
     })
+}
+
+/// What decides on a robot, and how it is told.
+struct Mind {
+    processor: Processor,
+    link: Link,
+    thinking_ns: u64,
+    firmware: Firmware,
+}
+
+fn mind(
+    path: &Path,
+    raw: &raw::Robot,
+    sensors: &[Sensor],
+    motors: Vec<Encoding>,
+    step: Step,
+) -> Result<Mind> {
+    let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
+    let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
+    let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
+    let at = path.field("firmware");
+    let firmware = cable::firmware(&at, &raw.firmware, &on_wire, motors, step.step_ms, &link)?;
+    cable::check_sizes(path, &firmware, &link)?;
+    Ok(Mind { processor, link, thinking_ns, firmware })
 }
 
 /// The places of the sensors that are wanted.
@@ -303,7 +324,7 @@ fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
 }
 
 /// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
-/// on.
+/// on. In both ways no longer than [`MAX_THINKING_US`].
 fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
     let path = path.field("brain");
     let onboard = matches!(link, Link::Onboard);
@@ -324,9 +345,26 @@ fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> R
     }
     match (raw.thinking_us, raw.operations) {
         (Some(_), Some(_)) => Err(path.field("operations").error("say either this or thinking_us")),
-        (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), 1e9),
-        (None, Some(operations)) => processor
-            .thinking_ns(operations)
-            .ok_or_else(|| path.field("operations").error("needs microcontroller.operations_per_s")),
+        (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), MAX_THINKING_US),
+        (None, Some(operations)) => operations_ns(&path.field("operations"), operations, processor),
     }
 }
+
+fn operations_ns(path: &Path, operations: u64, processor: &Processor) -> Result<u64> {
+    let (Some(ns), Some(per_s)) = (processor.thinking_ns(operations), processor.operations_per_s) else {
+        return Err(path.error("needs microcontroller.operations_per_s"));
+    };
+    let limit_s = MAX_THINKING_US / 1e6;
+    if ns as f64 > MAX_THINKING_US * 1e3 {
+        let problem = format!(
+            "must be done in {limit_s} s or less; at microcontroller.operations_per_s = {per_s}, {operations} take \
+             {} s",
+            operations as f64 / per_s
+        );
+        return Err(path.error(problem));
+    }
+    Ok(ns)
+}
+
+/// Longest thinking, in microseconds.
+const MAX_THINKING_US: f64 = 1e9;

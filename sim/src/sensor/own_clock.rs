@@ -50,8 +50,10 @@ pub(crate) struct Running {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Held {
     pub(crate) values: Vec<f64>,
-    /// When it began.
+    /// When it began, as the device tells it.
     pub(crate) measured_at: SimTime,
+    /// When it truly began: earlier, if the device sticks.
+    pub(crate) truly_at: SimTime,
     /// When it is at the output.
     pub(crate) ready_at: SimTime,
 }
@@ -129,8 +131,8 @@ impl Running {
         let values = core::mem::take(&mut self.scan);
         let (ready_at, last) = (end + clock.latency_ns, self.pending.as_ref().or(self.held.as_ref()));
         self.pending = Some(match last.filter(|_| sticks) {
-            Some(last) => Held { ready_at, ..last.clone() },
-            None => Held { values, measured_at: self.begins, ready_at },
+            Some(last) => Held { measured_at: self.begins, ready_at, ..last.clone() },
+            None => Held { values, measured_at: self.begins, truly_at: self.begins, ready_at },
         });
         self.taken = 0;
         self.due = self.due + self.period_ns;
@@ -138,6 +140,11 @@ impl Running {
             if clock.jitter_ns == 0 || !at.noise { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
         // A measurement that begins late does not begin before the last one is over.
         self.begins = (self.due + late as u64).max(end);
+    }
+
+    /// When the measurement began that is not yet at the output.
+    pub(crate) fn pending_since(&self) -> Option<SimTime> {
+        self.pending.as_ref().map(|pending| pending.measured_at)
     }
 
     /// What is pending comes to the output.

@@ -87,6 +87,113 @@ fn a_brain_on_board_gets_another_chip_or_a_laptop() {
     has(&mends, "a laptop on the robot, at 115200 baud");
 }
 
+/// What makes a robot slow, so that there is something to mend.
+const SQUEEZES: [&str; 7] = [
+    "link={ kind = \"uart\", baud = 1200 }",
+    "link={ kind = \"uart\", baud = 9600, adapter = { kind = \"ftdi\" } }",
+    "link={ kind = \"uart\", baud = 4800, adapter = { kind = \"bluetooth\" } }",
+    "link={ kind = \"uart\", baud = 19200, bits_per_character = 8, adapter = { kind = \"cdc\", frame_ms = 20 } }",
+    "brain.deadline_ms=3",
+    "firmware={ protocol = \"khepera\" }",
+    "firmware={ protocol = \"bare\", mode = \"poll\", gap_ms = 15.0 }",
+];
+
+/// Checks the mends of each robot, with changes that the scenario may refuse; says what they are.
+fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
+    let parsed: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
+    let Ok(scenario) = Scenario::parse_with(toml, &parsed) else { return Vec::new() };
+    let mut names = Vec::new();
+    for (i, robot) in Budget::of(&scenario).robots.into_iter().enumerate() {
+        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+            let all = [changes, &mend.overrides].concat();
+            let scenario = self::scenario(toml, &all);
+            let after = RobotBudget::without_mends(&scenario, &scenario.robots()[i]);
+            let found = (after.step_ns, after.cycle.total, after.verdict);
+            assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{changes:?}\n{toml}");
+            names.push(mend.what.clone());
+        }
+    }
+    names
+}
+
+#[test]
+fn what_is_promised_of_each_device_is_what_comes_of_it() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices");
+    let mut mends = Vec::new();
+    for file in std::fs::read_dir(folder).unwrap() {
+        let toml = std::fs::read_to_string(file.unwrap().path()).unwrap();
+        let Some(robot) = Scenario::parse(&toml).unwrap().robots().first().map(|robot| robot.name.clone())
+        else {
+            continue;
+        };
+        let at = |squeeze: &&str| format!("robots.{robot}.{squeeze}");
+        mends.extend(check_if_sound(&toml, &[]));
+        for squeeze in &SQUEEZES {
+            mends.extend(check_if_sound(&toml, &[at(squeeze)]));
+            mends.extend(check_if_sound(&toml, &[at(squeeze), at(&SQUEEZES[0])]));
+        }
+    }
+    mends.sort_unstable();
+    mends.dedup();
+    for kind in ["baud", "latency", "8 bits", "bare", "unasked", "step of", "USB", "without a latency"] {
+        assert!(mends.iter().any(|mend| mend.contains(kind)), "no mend was `{kind}`: {mends:?}");
+    }
+}
+
+#[test]
+fn a_khepera_speaks_only_when_asked_and_is_never_told_to_stream() {
+    let device = include_str!("../../../scenarios/devices/khepera-ascii.toml");
+    let mut plain = format!(
+        "[[robots]]\nname = \"khepera\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+         firmware = {{ protocol = \"khepera\" }}\nlink = {{ kind = \"uart\", baud = 9600 }}\n"
+    );
+    for i in 0..8 {
+        plain += &format!("[robots.sensors.s{i}]\nkind = \"compass\"\nbits = 10\nperiod_ms = 20.0\n");
+    }
+    let mut mends = Vec::new();
+    for (toml, step_ms) in [(device, 1), (device, 10), (device, 40), (&plain, 10), (&plain, 20), (&plain, 40)]
+    {
+        for baud in [4800, 9600, 19_200] {
+            let changes = [format!("step_ms={step_ms}"), format!("robots.khepera.link.baud={baud}")];
+            mends.extend(check_if_sound(toml, &changes));
+        }
+    }
+    assert!(mends.iter().all(|mend| !mend.contains("unasked")), "{mends:?}");
+    has(&mends, "38400 baud");
+}
+
+#[test]
+fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
+    let toml = include_str!("../../../scenarios/wander.toml");
+    let fault = "[{ kind = \"byte-errors\", from_s = 1.0, for_s = 1.0, byte_error_rate = 0.1 }]";
+    let mends = check(toml, &[&format!("robots.robot.faults={fault}")]);
+    assert!(mends.iter().all(|mend| !mend.contains("USB")), "{mends:?}");
+    has(&mends, "38400 baud");
+    has(&check(toml, &[]), "a microcontroller with USB");
+}
+
+#[test]
+fn a_deadline_stays_when_the_brain_moves_to_a_laptop() {
+    let toml = include_str!("../../../scenarios/devices/onboard.toml");
+    let changes = ["robots.robot.brain.deadline_ms=25", "robots.robot.brain.on_late=\"stop\""];
+    let mends = check_if_sound(toml, &changes.map(str::to_owned));
+    has(&mends, "a laptop on the robot, at 115200 baud");
+}
+
+#[test]
+fn slow_ports_are_made_faster_together() {
+    let mut toml = format!("step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\n");
+    for (name, baud) in [("a", 115_200), ("b", 57_600), ("c", 750_000)] {
+        toml += &format!(
+            "[robots.sensors.{name}]\nkind = \"laser\"\nmount = {{ x_m = 0.0 }}\nrays = 682\n\
+             opening_rad = 4.18\nrange_m = 4.0\nperiod_ms = 100.0\n\
+             port = {{ link = {{ kind = \"uart\", baud = {baud} }} }}\n"
+        );
+    }
+    let mends = check(&toml, &[]);
+    assert_eq!(mends[0], "230400 baud on the ports of a, b");
+}
+
 #[test]
 fn what_costs_less_comes_first() {
     let robot = budget(WANDER, &[]);

@@ -1,5 +1,6 @@
 //! A run in which a brain answers each message at once.
 
+use baudbot_sim::firmware::Mode;
 use baudbot_sim::{Input, Scenario, SimTime, World};
 
 use crate::common::command;
@@ -50,7 +51,9 @@ pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
         }
         let news = last.replace(heard + ports).is_some_and(|last| heard + ports > last);
         let first = heard + ports > 0 && tick == 0;
-        let speaks = tick == 0 || news || first;
+        // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it.
+        let asks = tick == 0 && world.robot(0).spec().firmware.mode == Mode::Poll;
+        let speaks = asks || news || first;
         let input = Input { robot: 0, at: turn.at + thinking_ns, bytes: if speaks { &bytes } else { &[] } };
         let before: Vec<_> = world.robot(0).sensors().map(|sensor| sensor.freshness.clone()).collect();
         world.finish(&[input]);
