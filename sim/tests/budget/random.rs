@@ -5,6 +5,7 @@ use std::fmt::Write;
 use baudbot_sim::Scenario;
 use baudbot_sim::budget::{RobotBudget, Span};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use crate::common::BODY;
 use crate::run::{Measured, run};
@@ -133,8 +134,18 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
     )
 }
 
+/// The same 500 robots each time; more or others with `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
+fn config() -> ProptestConfig {
+    let mut config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    config.cases = config.cases.max(500);
+    if config.rng_seed == RngSeed::Random {
+        config.rng_seed = RngSeed::Fixed(1);
+    }
+    config
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn what_is_measured_is_within_the_bounds(toml in scenarios()) {
