@@ -320,7 +320,8 @@ impl Limit {
         let Some(i) = self.limit else {
             let tried = self.probes.last().map(Probe::told).unwrap_or_default();
             return format!(
-                "there is no {keeps}; at the easiest value, {tried}; `wants` in [find] says which end is easy"
+                "found no {keeps}: already the easiest value fails, {tried}, and the others were not tried; `wants` in \
+                 [find] says which end is easy"
             );
         };
         let beyond = match i.checked_sub(1).map(|i| &self.probes[i]) {
