@@ -50,8 +50,7 @@ impl Trace {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         for (i, (robot, seen)) in world.robots().zip(&mut self.seen).enumerate() {
             let timeline = robot.timeline();
-            // A world that was reset or restored begins anew.
-            let (gone, events) = timeline.since((*seen).min(timeline.total()));
+            let (gone, events) = timeline.since(unseen(*seen, timeline.total()));
             if gone > 0 {
                 writer.lost(i, gone)?;
             }
@@ -79,4 +78,20 @@ impl Drop for Trace {
     }
 }
 
+/// The first event that has not been seen, of a timeline of so many: all of one that is shorter than what was seen, as
+/// its world was reset or restored.
+fn unseen(seen: u64, total: u64) -> u64 {
+    if seen > total { 0 } else { seen }
+}
+
 const BUFFER: usize = 1 << 16;
+
+#[cfg(test)]
+mod tests {
+    use super::unseen;
+
+    #[test]
+    fn after_a_reset_nothing_has_been_seen() {
+        assert_eq!([unseen(0, 5), unseen(5, 5), unseen(3, 5), unseen(5, 2)], [0, 5, 3, 0]);
+    }
+}

@@ -1,7 +1,5 @@
 //! The operator's service.
 
-use std::sync::Arc;
-
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
 use baudbot_sim::budget::{Allowance, RobotBudget};
@@ -12,7 +10,7 @@ use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 
 use crate::convert;
-use crate::letter::{Order, Report};
+use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
 use crate::registry::{NewWorld, Registry};
 use crate::words::brief;
@@ -224,7 +222,8 @@ impl ControlService for Control {
                 return Err(Status::invalid_argument("overrides: are of a scenario_toml, not of a world"));
             }
             Some(Given::World(world)) => {
-                (Some(self.order(&world, Order::Report).await?.world), String::new())
+                let world = self.registry.find("world", &world)?;
+                (Some(world.ask(Letter::Describe).await?), String::new())
             }
             Some(Given::ScenarioToml(toml)) => (None, toml),
         };
@@ -232,8 +231,8 @@ impl ControlService for Control {
         let work = move || {
             // Kept until the work is done, even if nobody waits for it any more.
             let _permit = permit;
-            let scenario = match &world {
-                Some(world) => Arc::clone(world.scenario()),
+            let scenario = match world {
+                Some(scenario) => scenario,
                 None => parse_scenario(&toml, &overrides)?.into(),
             };
             budgets(&scenario, &robots)

@@ -128,18 +128,23 @@ impl Running {
             }
         };
         sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
-        let values = core::mem::take(&mut self.scan);
-        let (ready_at, last) = (end + clock.latency_ns, self.pending.as_ref().or(self.held.as_ref()));
-        self.pending = Some(match last.filter(|_| sticks) {
-            Some(last) => Held { measured_at: self.begins, ready_at, ..last.clone() },
-            None => Held { values, measured_at: self.begins, truly_at: self.begins, ready_at },
-        });
-        self.taken = 0;
+        self.finish(end + clock.latency_ns, sticks);
         self.due = self.due + self.period_ns;
         let late =
             if clock.jitter_ns == 0 || !at.noise { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
         // A measurement that begins late does not begin before the last one is over.
         self.begins = (self.due + late as u64).max(end);
+    }
+
+    /// What has been measured will be at the output at `ready_at`.
+    fn finish(&mut self, ready_at: SimTime, sticks: bool) {
+        let values = core::mem::take(&mut self.scan);
+        let last = self.pending.as_ref().or(self.held.as_ref());
+        self.pending = Some(match last.filter(|_| sticks) {
+            Some(last) => Held { measured_at: self.begins, ready_at, ..last.clone() },
+            None => Held { values, measured_at: self.begins, truly_at: self.begins, ready_at },
+        });
+        self.taken = 0;
     }
 
     /// When the measurement began that is not yet at the output.
