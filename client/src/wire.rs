@@ -27,7 +27,10 @@ pub struct WireLayout {
 
 impl WireLayout {
     pub(crate) fn new(body: &Body) -> Self {
-        let on_wire = || body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.is_on_wire());
+        // A brain on board gets its readings without a message, unless they are lines.
+        let has_messages = !body.onboard || body.firmware.protocol == Protocol::Khepera;
+        let sensors = || body.sensors.iter().enumerate();
+        let on_wire = || sensors().filter(|(_, sensor)| has_messages && sensor.is_on_wire());
         let counts = on_wire().map(|(_, sensor)| u8::try_from(sensor.values()).unwrap_or(u8::MAX));
         Self {
             components: on_wire().flat_map(|(_, sensor)| encodings(sensor)).collect(),

@@ -13,6 +13,13 @@ pub fn wrap(angle_rad: f64) -> f64 {
     if -PI < angle_rad && angle_rad <= PI {
         return angle_rad;
     }
+    // Within a turn of the range the subtraction is exact (Sterbenz's lemma), and the remainder too.
+    if angle_rad > PI && angle_rad < 9.0 {
+        return angle_rad - TAU;
+    }
+    if angle_rad <= -PI && angle_rad > -9.0 {
+        return angle_rad + TAU;
+    }
     let wrapped = math::remainder(angle_rad, TAU);
     if wrapped == -PI { PI } else { wrapped }
 }

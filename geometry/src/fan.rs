@@ -9,6 +9,7 @@
 //! - The sum in Eq. (3.10) is a product of rotations, so no trigonometry is done while the robot moves.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,8 @@ use crate::ray::Ray;
 pub struct Fan {
     kappas: Vec<f64>,
     relative: Vec<Direction>,
+    /// Half the angle between two neighbours, in radians; 0 if there is only one ray.
+    half_spacing: f64,
 }
 
 impl Fan {
@@ -37,7 +40,7 @@ impl Fan {
         let half_spacing = if gaps == 0 { 0.0 } else { 0.5 * (opening_rad / gaps as f64) };
         let kappas: Vec<_> = (0..rays).map(|i| ((2 * i) as f64 - gaps as f64) * half_spacing).collect();
         let relative = kappas.iter().map(|&kappa| Direction::from_angle(kappa)).collect();
-        Self { kappas, relative }
+        Self { kappas, relative, half_spacing }
     }
 
     /// The number of rays, at least 1.
@@ -57,6 +60,19 @@ impl Fan {
     #[must_use]
     pub fn relative(&self) -> &[Direction] {
         &self.relative
+    }
+
+    /// The rays, by their places, whose relative angles are in an interval of angles in [-pi, pi]; the one before it
+    /// may be among them. An interval that begins after its end wraps around behind the sensor, and has two parts.
+    pub(crate) fn between(&self, from: f64, to: f64) -> [Range<usize>; 2] {
+        if self.half_spacing == 0.0 {
+            return [0..self.len(), 0..0];
+        }
+        // The conversions take what is below 0 to 0.
+        let place = |kappa: f64| 0.5 * (kappa / self.half_spacing + (self.len() - 1) as f64);
+        let first = (place(from) as usize).min(self.len());
+        let end = ((place(to) + 1.0) as usize).min(self.len());
+        if from <= to { [first..end.max(first), 0..0] } else { [first..self.len(), 0..end] }
     }
 
     /// The cosine of the relative angle of ray `i`, counted from 0, as Eq. (3.13) needs it.

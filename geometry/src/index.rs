@@ -26,6 +26,7 @@ use crate::polygon;
 use crate::pose::Point;
 use crate::ray::Ray;
 use crate::segment::Segment;
+use crate::sweep::Sweep;
 use cells::Cells;
 use layout::Layout;
 use walk::Walk;
@@ -123,6 +124,22 @@ impl Index {
             }
         }
         best
+    }
+
+    /// Adds all shapes that are in the range of a fan of rays.
+    pub fn sweep(&self, sweep: &mut Sweep<'_>) {
+        let Some(grid) = &self.grid else { return };
+        let around = sweep.around();
+        let many = self.segments.len() + self.circles.len();
+        // Several shapes are in a cell, and many are in several.
+        if 4 * grid.layout.cells_in_box(&around) < many {
+            return self.near(&around, |shape| match shape {
+                Shape::Segment(i) => sweep.segment(&self.segments[i]),
+                Shape::Circle(i) => sweep.circle(&self.circles[i]),
+            });
+        }
+        self.segments.iter().for_each(|segment| sweep.segment(segment));
+        self.circles.iter().for_each(|circle| sweep.circle(circle));
     }
 
     /// Visits every shape that may overlap the circle: all that touch a cell which the box around the

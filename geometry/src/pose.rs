@@ -51,7 +51,14 @@ impl Pose {
     /// (-pi, pi].
     #[must_use]
     pub fn compose(&self, other: &Self) -> Self {
-        Self { position: self.transform(other.position), heading: angle::wrap(self.heading + other.heading) }
+        self.compose_facing(self.direction(), other)
+    }
+
+    /// [`compose`](Self::compose) with the [`direction`](Self::direction) at hand, as if it were computed here.
+    #[must_use]
+    pub fn compose_facing(&self, direction: Direction, other: &Self) -> Self {
+        let position = self.position + direction.apply(other.position.coords);
+        Self { position, heading: angle::wrap(self.heading + other.heading) }
     }
 
     /// The outer frame as seen from the inner one: `world_from_robot.inverse()` is `robot_from_world`.

@@ -3,7 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Index, Point, Segment, Shape, polygon};
+use baudbot_geometry::{Bounds, Circle, Crowd, Index, Point, Segment, Shape, math, polygon};
 
 /// A polygon, or a line with corners. A solid polygon is an obstacle through and through; a hollow one is a
 /// wall drawn as its outline, such as the border of a room that robots are in.
@@ -54,6 +54,15 @@ pub struct Arena {
     pillars: Vec<Pillar>,
     /// The first has everything; each of the others what is seen from some height.
     layers: Vec<Layer>,
+    /// Which polygons are solid, and discs around these.
+    solids: (Vec<usize>, Crowd),
+}
+
+/// One of the arena's shapes, by its place in its list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Thing {
+    Polygon(usize),
+    Pillar(usize),
 }
 
 /// What is seen from some height.
@@ -70,18 +79,32 @@ impl Arena {
     /// An arena of these shapes.
     pub fn new(polygons: Vec<Polygon>, pillars: Vec<Pillar>) -> Self {
         let all = Layer::new(&polygons, &pillars, 0.0);
-        Self { polygons, pillars, layers: alloc::vec![all] }
+        let solids = solids(&polygons);
+        Self { polygons, pillars, layers: alloc::vec![all], solids }
     }
 
     /// The layer of what reaches up to `height_m`, made if there is none yet.
     pub(crate) fn layer(&mut self, height_m: f64) -> usize {
-        let layer = Layer::new(&self.polygons, &self.pillars, height_m);
-        let same = |other: &Layer| other.polygons == layer.polygons && other.pillars == layer.pillars;
+        let same = |layer: &Layer| self.is_layer(layer, height_m);
         if let Some(i) = self.layers.iter().position(same) {
             return i;
         }
-        self.layers.push(layer);
+        self.layers.push(Layer::new(&self.polygons, &self.pillars, height_m));
         self.layers.len() - 1
+    }
+
+    /// Whether the layer has just what reaches up to `height_m`.
+    fn is_layer(&self, layer: &Layer, height_m: f64) -> bool {
+        let seen = |look: &Look| look.height_m >= height_m;
+        let polygons = (0..self.polygons.len()).filter(|&i| seen(&self.polygons[i].look));
+        let pillars = (0..self.pillars.len()).filter(|&i| seen(&self.pillars[i].look));
+        let mut known = layer.polygons.iter().copied();
+        let same = |i: usize| {
+            let sides = self.polygons[i].edges().count();
+            known.by_ref().take(sides).eq(core::iter::repeat_n(i, sides))
+        };
+        let mut polygons = polygons;
+        polygons.all(same) && known.next().is_none() && pillars.eq(layer.pillars.iter().copied())
     }
 
     /// The polygons, in the scenario's order.
@@ -117,25 +140,56 @@ impl Arena {
     /// (touching is no collision, as in ARSim), or the disc's centre is inside a solid polygon, which ARSim
     /// does not see.
     pub fn obstacle_at(&self, disc: &Circle) -> Option<&str> {
-        if let Some(shape) = self.index().overlaps(disc) {
-            return Some(self.name_of(shape));
-        }
-        self.solid_at(disc.center)
+        self.thing_at(disc).map(|thing| self.name_of(thing))
     }
 
-    /// The name of the solid polygon that a point is in, if any.
-    pub(crate) fn solid_at(&self, point: Point) -> Option<&str> {
-        let inside = |polygon: &&Polygon| polygon.solid && polygon::contains(&polygon.points, point);
-        self.polygons.iter().find(inside).map(|polygon| polygon.name.as_str())
+    /// The shape of [`obstacle_at`](Self::obstacle_at).
+    pub(crate) fn thing_at(&self, disc: &Circle) -> Option<Thing> {
+        self.index().overlaps(disc).map(|shape| self.owner_of(shape)).or_else(|| self.solid_at(disc.center))
     }
 
-    /// The name of the polygon or pillar that a shape of the index belongs to.
-    pub fn name_of(&self, shape: Shape) -> &str {
+    /// The first solid polygon that a point is in, if any.
+    pub(crate) fn solid_at(&self, point: Point) -> Option<Thing> {
+        let (places, around) = &self.solids;
+        let mut first = None;
+        around.near(&Circle { center: point, radius: 0.0 }, |i| {
+            let place = places[i];
+            if first.is_none_or(|first| place < first)
+                && polygon::contains(&self.polygons[place].points, point)
+            {
+                first = Some(place);
+            }
+        });
+        first.map(Thing::Polygon)
+    }
+
+    /// The polygon or pillar that a shape of the index belongs to.
+    pub(crate) fn owner_of(&self, shape: Shape) -> Thing {
         match shape {
-            Shape::Segment(i) => &self.polygons[self.layers[0].polygons[i]].name,
-            Shape::Circle(i) => &self.pillars[self.layers[0].pillars[i]].name,
+            Shape::Segment(i) => Thing::Polygon(self.layers[0].polygons[i]),
+            Shape::Circle(i) => Thing::Pillar(self.layers[0].pillars[i]),
         }
     }
+
+    /// A shape's name.
+    pub(crate) fn name_of(&self, thing: Thing) -> &str {
+        match thing {
+            Thing::Polygon(i) => &self.polygons[i].name,
+            Thing::Pillar(i) => &self.pillars[i].name,
+        }
+    }
+}
+
+fn solids(polygons: &[Polygon]) -> (Vec<usize>, Crowd) {
+    let places: Vec<_> = (0..polygons.len()).filter(|&i| polygons[i].solid).collect();
+    let around = |&i: &usize| {
+        let bounds = Bounds::of_points(&polygons[i].points)?;
+        let half = bounds.size() * 0.5;
+        Some(Circle { center: bounds.center(), radius: math::sqrt(half.norm_squared()) })
+    };
+    let mut crowd = Crowd::default();
+    crowd.rebuild(places.iter().filter_map(around));
+    (places, crowd)
 }
 
 impl Layer {

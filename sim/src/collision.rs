@@ -4,13 +4,13 @@
 //! towards the other has collided. The notes test where a body is after a step; so do we, and on the way as
 //! well if the step is long against the body, so that none passes through a wall.
 
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Pose, Vector, angle, math};
+use baudbot_geometry::{Circle, Crowd, Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
-use crate::arena::Arena;
+use crate::arena::{Arena, Thing};
 use crate::movable::{Body, Form};
 
 /// What a collision does, the same for all robots of a world.
@@ -39,60 +39,79 @@ pub(crate) enum Partner {
     Robot(usize),
 }
 
-/// Something else that robots can run into, such as a door.
-#[derive(Clone, Debug)]
-pub(crate) struct Obstacle {
-    pub(crate) name: String,
-    pub(crate) body: Body,
+/// What a robot runs into, by its place in its list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Met {
+    Arena(Thing),
+    Obstacle(usize),
+    Robot(usize),
 }
 
 /// The poses of all robots before and after a step, all free of each other and of the arena before it.
 pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
-    pub(crate) obstacles: &'a [Obstacle],
-    pub(crate) forms: &'a [Form<'a>],
+    /// What else robots can run into, such as doors.
+    pub(crate) obstacles: &'a [Body],
+    /// The robots' shapes.
+    pub(crate) form: &'a (dyn Fn(usize) -> Form<'a> + Sync),
     pub(crate) before: &'a [Pose],
     pub(crate) after: &'a mut [Pose],
+    /// The robots with all their way: see [`swept`].
+    pub(crate) crowd: &'a Crowd,
+}
+
+/// A disc that a robot is in before the step, after it, and on its way.
+pub(crate) fn swept(form: &Form<'_>, before: &Pose, after: &Pose) -> Circle {
+    let way = math::sqrt((after.position - before.position).norm_squared());
+    Circle { center: before.position, radius: form.reach_m() + way }
 }
 
 impl Step<'_> {
     /// What robot `own` runs into in this step, if anything: the arena first, then what moves in it, then the
     /// other robots in their order. Bodies that touch exactly do not collide.
-    pub(crate) fn partner(&self, own: usize) -> Option<Partner> {
-        if let Some(name) = self.shape_on_the_way(own) {
-            return Some(Partner::Shape(name.to_string()));
-        }
-        (0..self.after.len()).find(|&i| i != own && self.runs_into(own, i)).map(Partner::Robot)
+    pub(crate) fn partner(&self, own: usize) -> Option<Met> {
+        self.met_on_the_way(own).or_else(|| self.robot_met(own))
+    }
+
+    /// The first of the other robots that this one runs into.
+    fn robot_met(&self, own: usize) -> Option<Met> {
+        let mut first = None;
+        self.crowd.near(&self.crowd.discs()[own], |i| {
+            if i != own && first.is_none_or(|first| i < first) && self.runs_into(own, i) {
+                first = Some(i);
+            }
+        });
+        first.map(Met::Robot)
     }
 
     /// Whether the two overlap after the step and `own` has moved towards the other. Of two that overlap, at least
     /// one has.
     fn runs_into(&self, own: usize, other: usize) -> bool {
-        let near = self.forms[own].reach_m() + self.forms[other].reach_m();
+        let (form, its_form) = ((self.form)(own), (self.form)(other));
+        let near = form.reach_m() + its_form.reach_m();
         let gap = self.after[other].position - self.after[own].position;
         if gap.norm_squared() >= near * near || self.before[own] == self.after[own] {
             return false;
         }
-        let body = |poses: &[Pose], i: usize| self.forms[i].at(&poses[i]);
-        let (mine, its) = (body(self.after, own), body(self.after, other));
+        let (mine, its) = (form.at(&self.after[own]), its_form.at(&self.after[other]));
         if !mine.overlaps(&its) {
             return false;
         }
-        if let (Form::Disc { .. }, Form::Disc { .. }) = (self.forms[own], self.forms[other]) {
+        if let (Form::Disc { .. }, Form::Disc { .. }) = (form, its_form) {
             // Discs that do not approach each other cannot come to overlap.
             let towards = self.before[other].position - self.before[own].position;
             return self.way(own).dot(&towards) > 0.0;
         }
         // A corner reaches what the centre moves away from: it is asked what either could do alone.
-        mine.overlaps(&body(self.before, other)) || !body(self.before, own).overlaps(&its)
+        mine.overlaps(&its_form.at(&self.before[other])) || !form.at(&self.before[own]).overlaps(&its)
     }
 
     /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
     /// turning included: it cannot get past anything in between.
-    fn shape_on_the_way(&self, own: usize) -> Option<&str> {
+    fn met_on_the_way(&self, own: usize) -> Option<Met> {
         let (before, after, way) = (&self.before[own], &self.after[own], self.way(own));
         let turn = angle::difference(after.heading, before.heading);
-        let form = self.forms[own];
+        let form = (self.form)(own);
         let looks = match form {
             Form::Disc { radius_m } => way.norm() / (0.5 * radius_m),
             Form::Polygon(_) => (way.norm() + turn.abs() * form.reach_m()) / form.thickness_m(),
@@ -105,37 +124,37 @@ impl Step<'_> {
                 pose.position = before.position + way * part;
                 pose.heading = before.heading + turn * part;
             }
-            self.shape_at(&form.at(&pose))
+            self.met_at(&form.at(&pose))
         })
     }
 
-    fn shape_at(&self, body: &Body) -> Option<&str> {
-        let obstacle = || self.obstacles.iter().find(|obstacle| obstacle.body.overlaps(body));
-        body.arena_shape(self.arena).or_else(|| obstacle().map(|obstacle| obstacle.name.as_str()))
+    fn met_at(&self, body: &Body) -> Option<Met> {
+        let obstacle = || self.obstacles.iter().position(|obstacle| obstacle.overlaps(body));
+        body.arena_thing(self.arena).map(Met::Arena).or_else(|| obstacle().map(Met::Obstacle))
     }
 
     fn way(&self, own: usize) -> Vector {
         self.after[own].position - self.before[own].position
     }
 
-    /// Which robots must stay where they were: those that would run into the arena or into one another, and
-    /// those that would then run into one that stays. A disc may turn where it stands.
+    /// Which robots must stay where they were, into `held`: those that would run into the arena or into one another,
+    /// and those that would then run into one that stays. A disc may turn where it stands.
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
     /// stops more of them or is the last.
-    pub(crate) fn held_back(self) -> Vec<Option<Partner>> {
-        let mut held: Vec<Option<Partner>> = alloc::vec![None; self.after.len()];
+    pub(crate) fn hold_back(&mut self, held: &mut Vec<Option<Met>>, found: &mut Vec<(usize, Met)>) {
+        held.clear();
+        held.resize(self.after.len(), None);
         loop {
-            let found: Vec<_> = (0..self.after.len())
-                .filter(|&i| held[i].is_none())
-                .filter_map(|i| self.partner(i).map(|partner| (i, partner)))
-                .collect();
+            found.clear();
+            let free = (0..self.after.len()).filter(|&i| held[i].is_none());
+            found.extend(free.filter_map(|i| self.partner(i).map(|met| (i, met))));
             if found.is_empty() {
-                return held;
+                return;
             }
-            for (i, partner) in found {
+            for &(i, met) in found.iter() {
                 self.after[i] = self.before[i];
-                held[i] = Some(partner);
+                held[i] = Some(met);
             }
         }
     }
@@ -151,14 +170,36 @@ mod tests {
     use super::*;
     use crate::arena::{Look, Pillar, Polygon};
 
-    const DISCS: [Form<'static>; 4] = [Form::Disc { radius_m: 0.5 }; 4];
+    const DISC: Form<'static> = Form::Disc { radius_m: 0.5 };
 
     fn row(xs: &[f64]) -> Vec<Pose> {
         xs.iter().map(|&x| Pose::new(x, 0.0, 0.0)).collect()
     }
 
-    fn step<'a>(arena: &'a Arena, before: &'a [Pose], after: &'a mut [Pose]) -> Step<'a> {
-        Step { arena, obstacles: &[], forms: &DISCS[..before.len()], before, after }
+    /// Looks at a step of robots of these shapes.
+    fn look<T>(
+        arena: &Arena,
+        forms: &[Form<'_>],
+        before: &[Pose],
+        after: &mut [Pose],
+        look: impl FnOnce(Step<'_>) -> T,
+    ) -> T {
+        let mut crowd = Crowd::default();
+        let ways = forms.iter().zip(before).zip(&*after);
+        crowd.rebuild(ways.map(|((form, before), after)| swept(form, before, after)));
+        look(Step { arena, obstacles: &[], form: &|i| forms[i], before, after, crowd: &crowd })
+    }
+
+    fn held(forms: &[Form<'_>], before: &[Pose], after: &mut [Pose]) -> Vec<Option<Met>> {
+        let (mut held, mut found) = (Vec::new(), Vec::new());
+        look(&empty(), forms, before, after, |mut step| step.hold_back(&mut held, &mut found));
+        held
+    }
+
+    /// What each of some discs runs into.
+    fn partners(arena: &Arena, before: &[Pose], after: &mut [Pose]) -> Vec<Option<Met>> {
+        let forms = alloc::vec![DISC; before.len()];
+        look(arena, &forms, before, after, |step| (0..before.len()).map(|own| step.partner(own)).collect())
     }
 
     fn empty() -> Arena {
@@ -169,22 +210,22 @@ mod tests {
     fn a_queue_that_runs_up_holds_back_one_after_the_other() {
         // The first two meet head on; the third would run into the second's old place; the fourth is free.
         let before = row(&[0.0, 1.2, 2.3, 9.0]);
-        let held = step(&empty(), &before, &mut row(&[0.15, 1.05, 2.1, 9.2])).held_back();
-        assert_eq!(held, [Some(Partner::Robot(1)), Some(Partner::Robot(0)), Some(Partner::Robot(1)), None]);
+        let held = held(&[DISC; 4], &before, &mut row(&[0.15, 1.05, 2.1, 9.2]));
+        assert_eq!(held, [Some(Met::Robot(1)), Some(Met::Robot(0)), Some(Met::Robot(1)), None]);
     }
 
     #[test]
     fn only_the_robot_behind_is_held_back_in_a_rear_end_collision() {
         let before = row(&[0.0, 1.1]);
-        let held = step(&empty(), &before, &mut row(&[0.3, 1.2])).held_back();
-        assert_eq!(held, [Some(Partner::Robot(1)), None]);
+        let held = held(&[DISC; 2], &before, &mut row(&[0.3, 1.2]));
+        assert_eq!(held, [Some(Met::Robot(1)), None]);
     }
 
     /// A bar across the way, and a disc beside its end.
-    fn bar_and_disc(before: &[Pose; 2], after: &mut [Pose; 2]) -> Vec<Option<Partner>> {
+    fn bar_and_disc(before: &[Pose; 2], after: &mut [Pose; 2]) -> Vec<Option<Met>> {
         let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
         let forms = [Form::Polygon(&bar), Form::Disc { radius_m: 0.15 }];
-        Step { arena: &empty(), obstacles: &[], forms: &forms, before, after }.held_back()
+        held(&forms, before, after)
     }
 
     #[test]
@@ -192,28 +233,25 @@ mod tests {
         let bar = Pose::new(0.0, 0.0, 0.0);
         let before = [bar, Pose::new(0.9, 0.3, 0.0)];
         let held = bar_and_disc(&before, &mut [bar, Pose::new(1.0, 0.2, 0.0)]);
-        assert_eq!(held, [None, Some(Partner::Robot(0))]);
+        assert_eq!(held, [None, Some(Met::Robot(0))]);
     }
 
     #[test]
     fn a_bar_that_sweeps_into_a_disc_is_held_back_and_the_disc_that_flees_is_not() {
         let before = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.9, 0.3, 0.0)];
         let held = bar_and_disc(&before, &mut [Pose::new(0.0, 0.0, 0.3), Pose::new(0.9, 0.31, 0.0)]);
-        assert_eq!(held, [Some(Partner::Robot(1)), None]);
+        assert_eq!(held, [Some(Met::Robot(1)), None]);
         // Away from the other one, with corners or without.
         let held = bar_and_disc(&before, &mut [Pose::new(0.0, -0.01, 0.0), Pose::new(0.9, 0.2, 0.0)]);
-        assert_eq!(held, [None, Some(Partner::Robot(0))]);
+        assert_eq!(held, [None, Some(Met::Robot(0))]);
     }
 
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
-        assert_eq!(step(&empty(), &before, &mut row(&[0.0, 1.0])).partner(0), None);
-        let arena = empty();
-        let mut after = row(&[0.001, 1.0]);
-        let near = step(&arena, &before, &mut after);
-        assert_eq!(near.partner(0), Some(Partner::Robot(1)));
-        assert_eq!(near.partner(1), None, "it stood still");
+        assert_eq!(partners(&empty(), &before, &mut row(&[0.0, 1.0])), [None, None]);
+        let near = partners(&empty(), &before, &mut row(&[0.001, 1.0]));
+        assert_eq!(near, [Some(Met::Robot(1)), None], "the other one stood still");
     }
 
     #[test]
@@ -227,14 +265,8 @@ mod tests {
         let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
         let before = [Pose::new(0.0, 0.0, 0.0)];
         let mut after = [Pose::new(0.0, 0.0, 1.5)];
-        let step = Step {
-            arena: &arena,
-            obstacles: &[],
-            forms: &[Form::Polygon(&bar)],
-            before: &before,
-            after: &mut after,
-        };
-        assert_eq!(step.partner(0), Some(Partner::Shape("post".into())));
+        let met = look(&arena, &[Form::Polygon(&bar)], &before, &mut after, |step| step.partner(0));
+        assert_eq!(met, Some(Met::Arena(Thing::Pillar(0))));
     }
 
     #[test]
@@ -245,7 +277,6 @@ mod tests {
         let arena = Arena::new(alloc::vec![wall], Vec::new());
         let before = row(&[0.0]);
         let mut after = row(&[4.0]);
-        let step = step(&arena, &before, &mut after);
-        assert_eq!(step.partner(0), Some(Partner::Shape("wall".into())));
+        assert_eq!(partners(&arena, &before, &mut after), [Some(Met::Arena(Thing::Polygon(0)))]);
     }
 }

@@ -127,6 +127,17 @@ impl Laptop {
         None
     }
 
+    /// A message has come without a cable, of a control cycle that began at `begun`.
+    pub(crate) fn note_message(&mut self, begun: SimTime) {
+        self.has_message = true;
+        self.heard = Some(begun);
+    }
+
+    /// When the reading of sensor `i` that has come was truly sampled.
+    pub(crate) fn note_age(&mut self, i: usize, sampled_at: Option<SimTime>) {
+        self.sampled[i] = sampled_at.or(self.sampled[i]);
+    }
+
     fn note_ages(&mut self, message: &Arrived) {
         for &(i, sampled_at) in &message.sampled {
             self.sampled[i] = Some(sampled_at);

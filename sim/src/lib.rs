@@ -63,6 +63,7 @@ mod statistics;
 pub mod surroundings;
 pub mod time;
 pub mod timeline;
+mod vicinity;
 mod view;
 mod world;
 

@@ -6,6 +6,7 @@
 
 mod channel;
 mod khepera;
+mod onboard;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -190,10 +191,7 @@ impl Microcontroller {
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
     pub(crate) fn send_readings(&mut self, spec: &RobotSpec, now: SimTime, uplink: &mut Line) -> Sent {
-        match spec.firmware.mode {
-            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
-            Mode::Poll => self.frame.next = SimTime::NEVER,
-        }
+        self.serve_frame(spec, now);
         let mut bytes = [0; frame::MAX_FRAME];
         let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
         let mut tells = true;
@@ -214,6 +212,14 @@ impl Microcontroller {
         let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
         self.free_at = closed.max(uplink.drained(&spec.link));
         Sent { bytes: n as u32, cycle, closed, on_wire }
+    }
+
+    /// A frame is sent now: when is the next one due?
+    fn serve_frame(&mut self, spec: &RobotSpec, now: SimTime) {
+        match spec.firmware.mode {
+            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
+            Mode::Poll => self.frame.next = SimTime::NEVER,
+        }
     }
 
     /// The readings are in a message that was begun at `now`.
@@ -265,13 +271,19 @@ impl Microcontroller {
         message::write_readings(&firmware.layout(), self.sequence, time_100us, sample, out).expect(FITS)
     }
 
-    /// Takes the oldest byte that the receiver holds at `now`. What arrived while the receiver was full is
+    /// Takes the oldest byte that the receiver holds at `now`, or in no time as many as end a message. What arrived while the receiver was full is
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> Taken {
         downlink.overrun(&spec.link, now);
         self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
-        let arrival = downlink.take(&spec.link, now);
-        arrival.map_or(Taken::Part, |arrival| self.receive_byte(spec, arrival, &mut downlink.counters))
+        loop {
+            let Some(arrival) = downlink.take(&spec.link, now) else { return Taken::Part };
+            let taken = self.receive_byte(spec, arrival, &mut downlink.counters);
+            // A processor that takes bytes in no time takes all of a message at once: nothing comes between them.
+            if taken != Taken::Part || self.free_at > now {
+                return taken;
+            }
+        }
     }
 
     fn receive_byte(

@@ -6,7 +6,7 @@
 //! change between versions; the normal deviate is our own on `libm`, because a platform's `ln` and `cos`
 //! differ in the last bits.
 
-use baudbot_geometry::math;
+use baudbot_geometry::normal;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -68,9 +68,30 @@ impl Stream {
 
     /// Normal with mean 0 and standard deviation 1 (Box and Muller's method, one of its two values).
     pub fn normal(&mut self) -> f64 {
-        // 1 - u lies in (0, 1], so the logarithm is finite.
-        let radius = math::sqrt(-2.0 * math::ln(1.0 - self.uniform()));
-        radius * math::cos(core::f64::consts::TAU * self.uniform())
+        let (u, v) = (self.uniform(), self.uniform());
+        normal::deviate(u, v)
+    }
+
+    /// Changes each value with a normal deviate of its own, as if these were drawn one by one.
+    pub fn each_normal(&mut self, values: &mut [f64], change: impl Fn(f64, f64) -> f64) {
+        let (mut us, mut vs, mut deviates) = ([0.0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
+        for values in values.chunks_mut(AT_ONCE) {
+            for (u, v) in us.iter_mut().zip(&mut vs).take(values.len()) {
+                (*u, *v) = (self.uniform(), self.uniform());
+            }
+            let n = values.len();
+            normal::deviates(&us[..n], &vs[..n], &mut deviates[..n]);
+            values.iter_mut().zip(&deviates).for_each(|(value, deviate)| *value = change(*value, *deviate));
+        }
+    }
+
+    /// No normal deviate is larger than this, since no uniform one is nearer to 1 than 2^-53.
+    pub(crate) const MOST_NORMAL: f64 = 8.6;
+
+    /// Draws what a normal deviate takes, where it would make no difference.
+    pub(crate) fn skip_normal(&mut self) {
+        self.draw();
+        self.draw();
     }
 
     /// An integer in `0..n`; `n` must not be 0. The bias of the multiply-shift is below 2^-32 for small `n`.
@@ -78,6 +99,9 @@ impl Stream {
         (((self.draw() >> 32) * u64::from(n)) >> 32) as u32
     }
 }
+
+/// So many normal deviates are computed at once.
+const AT_ONCE: usize = 64;
 
 /// 64 random bits that follow from a number alone.
 pub(crate) fn spread(number: u64) -> u64 {

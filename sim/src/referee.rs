@@ -3,7 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Pose};
+use baudbot_geometry::{Circle, Pose, Ray};
 use serde::{Deserialize, Serialize};
 
 use crate::coverage::{Coverage, Floor};
@@ -132,10 +132,11 @@ impl World {
             let robot = self.robot(own);
             let pose = mount.place(&robot.motion().pose, robot.actuators());
             let eye = Scene::look(&scene, pose.position, mount.height, range_m);
-            for ray in fan.rays(pose.position, pose.direction()) {
-                let reach = eye.cast(&ray).unwrap_or(range_m);
-                coverage.sense_ray(floor, pose.position, ray.at(reach));
-            }
+            let forward = pose.direction();
+            eye.each(&pose, fan, |i, distance_m| {
+                let ray = Ray { origin: pose.position, direction: forward.rotate(fan.relative()[i]) };
+                coverage.sense_ray(floor, pose.position, ray.at(distance_m.min(range_m)));
+            });
         }
     }
 

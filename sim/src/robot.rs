@@ -4,6 +4,7 @@
 
 mod advance;
 mod cycles;
+mod onboard;
 mod recorder;
 
 use alloc::format;
@@ -33,6 +34,7 @@ use crate::random::Stream;
 use crate::scene::{Ping, Scene};
 use crate::sensor::Sensor;
 use crate::time::SimTime;
+use crate::vicinity::Reach;
 
 /// What a robot is.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +61,8 @@ pub struct RobotSpec {
     pub command_timeout_ns: Option<u64>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a cable of their own.
     pub sensors: Vec<Sensor>,
+    /// How far those of them look that see what is near.
+    pub(crate) reach: Option<Reach>,
     /// The sensors that measure at their own pace, by their places.
     pub(crate) own_clocks: Vec<usize>,
     /// The sensors with a cable of their own, by their places.

@@ -2,12 +2,20 @@
 
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Index, Point, Ray, Segment, Vector, polygon};
+use core::cell::OnceCell;
+use core::ops::Range;
+
+use baudbot_geometry::{
+    Circle, Crowd, Direction, Fan, Index, Point, Pose, Ray, Segment, Sweep, Vector, polygon,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Look};
+use crate::robot::RobotSpec;
+use crate::scenario::Scenario;
 use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
+use crate::vicinity::Vicinity;
 
 /// A body in the scene: a robot, or a thing that moves.
 #[derive(Clone, Debug)]
@@ -23,6 +31,8 @@ pub(crate) struct Figure {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Frozen {
     pub(crate) bodies: Vec<Figure>,
+    /// The bodies' discs, by their places among them.
+    pub(crate) crowd: Crowd,
     pub(crate) lights: Vec<Lit>,
     pub(crate) sounds: Vec<Sound>,
     /// The sonar pulses of the last tick.
@@ -48,30 +58,44 @@ pub(crate) struct Sound {
 }
 
 /// The frozen scene as one robot sees it.
-#[derive(Clone, Copy)]
 pub(crate) struct Scene<'a> {
     pub(crate) arena: &'a Arena,
     pub(crate) surroundings: &'a Surroundings,
     pub(crate) frozen: &'a Frozen,
     /// The robot that looks: its own body hides nothing from it.
     pub(crate) own: usize,
+    spec: &'a RobotSpec,
+    /// What is near it, once somebody asks; `None` if there is too much.
+    vicinity: OnceCell<Option<Vicinity>>,
+    facing: OnceCell<Direction>,
 }
 
 impl<'a> Scene<'a> {
+    /// As robot `own` sees it.
+    pub(crate) fn new(scenario: &'a Scenario, frozen: &'a Frozen, own: usize) -> Self {
+        let (arena, surroundings) = (&scenario.arena, &scenario.surroundings);
+        let spec = &scenario.robots()[own];
+        Self { arena, surroundings, frozen, own, spec, vicinity: OnceCell::new(), facing: OnceCell::new() }
+    }
+
+    /// The robot's heading, at `pose`, as a direction. It has the same pose all the time that the scene is frozen.
+    pub(crate) fn facing(&self, pose: &Pose) -> Direction {
+        *self.facing.get_or_init(|| pose.direction())
+    }
+
+    /// What is near the robot, if all within this disc is.
+    fn vicinity(&self, disc: &Circle, layer: usize) -> Option<&Vicinity> {
+        let collect = || Vicinity::of(self.spec, self.own, self.arena.seen(layer), self.frozen);
+        let is_for =
+            self.spec.reach.is_some_and(|reach| reach.layer == layer && reach.radius_m >= disc.radius);
+        let vicinity = is_for.then(|| self.vicinity.get_or_init(collect).as_ref()).flatten();
+        vicinity.filter(|vicinity| vicinity.covers(disc, layer))
+    }
+
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.
-    pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Eye<'a> {
-        let bodies = &self.frozen.bodies;
-        let reach = |body: &Figure| {
-            let far = range_m + body.disc.radius;
-            (body.disc.center - from).norm_squared() <= far * far
-                && body.look.height_m >= height.above_floor_m
-        };
-        // One body in sight is common, a crowd is not: remember the span of those that can be hit.
-        let mut others = bodies.iter().enumerate().filter(|(i, body)| *i != self.own && reach(body));
-        let first = others.next().map(|(i, _)| i);
-        let last = others.next_back().map(|(i, _)| i).or(first);
-        let span = first.zip(last).map_or(0..0, |(first, last)| first..last + 1);
-        Eye { index: self.arena.seen(height.layer), scene: *self, height, range_m, span }
+    pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Eye<'_> {
+        let around = Circle { center: from, radius: range_m };
+        Eye { index: self.arena.seen(height.layer), scene: self, height, around }
     }
 }
 
@@ -86,12 +110,11 @@ pub struct Height {
 
 /// A look from one point.
 pub(crate) struct Eye<'a> {
-    scene: Scene<'a>,
+    scene: &'a Scene<'a>,
     index: &'a Index,
     height: Height,
-    range_m: f64,
-    /// Bodies outside this span are out of reach.
-    span: core::ops::Range<usize>,
+    /// What is outside of this disc is out of reach.
+    around: Circle,
 }
 
 /// What a ray met.
@@ -117,19 +140,81 @@ impl Eye<'_> {
 
     /// The nearest thing along `ray`, if within range.
     pub(crate) fn see(&self, ray: &Ray) -> Option<Sight> {
-        let hit = self.index.cast(ray, self.range_m);
-        let mut nearest = hit.map(|hit| Sight { distance_m: hit.distance, what: What::Fixed(hit.shape) });
-        for i in self.span.clone().filter(|&i| i != self.scene.own) {
-            let body = &self.scene.frozen.bodies[i];
-            if body.look.height_m >= self.height.above_floor_m
-                && let Some(distance_m) = body.hit(ray)
-                && distance_m <= self.range_m
-                && nearest.is_none_or(|best| distance_m < best.distance_m)
+        let range_m = self.around.radius;
+        let hit = self.index.cast(ray, range_m);
+        let fixed = hit.map(|hit| Sight { distance_m: hit.distance, what: What::Fixed(hit.shape) });
+        let mut body: Option<(f64, usize)> = None;
+        self.bodies(|i, figure| {
+            if let Some(distance_m) = figure.hit(ray)
+                && distance_m <= range_m
+                && body.is_none_or(|best| (distance_m, i) < best)
             {
-                nearest = Some(Sight { distance_m, what: What::Figure(i) });
+                body = Some((distance_m, i));
+            }
+        });
+        match (fixed, body) {
+            (Some(fixed), Some((distance_m, _))) if fixed.distance_m <= distance_m => Some(fixed),
+            (_, Some((distance_m, i))) => Some(Sight { distance_m, what: What::Figure(i) }),
+            (fixed, None) => fixed,
+        }
+    }
+
+    /// Visits the bodies that may be in reach, in no order; one may come twice.
+    fn bodies(&self, mut visit: impl FnMut(usize, &Figure)) {
+        let Frozen { bodies, crowd, .. } = self.scene.frozen;
+        crowd.near(&self.around, |i| {
+            if i != self.scene.own && self.sees(&bodies[i]) {
+                visit(i, &bodies[i]);
+            }
+        });
+    }
+
+    /// Whether the body reaches up to the eye.
+    fn sees(&self, figure: &Figure) -> bool {
+        figure.look.height_m >= self.height.above_floor_m
+    }
+
+    /// How far each of these rays of a fan runs from a sensor at `pose`, where this eye is: infinitely far if it meets
+    /// nothing within range.
+    pub(crate) fn sweep(&self, pose: &Pose, fan: &Fan, rays: Range<usize>, distances_m: &mut [f64]) {
+        let mut sweep = Sweep::new(pose, fan, rays, self.around.radius, distances_m);
+        let add = |sweep: &mut Sweep<'_>, figure: &Figure| {
+            if figure.outline.is_empty() {
+                sweep.circle(&figure.disc);
+            } else {
+                sweep.other(&figure.disc, |ray| figure.hit(ray));
+            }
+        };
+        match self.scene.vicinity(&self.around, self.height.layer) {
+            Some(vicinity) => {
+                vicinity.sweep(self.index, &mut sweep);
+                let bodies = vicinity.bodies.iter().map(|&i| &self.scene.frozen.bodies[i as usize]);
+                bodies.filter(|figure| self.sees(figure)).for_each(|figure| add(&mut sweep, figure));
+            }
+            None => {
+                self.index.sweep(&mut sweep);
+                self.bodies(|_, figure| add(&mut sweep, figure));
             }
         }
-        nearest
+        sweep.finish();
+    }
+
+    /// Visits all rays of a fan in their order, each with how far it runs.
+    pub(crate) fn each(&self, pose: &Pose, fan: &Fan, mut visit: impl FnMut(usize, f64)) {
+        let mut distances_m = [0.0; 16];
+        for first in (0..fan.len()).step_by(distances_m.len()) {
+            let rays = first..(first + distances_m.len()).min(fan.len());
+            let distances_m = &mut distances_m[..rays.len()];
+            self.sweep(pose, fan, rays.clone(), distances_m);
+            rays.zip(distances_m).for_each(|(i, distance_m)| visit(i, *distance_m));
+        }
+    }
+
+    /// How far the ray of a fan runs that comes back first, if any does.
+    pub(crate) fn nearest(&self, pose: &Pose, fan: &Fan) -> Option<f64> {
+        let mut nearest = f64::INFINITY;
+        self.each(pose, fan, |_, distance_m| nearest = nearest.min(distance_m));
+        nearest.is_finite().then_some(nearest)
     }
 
     /// Its colour and height.
@@ -154,6 +239,13 @@ impl Eye<'_> {
         }
         let cosine = (normal.dot(&ray.direction.vector()) / length).abs().min(1.0);
         baudbot_geometry::math::atan2(baudbot_geometry::math::sqrt(1.0 - cosine * cosine), cosine)
+    }
+}
+
+impl Default for Figure {
+    fn default() -> Self {
+        let disc = Circle { center: Point::origin(), radius: 0.0 };
+        Self { disc, outline: Vec::new(), look: Look::WALL }
     }
 }
 

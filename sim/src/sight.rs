@@ -67,8 +67,13 @@ impl<'a> Onlooker<'a> {
         let pose = self.place(robot, mount);
         let scene = self.world.scenario().scene(&self.frozen, robot);
         let eye = scene.look(pose.position, mount.height, range_m);
-        let glance = |ray| Glance { ray, distance_m: eye.cast(&ray) };
-        fan.rays(pose.position, pose.direction()).map(glance).collect()
+        let mut distances_m = alloc::vec![0.0; fan.len()];
+        eye.sweep(&pose, fan, 0..fan.len(), &mut distances_m);
+        let glance = |(ray, distance_m): (Ray, f64)| Glance {
+            ray,
+            distance_m: Some(distance_m).filter(|distance_m| distance_m.is_finite()),
+        };
+        fan.rays(pose.position, pose.direction()).zip(distances_m).map(glance).collect()
     }
 }
 

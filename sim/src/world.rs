@@ -20,6 +20,7 @@ use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
+use motion::Lists;
 
 /// A world: a scenario, which never changes, and a state, which is a value: a snapshot is a clone.
 ///
@@ -49,6 +50,20 @@ pub struct World {
     state: State,
     /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Frozen>,
+    spare: Spare,
+}
+
+/// Memory that ticks use again and again. A clone begins with none.
+#[derive(Debug, Default)]
+struct Spare {
+    frozen: Frozen,
+    lists: Lists,
+}
+
+impl Clone for Spare {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// All that changes.
@@ -144,7 +159,7 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        let mut world = Self { scenario, state, seen: None };
+        let mut world = Self { scenario, state, seen: None, spare: Spare::default() };
         world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
         world
     }
@@ -166,7 +181,8 @@ impl World {
     pub fn begin(&mut self) -> &[Turn] {
         if !core::mem::replace(&mut self.state.begun, true) {
             self.state.turns.clear();
-            let frozen = self.frozen();
+            let mut frozen = core::mem::take(&mut self.spare.frozen);
+            self.freeze(&mut frozen);
             for own in 0..self.state.robots.len() {
                 self.listen(own, &frozen);
             }
@@ -225,6 +241,7 @@ impl World {
             robot.advance(&self.scenario.robots()[own], &moment, end, None);
             robot.look_for_losses(end);
         }
+        self.spare.frozen = frozen;
         self.move_all();
         self.state.tick += 1;
         self.state.begun = false;

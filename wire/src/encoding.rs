@@ -127,9 +127,13 @@ impl Encoding {
 
     /// What the other side gets for `value`: `take` after `put`.
     pub fn quantise(self, value: f64) -> f64 {
-        let mut bytes = [0; 8];
-        self.put(value, &mut bytes);
-        self.take(&bytes).unwrap_or(value)
+        match self {
+            Self::Float64 => value,
+            Self::Level { .. } => self.value(self.code(value) as i64),
+            Self::Signed { .. } | Self::Counter { .. } => {
+                self.value(sign_extend(self.code(value), self.bits()))
+            }
+        }
     }
 
     /// The difference between neighbouring values, in the unit of the value; 0 for `Float64`.

@@ -4,6 +4,8 @@
 //! of the world. There, rounding errors are proportional to the size of the arena, and not to its distance
 //! from the world's origin.
 
+use core::ops::Range;
+
 use crate::bounds::Bounds;
 use crate::circle::Circle;
 use crate::math;
@@ -89,19 +91,30 @@ impl Layout {
 
     /// Visits the cells that the box around the circle touches, or misses by less than the margin, once each.
     pub(super) fn box_cells(&self, circle: &Circle, mut visit: impl FnMut(usize)) {
+        let (columns, rows) = self.cells_of_box(circle);
+        for row in rows {
+            for column in columns.clone() {
+                visit(row * self.columns + column);
+            }
+        }
+    }
+
+    /// How many cells those are.
+    pub(super) fn cells_in_box(&self, circle: &Circle) -> usize {
+        let (columns, rows) = self.cells_of_box(circle);
+        columns.len() * rows.len()
+    }
+
+    fn cells_of_box(&self, circle: &Circle) -> (Range<usize>, Range<usize>) {
         let center = self.grid_from_world(circle.center);
         let half = circle.radius + ROUNDING * (center.abs().sum() + circle.radius) + self.margin();
         let (low, high) = (center - Vector::new(half, half), center + Vector::new(half, half));
         let (width, height) = (self.columns as f64 * self.cell, self.rows as f64 * self.cell);
         let meets = low.x <= width && high.x >= 0.0 && low.y <= height && high.y >= 0.0;
         if !meets {
-            return;
+            return (0..0, 0..0);
         }
-        for row in self.row(low.y)..=self.row(high.y) {
-            for column in self.column(low.x)..=self.column(high.x) {
-                visit(row * self.columns + column);
-            }
-        }
+        (self.column(low.x)..self.column(high.x) + 1, self.row(low.y)..self.row(high.y) + 1)
     }
 
     /// How many rings of cells, around any cell, cover the grid.
@@ -153,8 +166,8 @@ fn entries(segments: &[Segment], circles: &[Circle], cell: f64) -> f64 {
 }
 
 fn place(coordinate: f64, cell: f64, count: usize) -> usize {
-    // The conversion takes negative numbers and NaN to 0.
-    (math::floor(coordinate / cell) as usize).min(count - 1)
+    // The conversion rounds down, and takes negative numbers and NaN to 0.
+    ((coordinate / cell) as usize).min(count - 1)
 }
 
 /// The x at which the segment reaches a height, or that of the end next to it.

@@ -5,3 +5,4 @@ mod index;
 mod polygons;
 mod poses;
 mod rays;
+mod sweep;

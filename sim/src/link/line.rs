@@ -116,6 +116,9 @@ impl Line {
             self.lose_all(link, now);
         }
         let depth = link.receive_depth();
+        if self.in_flight.len() <= depth {
+            return;
+        }
         let here = self.in_flight.partition_point(|(at, _)| *at <= now);
         if here > depth {
             (depth..here).rev().for_each(|place| self.drop_in_flight(place));

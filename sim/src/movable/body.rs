@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, Pose, polygon};
 
-use crate::arena::Arena;
+use crate::arena::{Arena, Thing};
 
 /// A shape in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,16 +73,16 @@ impl Body {
 
     /// Whether it overlaps something that stands still.
     pub(crate) fn overlaps_arena(&self, arena: &Arena) -> bool {
-        self.arena_shape(arena).is_some()
+        self.arena_thing(arena).is_some()
     }
 
-    /// The name of a shape that stands still and that it overlaps, if any.
-    pub(crate) fn arena_shape<'a>(&self, arena: &'a Arena) -> Option<&'a str> {
+    /// A shape that stands still and that it overlaps, if any.
+    pub(crate) fn arena_thing(&self, arena: &Arena) -> Option<Thing> {
         match self {
-            Self::Disc(disc) => arena.obstacle_at(disc),
+            Self::Disc(disc) => arena.thing_at(disc),
             Self::Polygon(points) => {
                 if let Some(shape) = arena.index().meets_polygon(points) {
-                    return Some(arena.name_of(shape));
+                    return Some(arena.owner_of(shape));
                 }
                 // No outline is inside of the body: then all of the body is where one point of it is.
                 polygon::centroid(points).and_then(|place| arena.solid_at(place))

@@ -53,6 +53,10 @@ impl Robot {
                     Next::Task(task) => self.run(spec, moment, now, task),
                 }
                 on_robot = self.next_on_robot(spec);
+                // On board there is nothing to arrive.
+                if step.is_none() && self.laptop.has_message {
+                    step = earliest.map(|earliest| earliest.max(now));
+                }
                 continue;
             }
             self.hear(spec, arrival, port);
@@ -120,13 +124,21 @@ impl Robot {
     }
 
     fn send_readings(&mut self, spec: &RobotSpec, now: SimTime) {
-        self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let missed = self.microcontroller.frames_missed();
-        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink);
-        self.downlink.leave_wire_to(&spec.link, &self.uplink);
+        if spec.hands_over() {
+            self.tell(spec, now);
+        } else {
+            self.send_message(spec, now);
+        }
         if self.microcontroller.frames_missed() != missed {
             self.recorder.note(now, now, What::Missed { sensor: u16::MAX });
         }
+    }
+
+    fn send_message(&mut self, spec: &RobotSpec, now: SimTime) {
+        self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
+        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink);
+        self.downlink.leave_wire_to(&spec.link, &self.uplink);
         if let Some(begun) = sent.cycle {
             self.cycles.open(begun);
         }

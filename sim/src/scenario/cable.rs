@@ -40,7 +40,13 @@ pub(super) fn firmware(
         }
     };
     let mode = mode(path, raw, step_ms)?;
-    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
+    // More values than a message can count are in none: on board they are handed over without.
+    let countable = |sensor: &&Sensor| sensor.encodings.len() <= usize::from(u8::MAX);
+    let encodings = sensors.iter().map(|sensor| match countable(sensor) {
+        true => sensor.encodings.as_slice(),
+        false => &[],
+    });
+    let encodings: Vec<&[Encoding]> = encodings.collect();
     Ok(Firmware::new(protocol, mode, &encodings, motors))
 }
 
@@ -112,6 +118,10 @@ const DEFAULT_GAP_NS: u64 = 20_000_000;
 pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
     let layout = firmware.layout();
     let readings = layout.readings_len_max();
+    let is_handed_over = matches!(link, Link::Onboard) && firmware.protocol != Protocol::Khepera;
+    if is_handed_over {
+        return Ok(());
+    }
     if readings > frame::MAX_PAYLOAD {
         let limit = frame::MAX_PAYLOAD;
         let problem = format!("a frame of all readings has {readings} bytes, the limit is {limit}");

@@ -22,6 +22,7 @@ use crate::robot::{RobotSpec, Start};
 use crate::sensor::Sensor;
 use crate::surroundings::Surroundings;
 use crate::time::SECOND_NS;
+use crate::vicinity::Reach;
 
 /// Most robots of one scenario.
 pub(super) const MAX_ROBOTS: usize = 10_000;
@@ -162,6 +163,7 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         command_timeout_ns: timeout,
         own_clocks: places(&sensors, |sensor| sensor.own_clock.is_some()),
         ports: places(&sensors, |sensor| sensor.port.is_some()),
+        reach: Reach::of(&sensors),
         sensors,
         processor,
         firmware,
@@ -222,6 +224,7 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let mut context = sensors::Context {
         step_ms: context.step.step_ms,
         radius_m,
+        onboard: raw.link.kind == raw::LinkKind::Onboard && raw.firmware.protocol != raw::Protocol::Khepera,
         actuators: &actuators,
         battery: battery.as_ref(),
         surroundings: context.surroundings,

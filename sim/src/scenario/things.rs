@@ -230,6 +230,6 @@ pub(super) fn stands_in(
     others: &[(String, crate::movable::Body)],
 ) -> Option<String> {
     let body = form.at(pose);
-    let shape = body.arena_shape(arena).map(String::from);
+    let shape = body.arena_thing(arena).map(|thing| arena.name_of(thing).into());
     shape.or_else(|| others.iter().find(|(_, other)| other.overlaps(&body)).map(|(name, _)| name.clone()))
 }

@@ -69,9 +69,8 @@ impl Infrared {
             // `min` then takes the other operand).
             (cos_kappa * (c1_m2 / (d * d) + c2)).min(1.0)
         };
-        let rays = self.fan.rays(pose.position, pose.direction()).enumerate();
-        let sum: f64 =
-            rays.map(|(i, ray)| eye.cast(&ray).map_or(0.0, |d| reading(d, self.fan.cos_kappa(i)))).sum();
+        let mut sum = 0.0;
+        eye.each(&pose, &self.fan, |i, d| sum += reading(d, self.fan.cos_kappa(i)));
         sum / self.fan.len() as f64
     }
 

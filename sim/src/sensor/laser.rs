@@ -45,15 +45,37 @@ impl Laser {
 
     /// Takes the rays `which` of a scan that started at `start`; all of them must fall into the tick.
     pub(super) fn read(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
+        if which.is_empty() {
+            return;
+        }
+        if self.sweep_ns == 0 || at.over_ground() == (0.0, 0.0) {
+            return self.read_at_once(at, which, start, values);
+        }
         for i in which {
             let robot = carried_on(at, self.instant(start, i));
             let pose = self.mount.place(&robot, at.actuators);
-            let nth = if self.clockwise { self.rays() - 1 - i } else { i };
-            let direction = pose.direction().rotate(self.fan.relative()[nth]);
+            let direction = pose.direction().rotate(self.fan.relative()[self.places(i..i + 1).start]);
             let eye = self.mount.look(at, &pose, self.range_m);
             let distance = eye.cast(&Ray { origin: pose.position, direction });
             values[i] = distance.unwrap_or(NOTHING);
         }
+    }
+
+    /// A laser that stands still, or sweeps in no time, takes all rays from one place.
+    fn read_at_once(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
+        let pose = self.mount.place(&carried_on(at, self.instant(start, which.start)), at.actuators);
+        let eye = self.mount.look(at, &pose, self.range_m);
+        let values = &mut values[which.clone()];
+        eye.sweep(&pose, &self.fan, self.places(which), values);
+        if self.clockwise {
+            values.reverse();
+        }
+        values.iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = NOTHING);
+    }
+
+    /// Where in the fan the rays of a scan are: the other way round if it sweeps so.
+    fn places(&self, rays: Range<usize>) -> Range<usize> {
+        if self.clockwise { self.rays() - rays.end..self.rays() - rays.start } else { rays }
     }
 
     /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.

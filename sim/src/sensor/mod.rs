@@ -439,11 +439,14 @@ impl Sensor {
         if noisy && !self.noise.is_none() {
             // What is infinitely far stays so whatever noise does to it, but for a dropout.
             let nothing = self.device.nothing();
-            let far = |value: &&mut f64| Some(**value) == nothing;
-            values.iter_mut().filter(far).for_each(|value| *value = f64::INFINITY);
+            if let Some(nothing) = nothing {
+                let far = |value: f64| if value == nothing { f64::INFINITY } else { value };
+                values.iter_mut().for_each(|value| *value = far(*value));
+            }
             self.noise.disturb(state, now, values, stream);
             if let Some(nothing) = nothing {
-                values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = nothing);
+                let back = |value: f64| if value.is_finite() { value } else { nothing };
+                values.iter_mut().for_each(|value| *value = back(*value));
             }
         }
         self.device.bound(values);

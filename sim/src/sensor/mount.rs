@@ -20,7 +20,11 @@ pub struct Mount {
 impl Mount {
     /// World from sensor.
     pub(crate) fn world_from_sensor(&self, at: &Measurement<'_>) -> Pose {
-        self.place(&at.motion.pose, at.actuators)
+        let world_from_robot = &at.motion.pose;
+        if self.turret.is_some() {
+            return self.place(world_from_robot, at.actuators);
+        }
+        world_from_robot.compose_facing(at.scene.facing(world_from_robot), &self.pose)
     }
 
     /// World from sensor, on a robot at `world_from_robot` with its actuators in these states.

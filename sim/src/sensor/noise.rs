@@ -123,8 +123,17 @@ impl Noise {
         pair(values, &state.gains, |value, gain| value * gain);
         pair(values, &state.offsets, |value, offset| value + offset);
         pair(values, &state.drifts, |value, bias| value + bias);
-        each(values, |value| multiplicative(value, self.multiplicative, stream));
-        each(values, |value| additive(value, self.additive, stream));
+        if values.len() >= MANY {
+            if self.multiplicative != 0.0 {
+                stream.each_normal(values, |value, deviate| value * (1.0 + self.multiplicative * deviate));
+            }
+            if self.additive != 0.0 {
+                stream.each_normal(values, |value, deviate| value + self.additive * deviate);
+            }
+        } else {
+            each(values, |value| multiplicative(value, self.multiplicative, stream));
+            each(values, |value| additive(value, self.additive, stream));
+        }
         if self.uniform != 0.0 {
             each(values, |value| value + within(self.uniform, stream));
         }
@@ -174,13 +183,32 @@ impl NoiseState {
 
 /// Multiplicative noise, Eq. (3.1): the reading times N(1, σ). Draws nothing if σ is 0.
 pub(crate) fn multiplicative(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
-    if sigma == 0.0 { reading } else { reading * (1.0 + sigma * stream.normal()) }
+    if sigma == 0.0 {
+        return reading;
+    }
+    // Of 0 there is nothing to disturb, unless the factor could be negative: the draws are made, but not computed with.
+    if reading.to_bits() == 0 && sigma.abs() < 1.0 / Stream::MOST_NORMAL {
+        stream.skip_normal();
+        return reading;
+    }
+    reading * (1.0 + sigma * stream.normal())
 }
 
 /// Additive noise: the reading plus N(0, σ), in the reading's unit. Draws nothing if σ is 0.
 pub(crate) fn additive(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
-    if sigma == 0.0 { reading } else { reading + sigma * stream.normal() }
+    if sigma == 0.0 {
+        return reading;
+    }
+    // What is infinitely far stays so.
+    if reading == f64::INFINITY {
+        stream.skip_normal();
+        return reading;
+    }
+    reading + sigma * stream.normal()
 }
+
+/// So many components have their normal noise computed at once.
+const MANY: usize = 8;
 
 /// So many N(mean, σ); none, and nothing is drawn, if σ is 0.
 fn spread(components: usize, mean: f64, sigma: f64, stream: &mut Stream) -> Vec<f64> {

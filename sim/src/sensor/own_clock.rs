@@ -113,7 +113,9 @@ impl Running {
         let end = match &sensor.device {
             Device::Laser(laser) => {
                 let rest = self.taken..laser.rays();
-                let until = rest.clone().find(|&i| laser.instant(self.begins, i) >= at.tick_end);
+                let is_later = |i: usize| laser.instant(self.begins, i) >= at.tick_end;
+                let is_partial = rest.clone().next_back().is_some_and(is_later);
+                let until = if is_partial { rest.clone().find(|&i| is_later(i)) } else { None };
                 let which = self.taken..until.unwrap_or(rest.end);
                 laser.read(at, which.clone(), self.begins, &mut self.scan);
                 self.taken = which.end;
@@ -154,8 +156,13 @@ impl Running {
 
     /// What is pending comes to the output.
     pub(crate) fn output(&mut self) -> Option<&Held> {
-        if let Some(pending) = self.pending.take() {
-            self.held = Some(pending);
+        if let Some(pending) = self.pending.take()
+            && let Some(old) = self.held.replace(pending)
+            && self.scan.capacity() == 0
+        {
+            // The next measurement needs no new memory.
+            self.scan = old.values;
+            self.scan.clear();
         }
         self.held.as_ref()
     }

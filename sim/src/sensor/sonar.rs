@@ -51,8 +51,7 @@ impl Sonar {
         let heard = !at.noise || self.detection >= 1.0 || stream.uniform() < self.detection;
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.max_m);
-        let rays = self.fan.rays(pose.position, pose.direction());
-        let mut nearest = rays.filter_map(|ray| eye.cast(&ray)).reduce(f64::min).filter(|_| heard);
+        let mut nearest = eye.nearest(&pose, &self.fan).filter(|_| heard);
         let ping = (self.cross_talk == CrossTalk::On).then(|| {
             let strange = self.strange_echo(at, &pose, nearest.unwrap_or(self.max_m));
             nearest = strange.or(nearest);

@@ -64,7 +64,7 @@ impl Bumper {
         let pose = self.mount.world_from_sensor(at);
         let reach = at.robot.drive.radius_m + self.travel_m;
         let eye = self.mount.look(at, &pose, reach);
-        let pressed = self.fan.rays(pose.position, pose.direction()).any(|ray| eye.cast(&ray).is_some());
+        let pressed = eye.nearest(&pose, &self.fan).is_some();
         self.switch.read(pressed, at, contact, stream)
     }
 }

@@ -32,8 +32,7 @@ impl VoltageRanger {
     pub(super) fn read(&self, at: &Measurement<'_>) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.range_m);
-        let rays = self.fan.rays(pose.position, pose.direction());
-        let nearest = rays.filter_map(|ray| eye.cast(&ray)).reduce(f64::min);
+        let nearest = eye.nearest(&pose, &self.fan);
         nearest.map_or(self.idle_v, |distance_m| self.voltage_at(distance_m))
     }
 

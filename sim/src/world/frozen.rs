@@ -1,11 +1,11 @@
 //! What sensors see of the state: everything that moves, as it stands at the start of the tick.
 
-use baudbot_geometry::{Circle, Point, Pose};
+use baudbot_geometry::{Circle, Pose};
 
 use super::World;
 use crate::actuator::ActuatorKind;
 use crate::arena::Look;
-use crate::movable::{Body, Form};
+use crate::movable::Form;
 use crate::scenario::Scenario;
 use crate::scene::{Figure, Frozen, Scene, Sound};
 use crate::sensor::is_heard;
@@ -13,23 +13,42 @@ use crate::surroundings::Lit;
 
 impl World {
     pub(crate) fn frozen(&self) -> Frozen {
-        let scenario = &self.scenario;
         let mut frozen = Frozen::default();
-        for (robot, spec) in self.state.robots.iter().zip(scenario.robots()) {
-            frozen.bodies.push(figure(&spec.form(), &robot.motion.pose, spec.look));
+        self.freeze(&mut frozen);
+        frozen
+    }
+
+    /// The scene as it is now, in memory that has been used before.
+    pub(super) fn freeze(&self, frozen: &mut Frozen) {
+        let scenario = &self.scenario;
+        let robots = self.state.robots.iter().zip(scenario.robots());
+        let robots = robots.map(|(robot, spec)| (spec.form(), &robot.motion.pose, spec.look));
+        let movers = scenario.movers.iter().zip(&self.state.movers);
+        let movers = movers.map(|(mover, state)| (mover.form(), &state.pose, mover.look));
+        let movables = scenario.movables.iter().zip(&self.state.movables);
+        let movables = movables.map(|(movable, state)| (movable.shape.form(), &state.pose, movable.look));
+        let mut count = 0;
+        for (form, pose, look) in robots.chain(movers).chain(movables) {
+            match frozen.bodies.get_mut(count) {
+                Some(body) => body.take(&form, pose, look),
+                None => {
+                    let mut body = Figure::default();
+                    body.take(&form, pose, look);
+                    frozen.bodies.push(body);
+                }
+            }
+            count += 1;
         }
-        for (mover, state) in scenario.movers.iter().zip(&self.state.movers) {
-            frozen.bodies.push(figure(&mover.form(), &state.pose, mover.look));
-        }
-        for (movable, state) in scenario.movables.iter().zip(&self.state.movables) {
-            frozen.bodies.push(figure(&movable.shape.form(), &state.pose, movable.look));
-        }
+        frozen.bodies.truncate(count);
+        frozen.crowd.rebuild(frozen.bodies.iter().map(|body| body.disc));
+        frozen.lights.clear();
+        frozen.sounds.clear();
+        frozen.pings.clear();
         let now = self.time();
         frozen.lights.extend(scenario.surroundings.lights.iter().filter_map(|light| light.lit(now)));
         for i in 0..self.state.robots.len() {
-            self.emissions(i, &mut frozen);
+            self.emissions(i, frozen);
         }
-        frozen
     }
 
     /// What a robot lets others see and hear.
@@ -57,12 +76,15 @@ impl World {
     }
 }
 
-fn figure(form: &Form<'_>, pose: &Pose, look: Look) -> Figure {
-    match form.at(pose) {
-        Body::Disc(disc) => Figure { disc, outline: alloc::vec::Vec::new(), look },
-        Body::Polygon(outline) => {
-            let center: Point = pose.position;
-            Figure { disc: Circle { center, radius: form.reach_m() }, outline, look }
+impl Figure {
+    /// Becomes this body.
+    fn take(&mut self, form: &Form<'_>, pose: &Pose, look: Look) {
+        self.outline.clear();
+        self.disc = Circle { center: pose.position, radius: form.reach_m() };
+        self.look = look;
+        if let Form::Polygon(points) = form {
+            let direction = pose.direction();
+            self.outline.extend(points.iter().map(|point| pose.position + direction.apply(point.coords)));
         }
     }
 }
@@ -70,6 +92,6 @@ fn figure(form: &Form<'_>, pose: &Pose, look: Look) -> Figure {
 impl Scenario {
     /// The scene as robot `own` sees it.
     pub(crate) fn scene<'a>(&'a self, frozen: &'a Frozen, own: usize) -> Scene<'a> {
-        Scene { arena: &self.arena, surroundings: &self.surroundings, frozen, own }
+        Scene::new(self, frozen, own)
     }
 }

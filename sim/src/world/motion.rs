@@ -4,11 +4,11 @@ use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Point, Pose, polygon};
+use baudbot_geometry::{Circle, Crowd, Point, Pose, polygon};
 
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
-use crate::collision::{Collision, CollisionPolicy, Obstacle, Partner, Step};
+use crate::collision::{Collision, CollisionPolicy, Met, Partner, Step, swept};
 use crate::drive::Wheels;
 use crate::motor::Motors;
 use crate::movable::{self, Body, Fixed, Form, Pusher};
@@ -17,10 +17,25 @@ use crate::robot::{Robot, RobotSpec};
 use crate::scenario::Scenario;
 use crate::time::{SECOND_NS, SimTime};
 
+/// Lists that serve all substeps of all ticks, so that these need no new memory. Nothing in them lasts.
+#[derive(Debug, Default)]
+pub(super) struct Lists {
+    at_start: Vec<Pose>,
+    before: Vec<Pose>,
+    after: Vec<Pose>,
+    crowd: Crowd,
+    held: Vec<Option<Met>>,
+    /// Those that were held before anybody was pushed.
+    held_first: Vec<Option<Met>>,
+    found: Vec<(usize, Met)>,
+    obstacles: Vec<Body>,
+}
+
 impl World {
     /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
     pub(super) fn move_all(&mut self) {
         let scenario = Arc::clone(&self.scenario);
+        let mut lists = core::mem::take(&mut self.spare.lists);
         let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
@@ -30,46 +45,37 @@ impl World {
                 robot.motor_noise.tick(&spec.drive.motor_noise);
             }
         }
-        let forms: Vec<_> = scenario.robots().iter().map(RobotSpec::form).collect();
-        let (mut at_start, mut poses) = (Vec::new(), Poses::default());
         let scored = scenario.rules.floor.is_some() || !scenario.surroundings.zones.is_empty();
         if scored {
-            self.note_poses(&mut at_start);
+            self.note_poses(&mut lists.at_start);
         }
         for i in 0..u64::from(scenario.substeps) {
             if self.state.ending.is_none() {
                 let dt = dt_ns as f64 / SECOND_NS as f64;
-                self.substep(&scenario, &forms, &mut poses, now + i * dt_ns, dt);
+                self.substep(&scenario, &mut lists, now + i * dt_ns, dt);
             }
         }
         if scored {
-            self.keep_score(&at_start);
+            self.keep_score(&lists.at_start);
         }
+        self.spare.lists = lists;
     }
 
-    fn substep(
-        &mut self,
-        scenario: &Scenario,
-        forms: &[Form<'_>],
-        Poses { before, after }: &mut Poses,
-        now: SimTime,
-        dt: f64,
-    ) {
-        self.note_poses(before);
+    fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
+        self.note_poses(&mut lists.before);
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
             robot.drive(spec, scenario, now, dt);
         }
-        let (arena, obstacles) = (&scenario.arena, &self.obstacles(scenario)[..]);
-        let mut held = Vec::new();
+        self.note_obstacles(scenario, &mut lists.obstacles);
+        lists.held_first.clear();
         if !scenario.movables.is_empty() {
-            self.note_poses(after);
-            held = self.push(scenario, Step { arena, obstacles, forms, before, after }, dt);
+            self.gather(scenario, lists);
+            self.push(scenario, lists, dt);
         }
-        self.note_poses(after);
-        let step = Step { arena, obstacles, forms, before, after };
+        self.gather(scenario, lists);
         match scenario.collision {
-            CollisionPolicy::StopRun => self.stop_run(&step),
-            CollisionPolicy::StopRobot => self.stop_robots(step, &held),
+            CollisionPolicy::StopRun => self.stop_run(scenario, lists),
+            CollisionPolicy::StopRobot => self.stop_robots(scenario, lists),
         }
         for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
             let (speed, _) = scenario.surroundings.over_ground(&spec.drive, &robot.motion);
@@ -80,19 +86,25 @@ impl World {
         }
     }
 
+    /// Where the robots are now, and who is near whom on the way there.
+    fn gather(&self, scenario: &Scenario, lists: &mut Lists) {
+        self.note_poses(&mut lists.after);
+        let ways = lists.before.iter().zip(&lists.after).zip(scenario.robots());
+        lists.crowd.rebuild(ways.map(|((before, after), spec)| swept(&spec.form(), before, after)));
+    }
+
     /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
-    /// move. Says who those are.
-    fn push(&mut self, scenario: &Scenario, step: Step<'_>, dt: f64) -> Vec<Option<Partner>> {
-        let before = step.before;
-        let bodies: Vec<_> = step.obstacles.iter().map(|obstacle| obstacle.body.clone()).collect();
-        let fixed = Fixed { arena: &scenario.arena, bodies: &bodies };
-        let mut held = Vec::new();
+    /// move.
+    fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         if scenario.collision == CollisionPolicy::StopRobot {
-            held = step.held_back();
-            for own in (0..held.len()).filter(|&own| held[own].is_some()) {
+            let Lists { before, after, crowd, held_first, found, obstacles, .. } = lists;
+            step(scenario, obstacles, before, after, crowd, |mut step| step.hold_back(held_first, found));
+            for own in (0..held_first.len()).filter(|&own| held_first[own].is_some()) {
                 self.hold(own, &before[own]);
             }
         }
+        let before = &lists.before;
+        let fixed = Fixed { arena: &scenario.arena, bodies: &lists.obstacles };
         let robots = self.state.robots.iter().zip(scenario.robots()).zip(before);
         let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
         let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
@@ -113,7 +125,6 @@ impl World {
             motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
             scenario.robots()[i].drive.roll_with(motion);
         }
-        held
     }
 
     fn move_movers(&mut self, scenario: &Scenario, now: SimTime, dt: f64) {
@@ -128,29 +139,34 @@ impl World {
     }
 
     /// What moves by itself and can be run into.
-    fn obstacles(&self, scenario: &Scenario) -> Vec<Obstacle> {
+    fn note_obstacles(&self, scenario: &Scenario, obstacles: &mut Vec<Body>) {
+        obstacles.clear();
         let movers = scenario.movers.iter().zip(&self.state.movers);
-        movers
-            .map(|(mover, state)| Obstacle { name: mover.name.clone(), body: mover.form().at(&state.pose) })
-            .collect()
+        obstacles.extend(movers.map(|(mover, state)| mover.form().at(&state.pose)));
     }
 
-    fn stop_run(&mut self, step: &Step<'_>) {
-        for own in 0..step.before.len() {
-            self.note_contact(own, step.partner(own));
+    fn stop_run(&mut self, scenario: &Scenario, lists: &mut Lists) {
+        let Lists { before, after, crowd, held, obstacles, .. } = lists;
+        step(scenario, obstacles, before, after, crowd, |step| {
+            held.clear();
+            held.extend((0..step.before.len()).map(|own| step.partner(own)));
+        });
+        for own in 0..lists.before.len() {
+            self.note_contact(own, lists.held[own], lists);
         }
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    /// `held` are those that have been held back already, if anybody has looked.
-    fn stop_robots(&mut self, step: Step<'_>, held: &[Option<Partner>]) {
-        let before = step.before;
-        for (own, partner) in step.held_back().into_iter().enumerate() {
-            if partner.is_some() {
-                self.hold(own, &before[own]);
+    fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists) {
+        let Lists { before, after, crowd, held, found, obstacles, .. } = lists;
+        step(scenario, obstacles, before, after, crowd, |mut step| step.hold_back(held, found));
+        for own in 0..lists.held.len() {
+            let met = lists.held[own];
+            if met.is_some() {
+                self.hold(own, &lists.before[own]);
             }
-            let earlier = || held.get(own).cloned().flatten();
-            self.note_contact(own, partner.or_else(earlier));
+            let earlier = || lists.held_first.get(own).copied().flatten();
+            self.note_contact(own, met.or_else(earlier), lists);
         }
     }
 
@@ -167,29 +183,38 @@ impl World {
 
     /// A contact that lasts is one collision. A robot that was stopped creeps up again without touching at
     /// once, so its contacts last until there is some room around it.
-    fn note_contact(&mut self, own: usize, partner: Option<Partner>) {
-        let Some(partner) = partner else {
-            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own) {
+    fn note_contact(&mut self, own: usize, met: Option<Met>, lists: &Lists) {
+        let Some(met) = met else {
+            if !self.state.robots[own].contacts.is_empty() && !self.is_hemmed_in(own, lists) {
                 self.state.robots[own].contacts.clear();
             }
             return;
         };
+        let (scenario, robots) = (&self.scenario, self.scenario.robots());
+        let with = match met {
+            Met::Arena(thing) => scenario.arena.name_of(thing),
+            Met::Obstacle(i) => &scenario.movers[i].name,
+            Met::Robot(i) => &robots[i].name,
+        };
         let robot = &mut self.state.robots[own];
         robot.collided = true;
-        if robot.contacts.contains(&partner) {
+        let is_known = |partner: &Partner| match (partner, met) {
+            (Partner::Robot(i), Met::Robot(j)) => *i == j,
+            (Partner::Shape(name), Met::Arena(_) | Met::Obstacle(_)) => name == with,
+            _ => false,
+        };
+        if robot.contacts.iter().any(is_known) {
             return;
         }
         robot.counters.collisions += 1;
-        robot.contacts.push(partner.clone());
-        let robots = self.scenario.robots();
-        let with = match partner {
-            Partner::Shape(name) => name,
-            Partner::Robot(i) => robots[i].name.to_string(),
-        };
-        self.state.collisions.push(Collision { robot: robots[own].name.clone(), with });
+        robot.contacts.push(match met {
+            Met::Robot(i) => Partner::Robot(i),
+            Met::Arena(_) | Met::Obstacle(_) => Partner::Shape(with.to_string()),
+        });
+        self.state.collisions.push(Collision { robot: robots[own].name.clone(), with: with.to_string() });
     }
 
-    fn is_hemmed_in(&self, own: usize) -> bool {
+    fn is_hemmed_in(&self, own: usize, lists: &Lists) -> bool {
         let robots = self.scenario.robots();
         let pose = &self.state.robots[own].motion.pose;
         let outline = &robots[own].outline;
@@ -197,15 +222,22 @@ impl World {
         let middle = polygon::centroid(outline).unwrap_or_default();
         let grown: Vec<Point> =
             outline.iter().map(|corner| middle + (corner - middle) * CONTACT_ENDS_AT).collect();
-        let room = match robots[own].form() {
+        let form = match robots[own].form() {
             Form::Disc { radius_m } => Form::Disc { radius_m: radius_m * CONTACT_ENDS_AT },
             Form::Polygon(_) => Form::Polygon(&grown),
         };
-        let room: Body = room.at(pose);
-        let others = self.state.robots.iter().zip(robots).enumerate().filter(|(i, _)| *i != own);
-        room.overlaps_arena(&self.scenario.arena)
-            || self.obstacles(&self.scenario).iter().any(|obstacle| obstacle.body.overlaps(&room))
-            || others.into_iter().any(|(_, (robot, spec))| spec.form().at(&robot.motion.pose).overlaps(&room))
+        let room: Body = form.at(pose);
+        if room.overlaps_arena(&self.scenario.arena)
+            || lists.obstacles.iter().any(|obstacle| obstacle.overlaps(&room))
+        {
+            return true;
+        }
+        let mut is_met = false;
+        lists.crowd.near(&Circle { center: pose.position, radius: form.reach_m() }, |i| {
+            let body = || robots[i].form().at(&self.state.robots[i].motion.pose);
+            is_met = is_met || (i != own && body().overlaps(&room));
+        });
+        is_met
     }
 
     fn note_poses(&self, poses: &mut Vec<Pose>) {
@@ -214,11 +246,17 @@ impl World {
     }
 }
 
-/// The poses of all robots, in lists that serve all substeps of a tick.
-#[derive(Default)]
-struct Poses {
-    before: Vec<Pose>,
-    after: Vec<Pose>,
+/// Looks at a step of all robots.
+fn step<T>(
+    scenario: &Scenario,
+    obstacles: &[Body],
+    before: &[Pose],
+    after: &mut [Pose],
+    crowd: &Crowd,
+    look: impl FnOnce(Step<'_>) -> T,
+) -> T {
+    let form = |i: usize| scenario.robots()[i].form();
+    look(Step { arena: &scenario.arena, obstacles, form: &form, before, after, crowd })
 }
 
 fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {

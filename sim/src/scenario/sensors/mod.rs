@@ -32,6 +32,8 @@ pub(super) struct Context<'a> {
     pub(super) step_ms: f64,
     /// Radius of the body, in metres.
     pub(super) radius_m: f64,
+    /// Whether its brain is, so that there is no cable.
+    pub(super) onboard: bool,
     pub(super) actuators: &'a [Actuator],
     pub(super) battery: Option<&'a Battery>,
     pub(super) surroundings: &'a Surroundings,
@@ -51,9 +53,9 @@ pub(super) fn sensor(
         .map_err(|error| with_common_fields(path, error))?;
     let period_ms = common.period_ms.unwrap_or(context.step_ms);
     let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
-    if port.is_none() && built.device.values() > usize::from(u8::MAX) {
+    if port.is_none() && !context.onboard && built.device.values() > usize::from(u8::MAX) {
         let problem = format!(
-            "has {} values; without a `port` of its own a sensor has at most 255",
+            "has {} values; without a `port` of its own a sensor has at most 255, unless its brain is on board",
             built.device.values()
         );
         return Err(path.error(problem));

@@ -1,0 +1,334 @@
+//! What each ray of a fan meets first: every shape is looked at once, for all the rays that it may cover.
+//!
+//! A ray by itself goes through the cells of an [`Index`](crate::Index) and tries what it finds there; the rays of a
+//! fan would find the same shapes again and again. Here it is the other way round: of each shape near the fan the
+//! interval of rays is computed that its two sides enclose, and along these the distances are found one after the
+//! other, in loops without branches that a compiler can make vectors of. Rays far apart from it never hear of a shape.
+//!
+//! The distances are those of [`Ray::hit_segment`] and [`Ray::hit_circle`] to the last bit, and so are those of the
+//! fan's nearest hits. Intervals are computed with angles that are only about right, and with a margin that is
+//! larger than their error; a shape so near that a margin is no help is tried with every ray, by those functions
+//! themselves.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::ops::Range;
+
+use arrayvec::ArrayVec;
+
+use crate::circle::Circle;
+use crate::fan::Fan;
+use crate::math;
+use crate::pose::{Direction, Point, Pose, Vector};
+use crate::ray::Ray;
+use crate::segment::Segment;
+
+/// The distances along some rays of a fan, while shapes are added one after the other.
+pub struct Sweep<'a> {
+    pose: Pose,
+    direction: Option<Direction>,
+    fan: &'a Fan,
+    rays: Range<usize>,
+    range: f64,
+    distances: &'a mut [f64],
+    waiting: ArrayVec<Candidate, MOST_WAITING>,
+}
+
+/// A shape within range that the rays have yet to be held against.
+#[derive(Clone)]
+struct Candidate {
+    shape: Relative,
+    /// Which rays may meet it.
+    spans: [Range<usize>; 2],
+}
+
+/// A shape as seen from the fan's origin, in the axes of the world.
+#[derive(Clone, Copy, PartialEq)]
+enum Relative {
+    Segment(Vector, Vector),
+    Circle(Vector, f64),
+}
+
+impl<'a> Sweep<'a> {
+    /// The rays of these places in the fan of a sensor at this pose, world from sensor. `distances` has a place for
+    /// each of them: at last the distance of what it meets first, in metres, at most `range`, or infinity.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many distances as rays, or the fan has not all of the rays.
+    #[must_use]
+    pub fn new(pose: &Pose, fan: &'a Fan, rays: Range<usize>, range: f64, distances: &'a mut [f64]) -> Self {
+        assert!(rays.len() == distances.len() && rays.end <= fan.len(), "a distance for each ray of the fan");
+        distances.fill(f64::INFINITY);
+        Self { pose: *pose, direction: None, fan, rays, range, distances, waiting: ArrayVec::new() }
+    }
+
+    /// All that is in range is in this disc, or touches it.
+    #[must_use]
+    pub fn around(&self) -> Circle {
+        Circle { center: self.pose.position, radius: self.range }
+    }
+
+    /// One more segment that may be in the way. To give one twice does no harm.
+    pub fn segment(&mut self, segment: &Segment) {
+        let (a, b) = (segment.start - self.pose.position, segment.end - self.pose.position);
+        let reach = a.abs().sum() + b.abs().sum();
+        let nearest = nearest_to_origin(a, b).norm_squared();
+        let within = self.range + ROUNDING * reach;
+        let is_near = nearest <= within * within;
+        if !is_near {
+            return;
+        }
+        if nearest <= (CLOSE * reach) * (CLOSE * reach) {
+            return self.each_ray(0..usize::MAX, |ray| ray.hit_segment(segment));
+        }
+        self.wait(Relative::Segment(a, b));
+    }
+
+    /// One more disc that may be in the way. To give one twice does no harm.
+    pub fn circle(&mut self, circle: &Circle) {
+        let center = circle.center - self.pose.position;
+        let within = self.range + circle.radius + ROUNDING * (center.abs().sum() + circle.radius);
+        let is_near = center.norm_squared() <= within * within;
+        if !is_near {
+            return;
+        }
+        let around = circle.radius * (1.0 + CLOSE);
+        if center.norm_squared() <= around * around {
+            return self.each_ray(0..usize::MAX, |ray| ray.hit_circle(circle));
+        }
+        self.wait(Relative::Circle(center, circle.radius));
+    }
+
+    /// One more shape that is inside of this disc, and that is hit as `hit` says.
+    pub fn other(&mut self, around: &Circle, hit: impl Fn(&Ray) -> Option<f64>) {
+        let center = around.center - self.pose.position;
+        let within = self.range + around.radius + ROUNDING * (center.abs().sum() + around.radius);
+        let is_near = center.norm_squared() <= within * within;
+        if !is_near {
+            return;
+        }
+        let [first, second] = self.spans(&Relative::Circle(center, around.radius));
+        self.each_ray(first, &hit);
+        self.each_ray(second, &hit);
+    }
+
+    /// Holds the rays against all that has been added. Without this some of that may be left out.
+    pub fn finish(&mut self) {
+        self.meet();
+    }
+
+    fn wait(&mut self, shape: Relative) {
+        if self.waiting.iter().any(|candidate| candidate.shape == shape) {
+            return;
+        }
+        if self.waiting.is_full() {
+            self.meet();
+        }
+        let spans = self.spans(&shape);
+        if !(spans[0].is_empty() && spans[1].is_empty()) {
+            self.waiting.push(Candidate { shape, spans });
+        }
+    }
+
+    fn direction(&mut self) -> Direction {
+        *self.direction.get_or_insert_with(|| self.pose.direction())
+    }
+
+    /// Tries these rays, by their places in the fan, one by one.
+    fn each_ray(&mut self, rays: Range<usize>, hit: impl Fn(&Ray) -> Option<f64>) {
+        let (origin, forward) = (self.pose.position, self.direction());
+        for i in rays.start.max(self.rays.start)..rays.end.min(self.rays.end) {
+            let ray = Ray { origin, direction: forward.rotate(self.fan.relative()[i]) };
+            let nearest = &mut self.distances[i - self.rays.start];
+            if let Some(distance) = hit(&ray)
+                && distance <= self.range
+                && distance < *nearest
+            {
+                *nearest = distance;
+            }
+        }
+    }
+
+    /// The rays, by their places in the fan, that may meet the shape.
+    fn spans(&mut self, shape: &Relative) -> [Range<usize>; 2] {
+        if self.rays.len() <= FEW_RAYS {
+            return [self.rays.clone(), 0..0];
+        }
+        let behind = self.direction().inverse();
+        let angle = |v: Vector| {
+            let v = behind.apply(v);
+            about_atan2(v.y, v.x)
+        };
+        let (from, to) = match shape {
+            Relative::Segment(a, b) => {
+                let (a, b) = if a.perp(b) >= 0.0 { (a, b) } else { (b, a) };
+                (angle(*a), angle(*b))
+            }
+            Relative::Circle(center, radius) => {
+                let beside = math::sqrt((center.norm_squared() - radius * radius).max(0.0));
+                let (middle, half) = (angle(*center), about_atan2(*radius, beside));
+                (middle - half, middle + half)
+            }
+        };
+        let width = wrapped(to - from);
+        // Almost half a turn: which side it is on cannot be told for sure. Nor of what is seen from its end, but
+        // that is narrow.
+        if width.abs() > PI - 10.0 * MARGIN_RAD {
+            return [self.rays.clone(), 0..0];
+        }
+        let (from, to) = if width >= 0.0 { (from, from + width) } else { (from + width, from) };
+        self.fan.between(wrapped(from - MARGIN_RAD), wrapped(to + MARGIN_RAD))
+    }
+
+    fn meet(&mut self) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        let forward = self.direction();
+        if self.rays.len() <= FEW_RAYS {
+            self.meet_in_parts::<FEW_RAYS>(forward);
+        } else {
+            self.meet_in_parts::<MANY_RAYS>(forward);
+        }
+        self.waiting.clear();
+    }
+
+    /// Takes so many rays at a time, whose directions are then at hand for all shapes.
+    fn meet_in_parts<const N: usize>(&mut self, forward: Direction) {
+        let (mut cos, mut sin) = ([0.0; N], [0.0; N]);
+        let mut first = self.rays.start;
+        for distances in self.distances.chunks_mut(N) {
+            let part = first..first + distances.len();
+            let relative = &self.fan.relative()[part.clone()];
+            for ((cos, sin), relative) in cos.iter_mut().zip(&mut sin).zip(relative) {
+                Direction { cos: *cos, sin: *sin } = forward.rotate(*relative);
+            }
+            for candidate in &self.waiting {
+                for span in &candidate.spans {
+                    let places = span.start.max(part.start)..span.end.min(part.end);
+                    if places.is_empty() {
+                        continue;
+                    }
+                    let places = places.start - first..places.end - first;
+                    let directions = (&cos[places.clone()], &sin[places.clone()]);
+                    meet(&candidate.shape, directions, self.range, &mut distances[places]);
+                }
+            }
+            first = part.end;
+        }
+    }
+}
+
+/// Holds a shape against some rays.
+fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
+    match *shape {
+        // Vectors do not pay: most rays miss, which is soon found out.
+        Relative::Segment(a, b) if distances.len() <= FEW_RAYS => {
+            meet_one_by_one(a, b, directions, range, distances)
+        }
+        Relative::Segment(a, b) => meet_segment(a, b, directions, range, distances),
+        Relative::Circle(center, radius) => meet_circle(center, radius, directions, range, distances),
+    }
+}
+
+/// [`Ray::hit_segment`], operation for operation, of a segment that the origin is not close to.
+fn meet_segment(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
+    let mut coincide = false;
+    for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
+        let (ax, ay) = (cos * a.x + sin * a.y, cos * a.y - sin * a.x);
+        let (bx, by) = (cos * b.x + sin * b.y, cos * b.y - sin * b.x);
+        let a_is_nearer = ay.abs() <= by.abs();
+        let (near_x, near_y) = if a_is_nearer { (ax, ay) } else { (bx, by) };
+        let (far_x, far_y) = if a_is_nearer { (bx, by) } else { (ax, ay) };
+        let distance = near_x + (far_x - near_x) * (near_y / (near_y - far_y)) + 0.0;
+        let misses = ((ay > 0.0) & (by > 0.0)) | ((ay < 0.0) & (by < 0.0));
+        let hits = !misses & (distance >= 0.0) & (distance <= range) & (distance < *nearest);
+        *nearest = if hits { distance } else { *nearest };
+        coincide |= (ay == 0.0) & (by == 0.0);
+    }
+    if coincide {
+        meet_one_by_one(a, b, (cos, sin), range, distances);
+    }
+}
+
+/// [`Ray::hit_segment`] itself: for rays that run along the segment, and for a few.
+fn meet_one_by_one(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
+    let segment = Segment { start: Point::from(a), end: Point::from(b) };
+    for ((nearest, &cos), &sin) in distances.iter_mut().zip(cos).zip(sin) {
+        let ray = Ray { origin: Point::origin(), direction: Direction { cos, sin } };
+        if let Some(distance) = ray.hit_segment(&segment)
+            && distance <= range
+            && distance < *nearest
+        {
+            *nearest = distance;
+        }
+    }
+}
+
+/// [`Ray::hit_circle`], operation for operation, of a circle that the origin is outside of.
+fn meet_circle(center: Vector, radius: f64, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
+    for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
+        let ahead = cos * center.x + sin * center.y;
+        let aside = (cos * center.y - sin * center.x).abs();
+        let half_chord = math::sqrt((radius - aside) * (radius + aside));
+        let distance = ahead - half_chord;
+        let distance = if distance > 0.0 { distance } else { 0.0 };
+        let hits = (ahead >= 0.0) & (aside <= radius) & (distance <= range) & (distance < *nearest);
+        *nearest = if hits { distance } else { *nearest };
+    }
+}
+
+fn nearest_to_origin(a: Vector, b: Vector) -> Vector {
+    let along = b - a;
+    let (ahead, length_squared) = (-a.dot(&along), along.norm_squared());
+    if ahead <= 0.0 {
+        a
+    } else if ahead >= length_squared {
+        b
+    } else {
+        a + along * (ahead / length_squared)
+    }
+}
+
+/// The angle of (`x`, `y`) in radians, to 0.00002 (Abramowitz and Stegun, 4.4.49): enough to choose rays by.
+fn about_atan2(y: f64, x: f64) -> f64 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (small, large) = if ay <= ax { (ay, ax) } else { (ax, ay) };
+    let t = if large > 0.0 { small / large } else { 0.0 };
+    let t2 = t * t;
+    let atan =
+        t * (0.999_866_0 + t2 * (-0.330_299_5 + t2 * (0.180_141_0 + t2 * (-0.085_133_0 + t2 * 0.020_835_1))));
+    let atan = if ay <= ax { atan } else { FRAC_PI_2 - atan };
+    let atan = if x < 0.0 { PI - atan } else { atan };
+    if y < 0.0 { -atan } else { atan }
+}
+
+/// Into [-pi, pi], from less than a turn outside of it.
+fn wrapped(angle_rad: f64) -> f64 {
+    if angle_rad > PI {
+        angle_rad - TAU
+    } else if angle_rad < -PI {
+        angle_rad + TAU
+    } else {
+        angle_rad
+    }
+}
+
+/// Rays are chosen with angles that are wrong by less than this.
+const MARGIN_RAD: f64 = 1e-4;
+
+/// A generous bound on the relative rounding errors here.
+const ROUNDING: f64 = 1e-12;
+
+/// A shape is close if its distance, as a part of its ends', is less than this: then rounding matters to whether
+/// the origin is on it.
+const CLOSE: f64 = 1e-9;
+
+/// For so few rays choosing is no gain.
+const FEW_RAYS: usize = 4;
+
+/// So many rays have their directions computed at once.
+const MANY_RAYS: usize = 128;
+
+/// So many shapes are held against the rays at once.
+const MOST_WAITING: usize = 32;
