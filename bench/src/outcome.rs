@@ -1,0 +1,47 @@
+//! What came of a workload.
+
+use serde::{Deserialize, Serialize};
+
+use crate::measure::{Sample, median};
+
+/// What was measured of a workload, in a process of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Name of the workload.
+    pub workload: String,
+    /// Unit of its figure.
+    pub unit: String,
+    /// One a repeat.
+    pub samples: Vec<Sample>,
+    /// The most memory that the process had, in bytes; `None` where the system does not say.
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads that stepped the world.
+    pub threads: usize,
+    /// Fingerprint of the world's state after its first ticks, in hexadecimal digits, if the run is the same every time.
+    pub hash: Option<String>,
+    /// How many ticks those were.
+    pub hash_ticks: Option<u64>,
+    /// What else there is to say.
+    pub notes: Vec<String>,
+}
+
+impl Outcome {
+    /// The median of the figures.
+    pub fn median(&self) -> f64 {
+        median(self.values())
+    }
+
+    /// The least and the greatest of the figures.
+    pub fn spread(&self) -> [f64; 2] {
+        [self.values().fold(f64::INFINITY, f64::min), self.values().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// The median of the figures, each for a million rounds of the calibration loop that ran just before it.
+    pub fn median_per_million_rounds(&self) -> f64 {
+        median(self.samples.iter().map(|sample| sample.value / sample.calibration_per_s * 1e6))
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> {
+        self.samples.iter().map(|sample| sample.value)
+    }
+}
