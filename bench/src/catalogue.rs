@@ -1,6 +1,7 @@
 //! The workloads by name.
 
 use crate::in_process::InProcess;
+use crate::network::{Network, Streams};
 use crate::scenario::Cable;
 
 /// A workload: a row of the table.
@@ -29,6 +30,7 @@ pub struct Anchor {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     InProcess(InProcess),
+    Network(Network),
 }
 
 /// There is no such workload.
@@ -111,6 +113,55 @@ pub const WORKLOADS: &[Workload] = &[
         unit: "× real time",
         anchors: &[anchor("Enki", 7.4), anchor("Stage", 0.83)],
         kind: Kind::InProcess(InProcess::Office { robots: 100, period_ms: 100 }),
+    },
+    Workload {
+        name: "N1",
+        summary: "one brain in lockstep over TCP, a reading and a command in every step of 1 ms",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Alone),
+    },
+    Workload {
+        name: "N2/off",
+        summary: "the same at 9600 baud, the world waits in every step",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Serial { lookahead: false }),
+    },
+    Workload {
+        name: "N2/on",
+        summary: "the same with lookahead",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Serial { lookahead: true }),
+    },
+    Workload {
+        name: "N3/connections",
+        summary: "22 brains in lockstep, 8 IR sensors and encoders each, a connection each",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::Connections)),
+    },
+    Workload {
+        name: "N3/streams",
+        summary: "the same, 22 streams on one connection",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::OneConnection)),
+    },
+    Workload {
+        name: "N3/fleet",
+        summary: "the same, all on one stream",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::OneStream)),
+    },
+    Workload {
+        name: "N4",
+        summary: "1,000 robots with 8 IR sensors in real time, steps of 10 ms, brains on 10 streams",
+        unit: "% of ticks on time",
+        anchors: &[],
+        kind: Kind::Network(Network::Crowd),
     },
 ];
 

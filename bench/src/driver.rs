@@ -26,21 +26,25 @@ impl Driver {
     /// Signals for the wheels, left and right.
     pub fn steer(self, readings: &[Reading]) -> [f64; 2] {
         match self {
-            Self::Infrared => by_infrared(readings),
+            Self::Infrared => by_infrared(readings.iter().map(|reading| first(&reading.values))),
             Self::Laser => readings.first().map_or([0.0; 2], |scan| by_laser(&scan.values)),
         }
     }
 }
 
-/// What is near on a side makes the wheel of the other side slower, or turn back.
-fn by_infrared(readings: &[Reading]) -> [f64; 2] {
+/// Signals for the wheels by the readings of infra-red sensors: what is near on a side makes the wheel of the other side
+/// slower, or turn back.
+pub fn by_infrared(readings: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut signals = [CRUISE; 2];
-    for (reading, weights) in readings.iter().zip(INFRARED_WEIGHTS) {
-        let nearness = reading.values.first().copied().unwrap_or(0.0);
+    for (nearness, weights) in readings.zip(INFRARED_WEIGHTS) {
         signals[0] += weights[0] * nearness;
         signals[1] += weights[1] * nearness;
     }
     signals.map(|signal| signal.clamp(-1.0, 1.0))
+}
+
+fn first(values: &[f64]) -> f64 {
+    values.first().copied().unwrap_or(0.0)
 }
 
 /// Away from the side on which less is free. Every eighth ray of the middle third on either side will do.

@@ -2,9 +2,10 @@
 //!
 //! 1. [`plan`] reads the floor plans in `bench/geometry`, [`scenario`] makes scenarios of them.
 //! 2. [`driver`] steers robots by what they sense, [`rig`] is a world with its drivers in one thread.
-//! 3. [`catalogue`] has the workloads by name. [`child`] runs each in a process of its own and says what came of it, an
+//! 3. `in_process` measures those; `network` measures servers whose brains are in another process.
+//! 4. [`catalogue`] has the workloads by name. [`child`] runs each in a process of its own and says what came of it, an
 //!    [`outcome`].
-//! 4. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
+//! 5. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
 //!    operating system says.
 
 pub mod calibration;
@@ -13,6 +14,7 @@ pub mod child;
 pub mod driver;
 mod in_process;
 pub mod measure;
+mod network;
 pub mod outcome;
 pub mod plan;
 pub mod process;
@@ -20,3 +22,4 @@ pub mod rig;
 pub mod scenario;
 
 pub use in_process::Unfit;
+pub use network::NetworkError;

@@ -21,11 +21,44 @@ pub struct Outcome {
     pub hash: Option<String>,
     /// How many ticks those were.
     pub hash_ticks: Option<u64>,
+    /// What was measured in the same run, to compare with.
+    pub beside: Option<Beside>,
     /// What else there is to say.
     pub notes: Vec<String>,
 }
 
+/// Something that a workload is compared with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beside {
+    /// What it is.
+    pub what: String,
+    /// One a repeat, in the workload's unit.
+    pub samples: Vec<Sample>,
+}
+
+impl Beside {
+    /// The median of its figures.
+    pub fn median(&self) -> f64 {
+        median(self.samples.iter().map(|sample| sample.value))
+    }
+}
+
 impl Outcome {
+    /// Nothing yet.
+    pub(crate) fn new(workload: &str, unit: &str, threads: usize) -> Self {
+        Self {
+            workload: workload.to_owned(),
+            unit: unit.to_owned(),
+            samples: Vec::new(),
+            peak_memory_bytes: None,
+            threads,
+            hash: None,
+            hash_ticks: None,
+            beside: None,
+            notes: Vec::new(),
+        }
+    }
+
     /// The median of the figures.
     pub fn median(&self) -> f64 {
         median(self.values())

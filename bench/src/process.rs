@@ -1,9 +1,32 @@
 //! What the operating system says of this process.
 
+use std::fmt;
 use std::fs;
 use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
+use serde::{Deserialize, Serialize};
+
+/// What a process has used so far.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Usage {
+    /// Seconds of processors.
+    pub cpu_s: f64,
+    /// The most memory, in bytes; `None` where the system does not say.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+impl fmt::Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.1} s of a processor", self.cpu_s)?;
+        self.peak_memory_bytes.map_or(Ok(()), |bytes| write!(f, ", {:.1} MB", bytes as f64 / 1e6))
+    }
+}
+
+/// What this process has used so far.
+pub fn usage() -> Usage {
+    Usage { cpu_s: cpu_time().as_secs_f64(), peak_memory_bytes: peak_memory_bytes() }
+}
 
 /// The most memory that this process has had so far, in bytes; `None` where the system does not say.
 pub fn peak_memory_bytes() -> Option<u64> {

@@ -45,22 +45,23 @@ impl Cable {
 /// Rays of the laser of [`office`].
 pub const LASER_RAYS: usize = 683;
 
-/// What small robots are, besides their bodies and motors, which are an e-puck's: each has eight infra-red sensors, which
-/// are read in every step.
+/// What small robots are, besides their bodies and motors, which are an e-puck's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Infrared {
     /// To their brains.
     pub cable: Cable,
     /// Length of a step, in milliseconds.
     pub step_ms: f64,
+    /// How many of the eight infra-red sensors they have.
+    pub sensors: usize,
     /// Whether they have encoders, too.
     pub encoders: bool,
 }
 
 impl Infrared {
-    /// With steps of 10 ms, and no encoders.
+    /// With all eight sensors, steps of 10 ms, and no encoders.
     pub fn new(cable: Cable) -> Self {
-        Self { cable, step_ms: 10.0, encoders: false }
+        Self { cable, step_ms: 10.0, sensors: SENSORS_M_DEG.len(), encoders: false }
     }
 
     /// Such robots where the plan has them.
@@ -69,14 +70,19 @@ impl Infrared {
         arena(&mut toml, plan);
         for (i, &start) in plan.robots.iter().enumerate() {
             robot(&mut toml, i, start, SMALL_BODY);
+            let _ = writeln!(toml, "link = {}", self.cable.toml());
             self.senses(&mut toml);
         }
         toml
     }
 
+    /// Read and sent in every step, as exact numbers; on a serial cable as often and as short as there is time for.
     fn senses(&self, toml: &mut String) {
-        let _ = writeln!(toml, "link = {}", self.cable.toml());
-        for (i, [x, y, degrees]) in SENSORS_M_DEG.into_iter().enumerate() {
+        let serial = self.cable == Cable::Uart9600;
+        if serial {
+            let _ = writeln!(toml, "firmware = {{ period_ms = {SERIAL_MS} }}");
+        }
+        for (i, [x, y, degrees]) in SENSORS_M_DEG.into_iter().enumerate().take(self.sensors) {
             let heading = degrees.to_radians();
             let _ = write!(
                 toml,
@@ -85,6 +91,9 @@ impl Infrared {
                  rays = 3\nopening_rad = {IR_OPENING_RAD}\nrange_m = 0.12\n\
                  c1_m2 = 2.0e-4\nc2 = 0.0\nsigma = 0.02\n"
             );
+            if serial {
+                let _ = writeln!(toml, "bits = 8\nperiod_ms = {SERIAL_MS}");
+            }
         }
         if self.encoders {
             *toml += "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 1000\nbits = 16\n";
@@ -150,6 +159,9 @@ fn robot(toml: &mut String, i: usize, [x, y, heading]: [f64; 3], body: &str) {
          start = {{ x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }}\n{body}"
     );
 }
+
+/// Time between two readings on a serial cable of 9600 baud: a frame of one value takes some 10 ms.
+const SERIAL_MS: f64 = 20.0;
 
 /// 30°.
 const IR_OPENING_RAD: f64 = std::f64::consts::PI / 6.0;

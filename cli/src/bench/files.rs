@@ -28,6 +28,7 @@ pub(super) fn json(measured: &[(&Workload, Outcome)]) -> anyhow::Result<String> 
             "threads": outcome.threads,
             "state_hash": outcome.hash,
             "state_hash_ticks": outcome.hash_ticks,
+            "beside": outcome.beside,
             "notes": outcome.notes,
             "others": anchors,
         })

@@ -8,7 +8,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::Context;
 use baudbot_bench::catalogue::{self, Workload};
-use baudbot_bench::child::{self, Task};
+use baudbot_bench::child;
 use baudbot_bench::measure::Effort;
 use baudbot_bench::outcome::Outcome;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -19,7 +19,7 @@ use crate::text;
 
 pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
-        return Ok(child::serve(task));
+        return Ok(child::serve(task, child_command()?));
     }
     let chosen = catalogue::select(&args.workloads).map_err(|error| Refused::error(error.to_string()))?;
     if args.list {
@@ -46,18 +46,14 @@ fn measure(
     args: &BenchArgs,
     chosen: &[&'static Workload],
 ) -> anyhow::Result<(Vec<(&'static Workload, Outcome)>, usize)> {
-    let program = std::env::current_exe().context("cannot find this program")?;
     let effort = Effort { seconds: args.seconds, repeats: args.repeats };
     let bar = progress(args.quiet, chosen.len() as u64 * u64::from(args.repeats));
     let (mut measured, mut failed) = (Vec::new(), 0);
     for (i, &workload) in chosen.iter().enumerate() {
-        let mut command = Command::new(&program);
-        command.args(["bench", "--child"]);
-        let task = Task { workload: workload.name.to_owned(), effort, threads: args.threads.into() };
         let before = i as u64 * u64::from(args.repeats);
         bar.set_message(format!("{}: warm-up", workload.name));
         bar.set_position(before);
-        let outcome = child::run(command, &task, |repeat| {
+        let outcome = child::measure(child_command()?, workload, effort, args.threads.into(), |repeat| {
             bar.set_message(format!("{}: repeat {repeat} of {}", workload.name, args.repeats));
             bar.set_position(before + u64::from(repeat) - 1);
         });
@@ -71,6 +67,13 @@ fn measure(
     }
     bar.finish_and_clear();
     Ok((measured, failed))
+}
+
+/// Begins a process that does what its last argument says.
+fn child_command() -> anyhow::Result<Command> {
+    let mut command = Command::new(std::env::current_exe().context("cannot find this program")?);
+    command.args(["bench", "--child"]);
+    Ok(command)
 }
 
 fn progress(quiet: bool, repeats: u64) -> ProgressBar {

@@ -1,7 +1,7 @@
 //! What was measured, for people.
 
-use baudbot_bench::catalogue::Workload;
-use baudbot_bench::outcome::Outcome;
+use baudbot_bench::catalogue::{Anchor, Workload};
+use baudbot_bench::outcome::{Beside, Outcome};
 
 use crate::text;
 
@@ -20,7 +20,7 @@ pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
     let mut text = text::table("", &rows);
     let others: Vec<_> = measured.iter().flat_map(|(workload, outcome)| others(workload, outcome)).collect();
     if !others.is_empty() {
-        text += "\nothers, on a quiet core (docs/performance.md)\n";
+        text += "\nin comparison; other simulators on a quiet core (docs/performance.md)\n";
         text += &text::table("  ", &others);
     }
     let hashes: Vec<_> = measured.iter().filter_map(|(_, outcome)| hash(outcome)).collect();
@@ -51,11 +51,15 @@ fn row(outcome: &Outcome) -> [String; 7] {
 }
 
 fn others(workload: &Workload, outcome: &Outcome) -> Vec<[String; 4]> {
-    let row = |anchor: &baudbot_bench::catalogue::Anchor| {
+    let row = |anchor: &Anchor| {
         let ratio = format!("{} ×", figure(outcome.median() / anchor.value));
         [workload.name.to_owned(), anchor.name.to_owned(), figure(anchor.value), ratio]
     };
-    workload.anchors.iter().map(row).collect()
+    let beside = |beside: &Beside| {
+        let ratio = format!("{} ×", figure(outcome.median() / beside.median()));
+        [workload.name.to_owned(), format!("{}, here", beside.what), figure(beside.median()), ratio]
+    };
+    workload.anchors.iter().map(row).chain(outcome.beside.iter().map(beside)).collect()
 }
 
 fn hash(outcome: &Outcome) -> Option<[String; 3]> {
