@@ -1,6 +1,6 @@
 //! The workloads by name.
 
-use crate::in_process::InProcess;
+use crate::in_process::{InProcess, Unfit};
 use crate::network::{Network, Streams};
 use crate::scenario::Cable;
 
@@ -31,6 +31,19 @@ pub struct Anchor {
 pub(crate) enum Kind {
     InProcess(InProcess),
     Network(Network),
+}
+
+impl Workload {
+    /// Runs it for exactly so many ticks and measures nothing, for a profiler; the world's fingerprint after them.
+    ///
+    /// # Errors
+    /// If it cannot be run.
+    pub fn run_ticks(&self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
+        match self.kind {
+            Kind::InProcess(world) => world.run_ticks(ticks, threads),
+            Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
+        }
+    }
 }
 
 /// There is no such workload.

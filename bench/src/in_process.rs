@@ -29,6 +29,9 @@ pub enum Unfit {
     /// There are not as many threads as asked for.
     #[error(transparent)]
     Threads(#[from] NoThreads),
+    /// It has a server, and a number of ticks means nothing.
+    #[error("`{0}` has a server and takes no --ticks; W1 to W4 do")]
+    NotInProcess(&'static str),
     /// What ran is not the workload.
     #[error("the run is not what it should be: {0}")]
     NotReal(String),
@@ -61,6 +64,14 @@ impl InProcess {
             sample.value *= units;
         }
         Ok(Run { samples, probe_ticks, hash })
+    }
+
+    /// So many ticks from the start, and the world's fingerprint after them.
+    pub(crate) fn run_ticks(self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
+        let mut rig = self.rig()?;
+        rig.set_threads(threads)?;
+        rig.run(ticks);
+        Ok(rig.world().hash())
     }
 
     /// The world at its start.
@@ -147,3 +158,63 @@ const STEP_S: f64 = 0.01;
 
 /// Slower than this in the mean, something is wrong.
 const SLOWEST_M_S: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{Kind, WORKLOADS};
+
+    /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
+    /// (docs/determinism.md), and for another scenario or driver here; never for speed.
+    const FINGERPRINTS: [(&str, u64); 7] = [
+        ("W1", 0x152c_5060_4948_4df9),
+        ("W1/ideal", 0x152c_5060_4948_4df9),
+        ("W2", 0x8e6c_0372_fc9c_b3c7),
+        ("W3/10", 0xc3d6_8fd8_a596_fec2),
+        ("W3/100", 0x14b1_4b11_84cd_6433),
+        ("W3/1000", 0xa5f2_6a24_988c_afc5),
+        ("W4", 0x9b33_7a5b_8c9a_724e),
+    ];
+
+    #[test]
+    fn each_workload_is_real_and_the_same_as_ever() {
+        let mut known = FINGERPRINTS.iter();
+        for workload in WORKLOADS {
+            let Kind::InProcess(world) = workload.kind else { continue };
+            let mut rig = world.rig().unwrap();
+            rig.run(world.probe_ticks());
+            check(&rig).unwrap_or_else(|error| panic!("{}: {error}", workload.name));
+            let (name, hash) = known.next().expect("a fingerprint for each");
+            assert_eq!((workload.name, rig.world().hash()), (*name, *hash), "{:x}", rig.world().hash());
+        }
+    }
+
+    #[test]
+    fn workloads_are_what_the_table_says() {
+        let facts = |world: InProcess| {
+            let rig = world.rig().unwrap();
+            let scenario = rig.world().scenario();
+            let spec = &scenario.robots()[0];
+            let rays: usize = spec.sensors.iter().map(|sensor| sensor.device.values()).sum();
+            (scenario.arena().index().segments().len(), scenario.robots().len(), rays, scenario.noise())
+        };
+        assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
+        assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));
+        assert_eq!(facts(InProcess::Office { robots: 1, period_ms: 10 }), (100, 1, LASER_RAYS, true));
+        assert_eq!(facts(InProcess::Office { robots: 100, period_ms: 100 }), (100, 100, LASER_RAYS, true));
+    }
+
+    #[test]
+    fn a_run_in_which_nobody_drives_is_refused() {
+        let rig = InProcess::Infrared { robots: 1, cable: Cable::Onboard }.rig().unwrap();
+        let error = check(&rig).unwrap_err().to_string();
+        assert!(error.starts_with("the run is not what it should be: robot `r0000` has driven"), "{error}");
+    }
+
+    #[test]
+    fn more_threads_than_this_build_has_are_refused() {
+        let world = InProcess::Infrared { robots: 1, cable: Cable::Onboard };
+        let error = world.run(Effort { seconds: 1e-3, repeats: 1 }, 2, |_| {}).err().unwrap();
+        assert!(error.to_string().starts_with("--threads 2: this build steps"), "{error}");
+    }
+}

@@ -43,7 +43,7 @@ pub fn rate<E>(
         if elapsed >= effort.seconds / 4.0 {
             break ticks as f64 / elapsed;
         }
-        batch = ticks;
+        batch = ticks.min(MOST_TICKS);
     };
     let batch = ((per_s * effort.seconds / 20.0) as u64).max(1);
     let mut samples = Vec::new();
@@ -63,6 +63,9 @@ pub fn rate<E>(
     }
     Ok(samples)
 }
+
+/// Between two looks at the clock in the warm-up.
+const MOST_TICKS: u64 = 1 << 20;
 
 /// The middle one, or the mean of the two in the middle; not a number if there are none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {

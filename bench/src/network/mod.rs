@@ -11,7 +11,7 @@ mod server;
 
 use std::process::Command;
 
-use baudbot_server::{Pace, Watchdog};
+use baudbot_server::{Pace, Watchdog, WorldConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::child::{self, ChildError};
@@ -20,7 +20,7 @@ use crate::measure::{Effort, Sample};
 use crate::plan::Plan;
 use crate::process;
 use crate::scenario::{Cable, Infrared, parse, plans};
-use server::Running;
+use server::{Running, WORLD};
 
 pub(crate) use brains::perform;
 
@@ -99,7 +99,7 @@ impl Network {
             return crowd::run(scenario, robots, effort, command, progress);
         }
         let streams = if let Self::Team(streams) = self { streams } else { Streams::Connections };
-        let server = Running::start(scenario, pace(lookahead)?, false)?;
+        let server = Running::start(WorldConfig::new(WORLD, scenario).pace(pace(lookahead)?))?;
         let ping = if self == Self::Alone { Some(server.ping()?) } else { None };
         let what = Brains::Lockstep { robots, streams, ping, lookahead, effort };
         let child = child::Child::start(command, &child::Task::Brains { address: server.address(), what })?;

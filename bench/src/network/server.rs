@@ -4,8 +4,7 @@ use std::thread::JoinHandle;
 
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::{GetWorldRequest, StartWorldRequest, WorldStatus};
-use baudbot_server::{Pace, Server, WorldConfig};
-use baudbot_sim::Scenario;
+use baudbot_server::{Server, WorldConfig};
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 use tonic::transport::Channel;
@@ -26,12 +25,11 @@ pub(super) struct Running {
 
 impl Running {
     /// Starts it on a free port of this machine.
-    pub(super) fn start(scenario: Scenario, pace: Pace, paused: bool) -> Result<Self, NetworkError> {
+    pub(super) fn start(world: WorldConfig) -> Result<Self, NetworkError> {
         let failed = |error: &dyn std::fmt::Display| NetworkError::Server(error.to_string());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
         let handle = runtime.handle().clone();
-        let world = WorldConfig::new(WORLD, scenario).pace(pace).paused(paused);
         let address = "127.0.0.1:0".parse().map_err(|error| failed(&error))?;
         let (server, operator) = runtime
             .block_on(async {

@@ -21,6 +21,9 @@ pub(crate) struct BenchArgs {
     /// Threads that step a world of W1 to W4
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub(crate) threads: u16,
+    /// Run each of W1 to W4 for exactly so many ticks and measure nothing: for profilers
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["json", "csv"])]
+    pub(crate) ticks: Option<u64>,
     /// Write all that was measured as JSON; `-` is stdout, and the table is then left out
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,

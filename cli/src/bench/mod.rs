@@ -26,6 +26,10 @@ pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         text::print(&table::list(&chosen))?;
         return Ok(ExitCode::SUCCESS);
     }
+    if let Some(ticks) = args.ticks {
+        run_ticks(&chosen, ticks, args)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     if cfg!(debug_assertions) {
         eprintln!("warning: {DEBUG_BUILD}");
     }
@@ -39,6 +43,18 @@ pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         text::print(&table::text(&measured))?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// `--ticks`.
+fn run_ticks(chosen: &[&Workload], ticks: u64, args: &BenchArgs) -> anyhow::Result<()> {
+    for workload in chosen {
+        let hash = workload.run_ticks(ticks, args.threads.into());
+        let hash = hash.map_err(|error| Refused::error(error.to_string()))?;
+        if !args.quiet {
+            text::print(&format!("{}  {hash:016x} after {ticks} ticks\n", workload.name))?;
+        }
+    }
+    Ok(())
 }
 
 /// What was measured of each, and how many could not be.
