@@ -7,7 +7,7 @@ use crate::scenario::Cable;
 /// A workload: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workload {
-    /// Such as `W1` or `W3/100`; the part before `/` names all of a kind.
+    /// Such as `W2` or `W3/100`; the part before `/` names all of a kind.
     pub name: &'static str,
     /// What it is, in some words.
     pub summary: &'static str,
@@ -79,7 +79,7 @@ const fn anchor(name: &'static str, value: f64) -> Anchor {
 /// All of them.
 pub const WORKLOADS: &[Workload] = &[
     Workload {
-        name: "W1",
+        name: "W1/onboard",
         summary: "one small robot, 8 IR sensors of 3 rays, brain on board",
         unit: "steps/s",
         anchors: &[anchor("Enki", 74e3), anchor("Stage", 39e3)],
@@ -191,13 +191,13 @@ mod tests {
     fn a_name_takes_one_or_all_of_a_kind() {
         assert_eq!(names(&["W3/10"]).unwrap(), ["W3/10"]);
         assert_eq!(names(&["w3"]).unwrap(), ["W3/10", "W3/100", "W3/1000"]);
-        assert_eq!(names(&["W4", "W1"]).unwrap(), ["W1", "W1/ideal", "W4"]);
+        assert_eq!(names(&["W4", "W1"]).unwrap(), ["W1/onboard", "W1/ideal", "W4"]);
         assert_eq!(names(&[]).unwrap().len(), WORKLOADS.len());
     }
 
     #[test]
     fn an_unknown_name_is_told_with_those_that_there_are() {
         let error = names(&["W1", "W9"]).unwrap_err().to_string();
-        assert!(error.starts_with("no workload `W9`; there are: W1, W1/ideal, W2,"), "{error}");
+        assert!(error.starts_with("no workload `W9`; there are: W1/onboard, W1/ideal, W2,"), "{error}");
     }
 }

@@ -167,7 +167,7 @@ mod tests {
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
     /// (docs/determinism.md), and for another scenario or driver here; never for speed.
     const FINGERPRINTS: [(&str, u64); 7] = [
-        ("W1", 0x152c_5060_4948_4df9),
+        ("W1/onboard", 0x152c_5060_4948_4df9),
         ("W1/ideal", 0x152c_5060_4948_4df9),
         ("W2", 0x8e6c_0372_fc9c_b3c7),
         ("W3/10", 0xc3d6_8fd8_a596_fec2),

@@ -41,6 +41,11 @@ impl Beside {
     pub fn median(&self) -> f64 {
         median(self.samples.iter().map(|sample| sample.value))
     }
+
+    /// The median of the workload's figures, each divided by the one of this that was measured just before.
+    pub fn median_ratio(&self, outcome: &Outcome) -> f64 {
+        median(self.samples.iter().zip(&outcome.samples).map(|(own, other)| other.value / own.value))
+    }
 }
 
 impl Outcome {

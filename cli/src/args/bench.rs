@@ -6,7 +6,7 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// Workloads, such as W1 or W3/100; W3 is all of its kind [default: all]
+    /// Workloads, such as W2 or W3/100; W3 is all of its kind [default: all]
     #[arg(value_name = "WORKLOAD")]
     pub(crate) workloads: Vec<String>,
     /// List the workloads

@@ -29,6 +29,7 @@ pub(super) fn json(measured: &[(&Workload, Outcome)]) -> anyhow::Result<String> 
             "state_hash": outcome.hash,
             "state_hash_ticks": outcome.hash_ticks,
             "beside": outcome.beside,
+            "median_ratio_to_beside": outcome.beside.as_ref().map(|beside| beside.median_ratio(outcome)),
             "notes": outcome.notes,
             "others": anchors,
         })

@@ -56,7 +56,7 @@ fn others(workload: &Workload, outcome: &Outcome) -> Vec<[String; 4]> {
         [workload.name.to_owned(), anchor.name.to_owned(), figure(anchor.value), ratio]
     };
     let beside = |beside: &Beside| {
-        let ratio = format!("{} ×", figure(outcome.median() / beside.median()));
+        let ratio = format!("{} ×", figure(beside.median_ratio(outcome)));
         [workload.name.to_owned(), format!("{}, here", beside.what), figure(beside.median()), ratio]
     };
     workload.anchors.iter().map(row).chain(outcome.beside.iter().map(beside)).collect()

@@ -19,7 +19,7 @@ fn a_workload_is_measured_in_a_process_of_its_own_and_told_as_json() {
     assert_eq!(all["debug_build"], cfg!(debug_assertions));
     assert_eq!(err.contains("this is a debug build"), cfg!(debug_assertions), "{err}");
     let names: Vec<_> = all["workloads"].as_array().unwrap().iter().map(|w| &w["workload"]).collect();
-    assert_eq!(names, ["W1", "W1/ideal"]);
+    assert_eq!(names, ["W1/onboard", "W1/ideal"]);
     let [onboard, ideal] = [0, 1].map(|i| &all["workloads"][i]);
     assert_eq!(onboard["samples"].as_array().unwrap().len(), 2);
     assert!(onboard["median"].as_f64().unwrap() > 0.0, "{out}");
@@ -63,13 +63,13 @@ fn what_cannot_be_measured_is_refused() {
         assert_eq!(code, 2, "{args:?}: {err}");
         assert!(err.contains(text), "{args:?}: {err}");
     };
-    refused(&["bench", "W9"], "error: no workload `W9`; there are: W1, W1/ideal,");
+    refused(&["bench", "W9"], "error: no workload `W9`; there are: W1/onboard, W1/ideal,");
     refused(&["bench", "--seconds", "0"], "must be above 0 and at most 3600, is 0");
     refused(&["bench", "N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
     refused(&["bench", "--repeats", "0"], "0 is not in 1..=1000");
     let (code, _, err) = bench(&["W1", "--threads", "2"]);
     assert!(
-        code == 1 && err.contains("error: W1: --threads 2: this build steps a world in one thread"),
+        code == 1 && err.contains("error: W1/onboard: --threads 2: this build steps a world in one thread"),
         "{err}"
     );
 }
