@@ -42,30 +42,31 @@ pub(super) fn run(
         progress(repeat);
         let from = Instant::now();
         std::thread::sleep(Duration::from_secs_f64(effort.seconds));
-        let lateness = ticks.lateness(step, from);
-        samples.push(Sample { value: percent(&lateness, |late| late < step), calibration_per_s });
+        let value = percent(&ticks.lateness(step, from), |late| late < step);
+        samples.push(Sample { value, calibration_per_s });
     }
-    let (wall, cpu) = (start.elapsed(), process::cpu_time() - cpu);
+    let processors = (process::cpu_time() - cpu).as_secs_f64() / start.elapsed().as_secs_f64();
     let lateness = ticks.lateness(step, start);
     let status = server.status()?;
     let usage = process::usage();
     server.end();
     let brains: Found = child.end(|_| {})?;
     check(&status, samples.len())?;
-    let mut notes = vec![format!(
-        "{} ticks in {:.2} s; {:.2} % of them less than 1 ms late, {:.1} ms at most; {:.2} % of readings answered within a step",
-        lateness.len(),
-        wall.as_secs_f64(),
-        percent(&lateness, |late| late < Duration::from_millis(1)),
-        lateness.iter().max().map_or(0.0, |most| most.as_secs_f64() * 1e3),
-        100.0 * answered_in_time(&status),
-    )];
-    notes.push(format!(
-        "server {usage}; {:.2} processors while measured",
-        cpu.as_secs_f64() / wall.as_secs_f64()
-    ));
+    let mut notes =
+        vec![told(&lateness, &status), format!("server {usage}; {processors:.2} processors while measured")];
     notes.extend(brains.usage.map(|usage| format!("brains {usage}")));
     Ok((Found { samples, ping: Vec::new(), usage: Some(usage) }, notes))
+}
+
+/// What the figure does not say.
+fn told(lateness: &[Duration], status: &WorldStatus) -> String {
+    format!(
+        "{} ticks, {:.2} % of them less than 1 ms late, {:.1} ms at most; {:.2} % of readings answered within a step",
+        lateness.len(),
+        percent(lateness, |late| late < Duration::from_millis(1)),
+        lateness.iter().max().map_or(0.0, |most| most.as_secs_f64() * 1e3),
+        100.0 * answered_in_time(status),
+    )
 }
 
 /// When each tick began.
