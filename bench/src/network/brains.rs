@@ -74,11 +74,9 @@ impl Crew {
             return Ok(Self::Fleet(Box::new(first.attach_many(WORLD, &names).await?)));
         }
         let mut held = Vec::new();
-        for robot in robots {
-            let own = match streams {
-                Streams::Connections => client(address).await?,
-                Streams::OneConnection | Streams::OneStream => first.clone(),
-            };
+        for (i, robot) in robots.iter().enumerate() {
+            let alone = streams == Streams::Connections && i > 0;
+            let own = if alone { client(address).await? } else { first.clone() };
             held.push(own.attach(WORLD, robot).await?);
         }
         Ok(Self::Streams(held))
