@@ -6,13 +6,14 @@
 //! rounds a second that the same processor did just before compares between machines as far as that goes.
 
 use std::hint::black_box;
-use std::time::Instant;
 
-/// Rounds a second, now.
+use crate::process::Clock;
+
+/// Rounds in a second of a processor, now.
 pub fn rounds_per_second() -> f64 {
-    let start = Instant::now();
+    let start_s = Clock::Processor.now_s();
     black_box(rounds(black_box(1), ROUNDS));
-    ROUNDS as f64 / start.elapsed().as_secs_f64()
+    ROUNDS as f64 / (Clock::Processor.now_s() - start_s)
 }
 
 fn rounds(mut state: u64, rounds: u64) -> f64 {

@@ -5,6 +5,7 @@ use baudbot_sim::scenario::ScenarioError;
 
 use crate::measure::{self, Effort, Sample};
 use crate::plan::{Plan, PlanError};
+use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
 use crate::scenario::{Cable, Infrared, LASER_RAYS, office, parse, plans};
 
@@ -54,7 +55,8 @@ impl InProcess {
         rig.run(probe_ticks);
         check(&rig)?;
         let hash = rig.world().hash();
-        let mut samples = measure::rate(effort, progress, |ticks| {
+        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
+        let mut samples = measure::rate(effort, clock, progress, |ticks| {
             rig.run(ticks);
             Ok::<_, Unfit>(())
         })?;

@@ -1,15 +1,14 @@
 //! Repeated measurements of a rate, each long enough to mean something.
 
-use std::time::Instant;
-
 use serde::{Deserialize, Serialize};
 
 use crate::calibration;
+use crate::process::Clock;
 
 /// How long to measure, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
-    /// Wall-clock seconds of a repeat, about; the warm-up takes a quarter of it.
+    /// Seconds of a repeat, about; the warm-up takes a quarter of it.
     pub seconds: f64,
     /// How many repeats; at least 1.
     pub repeats: u32,
@@ -25,21 +24,22 @@ pub struct Sample {
 }
 
 /// Runs `work` for a warm-up and then for each repeat, as many ticks at a time as make up a twentieth of a repeat. A
-/// sample's value is ticks a second. `progress` hears the number of each repeat before it begins, from 1.
+/// sample's value is ticks a second by the clock. `progress` hears the number of each repeat before it begins, from 1.
 ///
 /// # Errors
 /// The first of `work`.
 pub fn rate<E>(
     effort: Effort,
+    clock: Clock,
     mut progress: impl FnMut(u32),
     mut work: impl FnMut(u64) -> Result<(), E>,
 ) -> Result<Vec<Sample>, E> {
     let mut batch = 1;
-    let (mut ticks, start) = (0, Instant::now());
+    let (mut ticks, start_s) = (0, clock.now_s());
     let per_s = loop {
         work(batch)?;
         ticks += batch;
-        let elapsed = start.elapsed().as_secs_f64();
+        let elapsed = clock.now_s() - start_s;
         if elapsed >= effort.seconds / 4.0 {
             break ticks as f64 / elapsed;
         }
@@ -50,11 +50,11 @@ pub fn rate<E>(
     for repeat in 1..=effort.repeats {
         progress(repeat);
         let calibration_per_s = calibration::rounds_per_second();
-        let (mut ticks, start) = (0, Instant::now());
+        let (mut ticks, start_s) = (0, clock.now_s());
         let value = loop {
             work(batch)?;
             ticks += batch;
-            let elapsed = start.elapsed().as_secs_f64();
+            let elapsed = clock.now_s() - start_s;
             if elapsed >= effort.seconds {
                 break ticks as f64 / elapsed;
             }
@@ -90,6 +90,7 @@ mod tests {
         let effort = Effort { seconds: 1e-4, repeats: 3 };
         let samples = rate(
             effort,
+            Clock::Wall,
             |repeat| heard.push(repeat),
             |batch| {
                 ticks += batch;

@@ -36,6 +36,29 @@ pub fn peak_memory_bytes() -> Option<u64> {
     Some(kib * 1024)
 }
 
+/// What tells how long something took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The one on the wall.
+    Wall,
+    /// The processor time of this process: for work in one thread, which others on the machine then do not make
+    /// longer than it is by taking turns with it. On a quiet machine it is the wall's.
+    Processor,
+}
+
+impl Clock {
+    /// Seconds since some instant.
+    pub fn now_s(self) -> f64 {
+        match self {
+            Self::Wall => {
+                let time = clock_gettime(ClockId::Monotonic);
+                time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+            }
+            Self::Processor => cpu_time().as_secs_f64(),
+        }
+    }
+}
+
 /// Time of all processors that this process has used so far.
 pub fn cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);

@@ -9,7 +9,7 @@ use super::server::WORLD;
 use super::{Brains, Found, Streams};
 use crate::driver::by_infrared;
 use crate::measure::{self, Effort};
-use crate::process;
+use crate::process::{self, Clock};
 
 /// Does what the server's process asks for.
 ///
@@ -50,12 +50,13 @@ fn lockstep(
         progress(repeat);
         if let Some(player) = &mut ping {
             let play = |times| runtime.block_on(player.play(times));
-            found
-                .ping
-                .extend(measure::rate(once, |_| {}, play).map_err(|status| status.message().to_owned())?);
+            found.ping.extend(
+                measure::rate(once, Clock::Wall, |_| {}, play)
+                    .map_err(|status| status.message().to_owned())?,
+            );
         }
         let work = |ticks| runtime.block_on(crew.drive(ticks));
-        found.samples.extend(measure::rate(once, |_| {}, work).map_err(text)?);
+        found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work).map_err(text)?);
     }
     Ok(found)
 }

@@ -12,7 +12,7 @@ pub(crate) struct BenchArgs {
     /// List the workloads
     #[arg(long)]
     pub(crate) list: bool,
-    /// About so many seconds of measurement a repeat, by the wall clock
+    /// About so many seconds of measurement a repeat
     #[arg(long, value_name = "S", default_value_t = 2.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: f64,
     /// Repeats, of which the table has the median
