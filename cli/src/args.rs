@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bench;
 mod help;
 
 use std::path::PathBuf;
@@ -10,9 +11,10 @@ use baudbot_server::{Address, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
+pub(crate) use self::bench::BenchArgs;
 use self::help::{
-    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,
-    RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
+    BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
+    PRESET_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
 };
 use crate::error::Refused;
 
@@ -62,6 +64,9 @@ pub(crate) enum Command {
     /// Shows a world of a server as it moves
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
+    /// Measures how fast worlds and the path to their brains are on this machine
+    #[command(after_long_help = BENCH_EXAMPLES)]
+    Bench(BenchArgs),
 }
 
 #[derive(Debug, Args)]

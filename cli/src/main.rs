@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `budget`, `diagram`, `preset` and `watch` are the commands, one a file
-//!    or folder.
+//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `budget`, `diagram`, `preset`, `watch` and `bench` are the commands, one
+//!    a file or folder.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
@@ -12,6 +12,7 @@
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
 mod args;
+mod bench;
 mod brain;
 mod budget;
 mod check;
@@ -68,6 +69,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Diagram(args) => diagram::diagram(&args),
         Command::Budget(args) => return budget::budget(&args),
         Command::Preset(args) => preset::preset(&args),
+        Command::Bench(args) => return bench::bench(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;
     Ok(ExitCode::SUCCESS)

@@ -1,0 +1,203 @@
+//! The workloads by name.
+
+use crate::in_process::{InProcess, Unfit};
+use crate::network::{Network, Streams};
+use crate::scenario::Cable;
+
+/// A workload: a row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workload {
+    /// Such as `W2` or `W3/100`; the part before `/` names all of a kind.
+    pub name: &'static str,
+    /// What it is, in some words.
+    pub summary: &'static str,
+    /// Unit of its figure.
+    pub unit: &'static str,
+    /// What other simulators did with it, in the same unit.
+    pub anchors: &'static [Anchor],
+    pub(crate) kind: Kind,
+}
+
+/// What another simulator did, measured on a quiet core, in one thread, as a median.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// Its name.
+    pub name: &'static str,
+    /// Its figure.
+    pub value: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    InProcess(InProcess),
+    Network(Network),
+}
+
+impl Workload {
+    /// Runs it for exactly so many ticks and measures nothing, for a profiler; the world's fingerprint after them.
+    ///
+    /// # Errors
+    /// If it cannot be run.
+    pub fn run_ticks(&self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
+        match self.kind {
+            Kind::InProcess(world) => world.run_ticks(ticks, threads),
+            Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
+        }
+    }
+}
+
+/// There is no such workload.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no workload `{name}`; there are: {}", known.join(", "))]
+pub struct NoWorkload {
+    name: String,
+    known: Vec<&'static str>,
+}
+
+/// Those of these names, in the order of the catalogue; a name without `/` takes all of its kind, and no name takes
+/// all that there are.
+///
+/// # Errors
+/// If there is none of a name.
+pub fn select(names: &[String]) -> Result<Vec<&'static Workload>, NoWorkload> {
+    let is = |workload: &Workload, name: &str| {
+        let kind = workload.name.split('/').next();
+        workload.name.eq_ignore_ascii_case(name) || kind.is_some_and(|kind| kind.eq_ignore_ascii_case(name))
+    };
+    if let Some(name) = names.iter().find(|name| !WORKLOADS.iter().any(|workload| is(workload, name))) {
+        let known = WORKLOADS.iter().map(|workload| workload.name).collect();
+        return Err(NoWorkload { name: name.clone(), known });
+    }
+    let wanted = |workload: &&Workload| names.is_empty() || names.iter().any(|name| is(workload, name));
+    Ok(WORKLOADS.iter().filter(wanted).collect())
+}
+
+const fn anchor(name: &'static str, value: f64) -> Anchor {
+    Anchor { name, value }
+}
+
+/// All of them.
+pub const WORKLOADS: &[Workload] = &[
+    Workload {
+        name: "W1/onboard",
+        summary: "one small robot, 8 IR sensors of 3 rays, brain on board",
+        unit: "steps/s",
+        anchors: &[anchor("Enki", 74e3), anchor("Stage", 39e3)],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 1, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "W1/ideal",
+        summary: "the same behind an ideal cable",
+        unit: "steps/s",
+        anchors: &[anchor("Enki", 74e3), anchor("Stage", 39e3)],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 1, cable: Cable::Ideal }),
+    },
+    Workload {
+        name: "W2",
+        summary: "office, one robot, a scan of 683 rays in every step",
+        unit: "rays/s",
+        anchors: &[anchor("Enki", 2.45e6), anchor("Stage", 1.3e6), anchor("a bitmap lidar", 4.0e6)],
+        kind: Kind::InProcess(InProcess::Office { robots: 1, period_ms: 10 }),
+    },
+    Workload {
+        name: "W3/10",
+        summary: "10 of W1's robots",
+        unit: "robot-steps/s",
+        anchors: &[anchor("Enki", 67e3), anchor("Stage", 84e3)],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 10, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "W3/100",
+        summary: "100 of W1's robots",
+        unit: "robot-steps/s",
+        anchors: &[anchor("Enki", 22e3), anchor("Stage", 36e3)],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 100, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "W3/1000",
+        summary: "1,000 of W1's robots",
+        unit: "robot-steps/s",
+        anchors: &[anchor("Enki", 3.1e3), anchor("Stage", 31e3)],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "W4",
+        summary: "office, 100 robots, each with 10 scans of 683 rays a second",
+        unit: "× real time",
+        anchors: &[anchor("Enki", 7.4), anchor("Stage", 0.83)],
+        kind: Kind::InProcess(InProcess::Office { robots: 100, period_ms: 100 }),
+    },
+    Workload {
+        name: "N1",
+        summary: "one brain in lockstep over TCP, a reading and a command in every step of 1 ms",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Alone),
+    },
+    Workload {
+        name: "N2/off",
+        summary: "the same at 9600 baud, the world waits in every step",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Serial { lookahead: false }),
+    },
+    Workload {
+        name: "N2/on",
+        summary: "the same with lookahead",
+        unit: "ticks/s",
+        anchors: &[],
+        kind: Kind::Network(Network::Serial { lookahead: true }),
+    },
+    Workload {
+        name: "N3/connections",
+        summary: "22 brains in lockstep, 8 IR sensors and encoders each, a connection each",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::Connections)),
+    },
+    Workload {
+        name: "N3/streams",
+        summary: "the same, 22 streams on one connection",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::OneConnection)),
+    },
+    Workload {
+        name: "N3/fleet",
+        summary: "the same, all on one stream",
+        unit: "ticks/s",
+        anchors: &[anchor("rcssserver", 240.0)],
+        kind: Kind::Network(Network::Team(Streams::OneStream)),
+    },
+    Workload {
+        name: "N4",
+        summary: "1,000 robots with 8 IR sensors in real time, steps of 10 ms, brains on 10 streams",
+        unit: "% of ticks on time",
+        anchors: &[],
+        kind: Kind::Network(Network::Crowd),
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(wanted: &[&str]) -> Result<Vec<&'static str>, NoWorkload> {
+        let wanted: Vec<_> = wanted.iter().map(|&name| name.to_owned()).collect();
+        Ok(select(&wanted)?.iter().map(|workload| workload.name).collect())
+    }
+
+    #[test]
+    fn a_name_takes_one_or_all_of_a_kind() {
+        assert_eq!(names(&["W3/10"]).unwrap(), ["W3/10"]);
+        assert_eq!(names(&["w3"]).unwrap(), ["W3/10", "W3/100", "W3/1000"]);
+        assert_eq!(names(&["W4", "W1"]).unwrap(), ["W1/onboard", "W1/ideal", "W4"]);
+        assert_eq!(names(&[]).unwrap().len(), WORKLOADS.len());
+    }
+
+    #[test]
+    fn an_unknown_name_is_told_with_those_that_there_are() {
+        let error = names(&["W1", "W9"]).unwrap_err().to_string();
+        assert!(error.starts_with("no workload `W9`; there are: W1/onboard, W1/ideal, W2,"), "{error}");
+    }
+}

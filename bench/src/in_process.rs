@@ -1,0 +1,222 @@
+//! Worlds with their brains in one thread: no network, no pace.
+
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::scenario::ScenarioError;
+
+use crate::measure::{self, Effort, Sample};
+use crate::plan::{Plan, PlanError};
+use crate::process::Clock;
+use crate::rig::{NoThreads, Rig};
+use crate::scenario::{Cable, Infrared, LASER_RAYS, office, parse, plans};
+
+/// A world that runs as fast as it can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum InProcess {
+    /// Small robots with infra-red sensors, 1, 10, 100 or 1,000 of them; in steps of a robot.
+    Infrared { robots: usize, cable: Cable },
+    /// Robots with lasers in an office; one in rays a second, many as a multiple of real time.
+    Office { robots: usize, period_ms: u32 },
+}
+
+/// Why a workload could not be measured.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// Its floor plan says nothing.
+    #[error("a floor plan in bench/geometry: {0}")]
+    Plan(#[from] PlanError),
+    /// The parser refused its scenario.
+    #[error("the workload's scenario: {0}")]
+    Scenario(#[from] ScenarioError),
+    /// There are not as many threads as asked for.
+    #[error(transparent)]
+    Threads(#[from] NoThreads),
+    /// It has a server, and a number of ticks means nothing.
+    #[error("`{0}` has a server and takes no --ticks; W1 to W4 do")]
+    NotInProcess(&'static str),
+    /// What ran is not the workload.
+    #[error("the run is not what it should be: {0}")]
+    NotReal(String),
+}
+
+/// What was found of a run in process.
+pub(crate) struct Run {
+    pub(crate) samples: Vec<Sample>,
+    /// Ticks of the first stretch, and the world's fingerprint after it: the same for every build and machine.
+    pub(crate) probe_ticks: u64,
+    pub(crate) hash: u64,
+}
+
+impl InProcess {
+    /// Measures it.
+    pub(crate) fn run(self, effort: Effort, threads: usize, progress: impl FnMut(u32)) -> Result<Run, Unfit> {
+        let mut rig = self.rig()?;
+        rig.set_threads(threads)?;
+        let probe_ticks = self.probe_ticks();
+        rig.run(probe_ticks);
+        check(&rig)?;
+        let hash = rig.world().hash();
+        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
+        let mut samples = measure::rate(effort, clock, progress, |ticks| {
+            rig.run(ticks);
+            Ok::<_, Unfit>(())
+        })?;
+        check(&rig)?;
+        let units = self.units_a_tick();
+        for sample in &mut samples {
+            sample.value *= units;
+        }
+        Ok(Run { samples, probe_ticks, hash })
+    }
+
+    /// So many ticks from the start, and the world's fingerprint after them.
+    pub(crate) fn run_ticks(self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
+        let mut rig = self.rig()?;
+        rig.set_threads(threads)?;
+        rig.run(ticks);
+        Ok(rig.world().hash())
+    }
+
+    /// The world at its start.
+    pub(crate) fn rig(self) -> Result<Rig, Unfit> {
+        Ok(Rig::new(parse(&self.scenario()?)?))
+    }
+
+    fn scenario(self) -> Result<String, PlanError> {
+        Ok(match self {
+            Self::Infrared { robots, cable } => {
+                let plan = match robots {
+                    1 => plans::IR_1,
+                    10 => plans::IR_10,
+                    100 => plans::IR_100,
+                    _ => plans::IR_1000,
+                };
+                Infrared::new(cable).scenario(&plan.parse()?)
+            }
+            Self::Office { robots, period_ms } => {
+                office(&plans::OFFICE.parse::<Plan>()?, robots, period_ms.into())
+            }
+        })
+    }
+
+    /// So many ticks that every sensor is read several times and every robot is on its way, and no more than take a
+    /// debug build a second or two.
+    pub(crate) fn probe_ticks(self) -> u64 {
+        match self {
+            Self::Infrared { robots, .. } => (2000 / robots as u64).max(10),
+            Self::Office { robots: 1, .. } => 200,
+            Self::Office { .. } => 30,
+        }
+    }
+
+    fn units_a_tick(self) -> f64 {
+        match self {
+            Self::Infrared { robots, .. } => robots as f64,
+            Self::Office { robots: 1, .. } => LASER_RAYS as f64,
+            Self::Office { .. } => STEP_S,
+        }
+    }
+}
+
+/// Whether every robot drives, is somewhere, and reads its sensors as often as it should.
+fn check(rig: &Rig) -> Result<(), Unfit> {
+    let (world, step_ns) = (rig.world(), rig.world().scenario().step_ns());
+    let run_ns = world.tick() * step_ns;
+    for robot in world.robots() {
+        let (spec, pose) = (robot.spec(), robot.motion().pose);
+        let wrong = |what: String| Err(Unfit::NotReal(format!("robot `{}` {what}", spec.name)));
+        let place = [pose.position.x, pose.position.y, pose.heading];
+        if !place.iter().all(|number| number.is_finite()) {
+            return wrong(format!("is at {place:?}"));
+        }
+        let way_m = robot.counters().distance_m;
+        // A robot that turns on the spot at times is on its way for a good part of the run all the same.
+        if way_m.partial_cmp(&(SLOWEST_M_S * run_ns as f64 * 1e-9)) != Some(std::cmp::Ordering::Greater) {
+            return wrong(format!("has driven {way_m} m in {} s", run_ns as f64 * 1e-9));
+        }
+        if robot.commands() + 2 < world.tick() / commands_every(spec, step_ns) {
+            return wrong(format!("obeyed {} commands in {} ticks", robot.commands(), world.tick()));
+        }
+        for (sensor, view) in spec.sensors.iter().zip(robot.sensors()) {
+            let expected = run_ns / period_ns(sensor);
+            if view.samples.abs_diff(expected) > 1 || view.missed > 0 {
+                let name = &sensor.name;
+                return wrong(format!("read `{name}` {} times, not {expected}", view.samples));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Ticks between two commands: a robot answers each reading.
+fn commands_every(spec: &RobotSpec, step_ns: u64) -> u64 {
+    spec.sensors.iter().map(|sensor| period_ns(sensor) / step_ns).max().unwrap_or(1).max(1)
+}
+
+fn period_ns(sensor: &baudbot_sim::sensor::Sensor) -> u64 {
+    sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns)
+}
+
+const STEP_S: f64 = 0.01;
+
+/// Slower than this in the mean, something is wrong.
+const SLOWEST_M_S: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{Kind, WORKLOADS};
+
+    /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
+    /// (docs/determinism.md), and for another scenario or driver here; never for speed.
+    const FINGERPRINTS: [(&str, u64); 7] = [
+        ("W1/onboard", 0x152c_5060_4948_4df9),
+        ("W1/ideal", 0x152c_5060_4948_4df9),
+        ("W2", 0x8e6c_0372_fc9c_b3c7),
+        ("W3/10", 0xc3d6_8fd8_a596_fec2),
+        ("W3/100", 0x14b1_4b11_84cd_6433),
+        ("W3/1000", 0xa5f2_6a24_988c_afc5),
+        ("W4", 0x9b33_7a5b_8c9a_724e),
+    ];
+
+    #[test]
+    fn each_workload_is_real_and_the_same_as_ever() {
+        let mut known = FINGERPRINTS.iter();
+        for workload in WORKLOADS {
+            let Kind::InProcess(world) = workload.kind else { continue };
+            let mut rig = world.rig().unwrap();
+            rig.run(world.probe_ticks());
+            check(&rig).unwrap_or_else(|error| panic!("{}: {error}", workload.name));
+            let (name, hash) = known.next().expect("a fingerprint for each");
+            assert_eq!((workload.name, rig.world().hash()), (*name, *hash), "{:x}", rig.world().hash());
+        }
+    }
+
+    #[test]
+    fn workloads_are_what_the_table_says() {
+        let facts = |world: InProcess| {
+            let rig = world.rig().unwrap();
+            let scenario = rig.world().scenario();
+            let spec = &scenario.robots()[0];
+            let rays: usize = spec.sensors.iter().map(|sensor| sensor.device.values()).sum();
+            (scenario.arena().index().segments().len(), scenario.robots().len(), rays, scenario.noise())
+        };
+        assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
+        assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));
+        assert_eq!(facts(InProcess::Office { robots: 1, period_ms: 10 }), (100, 1, LASER_RAYS, true));
+        assert_eq!(facts(InProcess::Office { robots: 100, period_ms: 100 }), (100, 100, LASER_RAYS, true));
+    }
+
+    #[test]
+    fn a_run_in_which_nobody_drives_is_refused() {
+        let rig = InProcess::Infrared { robots: 1, cable: Cable::Onboard }.rig().unwrap();
+        let error = check(&rig).unwrap_err().to_string();
+        assert!(error.starts_with("the run is not what it should be: robot `r0000` has driven"), "{error}");
+    }
+
+    #[test]
+    fn more_threads_than_this_build_has_are_refused() {
+        let world = InProcess::Infrared { robots: 1, cable: Cable::Onboard };
+        let error = world.run(Effort { seconds: 1e-3, repeats: 1 }, 2, |_| {}).err().unwrap();
+        assert!(error.to_string().starts_with("--threads 2: this build steps"), "{error}");
+    }
+}

@@ -1,0 +1,25 @@
+//! How fast worlds are, and the path to their brains: the workloads of `baudbot bench`.
+//!
+//! 1. [`plan`] reads the floor plans in `bench/geometry`, [`scenario`] makes scenarios of them.
+//! 2. [`driver`] steers robots by what they sense, [`rig`] is a world with its drivers in one thread.
+//! 3. `in_process` measures those; `network` measures servers whose brains are in another process.
+//! 4. [`catalogue`] has the workloads by name. [`child`] runs each in a process of its own and says what came of it, an
+//!    [`outcome`].
+//! 5. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
+//!    operating system says.
+
+pub mod calibration;
+pub mod catalogue;
+pub mod child;
+pub mod driver;
+mod in_process;
+pub mod measure;
+mod network;
+pub mod outcome;
+pub mod plan;
+pub mod process;
+pub mod rig;
+pub mod scenario;
+
+pub use in_process::Unfit;
+pub use network::NetworkError;

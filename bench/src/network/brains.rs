@@ -1,0 +1,150 @@
+//! The process with the brains.
+
+use baudbot_client::{Action, Client, Error, Fleet, Robot, Signals, Turn, connect};
+use tokio::runtime::Runtime;
+use tokio::task::JoinSet;
+
+use super::ping::Player;
+use super::server::WORLD;
+use super::{Brains, Found, Streams};
+use crate::driver::by_infrared;
+use crate::measure::{self, Effort};
+use crate::process::{self, Clock};
+
+/// Does what the server's process asks for.
+///
+/// # Errors
+/// Says what went wrong.
+pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -> Result<Found, String> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.map_err(|error| format!("cannot start the runtime: {error}"))?;
+    let mut found = match what {
+        Brains::Lockstep { robots, streams, ping, lookahead, effort } => {
+            // What a brain says for lookahead, it would say here.
+            let _ = lookahead;
+            let crew = runtime.block_on(Crew::attach(address, robots, *streams)).map_err(text)?;
+            let ping = ping.as_deref().map(|address| runtime.block_on(Player::connect(address)));
+            let ping = ping.transpose().map_err(|status| format!("the ping-pong: {}", status.message()))?;
+            lockstep(&runtime, crew, ping, *effort, progress)?
+        }
+        Brains::RealTime { robots, streams } => {
+            runtime.block_on(real_time(address, robots, *streams)).map_err(text)?;
+            Found::default()
+        }
+    };
+    found.usage = Some(process::usage());
+    Ok(found)
+}
+
+/// Repeats of the ping-pong and of the world by turns, so that both see the same machine.
+fn lockstep(
+    runtime: &Runtime,
+    mut crew: Crew,
+    mut ping: Option<Player>,
+    effort: Effort,
+    mut progress: impl FnMut(u32),
+) -> Result<Found, String> {
+    let mut found = Found::default();
+    let once = Effort { repeats: 1, ..effort };
+    for repeat in 1..=effort.repeats {
+        progress(repeat);
+        if let Some(player) = &mut ping {
+            let play = |times| runtime.block_on(player.play(times));
+            found.ping.extend(
+                measure::rate(once, Clock::Wall, |_| {}, play)
+                    .map_err(|status| status.message().to_owned())?,
+            );
+        }
+        let work = |ticks| runtime.block_on(crew.drive(ticks));
+        found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work).map_err(text)?);
+    }
+    Ok(found)
+}
+
+/// Brains that hold their robots.
+enum Crew {
+    Streams(Vec<Robot>),
+    Fleet(Box<Fleet>),
+}
+
+impl Crew {
+    async fn attach(address: &str, robots: &[String], streams: Streams) -> Result<Self, Error> {
+        let first = client(address).await?;
+        if streams == Streams::OneStream {
+            let names: Vec<_> = robots.iter().map(String::as_str).collect();
+            return Ok(Self::Fleet(Box::new(first.attach_many(WORLD, &names).await?)));
+        }
+        let mut held = Vec::new();
+        for (i, robot) in robots.iter().enumerate() {
+            let alone = streams == Streams::Connections && i > 0;
+            let own = if alone { client(address).await? } else { first.clone() };
+            held.push(own.attach(WORLD, robot).await?);
+        }
+        Ok(Self::Streams(held))
+    }
+
+    /// Drives all robots for so many ticks, each in a task of its own, as programs of their own would.
+    async fn drive(&mut self, ticks: u64) -> Result<(), Error> {
+        match self {
+            Self::Fleet(fleet) => drive_fleet(fleet, ticks).await,
+            Self::Streams(robots) => {
+                let mut tasks = JoinSet::new();
+                for mut robot in std::mem::take(robots) {
+                    tasks.spawn(async move { drive(&mut robot, ticks).await.map(|()| robot) });
+                }
+                while let Some(done) = tasks.join_next().await {
+                    robots.push(done.expect("a brain does not panic")?);
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+async fn client(address: &str) -> Result<Client, Error> {
+    Ok(connect(address).await?.brain("bench"))
+}
+
+async fn drive(robot: &mut Robot, ticks: u64) -> Result<(), Error> {
+    for _ in 0..ticks {
+        let Some(turn) = robot.turn().await? else { return Ok(()) };
+        robot.act(step(&turn)).await?;
+    }
+    Ok(())
+}
+
+async fn drive_fleet(fleet: &mut Fleet, ticks: u64) -> Result<(), Error> {
+    for _ in 0..ticks {
+        let Some(turns) = fleet.turns().await? else { return Ok(()) };
+        let actions: Vec<_> = turns.iter().map(|(robot, turn)| (*robot, step(turn))).collect();
+        fleet.act(&actions).await?;
+    }
+    Ok(())
+}
+
+/// A command for each new reading, and nothing for none.
+fn step(turn: &Turn) -> Action {
+    if !turn.has_news() {
+        return Action::wait();
+    }
+    let infrared = turn.readings.iter().flatten().filter_map(|reading| reading.values.first().copied());
+    let [left, right] = by_infrared(infrared);
+    Action { signals: Some(Signals { left, right }), ..Action::wait() }
+}
+
+/// Drives all robots, divided among the streams, each with a connection, until the server ends.
+async fn real_time(address: &str, robots: &[String], streams: usize) -> Result<(), Error> {
+    let mut tasks = JoinSet::new();
+    for names in robots.chunks(robots.len().div_ceil(streams)) {
+        let names: Vec<_> = names.iter().map(String::as_str).collect();
+        let mut fleet = client(address).await?.attach_many(WORLD, &names).await?;
+        tasks.spawn(async move { drive_fleet(&mut fleet, u64::MAX).await });
+    }
+    // However a stream ended: the world is deleted when there is enough of it.
+    while tasks.join_next().await.is_some() {}
+    Ok(())
+}
+
+fn text(error: Error) -> String {
+    error.to_string()
+}

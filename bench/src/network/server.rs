@@ -1,0 +1,91 @@
+//! A server with one world, on a thread of its own, as in `baudbot serve`.
+
+use std::thread::JoinHandle;
+
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_proto::v1::{GetWorldRequest, StartWorldRequest, WorldStatus};
+use baudbot_server::{Server, WorldConfig};
+use tokio::runtime::Handle;
+use tokio::sync::oneshot;
+use tonic::transport::Channel;
+
+use super::{NetworkError, ping};
+
+/// The world's name.
+pub(super) const WORLD: &str = "w";
+
+/// A server that runs.
+pub(super) struct Running {
+    handle: Handle,
+    address: String,
+    operator: ControlServiceClient<Channel>,
+    stop: oneshot::Sender<()>,
+    thread: JoinHandle<()>,
+}
+
+impl Running {
+    /// Starts it on a free port of this machine.
+    pub(super) fn start(world: WorldConfig) -> Result<Self, NetworkError> {
+        let failed = |error: &dyn std::fmt::Display| NetworkError::Server(error.to_string());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|error| failed(&error))?;
+        let handle = runtime.handle().clone();
+        let address = "127.0.0.1:0".parse().map_err(|error| failed(&error))?;
+        let (server, operator) = runtime
+            .block_on(async {
+                let server = Server::builder().world(world).listen(address).serve().await?;
+                let operator =
+                    ControlServiceClient::new(server.channel().await?).max_decoding_message_size(LARGEST);
+                Ok((server, operator))
+            })
+            .map_err(|error: baudbot_server::ServerError| failed(&error))?;
+        let address = server.addresses().first().map(ToString::to_string).unwrap_or_default();
+        let (stop, stopped) = oneshot::channel::<()>();
+        let thread = std::thread::Builder::new().name("server".to_owned()).spawn(move || {
+            runtime.block_on(async {
+                // An error is the other end that is gone: an end as good as any.
+                let _ = stopped.await;
+                server.shutdown().await;
+            });
+        });
+        let thread = thread.map_err(|error| failed(&error))?;
+        Ok(Self { handle, address, operator, stop, thread })
+    }
+
+    /// Where it is.
+    pub(super) fn address(&self) -> String {
+        self.address.clone()
+    }
+
+    /// Serves a ping-pong on the same thread, and says where.
+    pub(super) fn ping(&self) -> Result<String, NetworkError> {
+        let address = self.handle.block_on(ping::serve());
+        Ok(address.map_err(|error| NetworkError::Server(error.to_string()))?.to_string())
+    }
+
+    /// How the world is.
+    pub(super) fn status(&self) -> Result<WorldStatus, NetworkError> {
+        let request = GetWorldRequest { world: WORLD.to_owned() };
+        let response = self.handle.block_on(self.operator.clone().get_world(request));
+        let status =
+            response.map_err(|status| NetworkError::Server(status.message().to_owned()))?.into_inner();
+        Ok(status.status.unwrap_or_default())
+    }
+
+    /// Lets the world go on.
+    pub(super) fn go(&self) -> Result<(), NetworkError> {
+        let request = StartWorldRequest { world: WORLD.to_owned() };
+        let response = self.handle.block_on(self.operator.clone().start_world(request));
+        response.map_err(|status| NetworkError::Server(status.message().to_owned()))?;
+        Ok(())
+    }
+
+    /// Ends it, and waits until it has.
+    pub(super) fn end(self) {
+        let _ = self.stop.send(());
+        let _ = self.thread.join();
+    }
+}
+
+/// A status of a thousand robots is not short.
+const LARGEST: usize = 64 << 20;

@@ -1,0 +1,198 @@
+//! The scenarios of the workloads, written as files would be and read by the parser that reads those.
+
+use std::fmt::Write;
+
+use baudbot_sim::Scenario;
+use baudbot_sim::scenario::ScenarioError;
+
+use crate::plan::{CYLINDER_RADIUS_M, Plan};
+
+/// The floor plans.
+pub mod plans {
+    /// One small robot.
+    pub const IR_1: &str = include_str!("../geometry/ir1.txt");
+    /// Ten of them.
+    pub const IR_10: &str = include_str!("../geometry/ir10.txt");
+    /// A hundred of them.
+    pub const IR_100: &str = include_str!("../geometry/ir100.txt");
+    /// A thousand of them.
+    pub const IR_1000: &str = include_str!("../geometry/ir1000.txt");
+    /// An office of 100 segments with 100 robots.
+    pub const OFFICE: &str = include_str!("../geometry/office.txt");
+}
+
+/// What a robot's brain and its body have between them, as a value of `link` in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cable {
+    /// None: the brain is on board.
+    Onboard,
+    /// One that takes no time.
+    Ideal,
+    /// A serial cable of 9600 baud.
+    Uart9600,
+}
+
+impl Cable {
+    fn toml(self) -> &'static str {
+        match self {
+            Self::Onboard => "{ kind = \"onboard\" }",
+            Self::Ideal => "{ kind = \"ideal\" }",
+            Self::Uart9600 => "{ kind = \"uart\", baud = 9600 }",
+        }
+    }
+}
+
+/// Rays of the laser of [`office`].
+pub const LASER_RAYS: usize = 683;
+
+/// What small robots are, besides their bodies and motors, which are an e-puck's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Infrared {
+    /// To their brains.
+    pub cable: Cable,
+    /// Length of a step, in milliseconds.
+    pub step_ms: f64,
+    /// How many of the eight infra-red sensors they have.
+    pub sensors: usize,
+    /// Whether they have encoders, too.
+    pub encoders: bool,
+}
+
+impl Infrared {
+    /// With all eight sensors, steps of 10 ms, and no encoders.
+    pub fn new(cable: Cable) -> Self {
+        Self { cable, step_ms: 10.0, sensors: SENSORS_M_DEG.len(), encoders: false }
+    }
+
+    /// Such robots where the plan has them.
+    pub fn scenario(&self, plan: &Plan) -> String {
+        let mut toml = head("infrared", self.step_ms);
+        arena(&mut toml, plan);
+        for (i, &start) in plan.robots.iter().enumerate() {
+            robot(&mut toml, i, start, SMALL_BODY);
+            let _ = writeln!(toml, "link = {}", self.cable.toml());
+            self.senses(&mut toml);
+        }
+        toml
+    }
+
+    /// Read and sent in every step, as exact numbers; on a serial cable as often and as short as there is time for.
+    fn senses(&self, toml: &mut String) {
+        let serial = self.cable == Cable::Uart9600;
+        if serial {
+            let _ = writeln!(toml, "firmware = {{ period_ms = {SERIAL_MS} }}");
+        }
+        for (i, [x, y, degrees]) in SENSORS_M_DEG.into_iter().enumerate().take(self.sensors) {
+            let heading = degrees.to_radians();
+            let _ = write!(
+                toml,
+                "[robots.sensors.ir_{i}]\nkind = \"ir\"\n\
+                 mount = {{ x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }}\n\
+                 rays = 3\nopening_rad = {IR_OPENING_RAD}\nrange_m = 0.12\n\
+                 c1_m2 = 2.0e-4\nc2 = 0.0\nsigma = 0.02\n"
+            );
+            if serial {
+                let _ = writeln!(toml, "bits = 8\nperiod_ms = {SERIAL_MS}");
+            }
+        }
+        if self.encoders {
+            *toml += "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 1000\nbits = 16\n";
+        }
+    }
+}
+
+/// The first `robots` robots of a plan, each with a laser that scans every `period_ms`; steps of 10 ms.
+pub fn office(plan: &Plan, robots: usize, period_ms: f64) -> String {
+    let mut toml = head("office", 10.0);
+    arena(&mut toml, plan);
+    for (i, &start) in plan.robots.iter().take(robots).enumerate() {
+        robot(&mut toml, i, start, OFFICE_BODY);
+        // Devices that nobody synchronised: the scans of many robots are spread over their period.
+        let phase_ms = i as f64 * 10.0 % period_ms;
+        let _ = write!(
+            toml,
+            "[robots.sensors.laser]\nkind = \"laser\"\nmount = {{}}\nopening_rad = {LASER_OPENING_RAD}\n\
+             rays = {LASER_RAYS}\nrange_m = 4.0\nperiod_ms = {period_ms}\nphase_ms = {phase_ms}\n\
+             noise = {{ additive = 0.01 }}\n{LASER_WAY}"
+        );
+    }
+    toml
+}
+
+/// What the parser makes of a scenario's text.
+///
+/// # Errors
+/// If it refuses it.
+pub fn parse(toml: &str) -> Result<Scenario, ScenarioError> {
+    Scenario::parse(toml)
+}
+
+fn head(name: &str, step_ms: f64) -> String {
+    format!("name = \"{name}\"\nseed = 1\nstep_ms = {step_ms}\ncollision = \"stop-robot\"\n")
+}
+
+fn arena(toml: &mut String, plan: &Plan) {
+    let mut polygon = |name: &str, i: usize, flags: &str, points: &[[f64; 2]]| {
+        let points = format!("{points:?}");
+        let _ = write!(toml, "[[arena.polygons]]\nname = \"{name}-{i}\"\n{flags}points_m = {points}\n");
+    };
+    for (i, &[x0, y0, x1, y1]) in plan.walls.iter().enumerate() {
+        polygon("wall", i, "solid = false\nclosed = false\n", &[[x0, y0], [x1, y1]]);
+    }
+    for (i, &[x, y, width, height]) in plan.boxes.iter().enumerate() {
+        let (w, h) = (width / 2.0, height / 2.0);
+        polygon("box", i, "", &[[x - w, y - h], [x + w, y - h], [x + w, y + h], [x - w, y + h]]);
+    }
+    for (i, [x, y]) in plan.cylinders.iter().enumerate() {
+        let _ = write!(
+            toml,
+            "[[arena.circles]]\nname = \"cylinder-{i}\"\nx_m = {x:?}\ny_m = {y:?}\n\
+             radius_m = {CYLINDER_RADIUS_M}\n"
+        );
+    }
+}
+
+fn robot(toml: &mut String, i: usize, [x, y, heading]: [f64; 3], body: &str) {
+    let _ = write!(
+        toml,
+        "[[robots]]\nname = \"r{i:04}\"\n\
+         start = {{ x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }}\n{body}"
+    );
+}
+
+/// Time between two readings on a serial cable of 9600 baud: a frame of one value takes some 10 ms.
+const SERIAL_MS: f64 = 20.0;
+
+/// 30°.
+const IR_OPENING_RAD: f64 = std::f64::consts::PI / 6.0;
+
+/// 240°, and so many rays that two neighbours are 0.352° apart.
+const LASER_OPENING_RAD: f64 = 240.0 * std::f64::consts::PI / 180.0;
+
+/// How a scan comes to the brain. A sensor on the robot's own link has at most 255 values; once a brain on board gets
+/// more than that, this becomes `[robots.link]\nkind = "onboard"\n`.
+const LASER_WAY: &str = "port = { link = { kind = \"ideal\" } }\n";
+
+/// Places on the body and bearings of the small robot's sensors, as on an e-puck.
+const SENSORS_M_DEG: [[f64; 3]; 8] = [
+    [0.0335, -0.0105, -18.0],
+    [0.023, -0.026, -45.0],
+    [0.0, -0.033, -90.0],
+    [-0.030, -0.018, -142.0],
+    [-0.030, 0.018, 142.0],
+    [0.0, 0.033, 90.0],
+    [0.023, 0.026, 45.0],
+    [0.0335, 0.0105, 18.0],
+];
+
+/// The e-puck's of `sim/presets/e-puck.toml`, with its stepper motors: the wheels have the speeds that are commanded.
+const SMALL_BODY: &str = "\
+body = { radius_m = 0.035, mass_kg = 0.15, inertia_kg_m2 = 9.2e-5, wheel_radius_m = 0.0205, half_track_m = 0.0265 }
+motors = { preset = \"e-puck-stepper\" }
+";
+
+/// A disc of 0.3 m with steppers: up to 0.5 m/s.
+const OFFICE_BODY: &str = "\
+body = { radius_m = 0.15, mass_kg = 3.0, inertia_kg_m2 = 0.034, wheel_radius_m = 0.05, half_track_m = 0.13 }
+motors = { kind = \"stepper\", steps_per_turn = 1000, full_rate_steps_s = 1591.5, max_acceleration_steps_s2 = 6000 }
+";

@@ -1,0 +1,107 @@
+//! What was measured, for people.
+
+use baudbot_bench::catalogue::{Anchor, Workload};
+use baudbot_bench::outcome::{Beside, Outcome};
+
+use crate::text;
+
+/// The workloads and what they are.
+pub(super) fn list(workloads: &[&Workload]) -> String {
+    let rows: Vec<_> =
+        workloads.iter().map(|workload| (workload.name, workload.summary.to_owned())).collect();
+    text::pairs("", &rows)
+}
+
+/// A row a workload, then what other simulators did, then what else there is to say.
+pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
+    let head = ["workload", "median", "min", "max", "unit", "peak memory", "per 10^6 rounds"];
+    let mut rows = vec![head.map(str::to_owned)];
+    rows.extend(measured.iter().map(|(_, outcome)| row(outcome)));
+    let mut text = text::table("", &rows);
+    let others: Vec<_> = measured.iter().flat_map(|(workload, outcome)| others(workload, outcome)).collect();
+    if !others.is_empty() {
+        text += "\nin comparison; other simulators on a quiet core (docs/performance.md)\n";
+        text += &text::table("  ", &others);
+    }
+    let hashes: Vec<_> = measured.iter().filter_map(|(_, outcome)| hash(outcome)).collect();
+    if !hashes.is_empty() {
+        text += "\nfingerprints, the same on every machine\n";
+        text += &text::table("  ", &hashes);
+    }
+    for (_, outcome) in measured {
+        for note in &outcome.notes {
+            text += &format!("\n{}: {note}", outcome.workload);
+        }
+    }
+    text.trim_end().to_owned() + "\n"
+}
+
+fn row(outcome: &Outcome) -> [String; 7] {
+    let [least, greatest] = outcome.spread();
+    let memory = outcome.peak_memory_bytes.map(|bytes| format!("{:.1} MB", bytes as f64 / 1e6));
+    [
+        outcome.workload.clone(),
+        figure(outcome.median()),
+        figure(least),
+        figure(greatest),
+        outcome.unit.clone(),
+        memory.unwrap_or_else(|| text::NOTHING.to_owned()),
+        figure(outcome.median_per_million_rounds()),
+    ]
+}
+
+fn others(workload: &Workload, outcome: &Outcome) -> Vec<[String; 4]> {
+    let row = |anchor: &Anchor| {
+        let ratio = format!("{} ×", figure(outcome.median() / anchor.value));
+        [workload.name.to_owned(), anchor.name.to_owned(), figure(anchor.value), ratio]
+    };
+    let beside = |beside: &Beside| {
+        let ratio = format!("{} ×", figure(beside.median_ratio(outcome)));
+        [workload.name.to_owned(), format!("{}, here", beside.what), figure(beside.median()), ratio]
+    };
+    workload.anchors.iter().map(row).chain(outcome.beside.iter().map(beside)).collect()
+}
+
+fn hash(outcome: &Outcome) -> Option<[String; 3]> {
+    let ticks = outcome.hash_ticks?;
+    Some([outcome.workload.clone(), outcome.hash.clone()?, format!("after {ticks} ticks")])
+}
+
+/// A number with four digits that count, thousands apart.
+fn figure(number: f64) -> String {
+    if !number.is_finite() {
+        return text::NOTHING.to_owned();
+    }
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let place = number.abs().log10().floor() as i32;
+    if place >= 3 {
+        let unit = 10_f64.powi(place - 3);
+        return thousands((number / unit).round() * unit);
+    }
+    format!("{number:.*}", (3 - place).clamp(0, 9) as usize)
+}
+
+fn thousands(number: f64) -> String {
+    let digits = format!("{:.0}", number.abs());
+    let mut text = if number < 0.0 { "-".to_owned() } else { String::new() };
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_have_the_digits_that_count() {
+        let found = [0.0, 0.004_521_7, 12.346, 739.96, 1439.9, 143_987.2, 38_512_345.0, f64::NAN].map(figure);
+        assert_eq!(found, ["0", "0.004522", "12.35", "740.0", "1,440", "144,000", "38,510,000", "—"]);
+    }
+}

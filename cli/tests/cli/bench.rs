@@ -1,0 +1,75 @@
+//! `baudbot bench`. How fast anything is, no test asks.
+
+use serde_json::Value;
+
+use super::{baudbot, good};
+
+/// The shortest measurement.
+fn bench(args: &[&str]) -> (i32, String, String) {
+    let args: Vec<_> =
+        ["bench", "--seconds", "0.001", "--repeats", "2"].iter().chain(args).copied().collect();
+    baudbot(&args)
+}
+
+#[test]
+fn a_workload_is_measured_in_a_process_of_its_own_and_told_as_json() {
+    let (code, out, err) = bench(&["W1", "--json", "-"]);
+    assert_eq!(code, 0, "{err}");
+    let all: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(all["debug_build"], cfg!(debug_assertions));
+    assert_eq!(err.contains("this is a debug build"), cfg!(debug_assertions), "{err}");
+    let names: Vec<_> = all["workloads"].as_array().unwrap().iter().map(|w| &w["workload"]).collect();
+    assert_eq!(names, ["W1/onboard", "W1/ideal"]);
+    let [onboard, ideal] = [0, 1].map(|i| &all["workloads"][i]);
+    assert_eq!(onboard["samples"].as_array().unwrap().len(), 2);
+    assert!(onboard["median"].as_f64().unwrap() > 0.0, "{out}");
+    assert_eq!(onboard["state_hash"], ideal["state_hash"], "a cable that takes no time is as none");
+    assert!(onboard["others"].as_array().unwrap().iter().any(|other| other["name"] == "Enki"), "{out}");
+}
+
+#[test]
+fn brains_in_another_process_drive_in_lockstep() {
+    let (code, out, err) = bench(&["N1", "N3/fleet", "--csv", "-"]);
+    assert_eq!(code, 0, "{err}");
+    let names: Vec<_> = out.lines().map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(names, ["workload", "N1", "N3/fleet"], "{out}");
+}
+
+#[test]
+fn a_table_has_a_row_a_workload_and_what_others_did() {
+    let (code, out, err) = bench(&["W3/10"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.starts_with("workload "), "{out}");
+    assert!(out.contains("\nW3/10 ") && out.contains("robot-steps/s") && out.contains("Stage"), "{out}");
+}
+
+#[test]
+fn the_workloads_are_listed() {
+    let (code, out, _) = baudbot(&["bench", "W3", "--list"]);
+    assert_eq!((code, out.lines().count()), (0, 3), "{out}");
+}
+
+#[test]
+fn a_number_of_ticks_gives_a_fingerprint_and_no_figure() {
+    let out = good(&["bench", "W1", "--ticks", "100"]);
+    let hashes: Vec<_> = out.lines().map(|line| line.split_whitespace().nth(1).unwrap()).collect();
+    assert!(hashes.len() == 2 && hashes[0] == hashes[1] && hashes[0].len() == 16, "{out}");
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused() {
+    let refused = |args: &[&str], text: &str| {
+        let (code, _, err) = baudbot(args);
+        assert_eq!(code, 2, "{args:?}: {err}");
+        assert!(err.contains(text), "{args:?}: {err}");
+    };
+    refused(&["bench", "W9"], "error: no workload `W9`; there are: W1/onboard, W1/ideal,");
+    refused(&["bench", "--seconds", "0"], "must be above 0 and at most 3600, is 0");
+    refused(&["bench", "N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
+    refused(&["bench", "--repeats", "0"], "0 is not in 1..=1000");
+    let (code, _, err) = bench(&["W1", "--threads", "2"]);
+    assert!(
+        code == 1 && err.contains("error: W1/onboard: --threads 2: this build steps a world in one thread"),
+        "{err}"
+    );
+}
