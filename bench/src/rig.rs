@@ -1,4 +1,4 @@
-//! A world and what steers its robots, in one thread, as fast as it goes.
+//! A world and what steers its robots, in one process, as fast as it goes.
 
 use std::ops::Range;
 
@@ -15,6 +15,8 @@ pub struct Rig {
     /// The bytes of all commands of a tick, one after the other, and whose they are and when they are sent.
     bytes: Vec<u8>,
     commands: Vec<(usize, SimTime, Range<usize>)>,
+    /// The threads that the world steps its robots in, if there are several.
+    threads: Option<rayon::ThreadPool>,
 }
 
 impl Rig {
@@ -23,7 +25,7 @@ impl Rig {
         let drivers = scenario.robots().iter().map(Driver::for_robot).collect();
         let mut world = World::new(scenario.into());
         world.keep_timeline(0);
-        Self { world, drivers, sequence: 0, bytes: Vec::new(), commands: Vec::new() }
+        Self { world, drivers, sequence: 0, bytes: Vec::new(), commands: Vec::new(), threads: None }
     }
 
     /// The world.
@@ -34,16 +36,23 @@ impl Rig {
     /// Steps the robots in so many threads from now on.
     ///
     /// # Errors
-    /// If this build cannot.
+    /// If there cannot be as many.
     pub fn set_threads(&mut self, threads: usize) -> Result<(), NoThreads> {
-        // The seam for `baudbot-sim` with its feature `rayon`: one call, which the bits of no result depend on.
-        if threads == 1 { Ok(()) } else { Err(NoThreads(threads)) }
+        let pool = || rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let no_threads = |error: rayon::ThreadPoolBuildError| NoThreads(threads, error.to_string());
+        self.threads = if threads > 1 { Some(pool().map_err(no_threads)?) } else { None };
+        self.world.set_parallel(threads > 1);
+        Ok(())
     }
 
     /// So many ticks.
     pub fn run(&mut self, ticks: u64) {
-        for _ in 0..ticks {
-            self.tick();
+        match self.threads.take() {
+            Some(threads) => {
+                threads.install(|| (0..ticks).for_each(|_| self.tick()));
+                self.threads = Some(threads);
+            }
+            None => (0..ticks).for_each(|_| self.tick()),
         }
     }
 
@@ -80,7 +89,7 @@ impl Rig {
     }
 }
 
-/// There is one thread for a world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("--threads {0}: this build steps a world in one thread; leave --threads out")]
-pub struct NoThreads(usize);
+/// So many threads cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--threads {0}: {1}")]
+pub struct NoThreads(usize, String);

@@ -112,7 +112,7 @@ pub fn office(plan: &Plan, robots: usize, period_ms: f64) -> String {
         let _ = write!(
             toml,
             "[robots.sensors.laser]\nkind = \"laser\"\nmount = {{}}\nopening_rad = {LASER_OPENING_RAD}\n\
-             rays = {LASER_RAYS}\nrange_m = 4.0\nperiod_ms = {period_ms}\nphase_ms = {phase_ms}\n\
+             rays = {LASER_RAYS}\nrange_m = 4.0\nsweep_ms = 0.0\nperiod_ms = {period_ms}\nphase_ms = {phase_ms}\n\
              noise = {{ additive = 0.01 }}\n{LASER_WAY}"
         );
     }
@@ -169,9 +169,9 @@ const IR_OPENING_RAD: f64 = std::f64::consts::PI / 6.0;
 /// 240°, and so many rays that two neighbours are 0.352° apart.
 const LASER_OPENING_RAD: f64 = 240.0 * std::f64::consts::PI / 180.0;
 
-/// How a scan comes to the brain. A sensor on the robot's own link has at most 255 values; once a brain on board gets
-/// more than that, this becomes `[robots.link]\nkind = "onboard"\n`.
-const LASER_WAY: &str = "port = { link = { kind = \"ideal\" } }\n";
+/// How a scan comes to the brain: as in the simulators compared, which hand a controller in their own process the
+/// distances, without a cable.
+const LASER_WAY: &str = "[robots.link]\nkind = \"onboard\"\n";
 
 /// Places on the body and bearings of the small robot's sensors, as on an e-puck.
 const SENSORS_M_DEG: [[f64; 3]; 8] = [

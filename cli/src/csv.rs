@@ -121,7 +121,7 @@ fn header(sensors: &[String], state: &[String]) -> String {
 /// The last samples of all of a robot's sensors, NaN before the first.
 fn collect(robot: &RobotView<'_>, values: &mut Vec<f64>) {
     values.clear();
-    for (sensor, spec) in robot.sensors().zip(&robot.spec().sensors) {
+    for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
         let missing = spec.encodings.len() - sensor.sample.len();
         values.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
     }

@@ -326,7 +326,7 @@ impl Robot {
             sensors: status
                 .sensors
                 .iter()
-                .zip(&spec.sensors)
+                .zip(spec.sensors.iter())
                 .map(|(status, spec)| Sensor::new(status, spec, simulated_s))
                 .collect(),
         }

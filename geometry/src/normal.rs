@@ -4,6 +4,8 @@
 //! these are turned into choices between numbers, so that a compiler can make vectors of the loop: that is worth it for
 //! a scan of hundreds of rays, each of which has its noise.
 
+#![expect(clippy::excessive_precision, reason = "the digits are those of the functions' source")]
+
 use core::f64::consts::TAU;
 
 use crate::math;
@@ -141,6 +143,7 @@ fn sin_near_0(x: f64, y: f64) -> f64 {
 mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
+    use core::f64::consts::FRAC_1_SQRT_2;
 
     use super::*;
 
@@ -185,7 +188,10 @@ mod tests {
         assert_alike(&us, &vs);
         // Powers of two, and where the logarithm's argument is halved.
         let us: Vec<_> = (1..=53)
-            .flat_map(|i| [1.0, 0.707_106_781, 0.707_106_782, 1.5].map(|f| 1.0 - f / (1_u64 << i) as f64))
+            .flat_map(|i| {
+                [1.0, FRAC_1_SQRT_2 * (1.0 - 1e-7), FRAC_1_SQRT_2 * (1.0 + 1e-7), 1.5]
+                    .map(|f| 1.0 - f / (1_u64 << i) as f64)
+            })
             .collect();
         assert_alike(&us, &vs[..us.len()]);
     }

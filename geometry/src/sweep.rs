@@ -224,7 +224,7 @@ fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &
     match *shape {
         // Vectors do not pay: most rays miss, which is soon found out.
         Relative::Segment(a, b) if distances.len() <= FEW_RAYS => {
-            meet_one_by_one(a, b, directions, range, distances)
+            meet_one_by_one(a, b, directions, range, distances);
         }
         Relative::Segment(a, b) => meet_segment(a, b, directions, range, distances),
         Relative::Circle(center, radius) => meet_circle(center, radius, directions, range, distances),

@@ -8,7 +8,7 @@ use baudbot_sim::robot::RobotSpec;
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
 pub fn sensor_columns(spec: &RobotSpec) -> Vec<String> {
     let mut columns = Vec::new();
-    for sensor in &spec.sensors {
+    for sensor in spec.sensors.iter() {
         for component in sensor.device.components() {
             let column = match component.name {
                 "" => sensor.name.clone(),

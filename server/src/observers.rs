@@ -75,7 +75,7 @@ fn thing(view: ThingView<'_>) -> Thing {
 
 fn truth(world: &World, index: usize, robot: &RobotView<'_>) -> Truth {
     let mut samples = Vec::new();
-    for (sensor, spec) in robot.sensors().zip(&robot.spec().sensors) {
+    for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
         let missing = spec.encodings.len() - sensor.sample.len();
         samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
     }

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Thing};
 use crate::movable::{Body, Form};
+use crate::parallel;
 
 /// What a collision does, the same for all robots of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -142,19 +143,26 @@ impl Step<'_> {
     ///
     /// All robots are judged by the same picture in each round, so their order does not matter; each round
     /// stops more of them or is the last.
-    pub(crate) fn hold_back(&mut self, held: &mut Vec<Option<Met>>, found: &mut Vec<(usize, Met)>) {
+    pub(crate) fn hold_back(
+        &mut self,
+        held: &mut Vec<Option<Met>>,
+        found: &mut Vec<Option<Met>>,
+        is_parallel: bool,
+    ) {
         held.clear();
         held.resize(self.after.len(), None);
+        found.resize(self.after.len(), None);
         loop {
-            found.clear();
-            let free = (0..self.after.len()).filter(|&i| held[i].is_none());
-            found.extend(free.filter_map(|i| self.partner(i).map(|met| (i, met))));
-            if found.is_empty() {
+            let step = &*self;
+            parallel::each(is_parallel, held, found, |own, held, found| {
+                *found = if held.is_none() { step.partner(own) } else { None };
+            });
+            if found.iter().all(Option::is_none) {
                 return;
             }
-            for &(i, met) in found.iter() {
-                self.after[i] = self.before[i];
-                held[i] = Some(met);
+            for (own, met) in found.iter().enumerate().filter(|(_, met)| met.is_some()) {
+                self.after[own] = self.before[own];
+                held[own] = *met;
             }
         }
     }
@@ -192,7 +200,7 @@ mod tests {
 
     fn held(forms: &[Form<'_>], before: &[Pose], after: &mut [Pose]) -> Vec<Option<Met>> {
         let (mut held, mut found) = (Vec::new(), Vec::new());
-        look(&empty(), forms, before, after, |mut step| step.hold_back(&mut held, &mut found));
+        look(&empty(), forms, before, after, |mut step| step.hold_back(&mut held, &mut found, false));
         held
     }
 

@@ -57,8 +57,12 @@ pub(crate) struct Fields {
 }
 
 impl Firmware {
-    /// A firmware that sends `sensors`' components and takes signals for two motors and the other actuators.
+    /// A firmware that sends `sensors`' components and takes signals for two motors and the other actuators. Those of a
+    /// sensor with more components than a message can count, 255, are in none: a brain on board gets them without.
     pub fn new(protocol: Protocol, mode: Mode, sensors: &[&[Encoding]], motors: Vec<Encoding>) -> Self {
+        let counted =
+            |sensor: &&[Encoding]| if sensor.len() > usize::from(u8::MAX) { 0 } else { sensor.len() };
+        let sensors: Vec<_> = sensors.iter().map(|sensor| &sensor[..counted(sensor)]).collect();
         let fields = Fields {
             components: sensors.concat(),
             counts: sensors.iter().map(|components| components.len() as u8).collect(),

@@ -47,6 +47,7 @@ pub mod microcontroller;
 pub mod motor;
 pub mod movable;
 pub mod mover;
+mod parallel;
 pub mod port;
 pub mod presets;
 pub mod random;

@@ -190,7 +190,14 @@ impl Microcontroller {
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
-    pub(crate) fn send_readings(&mut self, spec: &RobotSpec, now: SimTime, uplink: &mut Line) -> Sent {
+    /// `sampled` is memory for what is to be known of the message, used before.
+    pub(crate) fn send_readings(
+        &mut self,
+        spec: &RobotSpec,
+        now: SimTime,
+        uplink: &mut Line,
+        sampled: Vec<(usize, SimTime)>,
+    ) -> Sent {
         self.serve_frame(spec, now);
         let mut bytes = [0; frame::MAX_FRAME];
         let cost = if spec.is_onboard() { 0 } else { spec.processor.framing_ns_per_byte };
@@ -207,7 +214,7 @@ impl Microcontroller {
             }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
         };
-        let tag = if tells { self.note_told(&spec.firmware, now) } else { Tag::default() };
+        let tag = if tells { self.note_told(&spec.firmware, now, sampled) } else { Tag::default() };
         let cycle = tag.cycle;
         let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
         self.free_at = closed.max(uplink.drained(&spec.link));
@@ -223,10 +230,11 @@ impl Microcontroller {
     }
 
     /// The readings are in a message that was begun at `now`.
-    fn note_told(&mut self, firmware: &Firmware, now: SimTime) -> Tag {
+    fn note_told(&mut self, firmware: &Firmware, now: SimTime, mut sampled: Vec<(usize, SimTime)>) -> Tag {
         // Messages without a mask repeat what is not fresh.
         let repeats = matches!(firmware.protocol, Protocol::Bare { .. } | Protocol::Khepera);
-        let (mut sampled, mut reading_ns) = (Vec::new(), 0);
+        let mut reading_ns = 0;
+        sampled.clear();
         for (i, channel) in self.channels.iter_mut().enumerate().take(firmware.layout().counts.len()) {
             let fresh = core::mem::take(&mut channel.fresh);
             reading_ns += if fresh { channel.took_ns } else { 0 };

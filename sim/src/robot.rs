@@ -9,6 +9,7 @@ mod recorder;
 
 use alloc::format;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Point, Pose};
@@ -60,7 +61,8 @@ pub struct RobotSpec {
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a cable of their own.
-    pub sensors: Vec<Sensor>,
+    /// Robots whose sensors are alike share them: a crowd of them needs little memory, and little of it is looked at.
+    pub sensors: Arc<[Sensor]>,
     /// How far those of them look that see what is near.
     pub(crate) reach: Option<Reach>,
     /// The sensors that measure at their own pace, by their places.
@@ -160,6 +162,9 @@ pub(crate) struct Robot {
     pub(crate) cycles: Cycles,
     #[serde(skip)]
     pub(crate) recorder: Recorder,
+    /// Memory of a message that is over, for the next one.
+    #[serde(skip)]
+    spare: Vec<(usize, SimTime)>,
 }
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
@@ -209,6 +214,7 @@ impl Robot {
             counters: RobotCounters::default(),
             cycles: Cycles::default(),
             recorder: Recorder::default(),
+            spare: Vec::new(),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::collision::Collision;
 use crate::hash;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
+use crate::parallel;
 use crate::referee::Score;
 use crate::robot::{Moment, Recorder, Robot};
 use crate::scenario::Scenario;
@@ -51,6 +52,7 @@ pub struct World {
     /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Frozen>,
     spare: Spare,
+    is_parallel: bool,
 }
 
 /// Memory that ticks use again and again. A clone begins with none.
@@ -58,6 +60,8 @@ pub struct World {
 struct Spare {
     frozen: Frozen,
     lists: Lists,
+    /// When each robot's brain steps in the tick, if it does.
+    steps: Vec<Option<SimTime>>,
 }
 
 impl Clone for Spare {
@@ -159,7 +163,7 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        let mut world = Self { scenario, state, seen: None, spare: Spare::default() };
+        let mut world = Self { scenario, state, seen: None, spare: Spare::default(), is_parallel: false };
         world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
         world
     }
@@ -170,6 +174,13 @@ impl World {
         for robot in &mut self.state.robots {
             robot.recorder = Recorder::new(events, robot.lost());
         }
+    }
+
+    /// Whether ticks of many robots use all threads of the rayon pool that they are called in. Makes no difference to
+    /// any bit.
+    #[cfg(feature = "rayon")]
+    pub fn set_parallel(&mut self, is_parallel: bool) {
+        self.is_parallel = is_parallel;
     }
 
     /// First half of a tick: the scene is frozen, sensors that are due sample it, the microcontrollers read
@@ -183,45 +194,22 @@ impl World {
             self.state.turns.clear();
             let mut frozen = core::mem::take(&mut self.spare.frozen);
             self.freeze(&mut frozen);
-            for own in 0..self.state.robots.len() {
-                self.listen(own, &frozen);
-            }
+            let mut steps = core::mem::take(&mut self.spare.steps);
+            steps.clear();
+            steps.resize(self.state.robots.len(), None);
+            let (now, end, ended) = (self.time(), self.tick_end(), self.state.ending.is_some());
+            let scenario = &*self.scenario;
+            parallel::each(self.is_parallel, &mut self.state.robots, &mut steps, |own, robot, step| {
+                let scene = scenario.scene(&frozen, own);
+                let moment = Moment { scene: &scene, noise: scenario.noise, start: now, end };
+                *step = robot.listen(&scenario.robots()[own], &moment, ended);
+            });
+            let turns = steps.iter().enumerate().filter_map(|(robot, at)| Some(Turn { robot, at: (*at)? }));
+            self.state.turns.extend(turns);
+            self.spare.steps = steps;
             self.seen = Some(frozen);
         }
         &self.state.turns
-    }
-
-    /// Runs one robot's cable up to its brain's step.
-    fn listen(&mut self, own: usize, frozen: &Frozen) {
-        let (now, end) = (self.time(), self.tick_end());
-        let ended = self.state.ending.is_some();
-        let robot = &mut self.state.robots[own];
-        let spec = &self.scenario.robots()[own];
-        let scene = self.scenario.scene(frozen, own);
-        let moment = Moment { scene: &scene, noise: self.scenario.noise, start: now, end };
-        robot.note_faults(spec, now, end);
-        let mut earliest = robot.laptop.busy_until.max(now);
-        if ended {
-            robot.advance(spec, &moment, now + 1, None);
-            return;
-        }
-        // The brain steps when a message has come, in the first stretch of time in which it does not stall.
-        let step = loop {
-            earliest = spec.awake_from(earliest, end);
-            if earliest >= end {
-                robot.advance(spec, &moment, now + 1, None);
-                return;
-            }
-            let stall = spec.stalls().filter_map(|when| when.begins_within(earliest, end + 1)).min();
-            let until = stall.map_or(end, |(from, _)| from);
-            match (robot.advance(spec, &moment, until.min(end), Some(earliest)), stall) {
-                (Some(at), _) => break at,
-                (None, None) => break end,
-                (None, Some((_, until))) => earliest = until,
-            }
-        };
-        robot.counters.turns += 1;
-        self.state.turns.push(Turn { robot: own, at: step });
     }
 
     /// Second half of a tick: what the brains wrote travels the links, the microcontrollers obey what has
@@ -235,12 +223,15 @@ impl World {
         self.write(inputs);
         let frozen = self.seen.take().unwrap_or_else(|| self.frozen());
         let (start, end) = (self.time(), self.tick_end());
-        for (own, robot) in self.state.robots.iter_mut().enumerate() {
-            let scene = self.scenario.scene(&frozen, own);
-            let moment = Moment { scene: &scene, noise: self.scenario.noise, start, end };
-            robot.advance(&self.scenario.robots()[own], &moment, end, None);
+        let scenario = &*self.scenario;
+        let steps = &mut self.spare.steps;
+        steps.resize(self.state.robots.len(), None);
+        parallel::each(self.is_parallel, &mut self.state.robots, steps, |own, robot, _| {
+            let scene = scenario.scene(&frozen, own);
+            let moment = Moment { scene: &scene, noise: scenario.noise, start, end };
+            robot.advance(&scenario.robots()[own], &moment, end, None);
             robot.look_for_losses(end);
-        }
+        });
         self.spare.frozen = frozen;
         self.move_all();
         self.state.tick += 1;

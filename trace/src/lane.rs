@@ -54,7 +54,7 @@ impl Lane {
 
     /// Those that a robot has whatever happens, in their order.
     pub fn all(robot: &RobotSpec) -> Vec<Self> {
-        let places = (0..=u16::MAX).zip(&robot.sensors);
+        let places = (0..=u16::MAX).zip(robot.sensors.iter());
         let sensors = places.clone().map(|(i, _)| Self::Sensor(i));
         let ports = places.filter(|(_, sensor)| sensor.port.is_some()).map(|(i, _)| Self::Port(i));
         let is_adapted = match &robot.link {

@@ -108,7 +108,8 @@ fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
     let arena = scenario.arena();
     let low = arena.polygons().iter().map(|polygon| &polygon.look);
     let mut looks = low.chain(arena.pillars().iter().map(|pillar| &pillar.look));
-    let mut devices = scenario.robots().iter().flat_map(|robot| &robot.sensors).map(|sensor| &sensor.device);
+    let mut devices =
+        scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device);
     let turrets = scenario.robots().iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
     let line = |data: &str| drawn(data).set("fill", "none").set("stroke-width", "1.6");
     let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", "#8a93a3");

@@ -70,7 +70,7 @@ pub(super) fn label_sensors(labels: &mut Labels, view: &View, onlooker: &Onlooke
     let robot = (kind.first, kind.robot);
     let middle = view.at(kind.robot.start.pose.position);
     let rim = view.length(kind.robot.drive.radius_m);
-    for sensor in &kind.robot.sensors {
+    for sensor in kind.robot.sensors.iter() {
         let Some(place) = senses::place(view, onlooker, robot, sensor) else { continue };
         let color = text_hue(&sensor.device);
         let style = Style { size: 10.5, color: &color, bold: false };

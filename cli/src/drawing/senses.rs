@@ -14,7 +14,7 @@ use crate::text::{count, duration};
 
 /// What a robot's sensors look at, to be drawn below the robots.
 pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
-    for sensor in &robot.1.sensors {
+    for sensor in robot.1.sensors.iter() {
         let Some(mount) = sensor.device.mount() else { continue };
         let color = hue(&sensor.device);
         let mut group = Canvas::default();
@@ -69,7 +69,7 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
     let spec = robot.1;
     let radius = view.length(spec.drive.radius_m);
     let dot = (0.06 * radius).clamp(1.2, 4.5);
-    for sensor in &spec.sensors {
+    for sensor in spec.sensors.iter() {
         let color = hue(&sensor.device);
         let Some(place) = place(view, onlooker, robot, sensor) else { continue };
         canvas.open(Element::group().set("fill", color).set("stroke", color).titled(&title(spec, sensor)));

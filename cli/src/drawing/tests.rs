@@ -31,7 +31,7 @@ fn everything_is_in_the_picture_by_name() {
     let scenario = Scenario::parse(EVERYTHING).unwrap();
     for robot in scenario.robots() {
         assert!(texts.contains(&format!("robot {}", robot.name)), "{}", robot.name);
-        for sensor in &robot.sensors {
+        for sensor in robot.sensors.iter() {
             assert!(texts.contains(&format!("{}.{}: ", robot.name, sensor.name)), "{}", sensor.name);
         }
         for actuator in &robot.actuators {
@@ -53,7 +53,7 @@ fn everything_is_in_the_picture_by_name() {
 #[test]
 fn every_kind_of_sensor_is_tried_here() {
     let scenario = Scenario::parse(EVERYTHING).unwrap();
-    let sensors = scenario.robots().iter().flat_map(|robot| &robot.sensors);
+    let sensors = scenario.robots().iter().flat_map(|robot| robot.sensors.iter());
     let kinds: BTreeSet<_> = sensors.map(|sensor| sensor.device.kind()).collect();
     // All that there are but `steps`, which needs motors of its own.
     assert_eq!(kinds.len(), 19, "{kinds:?}");

@@ -67,9 +67,4 @@ fn what_cannot_be_measured_is_refused() {
     refused(&["bench", "--seconds", "0"], "must be above 0 and at most 3600, is 0");
     refused(&["bench", "N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
     refused(&["bench", "--repeats", "0"], "0 is not in 1..=1000");
-    let (code, _, err) = bench(&["W1", "--threads", "2"]);
-    assert!(
-        code == 1 && err.contains("error: W1/onboard: --threads 2: this build steps a world in one thread"),
-        "{err}"
-    );
 }

@@ -83,7 +83,7 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
         downlink: Some(line_status(robot.downlink())),
         sensors: robot
             .sensors()
-            .zip(&robot.spec().sensors)
+            .zip(robot.spec().sensors.iter())
             .enumerate()
             .map(|(i, (view, spec))| sensor_status(&view, spec, robot.port(i)))
             .collect(),

@@ -1,5 +1,6 @@
 //! A robot with a change.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
@@ -24,8 +25,9 @@ impl Robot {
             }),
             Change::Baud(baud) => set_baud(&mut spec.link, baud),
             Change::PortBauds(baud) => {
+                let sensors = Arc::make_mut(&mut spec.sensors);
                 let slow = self.slow_ports().into_iter();
-                slow.for_each(|(i, _)| set_port_baud(&mut spec.sensors[i], baud));
+                slow.for_each(|(i, _)| set_port_baud(&mut sensors[i], baud));
             }
             Change::NoAges => set_firmware(spec, Protocol::Framed { ages: false }, spec.firmware.mode),
             Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
@@ -119,7 +121,7 @@ fn new_schedule(firmware: &Firmware, period_ns: u64) -> Schedule {
 }
 
 fn fewer_bits(spec: &mut RobotSpec) {
-    for sensor in spec.sensors.iter_mut().filter(|sensor| has_many_bits(sensor)) {
+    for sensor in Arc::make_mut(&mut spec.sensors).iter_mut().filter(|sensor| has_many_bits(sensor)) {
         sensor.encodings.fill(Encoding::Level { bits: 8, min: 0.0, max: 1.0 });
     }
     let mut motors = spec.firmware.layout().motors.to_vec();
@@ -132,7 +134,8 @@ fn fewer_bits(spec: &mut RobotSpec) {
 }
 
 fn drop_sensor(spec: &mut RobotSpec, i: usize) {
-    spec.sensors.remove(i);
+    let rest = spec.sensors.iter().enumerate().filter(|(other, _)| *other != i);
+    spec.sensors = rest.map(|(_, sensor)| sensor.clone()).collect();
     let places = |wanted: fn(&Sensor) -> bool| {
         spec.sensors.iter().enumerate().filter(|(_, s)| wanted(s)).map(|(i, _)| i).collect::<Vec<_>>()
     };

@@ -27,6 +27,35 @@ impl Robot {
         }
     }
 
+    /// Runs the cable from the start of the tick up to the brain's step, and says when that is. In a run that has
+    /// `ended` the sensors are read a last time, and no brain steps.
+    pub(crate) fn listen(&mut self, spec: &RobotSpec, moment: &Moment<'_>, ended: bool) -> Option<SimTime> {
+        let (now, end) = (moment.start, moment.end);
+        self.note_faults(spec, now, end);
+        let mut earliest = self.laptop.busy_until.max(now);
+        if ended {
+            self.advance(spec, moment, now + 1, None);
+            return None;
+        }
+        // The brain steps when a message has come, in the first stretch of time in which it does not stall.
+        let step = loop {
+            earliest = spec.awake_from(earliest, end);
+            if earliest >= end {
+                self.advance(spec, moment, now + 1, None);
+                return None;
+            }
+            let stall = spec.stalls().filter_map(|when| when.begins_within(earliest, end + 1)).min();
+            let until = stall.map_or(end, |(from, _)| from);
+            match (self.advance(spec, moment, until.min(end), Some(earliest)), stall) {
+                (Some(at), _) => break at,
+                (None, None) => break end,
+                (None, Some((_, until))) => earliest = until,
+            }
+        };
+        self.counters.turns += 1;
+        Some(step)
+    }
+
     /// Runs the timeline of microcontroller and link through all that happens before `until`. With
     /// `earliest`, stops when the brain can step, which is when a message has arrived and `earliest` is
     /// reached, and says when that is; what happens at that very instant has then happened.
@@ -137,7 +166,8 @@ impl Robot {
 
     fn send_message(&mut self, spec: &RobotSpec, now: SimTime) {
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
-        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink);
+        let spare = core::mem::take(&mut self.spare);
+        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, spare);
         self.downlink.leave_wire_to(&spec.link, &self.uplink);
         if let Some(begun) = sent.cycle {
             self.cycles.open(begun);
@@ -193,9 +223,9 @@ impl Robot {
         let Some(k) = port else {
             while let Some(arrival) = self.uplink.take(&spec.link, now) {
                 let message = self.laptop.receive(spec, arrival, &mut self.uplink);
-                if let Some(Message { on_wire_until, .. }) =
-                    message.filter(|message| message.on_wire_until < now)
-                {
+                let Some(Message { on_wire_until, sampled, .. }) = message else { continue };
+                self.spare = sampled;
+                if on_wire_until < now {
                     self.recorder.note(on_wire_until, now, What::Adapter);
                 }
             }

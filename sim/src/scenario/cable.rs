@@ -40,13 +40,7 @@ pub(super) fn firmware(
         }
     };
     let mode = mode(path, raw, step_ms)?;
-    // More values than a message can count are in none: on board they are handed over without.
-    let countable = |sensor: &&Sensor| sensor.encodings.len() <= usize::from(u8::MAX);
-    let encodings = sensors.iter().map(|sensor| match countable(sensor) {
-        true => sensor.encodings.as_slice(),
-        false => &[],
-    });
-    let encodings: Vec<&[Encoding]> = encodings.collect();
+    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
     Ok(Firmware::new(protocol, mode, &encodings, motors))
 }
 

@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Point, Pose, angle, polygon};
@@ -45,7 +46,12 @@ pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>)
     for (i, robot) in raw.into_iter().enumerate() {
         let path = path.index(i);
         let name = names.take(&path.field("name"), &robot.name)?;
-        let spec = robot_spec(&path, name, robot, context)?;
+        let mut spec = robot_spec(&path, name, robot, context)?;
+        if let Some((_, last)) = robots.last()
+            && last.sensors == spec.sensors
+        {
+            spec.sensors = Arc::clone(&last.sensors);
+        }
         is_stable(&path, &spec, context.step)?;
         is_affordable(&path, &spec, context.step)?;
         stands_free(&path, &spec, context, &robots)?;
@@ -95,7 +101,7 @@ fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
 
 /// A scenario that nobody could wait for is a mistake in a unit.
 fn is_affordable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
-    for sensor in &spec.sensors {
+    for sensor in spec.sensors.iter() {
         let Some(fan) = sensor.device.fan() else { continue };
         let period_ns = sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns);
         let rays = step.step_ns.div_ceil(period_ns) * fan.len() as u64;
@@ -164,7 +170,7 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         own_clocks: places(&sensors, |sensor| sensor.own_clock.is_some()),
         ports: places(&sensors, |sensor| sensor.port.is_some()),
         reach: Reach::of(&sensors),
-        sensors,
+        sensors: sensors.into(),
         processor,
         firmware,
         link,

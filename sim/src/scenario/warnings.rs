@@ -82,7 +82,7 @@ fn ms(ns: u64) -> f64 {
 
 /// A device that has measured again before its last message is over.
 fn too_long_for_the_port(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
-    for sensor in &robot.sensors {
+    for sensor in robot.sensors.iter() {
         let (Some(port), Some(clock)) = (&sensor.port, &sensor.own_clock) else { continue };
         let bytes = port.format.message_len(&sensor.device);
         let takes_ns = port.link.burst_ns(bytes as u64);

@@ -13,6 +13,7 @@ use crate::drive::Wheels;
 use crate::motor::Motors;
 use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::mover::Around;
+use crate::parallel;
 use crate::robot::{Robot, RobotSpec};
 use crate::scenario::Scenario;
 use crate::time::{SECOND_NS, SimTime};
@@ -27,7 +28,7 @@ pub(super) struct Lists {
     held: Vec<Option<Met>>,
     /// Those that were held before anybody was pushed.
     held_first: Vec<Option<Met>>,
-    found: Vec<(usize, Met)>,
+    found: Vec<Option<Met>>,
     obstacles: Vec<Body>,
 }
 
@@ -63,9 +64,11 @@ impl World {
 
     fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
         self.note_poses(&mut lists.before);
-        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
-            robot.drive(spec, scenario, now, dt);
-        }
+        let specs = scenario.robots();
+        lists.held.resize(specs.len(), None);
+        parallel::each(self.is_parallel, &mut self.state.robots, &mut lists.held, |own, robot, _| {
+            robot.drive(&specs[own], scenario, now, dt);
+        });
         self.note_obstacles(scenario, &mut lists.obstacles);
         lists.held_first.clear();
         if !scenario.movables.is_empty() {
@@ -98,7 +101,10 @@ impl World {
     fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         if scenario.collision == CollisionPolicy::StopRobot {
             let Lists { before, after, crowd, held_first, found, obstacles, .. } = lists;
-            step(scenario, obstacles, before, after, crowd, |mut step| step.hold_back(held_first, found));
+            let is_parallel = self.is_parallel;
+            step(scenario, obstacles, before, after, crowd, |mut step| {
+                step.hold_back(held_first, found, is_parallel);
+            });
             for own in (0..held_first.len()).filter(|&own| held_first[own].is_some()) {
                 self.hold(own, &before[own]);
             }
@@ -159,7 +165,10 @@ impl World {
 
     fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists) {
         let Lists { before, after, crowd, held, found, obstacles, .. } = lists;
-        step(scenario, obstacles, before, after, crowd, |mut step| step.hold_back(held, found));
+        let is_parallel = self.is_parallel;
+        step(scenario, obstacles, before, after, crowd, |mut step| {
+            step.hold_back(held, found, is_parallel);
+        });
         for own in 0..lists.held.len() {
             let met = lists.held[own];
             if met.is_some() {
