@@ -42,6 +42,7 @@ mod observe;
 mod observers;
 mod pace;
 mod registry;
+mod room;
 mod server;
 mod sessions;
 mod words;

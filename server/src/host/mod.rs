@@ -1,14 +1,13 @@
-//! A world's thread: it alone touches the world, and does one thing at a time.
+//! A world and what is done about it, one thing at a time: letters are opened, a tick begins, a tick ends.
 //!
-//! This file is its loop; what operators order is in [`orders`].
+//! Who does that is [`Room`](crate::room::Room)'s to know. This file is the loop; what operators order is in [`orders`].
 
 mod orders;
 mod stopwatch;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use baudbot_sim::{Input, RobotView, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
@@ -28,7 +27,6 @@ pub type OnTick = Box<dyn FnMut(&World) + Send>;
 pub(crate) struct Host {
     name: Arc<str>,
     world: World,
-    letters: Receiver<Letter>,
     sessions: Sessions,
     observers: Observers,
     on_tick: Option<OnTick>,
@@ -56,6 +54,22 @@ pub(crate) struct Host {
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
     deleted: bool,
+    /// How long a tick takes, lately; `None` before the first.
+    tick_takes: Option<Duration>,
+    tick_took: Duration,
+    /// When the world's thread wakes by itself.
+    alarm: Option<Instant>,
+}
+
+/// What is to be done about a world after a visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Then {
+    /// There is more to do, and the world's thread should do it.
+    Thread,
+    /// Nothing before a letter comes, or before this instant.
+    Wait(Option<Instant>),
+    /// It is over.
+    Over,
 }
 
 /// A state that is kept.
@@ -89,7 +103,6 @@ impl Host {
         pace: Pace,
         paused: bool,
         on_tick: Option<OnTick>,
-        letters: Receiver<Letter>,
     ) -> Self {
         let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
         Self {
@@ -97,7 +110,6 @@ impl Host {
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
             world,
-            letters,
             on_tick,
             pace,
             pacing: Pacing::default(),
@@ -115,40 +127,71 @@ impl Host {
             snapshots: VecDeque::new(),
             last_snapshot: 0,
             deleted: false,
+            tick_takes: None,
+            tick_took: Duration::ZERO,
+            alarm: None,
         }
     }
 
-    /// Runs the world until it is deleted or nobody can write to it any more.
-    pub(crate) fn run(mut self) {
+    /// The world's thread does one thing.
+    pub(crate) fn work(&mut self, letters: impl FnMut() -> Option<Letter>) -> Then {
+        self.open_all(letters);
+        if self.deleted {
+            self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
+            return Then::Over;
+        }
+        let now = Instant::now();
+        self.running.set(self.activity() == Activity::Running, now);
+        match self.next(now) {
+            Next::Begin => self.begin(now),
+            Next::Finish => self.finish(now),
+            Next::Watchdog => self.bite(),
+            Next::Wait(until) => {
+                self.alarm = until;
+                return Then::Wait(until);
+            }
+        }
+        Then::Thread
+    }
+
+    /// Somebody with letters does what does not take long, so that the world's thread need not be woken.
+    pub(crate) fn visit(&mut self, mut letters: impl FnMut() -> Option<Letter>) -> Then {
+        let mut patience = MAX_TICKS_A_VISIT;
         loop {
-            // Letters go first, but a flood of them must not hold up the clock.
-            for _ in 0..MAX_LETTERS_AT_ONCE {
-                let Ok(letter) = self.letters.try_recv() else { break };
-                self.open(letter);
-            }
-            if self.deleted {
-                break;
-            }
+            self.open_all(&mut letters);
             let now = Instant::now();
+            if self.deleted {
+                return Then::Thread;
+            }
             self.running.set(self.activity() == Activity::Running, now);
-            match self.next(now) {
-                Next::Begin => self.begin(now),
-                Next::Finish => self.finish(now),
-                Next::Watchdog => self.bite(),
-                Next::Wait(until) => match self.wait(until, now) {
-                    Ok(letter) => self.open(letter),
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => break,
-                },
+            let next = self.next(now);
+            match next {
+                // The thread sleeps, and not too long.
+                Next::Wait(None) => return Then::Wait(None),
+                Next::Wait(Some(until)) if self.alarm.is_some_and(|alarm| alarm <= until) => {
+                    return Then::Wait(Some(until));
+                }
+                Next::Begin if self.is_quick() && patience > 0 => {
+                    patience -= 1;
+                    self.begin(now);
+                }
+                Next::Finish if self.is_quick() => self.finish(now),
+                Next::Begin | Next::Finish | Next::Watchdog | Next::Wait(Some(_)) => return Then::Thread,
             }
         }
-        self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
     }
 
-    fn wait(&self, until: Option<Instant>, now: Instant) -> Result<Letter, RecvTimeoutError> {
-        match until {
-            Some(until) => self.letters.recv_timeout(until.saturating_duration_since(now)),
-            None => self.letters.recv().map_err(|_| RecvTimeoutError::Disconnected),
+    /// Whether a tick takes less than to wake a thread for it. Who looks at the world may take any time.
+    fn is_quick(&self) -> bool {
+        let waits = self.pace.watchdog().is_some();
+        waits && self.on_tick.is_none() && self.tick_takes.is_some_and(|takes| takes < QUICK)
+    }
+
+    /// Opens letters, but not so many that a flood of them would hold up the clock.
+    fn open_all(&mut self, mut letters: impl FnMut() -> Option<Letter>) {
+        for _ in 0..MAX_LETTERS_AT_ONCE {
+            let Some(letter) = letters() else { break };
+            self.open(letter);
         }
     }
 
@@ -207,6 +250,7 @@ impl Host {
         self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
         self.waiting_since = Instant::now();
+        self.tick_took = self.waiting_since - now;
     }
 
     /// The world at the start of a tick, for those who look.
@@ -243,6 +287,12 @@ impl Host {
         if self.credits == 0 {
             self.answer_steppers();
         }
+        self.note_duration(self.tick_took + now.elapsed());
+    }
+
+    /// A tick took so long, without the wait for brains.
+    fn note_duration(&mut self, took: Duration) {
+        self.tick_takes = Some(self.tick_takes.map_or(took, |takes| (takes * 7 + took) / 8));
     }
 
     /// The run is over: the sensors are read a last time, and everybody is told.
@@ -361,3 +411,9 @@ fn sender(robot: &RobotView<'_>) -> Sender {
 }
 
 const MAX_LETTERS_AT_ONCE: usize = 100;
+
+/// Ticks that a visitor does before the world's thread takes over; other connections wait for a visitor.
+const MAX_TICKS_A_VISIT: usize = 16;
+
+/// A tick that takes less is done by visitors.
+const QUICK: Duration = Duration::from_micros(200);
