@@ -63,6 +63,7 @@ fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
         mode: mode.into(),
         brain: "test".into(),
         memory_bytes: None,
+        thinks_as_scenario: false,
     })
 }
 

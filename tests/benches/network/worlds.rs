@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use baudbot_proto::v1;
 use baudbot_server::{Address, Pace, Server, WorldConfig};
 use baudbot_sim::Scenario;
-use baudbot_tests::system::{lockstep as waiting, status};
+use baudbot_tests::system::{lockstep as waiting, status, strict};
 use baudbot_tests::{ARSIM, WANDER, scenario};
 
 use crate::figures;
@@ -95,9 +95,8 @@ async fn serve(scenario: Scenario, pace: Pace) -> (Server, String) {
 
 /// Ticks a second.
 pub(crate) async fn lockstep(scenario: Scenario, load: &Load, brain: &str, lookahead: bool) -> f64 {
-    let _ = lookahead;
     let robots = scenario.robots().len();
-    let (server, address) = serve(scenario, waiting()).await;
+    let (server, address) = serve(scenario, if lookahead { waiting() } else { strict() }).await;
     let said = drive(&address, robots, load, load.ticks, brain).await;
     server.shutdown().await;
     said
