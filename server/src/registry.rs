@@ -1,6 +1,7 @@
 //! The worlds of a server, by name.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
@@ -23,11 +24,21 @@ pub(crate) struct Registry(Arc<Mutex<Worlds>>);
 
 /// Each with its thread. When nobody can reach them any more, they end.
 #[derive(Default)]
-struct Worlds(BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>);
+struct Worlds {
+    by_name: BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>,
+    /// How many they are, for each of them to know.
+    count: Arc<AtomicU32>,
+}
+
+impl Worlds {
+    fn update_count(&self) {
+        self.count.store(u32::try_from(self.by_name.len()).unwrap_or(u32::MAX), Ordering::Relaxed);
+    }
+}
 
 impl Drop for Worlds {
     fn drop(&mut self) {
-        for (world, _) in self.0.values() {
+        for (world, _) in self.by_name.values() {
             let _ = world.send(Letter::End);
         }
     }
@@ -54,15 +65,16 @@ impl Registry {
     pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         let mut worlds = self.lock();
-        if worlds.0.contains_key(new.name.as_str()) {
+        if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
         }
-        if worlds.0.len() >= MAX_WORLDS {
+        if worlds.by_name.len() >= MAX_WORLDS {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.into();
         let world = World::new(new.scenario);
-        let host = Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick);
+        let host =
+            Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, Arc::clone(&worlds.count));
         let room = Arc::new(Room::new(host));
         let home = Arc::clone(&room);
         let thread = thread::Builder::new().name(format!("world {name}"));
@@ -70,32 +82,35 @@ impl Registry {
             .spawn(move || home.live())
             .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
         let handle = WorldHandle { name: Arc::clone(&name), room };
-        worlds.0.insert(name, (handle.clone(), thread));
+        worlds.by_name.insert(name, (handle.clone(), thread));
+        worlds.update_count();
         Ok(handle)
     }
 
     /// The world of this name.
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         let worlds = self.lock();
-        worlds.0.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
-            let there = list(worlds.0.keys().map(AsRef::as_ref));
+        worlds.by_name.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
+            let there = list(worlds.by_name.keys().map(AsRef::as_ref));
             Status::not_found(format!("{field}: there is no world `{}`; there are: {there}", brief(name)))
         })
     }
 
     /// All worlds in the order of their names.
     pub(crate) fn all(&self) -> Vec<WorldHandle> {
-        self.lock().0.values().map(|(world, _)| world.clone()).collect()
+        self.lock().by_name.values().map(|(world, _)| world.clone()).collect()
     }
 
     /// Forgets a world.
     pub(crate) fn remove(&self, name: &str) {
-        self.lock().0.remove(name);
+        let mut worlds = self.lock();
+        worlds.by_name.remove(name);
+        worlds.update_count();
     }
 
     /// Forgets all worlds, which must have been told to end, and waits until their threads are over.
     pub(crate) fn join(&self) {
-        for (_, thread) in std::mem::take(&mut self.lock().0).into_values() {
+        for (_, thread) in std::mem::take(&mut self.lock().by_name).into_values() {
             // A panic of a world is on stderr already.
             let _ = thread.join();
         }

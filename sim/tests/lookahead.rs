@@ -62,8 +62,7 @@ impl Brain {
 
 fn command(spec: &baudbot_sim::robot::RobotSpec, signal: f64) -> Vec<u8> {
     let (mut payload, mut bytes) = ([0; 255], [0; 300]);
-    let n =
-        baudbot_wire::write_command(&spec.firmware.layout(), 0, [signal, -signal].into_iter(), &mut payload);
+    let n = baudbot_wire::write_command(&spec.firmware.layout(), 0, [signal, -signal], &mut payload);
     let n = baudbot_wire::frame::encode(&payload[..n.unwrap()], &mut bytes).unwrap();
     bytes[..n].to_vec()
 }
@@ -128,7 +127,7 @@ impl Twins {
         self.went_ahead += left.len() as u64;
         let inputs: Vec<_> = inputs(&answers);
         self.ahead.finish_ahead(&inputs, &left);
-        if (chance >> 8) % 3 == 0 {
+        if (chance >> 8).is_multiple_of(3) {
             self.supply(|_, robot, _| (chance >> (12 + robot)) & 1 == 0);
         }
     }
@@ -161,7 +160,7 @@ proptest! {
         for tick in 0..150 {
             let chance = twins.brain.draw(7, SimTime::from_ns(tick), 5);
             twins.tick(chance);
-            if chance % 5 == 0 || tick == 149 {
+            if chance.is_multiple_of(5) || tick == 149 {
                 twins.supply(|_, _, _| true);
                 prop_assert_eq!(twins.ahead.hash(), twins.strict.hash(), "tick {}, {} ahead", tick, twins.went_ahead);
             }

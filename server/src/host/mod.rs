@@ -10,6 +10,7 @@ mod stopwatch;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
 use std::time::{Duration, Instant};
 
 use baudbot_sim::{Input, RobotView, SimTime, Turn, World};
@@ -61,6 +62,8 @@ pub(crate) struct Host {
     /// How long a tick takes, lately; `None` before the first.
     tick_takes: Option<Duration>,
     tick_took: Duration,
+    /// Worlds on this server.
+    neighbours: Arc<AtomicU32>,
     /// When the world's thread wakes by itself.
     alarm: Option<Instant>,
     /// Letters of those who want to see the world, which is ahead of its brains.
@@ -103,6 +106,7 @@ impl Host {
         pace: Pace,
         paused: bool,
         on_tick: Option<OnTick>,
+        neighbours: Arc<AtomicU32>,
     ) -> Self {
         let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
         Self {
@@ -129,6 +133,7 @@ impl Host {
             deleted: false,
             tick_takes: None,
             tick_took: Duration::ZERO,
+            neighbours,
             alarm: None,
             held: VecDeque::new(),
             ending: false,

@@ -1,5 +1,6 @@
 //! Who does what: the world's thread whatever is to be done, and somebody with a letter what does not take long.
 
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use tonic::Status;
@@ -82,7 +83,8 @@ impl Host {
     /// Whether a tick takes less than to wake a thread for it. Who looks at the world may take any time.
     fn is_quick(&self) -> bool {
         let waits = self.pace.watchdog().is_some();
-        waits && self.on_tick.is_none() && self.tick_takes.is_some_and(|takes| takes < QUICK)
+        let limit = QUICK / self.neighbours.load(Ordering::Relaxed).max(1);
+        waits && self.on_tick.is_none() && self.tick_takes.is_some_and(|takes| takes < limit)
     }
 
     /// Opens letters, but not so many that a flood of them would hold up the clock.
@@ -99,8 +101,9 @@ const MAX_LETTERS_AT_ONCE: usize = 100;
 /// How long a visitor stays before the world's thread takes over; other connections wait meanwhile.
 const VISIT: Duration = Duration::from_micros(500);
 
-/// A tick that takes less is done by visitors.
-const QUICK: Duration = Duration::from_micros(200);
+/// Ticks that take less are done by visitors; of several worlds on a server, those that take their share of it. All
+/// visitors from the network are on one thread, and long ticks are better done on several.
+const QUICK: Duration = Duration::from_micros(500);
 
 /// A tick that takes less is not worth to wake the world's thread so that it goes ahead of its brains.
 const WORTH_GOING_AHEAD: Duration = Duration::from_micros(20);
