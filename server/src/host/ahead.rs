@@ -107,10 +107,15 @@ impl Host {
     }
 
     fn settle(&mut self, behind: &[Turn]) {
+        if behind.is_empty() {
+            return;
+        }
         for turn in behind {
             self.world.supply(turn.robot, None);
         }
-        self.waiting_since = Instant::now();
+        let now = Instant::now();
+        self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
+        self.waiting_since = now;
     }
 
     /// Gives a brain that is not behind any more its Turn of the tick that is begun, if it has one.

@@ -236,7 +236,7 @@ impl Host {
             let late = now.saturating_duration_since(clock.instant(self.tick_end()));
             let step = clock.instant(self.tick_end()) - clock.instant(self.world.time());
             self.pacing.note_lateness(late, step);
-        } else if self.pace.watchdog().is_some() {
+        } else if self.pace.watchdog().is_some() && !self.sessions.is_behind() {
             self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
         }
         for pending in &self.inputs {

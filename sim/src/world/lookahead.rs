@@ -51,6 +51,9 @@ impl World {
         if !self.state.begun || self.state.ending.is_some() {
             return;
         }
+        if open.is_empty() && self.ahead.0.is_empty() {
+            return self.finish(inputs);
+        }
         for turn in self.state.turns.clone() {
             // A brain answers one step after the other: the one before counts as answered with nothing.
             self.supply(turn.robot, None);
