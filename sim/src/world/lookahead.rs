@@ -40,6 +40,10 @@ impl World {
     /// stays true while nothing else is written to the robot.
     pub fn reach(&self, robot: usize, done: SimTime) -> Option<SimTime> {
         let state = self.state.robots.get(robot)?;
+        // What a step leaves unanswered is counted behind the cycles before it, and those only once they are counted.
+        if state.cycles.is_closing() {
+            return None;
+        }
         state.downlink.reach(&self.scenario.robots()[robot].link, done)
     }
 
