@@ -11,7 +11,7 @@ fn robot(name: &str, x: f64, link: &str, thinking_us: u64) -> String {
          body = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\n\
          brain.thinking_us = {thinking_us}\n\
          microcontroller = {{ framing_us_per_byte = 5.0, receiving_us_per_byte = 5.0, obeying_us = 20.0 }}\n\
-         firmware = {{ protocol = \"framed\", mode = \"stream\", period_ms = 7.0 }}\n\
+         firmware = {{ protocol = \"framed\", mode = \"stream\", period_ms = 20.0 }}\n\
          link = {link}\n\
          [robots.sensors.ir]\nkind = \"ir\"\nbearing_rad = 0.0\nrays = 3\nopening_rad = 0.5\nrange_m = 2.0\n\
          c1_m2 = 0.03\nc2 = 0.1\nsigma = 0.02\nbits = 8\nperiod_ms = 5.0\n"
