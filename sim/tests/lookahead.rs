@@ -51,9 +51,9 @@ impl Brain {
     /// Commands, nothing, and what makes no sense, more than the cable carries.
     fn bytes(&self, spec: &baudbot_sim::robot::RobotSpec, robot: usize, at: SimTime) -> Vec<u8> {
         let signal = (self.draw(robot, at, 0) % 200) as f64 / 100.0 - 1.0;
-        match self.draw(robot, at, 1) % 12 {
+        match self.draw(robot, at, 1) % 60 {
             0 => vec![0x55; (self.draw(robot, at, 2) % 60) as usize],
-            1..4 => command(spec, signal),
+            1..10 => command(spec, signal),
             // On a cable that is never idle the world never goes ahead.
             _ => Vec::new(),
         }
