@@ -150,22 +150,41 @@ impl Avoid {
 impl Brain for Avoid {
     fn step(&mut self, turn: &Turn) -> Action {
         self.look(turn);
-        let blind = self.is_blind(turn.at_ns);
+        let action = self.act(turn.at_ns);
+        action.until_message_or(self.awake_ns(turn.at_ns))
+    }
+}
+
+impl Avoid {
+    /// When there is something to do though no news have come.
+    fn awake_ns(&self, at_ns: u64) -> u64 {
+        let free_ns = |pause_ns: u64| self.sent_ns.map_or(at_ns, |sent_ns| sent_ns.saturating_add(pause_ns));
+        if self.is_blind(at_ns) {
+            return free_ns(self.command_ns.max(REPEAT_NS));
+        }
+        let stale_ns = (self.parameters.stale_s * 1e9) as u64;
+        let oldest_ns = self.eyes.iter().filter_map(|eye| eye.seen_ns).min().unwrap_or(at_ns);
+        let blind_ns = oldest_ns.saturating_add(stale_ns).saturating_add(1);
+        if self.news { blind_ns.min(free_ns(self.command_ns)) } else { blind_ns }
+    }
+
+    fn act(&mut self, at_ns: u64) -> Action {
+        let blind = self.is_blind(at_ns);
         // One command at a time: those that wait behind others on the cable come too late. A blind robot has
         // nothing new to say, and repeats itself only because the cable may lose a command.
         let pause_ns = if blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
-        let free = self.sent_ns.is_none_or(|sent_ns| turn.at_ns.saturating_sub(sent_ns) >= pause_ns);
+        let free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
         if !free || !(blind || self.news) {
             return Action::wait();
         }
-        self.sent_ns = Some(turn.at_ns);
+        self.sent_ns = Some(at_ns);
         if blind {
             self.state = State::Drive;
             return Action::drive(0.0, 0.0);
         }
-        let seconds = turn.at_ns.saturating_sub(self.decided_ns) as f64 * 1e-9;
+        let seconds = at_ns.saturating_sub(self.decided_ns) as f64 * 1e-9;
         self.state = self.decide(seconds);
-        self.decided_ns = turn.at_ns;
+        self.decided_ns = at_ns;
         self.news = false;
         let (left, right) = self.signals();
         Action::drive(left, right)

@@ -29,7 +29,7 @@ fn start(name: &str) -> anyhow::Result<()> {
 async fn drive(entry: &Entry, arguments: &ArgMatches) -> anyhow::Result<()> {
     let [address, world, name] = ["connect", "world", "robot"].map(|id| text(arguments, id));
     let seed = arguments.get_one("seed").copied().unwrap_or_default();
-    let client = connect(address).await?.brain(entry.name);
+    let client = connect(address).await?.brain(entry.name).thinks_as_scenario();
     let mut robot = client.attach(world, name).await?;
     let mut brain = catalogue::brain(&description(entry, arguments), seed, robot.body())?;
     println!("{}: drives `{name}` of `{world}` at {address}", entry.name);

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use baudbot_server::{Address, Pace, Watchdog, WatchdogPolicy};
+use baudbot_server::{Address, Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
@@ -296,6 +296,18 @@ pub(crate) struct WatchdogArgs {
     /// In lockstep: what happens to a brain that took longer [default: wait]
     #[arg(long, value_name = "POLICY")]
     pub(crate) on_timeout: Option<OnTimeout>,
+    /// In lockstep: whether brains that wait for a message are left alone until one has come, and the world goes on
+    /// while an answer is under way; the run is the same [default: on]
+    #[arg(long, value_name = "on|off")]
+    pub(crate) lookahead: Option<Lookahead>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum Lookahead {
+    /// The world looks ahead
+    On,
+    /// Every brain is asked at each of its steps, and waited for
+    Off,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -336,9 +348,10 @@ impl FromStr for PaceName {
 impl PaceName {
     /// The pace with its watchdog; other paces than lockstep have none.
     pub(crate) fn with(self, args: &WatchdogArgs) -> anyhow::Result<Pace> {
-        if self != Self::Lockstep && (args.watchdog_ms.is_some() || args.on_timeout.is_some()) {
+        let any = args.watchdog_ms.is_some() || args.on_timeout.is_some() || args.lookahead.is_some();
+        if self != Self::Lockstep && any {
             return Err(Refused::error(
-                "--watchdog-ms and --on-timeout need --pace lockstep: else nobody is waited for",
+                "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: else nobody is waited for",
             ));
         }
         let defaults = Watchdog::default();
@@ -349,9 +362,12 @@ impl PaceName {
         });
         let timeout = args.watchdog_ms.map(|ms| Duration::from_millis(ms.into()));
         Ok(match self {
-            Self::Lockstep => Pace::Lockstep(Watchdog {
-                timeout: timeout.unwrap_or(defaults.timeout),
-                policy: policy.unwrap_or(defaults.policy),
+            Self::Lockstep => Pace::Lockstep(Lockstep {
+                watchdog: Watchdog {
+                    timeout: timeout.unwrap_or(defaults.timeout),
+                    policy: policy.unwrap_or(defaults.policy),
+                },
+                lookahead: args.lookahead != Some(Lookahead::Off),
             }),
             Self::Timed(factor) => Pace::Timed { factor },
             Self::Free => Pace::Free,
@@ -416,9 +432,11 @@ mod tests {
 
     #[test]
     fn a_watchdog_belongs_to_lockstep() {
-        let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout: Some(OnTimeout::Detach) };
+        let lookahead = Some(Lookahead::Off);
+        let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout: Some(OnTimeout::Detach), lookahead };
         let watchdog = Watchdog { timeout: Duration::from_millis(5), policy: WatchdogPolicy::Detach };
-        assert_eq!(PaceName::Lockstep.with(&args).unwrap(), Pace::Lockstep(watchdog));
+        let lockstep = Lockstep { watchdog, lookahead: false };
+        assert_eq!(PaceName::Lockstep.with(&args).unwrap(), Pace::Lockstep(lockstep));
         assert!(PaceName::Free.with(&args).is_err());
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use crate::error::Error;
 use crate::fleet::Fleet;
 use crate::robot::Robot;
-use crate::turn::{Signals, Turn};
+use crate::turn::{Signals, Turn, Until};
 
 /// Turns what has arrived into what is done. A brain has no clock and does no input or output: whatever it
 /// knows it has from its turns, so the same turns give the same actions, and a test can make them up.
@@ -36,6 +36,8 @@ pub struct Action {
     /// Asks a firmware that answers only when asked. Signals ask too (where they do not on the wire, a poll is sent
     /// behind them), so this counts only without them.
     pub poll: bool,
+    /// The brain now waits for news; `None`: it wants each of its turns.
+    pub until: Option<Until>,
 }
 
 impl Action {
@@ -48,7 +50,7 @@ impl Action {
 
     /// Sends nothing.
     pub const fn wait() -> Self {
-        Self { signals: None, others: Vec::new(), thinking: None, operations: None, poll: false }
+        Self { signals: None, others: Vec::new(), thinking: None, operations: None, poll: false, until: None }
     }
 
     /// Asks for readings.
@@ -62,6 +64,23 @@ impl Action {
     #[must_use]
     pub const fn after(mut self, thinking: Duration) -> Self {
         self.thinking = Some(thinking);
+        self
+    }
+
+    /// The same, and then waits until something new has come: turns without news are not given to the brain. Each
+    /// counts as [`wait`](Self::wait). In lockstep they do not even cross the network, so that a brain which acts on
+    /// news alone loses no time with the others.
+    #[must_use]
+    pub const fn until_message(mut self) -> Self {
+        self.until = Some(Until { at_latest_ns: None });
+        self
+    }
+
+    /// As [`until_message`](Self::until_message), but the first turn at this instant of simulated time, or after it, is
+    /// given to the brain in any case.
+    #[must_use]
+    pub const fn until_message_or(mut self, at_latest_ns: u64) -> Self {
+        self.until = Some(Until { at_latest_ns: Some(at_latest_ns) });
         self
     }
 

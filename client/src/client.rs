@@ -23,12 +23,13 @@ pub struct Client {
     channel: Channel,
     brain: String,
     memory_bytes: Option<u64>,
+    thinks_as_scenario: bool,
 }
 
 impl Client {
     /// A client of the server at the other end of `channel`, such as one in the same process.
     pub fn from_channel(channel: Channel) -> Self {
-        Self { channel, brain: "brain".to_owned(), memory_bytes: None }
+        Self { channel, brain: "brain".to_owned(), memory_bytes: None, thinks_as_scenario: false }
     }
 
     /// The connection, for clients of the server's other services.
@@ -49,6 +50,15 @@ impl Client {
     #[must_use]
     pub fn memory_bytes(self, bytes: u64) -> Self {
         Self { memory_bytes: Some(bytes), ..self }
+    }
+
+    /// Promises that the brains which attach from now on never declare how long they thought: neither
+    /// [`Action::thinking`](crate::Action::thinking) nor [`Action::operations`](crate::Action::operations) is set. It is
+    /// then known when a brain is done before it has answered, and a world in lockstep can go on meanwhile, as far as the
+    /// answer cannot have reached its robot. A brain that breaks the promise is thrown out (`FailedPrecondition`).
+    #[must_use]
+    pub fn thinks_as_scenario(self) -> Self {
+        Self { thinks_as_scenario: true, ..self }
     }
 
     /// Takes hold of a robot. It is let go when the [`Robot`] is dropped.
@@ -79,8 +89,15 @@ impl Client {
 
     async fn session(&self, world: &str, robots: &[&str], raw: bool) -> Result<Session, Error> {
         let robots = robots.iter().map(|&robot| robot.to_owned()).collect();
-        let (brain, memory_bytes) = (self.brain.clone(), self.memory_bytes);
-        let hello = Hello { world: world.to_owned(), robots, raw, brain, memory_bytes };
+        let Self { brain, memory_bytes, thinks_as_scenario, .. } = self;
+        let hello = Hello {
+            world: world.to_owned(),
+            robots,
+            raw,
+            brain: brain.clone(),
+            memory_bytes: *memory_bytes,
+            thinks_as_scenario: *thinks_as_scenario,
+        };
         Session::open(self.channel.clone(), &hello).await
     }
 }

@@ -14,7 +14,7 @@ use crate::body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Se
 use crate::brain::Action;
 use crate::error::Breach;
 use crate::session::{Answer, Event, Hello, Part, Welcome};
-use crate::turn::{Reading, Signals};
+use crate::turn::{Reading, Signals, Until};
 
 /// The first request.
 pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
@@ -25,12 +25,13 @@ pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
         mode: mode.into(),
         brain: hello.brain.clone(),
         memory_bytes: hello.memory_bytes,
+        thinks_as_scenario: hello.thinks_as_scenario,
     }))
 }
 
 /// The answer to a turn.
-pub(crate) fn step(turn: u64, answers: &[(usize, Answer<'_>)]) -> v1::AttachRequest {
-    let robots = answers.iter().map(|(robot, answer)| robot_step(*robot, answer)).collect();
+pub(crate) fn step<'a>(turn: u64, answers: impl Iterator<Item = (usize, Answer<'a>)>) -> v1::AttachRequest {
+    let robots = answers.map(|(robot, answer)| robot_step(robot, &answer)).collect();
     request(Request::Step(v1::Step { turn, robots }))
 }
 
@@ -64,13 +65,16 @@ fn request(request: Request) -> v1::AttachRequest {
 
 fn robot_step(robot: usize, answer: &Answer<'_>) -> v1::RobotStep {
     let (thinking, operations, output) = match *answer {
-        Answer::Write { bytes, thinking, operations } => {
+        Answer::Write { bytes, thinking, operations, .. } => {
             (thinking, operations, Some(Output::Raw(bytes.to_vec())))
         }
         Answer::Act(action) => (action.thinking, action.operations, output(action)),
+        Answer::Sleep(_) | Answer::Nothing => (None, None, None),
     };
     let thinking_ns = thinking.map(nanoseconds);
-    v1::RobotStep { robot: u32::try_from(robot).unwrap_or(u32::MAX), thinking_ns, output, operations }
+    let until_message = answer.until().map(|Until { at_latest_ns }| v1::UntilMessage { at_latest_ns });
+    let robot = u32::try_from(robot).unwrap_or(u32::MAX);
+    v1::RobotStep { robot, thinking_ns, output, operations, until_message }
 }
 
 fn output(action: &Action) -> Option<Output> {

@@ -65,5 +65,5 @@ pub use error::{Breach, Error};
 pub use fleet::Fleet;
 pub use raw::{RawRobot, RawTurn};
 pub use robot::Robot;
-pub use turn::{Reading, Signals, Turn};
+pub use turn::{Reading, Signals, Turn, Until};
 pub use wire::{RawCommands, RawReadings, WireLayout};

@@ -6,6 +6,7 @@ use std::time::Duration;
 use crate::body::Body;
 use crate::error::Error;
 use crate::session::{Answer, Session};
+use crate::turn::Until;
 
 /// A robot that this program holds, reading and writing the bytes of its cable as from a serial port.
 ///
@@ -84,6 +85,17 @@ impl RawRobot {
         self.answer(bytes, None, None).await
     }
 
+    /// Answers the turn with bytes for the microcontroller, if any, and then waits until any byte has come, or until
+    /// that instant: turns without are not given, and count as answered with nothing. In lockstep they do not even cross
+    /// the network.
+    ///
+    /// # Errors
+    /// As [`Robot::drive`](crate::Robot::drive).
+    pub async fn write_and_wait(&mut self, bytes: &[u8], until: Until) -> Result<(), Error> {
+        let until = Some(until);
+        self.session.answer(&[(0, Answer::Write { bytes, thinking: None, operations: None, until })]).await
+    }
+
     /// Answers the turn with bytes for the microcontroller after so much simulated time of thought.
     ///
     /// # Errors
@@ -115,6 +127,6 @@ impl RawRobot {
         thinking: Option<Duration>,
         operations: Option<u64>,
     ) -> Result<(), Error> {
-        self.session.answer(&[(0, Answer::Write { bytes, thinking, operations })]).await
+        self.session.answer(&[(0, Answer::Write { bytes, thinking, operations, until: None })]).await
     }
 }

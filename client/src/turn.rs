@@ -40,6 +40,21 @@ pub struct Signals {
     pub right: f64,
 }
 
+/// What a brain waits for that wants no turn without news, as a program does that reads from its serial port with a
+/// timeout.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Until {
+    /// When it wants a turn in any case, in nanoseconds of simulated time; `None`: never.
+    pub at_latest_ns: Option<u64>,
+}
+
+impl Until {
+    /// Whether the time to wait is over at this instant.
+    pub(crate) fn is_over(&self, at_ns: u64) -> bool {
+        self.at_latest_ns.is_some_and(|at_latest_ns| at_ns >= at_latest_ns)
+    }
+}
+
 impl Turn {
     /// The last reading of the sensor of this name; `None` if there is no such sensor, or nothing came yet.
     pub fn reading(&self, sensor: &str) -> Option<&Reading> {

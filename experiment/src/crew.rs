@@ -123,7 +123,9 @@ impl Crew {
     /// If the server refuses, or the catalogue has no such brain for a robot.
     pub async fn attach(client: Client, world: &str, job: Job, seed: u64) -> Result<Self, CrewError> {
         let robots: Vec<_> = job.robots.iter().map(String::as_str).collect();
-        let fleet = client.brain(shown_name(&job.brain)).attach_many(world, &robots).await?;
+        // No brain of the catalogue says how long it thought.
+        let fleet =
+            client.brain(shown_name(&job.brain)).thinks_as_scenario().attach_many(world, &robots).await?;
         let make = |body| catalogue::brain(&job.brain, seed, body);
         let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
         Ok(Self { brain: job.brain, fleet, brains })

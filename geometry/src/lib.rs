@@ -46,6 +46,7 @@ pub mod pose;
 pub mod ray;
 pub mod segment;
 pub mod sweep;
+mod vectors;
 
 pub use bounds::Bounds;
 pub use circle::Circle;

@@ -9,6 +9,7 @@
 use core::f64::consts::TAU;
 
 use crate::math;
+use crate::vectors::{Work, with_vectors};
 
 /// From two uniform deviates in [0, 1) a normal one with mean 0 and standard deviation 1: √(−2 ln(1 − u)) cos(2π v).
 #[must_use]
@@ -25,19 +26,7 @@ pub fn deviate(u: f64, v: f64) -> f64 {
 /// If the lists have different lengths.
 pub fn deviates(us: &[f64], vs: &[f64], into: &mut [f64]) {
     assert!(us.len() == into.len() && vs.len() == into.len(), "deviates come from pairs");
-    let mut any_is_special = false;
-    // One loop for each function: shorter ones are better made vectors of.
-    for (u, into) in us.iter().zip(into.iter_mut()) {
-        *into = -2.0 * ln(1.0 - u);
-    }
-    for into in into.iter_mut() {
-        *into = math::sqrt(*into);
-    }
-    for (v, into) in vs.iter().zip(into.iter_mut()) {
-        let angle = TAU * v;
-        any_is_special |= is_near_axis(angle);
-        *into *= cos(angle);
-    }
+    let any_is_special = with_vectors(Fill { us, vs, into: &mut *into });
     if any_is_special {
         let pairs = us.iter().zip(vs).zip(into);
         let special = pairs.filter(|((_, v), _)| is_near_axis(TAU * *v));
@@ -45,18 +34,52 @@ pub fn deviates(us: &[f64], vs: &[f64], into: &mut [f64]) {
     }
 }
 
+/// [`deviates`] but for angles near an axis.
+struct Fill<'a> {
+    us: &'a [f64],
+    vs: &'a [f64],
+    into: &'a mut [f64],
+}
+
+impl Work for Fill<'_> {
+    /// Whether there are any of these.
+    type Output = bool;
+
+    #[inline(always)]
+    fn work(self) -> bool {
+        let Self { us, vs, into } = self;
+        let mut any_is_special = false;
+        // One loop for each function: shorter ones are better made vectors of.
+        for (u, into) in us.iter().zip(into.iter_mut()) {
+            *into = -2.0 * ln(1.0 - u);
+        }
+        for into in into.iter_mut() {
+            *into = math::sqrt(*into);
+        }
+        for (v, into) in vs.iter().zip(into.iter_mut()) {
+            let angle = TAU * v;
+            any_is_special |= is_near_axis(angle);
+            *into *= cos(angle);
+        }
+        any_is_special
+    }
+}
+
 /// Whether an angle is so near to a multiple of a quarter turn that its cosine takes more care: once in 200,000 times.
+#[inline(always)]
 fn is_near_axis(angle: f64) -> bool {
     let is_in = |high: u64| (angle >= from_high(high)) & (angle < from_high(high + 1));
     is_in(0x3ff9_21fb) | is_in(0x4009_21fb) | is_in(0x4012_d97c) | is_in(0x4019_21fb)
 }
 
 /// The least positive number with this as the upper half of its bits.
+#[inline(always)]
 const fn from_high(high: u64) -> f64 {
     f64::from_bits(high << 32)
 }
 
 /// The logarithm of a number in [2^-1022, 1], operation for operation as in `libm` (FreeBSD's `e_log.c`).
+#[inline(always)]
 fn ln(x: f64) -> f64 {
     const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
     const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
@@ -88,6 +111,7 @@ fn ln(x: f64) -> f64 {
 
 /// The cosine of an angle in [0, 2π) that is not near an axis, operation for operation as in `libm` (FreeBSD's
 /// `s_cos.c`, `e_rem_pio2.c`, `k_cos.c`, `k_sin.c`).
+#[inline(always)]
 fn cos(angle: f64) -> f64 {
     /// The first 33 bits of π/2, and what is left of it.
     const PIO2_HI: f64 = 1.570_796_326_734_125_614_17e+00;
@@ -109,6 +133,7 @@ fn cos(angle: f64) -> f64 {
 }
 
 /// Of x + y, the cosine: in [-π/4, π/4], and y much smaller than x.
+#[inline(always)]
 fn cos_near_0(x: f64, y: f64) -> f64 {
     const C1: f64 = 4.166_666_666_666_660_190_37e-02;
     const C2: f64 = -1.388_888_888_887_410_957_49e-03;
@@ -125,6 +150,7 @@ fn cos_near_0(x: f64, y: f64) -> f64 {
 }
 
 /// Of x + y, the sine: in [-π/4, π/4], and y much smaller than x.
+#[inline(always)]
 fn sin_near_0(x: f64, y: f64) -> f64 {
     const S1: f64 = -1.666_666_666_666_663_243_48e-01;
     const S2: f64 = 8.333_333_333_322_489_461_24e-03;

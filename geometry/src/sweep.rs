@@ -21,6 +21,7 @@ use crate::math;
 use crate::pose::{Direction, Point, Pose, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
+use crate::vectors::{Work, with_vectors};
 
 /// The distances along some rays of a fan, while shapes are added one after the other.
 pub struct Sweep<'a> {
@@ -188,12 +189,13 @@ impl<'a> Sweep<'a> {
         if self.rays.len() <= FEW_RAYS {
             self.meet_in_parts::<FEW_RAYS>(forward);
         } else {
-            self.meet_in_parts::<MANY_RAYS>(forward);
+            with_vectors(Meet { sweep: self, forward });
         }
         self.waiting.clear();
     }
 
     /// Takes so many rays at a time, whose directions are then at hand for all shapes.
+    #[inline(always)]
     fn meet_in_parts<const N: usize>(&mut self, forward: Direction) {
         let (mut cos, mut sin) = ([0.0; N], [0.0; N]);
         let mut first = self.rays.start;
@@ -219,7 +221,23 @@ impl<'a> Sweep<'a> {
     }
 }
 
+/// Holds many rays against all that waits.
+struct Meet<'a, 'b> {
+    sweep: &'a mut Sweep<'b>,
+    forward: Direction,
+}
+
+impl Work for Meet<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        self.sweep.meet_in_parts::<MANY_RAYS>(self.forward);
+    }
+}
+
 /// Holds a shape against some rays.
+#[inline(always)]
 fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
     match *shape {
         // Vectors do not pay: most rays miss, which is soon found out.
@@ -232,6 +250,7 @@ fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &
 }
 
 /// [`Ray::hit_segment`], operation for operation, of a segment that the origin is not close to.
+#[inline(always)]
 fn meet_segment(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
     let mut coincide = false;
     for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
@@ -266,6 +285,7 @@ fn meet_one_by_one(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f6
 }
 
 /// [`Ray::hit_circle`], operation for operation, of a circle that the origin is outside of.
+#[inline(always)]
 fn meet_circle(center: Vector, radius: f64, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
     for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
         let ahead = cos * center.x + sin * center.y;

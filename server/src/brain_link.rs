@@ -54,6 +54,7 @@ impl BrainLinkService for BrainLink {
             brain: hello.brain,
             raw,
             memory_bytes: hello.memory_bytes,
+            steady: hello.thinks_as_scenario,
             deliveries: deliveries.clone(),
             world: world.clone(),
         };

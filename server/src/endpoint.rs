@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use baudbot_sim::Scenario;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::{Scenario, SimTime};
 use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;
 
@@ -23,6 +23,14 @@ pub(crate) struct Write {
     pub(crate) slot: usize,
     pub(crate) thinking: Thinking,
     pub(crate) output: Option<Output>,
+    pub(crate) until: Option<Until>,
+}
+
+/// A brain waits for a message, and need not be asked before one has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Until {
+    /// It is asked all the same at its first step that is not before this instant.
+    pub(crate) at_latest: Option<SimTime>,
 }
 
 /// How long a brain says that it thought: a time, or operations of the processor that it runs on.

@@ -153,6 +153,8 @@ pub(crate) struct Attach {
     pub(crate) raw: bool,
     /// Memory that the program's variables need on each robot.
     pub(crate) memory_bytes: Option<u64>,
+    /// It has promised to think as long as the scenario says.
+    pub(crate) steady: bool,
     pub(crate) deliveries: mpsc::Sender<Delivery>,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,

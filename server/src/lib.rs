@@ -17,11 +17,11 @@
 //! ```
 //! # #[tokio::main(flavor = "current_thread")]
 //! # async fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use baudbot_server::{Pace, Server, Watchdog, WorldConfig};
+//! use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 //! use baudbot_sim::Scenario;
 //!
 //! let scenario = Scenario::parse(include_str!("../../scenarios/wander.toml"))?;
-//! let world = WorldConfig::new("wander", scenario).pace(Pace::Lockstep(Watchdog::default()));
+//! let world = WorldConfig::new("wander", scenario).pace(Pace::Lockstep(Lockstep::default()));
 //! let server = Server::builder().world(world).in_process().await?;
 //! let channel = server.channel().await?; // for any gRPC client of package baudbot.v1
 //! # drop(channel);
@@ -42,6 +42,7 @@ mod observe;
 mod observers;
 mod pace;
 mod registry;
+mod room;
 mod server;
 mod sessions;
 mod words;
@@ -49,5 +50,5 @@ mod words;
 pub use address::{Address, BadAddress};
 pub use columns::{sensor_columns, state_columns, state_values};
 pub use host::OnTick;
-pub use pace::{Pace, Watchdog, WatchdogPolicy};
+pub use pace::{Lockstep, Pace, Watchdog, WatchdogPolicy};
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -30,6 +30,11 @@ impl Observers {
         }
     }
 
+    /// Whether nobody looks.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Sends the truth at the start of a tick to those whose turn it is; at the end of a run, to all.
     pub(crate) fn show(&mut self, world: &World) {
         self.0.retain_mut(|observer| {

@@ -13,9 +13,9 @@ pub enum Pace {
         factor: f64,
     },
     /// The world waits for every brain.
-    Lockstep(Watchdog),
+    Lockstep(Lockstep),
     /// As lockstep, but only as many ticks as asked for.
-    Stepped(Watchdog),
+    Stepped(Lockstep),
     /// As fast as it can; who has not answered is silent.
     Free,
 }
@@ -24,12 +24,40 @@ impl Pace {
     /// Real time.
     pub const REAL_TIME: Self = Self::Timed { factor: 1.0 };
 
-    /// The watchdog of the paces in which the world waits for brains.
-    pub(crate) fn watchdog(&self) -> Option<Watchdog> {
+    /// How the world waits for brains, in the paces in which it does.
+    pub(crate) fn lockstep(&self) -> Option<Lockstep> {
         match self {
-            Self::Lockstep(watchdog) | Self::Stepped(watchdog) => Some(*watchdog),
+            Self::Lockstep(lockstep) | Self::Stepped(lockstep) => Some(*lockstep),
             Self::Timed { .. } | Self::Free => None,
         }
+    }
+
+    /// The watchdog of those paces.
+    pub(crate) fn watchdog(&self) -> Option<Watchdog> {
+        self.lockstep().map(|lockstep| lockstep.watchdog)
+    }
+}
+
+/// How a world waits for its brains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lockstep {
+    /// What is done about a brain that does not answer.
+    pub watchdog: Watchdog,
+    /// Whether brains that wait for a message are left alone until one has come, and the world goes on while a brain's
+    /// answer could not have reached its robot anyway. It makes no difference to the run but how long it takes.
+    pub lookahead: bool,
+}
+
+impl Default for Lockstep {
+    fn default() -> Self {
+        Watchdog::default().into()
+    }
+}
+
+impl From<Watchdog> for Lockstep {
+    /// With this watchdog, and with lookahead.
+    fn from(watchdog: Watchdog) -> Self {
+        Self { watchdog, lookahead: true }
     }
 }
 

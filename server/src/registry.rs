@@ -1,7 +1,7 @@
 //! The worlds of a server, by name.
 
 use std::collections::BTreeMap;
-use std::sync::mpsc::{self, Sender};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
@@ -12,6 +12,7 @@ use tonic::Status;
 use crate::host::{Host, OnTick};
 use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
+use crate::room::Room;
 use crate::words::{brief, list};
 
 /// Most worlds of one server; each has a thread.
@@ -21,13 +22,33 @@ const MAX_WORLDS: usize = 1024;
 #[derive(Clone, Default)]
 pub(crate) struct Registry(Arc<Mutex<Worlds>>);
 
-type Worlds = BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>;
+/// Each with its thread. When nobody can reach them any more, they end.
+#[derive(Default)]
+struct Worlds {
+    by_name: BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>,
+    /// How many they are, for each of them to know.
+    count: Arc<AtomicU32>,
+}
+
+impl Worlds {
+    fn update_count(&self) {
+        self.count.store(u32::try_from(self.by_name.len()).unwrap_or(u32::MAX), Ordering::Relaxed);
+    }
+}
+
+impl Drop for Worlds {
+    fn drop(&mut self) {
+        for (world, _) in self.by_name.values() {
+            let _ = world.send(Letter::End);
+        }
+    }
+}
 
 /// The way to one world.
 #[derive(Clone)]
 pub(crate) struct WorldHandle {
     name: Arc<str>,
-    letters: Sender<Letter>,
+    room: Arc<Room>,
 }
 
 /// A world to be.
@@ -44,47 +65,52 @@ impl Registry {
     pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         let mut worlds = self.lock();
-        if worlds.contains_key(new.name.as_str()) {
+        if worlds.by_name.contains_key(new.name.as_str()) {
             return Err(Status::already_exists(format!("world: there is a world `{}` already", new.name)));
         }
-        if worlds.len() >= MAX_WORLDS {
+        if worlds.by_name.len() >= MAX_WORLDS {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.into();
-        let (letters, mailbox) = mpsc::channel();
         let world = World::new(new.scenario);
-        let host = Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, mailbox);
+        let host =
+            Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, Arc::clone(&worlds.count));
+        let room = Arc::new(Room::new(host));
+        let home = Arc::clone(&room);
         let thread = thread::Builder::new().name(format!("world {name}"));
         let thread = thread
-            .spawn(move || host.run())
+            .spawn(move || home.live())
             .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-        let handle = WorldHandle { name: Arc::clone(&name), letters };
-        worlds.insert(name, (handle.clone(), thread));
+        let handle = WorldHandle { name: Arc::clone(&name), room };
+        worlds.by_name.insert(name, (handle.clone(), thread));
+        worlds.update_count();
         Ok(handle)
     }
 
     /// The world of this name.
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         let worlds = self.lock();
-        worlds.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
-            let there = list(worlds.keys().map(AsRef::as_ref));
+        worlds.by_name.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
+            let there = list(worlds.by_name.keys().map(AsRef::as_ref));
             Status::not_found(format!("{field}: there is no world `{}`; there are: {there}", brief(name)))
         })
     }
 
     /// All worlds in the order of their names.
     pub(crate) fn all(&self) -> Vec<WorldHandle> {
-        self.lock().values().map(|(world, _)| world.clone()).collect()
+        self.lock().by_name.values().map(|(world, _)| world.clone()).collect()
     }
 
     /// Forgets a world.
     pub(crate) fn remove(&self, name: &str) {
-        self.lock().remove(name);
+        let mut worlds = self.lock();
+        worlds.by_name.remove(name);
+        worlds.update_count();
     }
 
     /// Forgets all worlds, which must have been told to end, and waits until their threads are over.
     pub(crate) fn join(&self) {
-        for (_, thread) in std::mem::take(&mut *self.lock()).into_values() {
+        for (_, thread) in std::mem::take(&mut self.lock().by_name).into_values() {
             // A panic of a world is on stderr already.
             let _ = thread.join();
         }
@@ -103,7 +129,7 @@ impl WorldHandle {
 
     /// Writes to the world.
     pub(crate) fn send(&self, letter: Letter) -> Result<(), Status> {
-        self.letters.send(letter).map_err(|_| self.gone())
+        if self.room.send(letter) { Ok(()) } else { Err(self.gone()) }
     }
 
     /// Writes to the world and waits for its answer.

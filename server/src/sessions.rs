@@ -1,5 +1,7 @@
 //! Who is attached to a world, and for whom the world waits.
 
+mod behind;
+
 use std::collections::{BTreeMap, VecDeque};
 
 use baudbot_sim::link::Link;
@@ -8,6 +10,7 @@ use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
 use tonic::Status;
 
+use crate::endpoint::Until;
 use crate::letter::{Attach, Delivery, RobotDelivery};
 use crate::pace::WatchdogPolicy;
 use crate::words::{brief, list};
@@ -39,6 +42,14 @@ struct Session {
     given: VecDeque<(u64, u64)>,
     /// In lockstep, the numbers of the Turns that it has not answered, oldest first.
     open: VecDeque<u64>,
+    /// It has promised to think as long as the scenario says.
+    steady: bool,
+    /// The steps of the last of its Turns.
+    asked: Vec<Turn>,
+    /// Those that the world has gone ahead of.
+    behind: Vec<Turn>,
+    /// Its steps in the tick that is begun; their Turn is held until it has answered the one before.
+    held: Vec<Turn>,
     /// The last Turn before a reset, or a change of pace: answers to it and to earlier ones are thrown away.
     void_turn: u64,
     /// The watchdog gave up on it; it is not waited for until it has answered its last Turn.
@@ -54,6 +65,8 @@ pub(crate) struct Seat {
     pub(crate) lost_deliveries: u64,
     /// Its brain is gone without having answered the Turn of this tick.
     unanswered: bool,
+    /// Its brain has answered and waits for a message.
+    until: Option<Until>,
 }
 
 /// How an answer stands to the Turn that a brain was given.
@@ -98,7 +111,7 @@ impl Sessions {
                     self.by_number[&session].brain
                 )));
             }
-            check_memory(&scenario.robots()[robot], request.memory_bytes)?;
+            check_brain(&scenario.robots()[robot], &request)?;
             robots.push(robot);
         }
         let number = self.next_number;
@@ -107,7 +120,7 @@ impl Sessions {
             self.seats[robot].session = Some(number);
             self.seats[robot].awaited = true;
         }
-        let Attach { brain, raw, deliveries, .. } = request;
+        let Attach { brain, raw, steady, deliveries, .. } = request;
         let session = Session {
             brain,
             raw,
@@ -116,6 +129,10 @@ impl Sessions {
             last_turn: 0,
             given: VecDeque::new(),
             open: VecDeque::new(),
+            steady,
+            asked: Vec::new(),
+            behind: Vec::new(),
+            held: Vec::new(),
             void_turn: 0,
             late: false,
         };
@@ -129,7 +146,7 @@ impl Sessions {
         let awaited = policy == Some(WatchdogPolicy::Wait);
         for robot in session.robots {
             let seat = &mut self.seats[robot];
-            (seat.session, seat.awaited) = (None, awaited);
+            (seat.session, seat.awaited, seat.until) = (None, awaited, None);
             seat.unanswered = awaited && !session.open.is_empty();
         }
     }
@@ -197,6 +214,20 @@ impl Sessions {
         if turn != 0 && turn <= session.void_turn { Answer::Void } else { Answer::Unasked }
     }
 
+    /// A robot's brain waits for a message, or, if not, is to be asked at its next step.
+    pub(crate) fn wait_until(&mut self, robot: usize, until: Option<Until>) {
+        self.seats[robot].until = until;
+    }
+
+    /// Whether a robot's brain need not be asked at this step, because it waits for something that has not come.
+    pub(crate) fn sleeps(&self, turn: Turn, world: &World) -> bool {
+        let seat = &self.seats[turn.robot];
+        let Some(until) = seat.until else { return false };
+        let raw = seat.session.is_some_and(|number| self.by_number[&number].raw);
+        let news = if raw { world.has_bytes(turn.robot) } else { world.has_message(turn.robot) };
+        !news && until.at_latest.is_none_or(|at_latest| turn.at < at_latest)
+    }
+
     /// The tick of the Turn of this number, if it is not too long ago.
     pub(crate) fn tick_of(&self, session: u64, turn: u64) -> Option<u64> {
         let given = &self.by_number.get(&session)?.given;
@@ -206,9 +237,14 @@ impl Sessions {
     /// The world is at another time, or at another pace: Turns up to now are void, and no answer is owed.
     pub(crate) fn void_turns(&mut self) {
         self.forget_unanswered();
+        for seat in &mut self.seats {
+            seat.until = None;
+        }
         for session in self.by_number.values_mut() {
             session.void_turn = session.last_turn;
             session.open.clear();
+            session.behind.clear();
+            session.held.clear();
             session.late = false;
         }
     }
@@ -221,7 +257,11 @@ impl Sessions {
         }
         self.forget_unanswered();
         for session in self.by_number.values_mut() {
-            session.deliver(world, &at, lockstep, &mut self.seats);
+            if session.behind.is_empty() {
+                session.deliver(world, &at, lockstep, &mut self.seats);
+            } else {
+                session.hold(&at);
+            }
         }
     }
 
@@ -237,6 +277,16 @@ impl Sessions {
         let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
         for turn in world.turns() {
             at[turn.robot] = std::mem::take(&mut self.seats[turn.robot].unanswered).then_some(turn.at);
+        }
+        session.deliver(world, &at, true, &mut self.seats);
+    }
+
+    /// Tells a brain that these are its steps in the tick that is begun.
+    pub(crate) fn deliver_to(&mut self, number: u64, world: &World, turns: &[Turn]) {
+        let Some(session) = self.by_number.get_mut(&number) else { return };
+        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
+        for turn in turns {
+            at[turn.robot] = Some(turn.at);
         }
         session.deliver(world, &at, true, &mut self.seats);
     }
@@ -265,6 +315,11 @@ impl Sessions {
 }
 
 impl Session {
+    fn hold(&mut self, at: &[Option<SimTime>]) {
+        let robots = self.robots.iter();
+        self.held = robots.filter_map(|&robot| Some(Turn { robot, at: at[robot]? })).collect();
+    }
+
     /// Sends the Turns of its robots that have one. A stream that is full, because its brain does not read,
     /// loses the delivery; that is counted, and the world does not wait for an answer to it.
     fn deliver(&mut self, world: &World, at: &[Option<SimTime>], lockstep: bool, seats: &mut [Seat]) {
@@ -285,12 +340,30 @@ impl Session {
             }
             self.given.push_back((number, world.tick()));
             self.open.extend(lockstep.then_some(number));
+            let robots = self.robots.iter();
+            self.asked.clear();
+            self.asked.extend(robots.filter_map(|&robot| Some(Turn { robot, at: at[robot]? })));
+            for &robot in self.robots.iter().filter(|&&robot| at[robot].is_some()) {
+                seats[robot].until = None;
+            }
         } else {
             for &robot in &self.robots {
                 seats[robot].lost_deliveries += 1;
             }
         }
     }
+}
+
+/// Whether a robot can have such a brain.
+fn check_brain(spec: &RobotSpec, request: &Attach) -> Result<(), Status> {
+    if request.raw && spec.hands_over() {
+        return Err(Status::invalid_argument(format!(
+            "hello.mode: the brain of robot `{}` is on board: it reads its sensors itself, and there is no cable with \
+             bytes; use PORT_MODE_MESSAGES",
+            spec.name
+        )));
+    }
+    check_memory(spec, request.memory_bytes)
 }
 
 /// Whether a brain's variables fit into the robot that its program is to run on.

@@ -1,6 +1,7 @@
 //! The world: the flow of Fig. 3.1 in two halves, with the brains between them.
 
 mod frozen;
+mod lookahead;
 mod motion;
 
 use alloc::string::String;
@@ -21,6 +22,7 @@ use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
+use lookahead::Ahead;
 use motion::Lists;
 
 /// A world: a scenario, which never changes, and a state, which is a value: a snapshot is a clone.
@@ -51,6 +53,7 @@ pub struct World {
     state: State,
     /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Frozen>,
+    ahead: Ahead,
     spare: Spare,
     is_parallel: bool,
 }
@@ -163,7 +166,8 @@ impl World {
             collisions: Vec::new(),
             ending: None,
         };
-        let mut world = Self { scenario, state, seen: None, spare: Spare::default(), is_parallel: false };
+        let (ahead, spare) = (Ahead::default(), Spare::default());
+        let mut world = Self { scenario, state, seen: None, ahead, spare, is_parallel: false };
         world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
         world
     }
@@ -261,7 +265,7 @@ impl World {
             robot.laptop.busy_until = at;
             robot.write(spec, at, input.bytes);
         }
-        for turn in &self.state.turns {
+        for turn in self.state.turns.iter().filter(|turn| !self.ahead.holds(turn)) {
             self.state.robots[turn.robot].step_over(&self.scenario.robots()[turn.robot], turn.at);
         }
     }

@@ -7,18 +7,23 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Client, run};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
-use baudbot_server::{Address, Pace, Server, Watchdog, WatchdogPolicy, WorldConfig};
+use baudbot_server::{Address, Lockstep, Pace, Server, Watchdog, WatchdogPolicy, WorldConfig};
 use baudbot_sim::Scenario;
 use tonic::transport::Channel;
 
 /// Lockstep that waits for its brains.
 pub fn lockstep() -> Pace {
-    Pace::Lockstep(Watchdog::default())
+    Pace::Lockstep(Lockstep::default())
+}
+
+/// Lockstep that asks every brain at each of its steps.
+pub fn strict() -> Pace {
+    Pace::Lockstep(Lockstep { lookahead: false, ..Lockstep::default() })
 }
 
 /// Lockstep with a watchdog.
 pub fn watched(timeout_ms: u64, policy: WatchdogPolicy) -> Pace {
-    Pace::Lockstep(Watchdog { timeout: Duration::from_millis(timeout_ms), policy })
+    Pace::Lockstep(Watchdog { timeout: Duration::from_millis(timeout_ms), policy }.into())
 }
 
 /// A server without ports and with one world `w`.

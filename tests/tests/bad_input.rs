@@ -63,6 +63,7 @@ fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
         mode: mode.into(),
         brain: "test".into(),
         memory_bytes: None,
+        thinks_as_scenario: false,
     })
 }
 
@@ -388,5 +389,15 @@ async fn a_step_names_each_robot_once() {
     let robots = vec![v1::RobotStep::default(); 100_000];
     stream.send(Request::Step(v1::Step { turn: 0, robots })).await;
     assert_status(&stream.end().await, Code::InvalidArgument, "step.robots[1].robot: 0 is named twice");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_brain_on_board_has_no_bytes() {
+    let server =
+        serve(scenario(WANDER, &["robots.robot.link={ kind = \"onboard\" }"]), Pace::REAL_TIME).await;
+    let raw = Stream::open(&server, hello(&["robot"], v1::PortMode::Raw)).await.err().unwrap();
+    assert_status(&raw, Code::InvalidArgument, "hello.mode: the brain of robot `robot` is on board");
+    Stream::open(&server, messages()).await.expect("with messages it may attach");
     server.shutdown().await;
 }

@@ -2,7 +2,7 @@
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::get_budget_request::Scenario as Given;
-use baudbot_server::{Pace, Watchdog};
+use baudbot_server::{Lockstep, Pace};
 use baudbot_tests::system::{operator, serve};
 use baudbot_tests::{KHEPERA, WANDER, scenario};
 use tonic::{Code, Status};
@@ -22,7 +22,7 @@ fn request(given: Given, overrides: &[&str]) -> v1::GetBudgetRequest {
 
 #[tokio::test]
 async fn an_operator_asks_what_a_cycle_costs_and_what_would_mend_it() {
-    let server = serve(scenario(WANDER, &[]), Pace::Stepped(Watchdog::default())).await;
+    let server = serve(scenario(WANDER, &[]), Pace::Stepped(Lockstep::default())).await;
     let of_world = ask(&server, request(Given::World("w".into()), &[])).await.unwrap();
     let of_text = ask(&server, request(Given::ScenarioToml(WANDER.into()), &[])).await.unwrap();
     assert_eq!(of_world, of_text);
@@ -45,7 +45,7 @@ async fn an_operator_asks_what_a_cycle_costs_and_what_would_mend_it() {
 
 #[tokio::test]
 async fn what_cannot_be_asked_is_refused_by_name() {
-    let server = serve(scenario(KHEPERA, &[]), Pace::Stepped(Watchdog::default())).await;
+    let server = serve(scenario(KHEPERA, &[]), Pace::Stepped(Lockstep::default())).await;
     let world = || Given::World("w".into());
     let unknown = v1::GetBudgetRequest { robots: vec!["bob".into()], ..request(world(), &[]) };
     let cases = [

@@ -143,7 +143,7 @@ async fn a_raw_brain_and_a_brain_of_messages_give_the_same_hash() {
 #[tokio::test]
 async fn a_restored_snapshot_has_the_same_future() {
     use baudbot_proto::v1::{ResetWorldRequest, RestoreWorldRequest, SnapshotWorldRequest, StepWorldRequest};
-    let pace = baudbot_server::Pace::Stepped(baudbot_server::Watchdog::default());
+    let pace = baudbot_server::Pace::Stepped(baudbot_server::Lockstep::default());
     let server = serve(scenario(WANDER, &[]), pace).await;
     let mut operator = baudbot_tests::system::operator(&server).await;
     let brain = client(&server).await;

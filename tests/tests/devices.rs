@@ -3,7 +3,7 @@
 use baudbot_client::{Action, Brain, Client, Error, RawCommands, RawReadings, Signals, Turn, run};
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
-use baudbot_server::{Pace, Server, Watchdog};
+use baudbot_server::{Lockstep, Pace, Server};
 use baudbot_tests::system::{client, lockstep, operator, serve, status};
 use baudbot_tests::{Pair, scenario};
 use baudbot_wire::scip;
@@ -420,7 +420,7 @@ async fn a_program_that_does_not_fit_is_refused() {
 
 #[tokio::test]
 async fn what_was_last_sent_goes_back_in_time_with_the_world() {
-    let server = serve(scenario(SCOUT, &[]), Pace::Stepped(Watchdog::default())).await;
+    let server = serve(scenario(SCOUT, &[]), Pace::Stepped(Lockstep::default())).await;
     let mut robot = client(&server).await.attach("w", "scout").await.unwrap();
     let brain = tokio::spawn(async move {
         while let Some(turn) = robot.turn().await? {

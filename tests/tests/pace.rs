@@ -179,9 +179,9 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
     };
     let mut last = 0;
     for kind in [
-        v1::pace::Kind::Lockstep(v1::Lockstep { watchdog: None }),
+        v1::pace::Kind::Lockstep(v1::Lockstep::default()),
         v1::pace::Kind::Scaled(v1::Scaled { factor: 5.0 }),
-        v1::pace::Kind::Lockstep(v1::Lockstep { watchdog: None }),
+        v1::pace::Kind::Lockstep(v1::Lockstep::default()),
         v1::pace::Kind::RealTime(v1::RealTime {}),
     ] {
         let tick = set(kind).await;
@@ -202,7 +202,7 @@ async fn a_backlog_of_answers_is_void_after_a_reset() {
     robot.turn().await.unwrap().unwrap();
     tokio::time::sleep(Duration::from_millis(60)).await;
     let mut operator = operator(&server).await;
-    let lockstep = v1::pace::Kind::Lockstep(v1::Lockstep { watchdog: None });
+    let lockstep = v1::pace::Kind::Lockstep(v1::Lockstep::default());
     let set = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(lockstep) }) };
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
     operator.set_pace(set.clone()).await.unwrap();

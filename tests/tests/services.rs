@@ -5,7 +5,7 @@ use std::time::Duration;
 use baudbot_client::Signals;
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
-use baudbot_server::{Pace, Server, Watchdog, WorldConfig};
+use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 use baudbot_tests::system::{client, lockstep, operator, serve, serve_on_ports, status};
 use baudbot_tests::{ARSIM, KHEPERA, WANDER, scenario};
 use tokio_stream::StreamExt;
@@ -64,7 +64,7 @@ async fn deleting_a_world_ends_its_streams_and_no_other() {
 
 #[tokio::test]
 async fn a_stepped_world_goes_as_far_as_it_is_asked_to() {
-    let server = serve(scenario(WANDER, &["end.after_s=1.0"]), Pace::Stepped(Watchdog::default())).await;
+    let server = serve(scenario(WANDER, &["end.after_s=1.0"]), Pace::Stepped(Lockstep::default())).await;
     let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
     let brain = tokio::spawn(async move {
         while robot.turn().await.unwrap().is_some() {

@@ -20,9 +20,8 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
     let runtime = runtime.map_err(|error| format!("cannot start the runtime: {error}"))?;
     let mut found = match what {
         Brains::Lockstep { robots, streams, ping, lookahead, effort } => {
-            // What a brain says for lookahead, it would say here.
-            let _ = lookahead;
-            let crew = runtime.block_on(Crew::attach(address, robots, *streams)).map_err(text)?;
+            let mut crew = runtime.block_on(Crew::attach(address, robots, *streams)).map_err(text)?;
+            crew.waits = *lookahead;
             let ping = ping.as_deref().map(|address| runtime.block_on(Player::connect(address)));
             let ping = ping.transpose().map_err(|status| format!("the ping-pong: {}", status.message()))?;
             lockstep(&runtime, crew, ping, *effort, progress)?
@@ -62,7 +61,13 @@ fn lockstep(
 }
 
 /// Brains that hold their robots.
-enum Crew {
+struct Crew {
+    held: Held,
+    /// Whether they need not be asked before there is news.
+    waits: bool,
+}
+
+enum Held {
     Streams(Vec<Robot>),
     Fleet(Box<Fleet>),
 }
@@ -72,7 +77,8 @@ impl Crew {
         let first = client(address).await?;
         if streams == Streams::OneStream {
             let names: Vec<_> = robots.iter().map(String::as_str).collect();
-            return Ok(Self::Fleet(Box::new(first.attach_many(WORLD, &names).await?)));
+            let fleet = first.attach_many(WORLD, &names).await?;
+            return Ok(Self { held: Held::Fleet(Box::new(fleet)), waits: false });
         }
         let mut held = Vec::new();
         for (i, robot) in robots.iter().enumerate() {
@@ -80,17 +86,18 @@ impl Crew {
             let own = if alone { client(address).await? } else { first.clone() };
             held.push(own.attach(WORLD, robot).await?);
         }
-        Ok(Self::Streams(held))
+        Ok(Self { held: Held::Streams(held), waits: false })
     }
 
     /// Drives all robots for so many ticks, each in a task of its own, as programs of their own would.
     async fn drive(&mut self, ticks: u64) -> Result<(), Error> {
-        match self {
-            Self::Fleet(fleet) => drive_fleet(fleet, ticks).await,
-            Self::Streams(robots) => {
+        let waits = self.waits;
+        match &mut self.held {
+            Held::Fleet(fleet) => drive_fleet(fleet, ticks).await,
+            Held::Streams(robots) => {
                 let mut tasks = JoinSet::new();
                 for mut robot in std::mem::take(robots) {
-                    tasks.spawn(async move { drive(&mut robot, ticks).await.map(|()| robot) });
+                    tasks.spawn(async move { drive(&mut robot, ticks, waits).await.map(|()| robot) });
                 }
                 while let Some(done) = tasks.join_next().await {
                     robots.push(done.expect("a brain does not panic")?);
@@ -105,10 +112,15 @@ async fn client(address: &str) -> Result<Client, Error> {
     Ok(connect(address).await?.brain("bench"))
 }
 
-async fn drive(robot: &mut Robot, ticks: u64) -> Result<(), Error> {
-    for _ in 0..ticks {
-        let Some(turn) = robot.turn().await? else { return Ok(()) };
-        robot.act(step(&turn)).await?;
+/// Through so many ticks of the world, whether or not the brain is asked in each.
+async fn drive(robot: &mut Robot, ticks: u64, waits: bool) -> Result<(), Error> {
+    let mut last = None;
+    while let Some(turn) = robot.turn().await? {
+        let action = step(&turn);
+        robot.act(if waits { action.until_message() } else { action }).await?;
+        if turn.tick >= *last.get_or_insert_with(|| turn.tick + ticks.saturating_sub(1)) {
+            break;
+        }
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ mod server;
 
 use std::process::Command;
 
-use baudbot_server::{Pace, Watchdog, WorldConfig};
+use baudbot_server::{Lockstep, Pace, WorldConfig};
 use serde::{Deserialize, Serialize};
 
 use crate::child::{self, ChildError};
@@ -78,9 +78,6 @@ pub enum NetworkError {
     /// The server.
     #[error("the server: {0}")]
     Server(String),
-    /// The world cannot go on while an answer travels.
-    #[error("lookahead is not there yet: the lockstep pace has no such option; N2/off runs")]
-    NoLookahead,
 }
 
 impl Network {
@@ -99,7 +96,7 @@ impl Network {
             return crowd::run(scenario, robots, effort, command, progress);
         }
         let streams = if let Self::Team(streams) = self { streams } else { Streams::Connections };
-        let server = Running::start(WorldConfig::new(WORLD, scenario).pace(pace(lookahead)?))?;
+        let server = Running::start(WorldConfig::new(WORLD, scenario).pace(pace(lookahead)))?;
         let ping = if self == Self::Alone { Some(server.ping()?) } else { None };
         let what = Brains::Lockstep { robots, streams, ping, lookahead, effort };
         let child = child::Child::start(command, &child::Task::Brains { address: server.address(), what })?;
@@ -131,10 +128,9 @@ impl Network {
     }
 }
 
-/// The pace of a world that waits for its brains. The seam for lookahead: with it, the world goes on while the answer of
-/// a brain is on its way, as far as no byte of it could change anything yet.
-fn pace(lookahead: bool) -> Result<Pace, NetworkError> {
-    if lookahead { Err(NetworkError::NoLookahead) } else { Ok(Pace::Lockstep(Watchdog::default())) }
+/// The pace of a world that waits for its brains.
+fn pace(lookahead: bool) -> Pace {
+    Pace::Lockstep(Lockstep { lookahead, ..Lockstep::default() })
 }
 
 /// Whether every robot was driven.

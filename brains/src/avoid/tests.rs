@@ -38,7 +38,12 @@ impl Bench {
         self.now_ns += 20 * MS;
         let readings = readings.map(|reading| [reading]);
         let readings = readings.each_ref().map(|reading| Some(&reading[..]));
-        self.avoid.step(&turn(&self.body, self.now_ns, &readings))
+        self.act(&turn(&self.body, self.now_ns, &readings))
+    }
+
+    /// What it does now; what it waits for then has a test of its own.
+    fn act(&mut self, turn: &Turn) -> Action {
+        Action { until: None, ..self.avoid.step(turn) }
     }
 
     /// A step so much later, with the readings repeated.
@@ -46,7 +51,38 @@ impl Bench {
         self.now_ns += ms * MS;
         let mut turn = turn(&self.body, self.now_ns, &[Some(&[0.0][..]); 6]);
         turn.readings.iter_mut().flatten().for_each(|reading| reading.readable = false);
-        self.avoid.step(&turn)
+        self.act(&turn)
+    }
+}
+
+#[test]
+fn until_the_instant_that_it_waits_for_it_would_do_nothing() {
+    let parameters = Parameters { stale_s: 0.3, ..Parameters::default() };
+    let mut bench = Bench::with(&FIVE, parameters);
+    for i in 0..200_u64 {
+        // Messages now and then, from 1 to 800 ms apart, the last one at a command's end or not.
+        bench.now_ns += [1, 3, 7, 40, 150, 800][i as usize % 6] * MS + i;
+        let reading = [(i % 5) as f64 * 0.1];
+        let news = turn(&bench.body, bench.now_ns, &[Some(&reading[..]); 6]);
+        let mut action = bench.avoid.step(&news);
+        for _ in 0..3 {
+            let until_ns =
+                action.until.and_then(|until| until.at_latest_ns).expect("it never waits for ever");
+            for at_ns in [bench.now_ns, (bench.now_ns + until_ns) / 2, until_ns.saturating_sub(1)] {
+                if at_ns < bench.now_ns || at_ns >= until_ns {
+                    continue;
+                }
+                let mut other = bench.avoid.clone();
+                let mut nothing = turn(&bench.body, at_ns, &[Some(&reading[..]); 6]);
+                nothing.readings.iter_mut().flatten().for_each(|reading| reading.readable = false);
+                assert_eq!(other.step(&nothing), Action::wait().until_message_or(until_ns), "{i}: {at_ns}");
+                assert_eq!(other, bench.avoid);
+            }
+            bench.now_ns = bench.now_ns.max(until_ns);
+            let mut nothing = turn(&bench.body, bench.now_ns, &[Some(&reading[..]); 6]);
+            nothing.readings.iter_mut().flatten().for_each(|reading| reading.readable = false);
+            action = bench.avoid.step(&nothing);
+        }
     }
 }
 

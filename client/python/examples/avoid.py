@@ -25,6 +25,8 @@ class Avoid:
     # A reading is a nearness: 0 if nothing is in range, 1 if something is very near. With ARSim's sensors
     # 0.28 is a wall about 0.4 m away.
     TURN, CLEAR = 0.28, 0.2
+    # A command is repeated after so long without news.
+    REPEAT_NS = 100_000_000
 
     def __init__(self, body):
         # Where each infra-red sensor looks: 0 is straight on, positive is to the left. Those that look aside
@@ -32,18 +34,24 @@ class Avoid:
         bearings = {i: s.mount.heading_rad for i, s in enumerate(body.sensors) if s.kind == "ir"}
         self.bearings = {i: b for i, b in bearings.items() if math.cos(b) > 0.3}
         self.nearness = {}  # last reading by sensor; empty until something has come over the cable
+        self.sent_ns = -math.inf  # when the last command was sent
         self.spin = 0.0  # turning on the spot to the left (1) or to the right (-1), or driving (0)
 
-    def step(self, turn, tick):
+    def step(self, turn):
         # What is not readable is an old reading, repeated. Without news there is nothing to say, and a command
         # at every tick would only queue up on a slow cable; now and then one goes out all the same, because
-        # the cable may have lost the last one.
+        # the cable may have lost the last one. In lockstep there are no turns in between, if we say what we wait for.
+        if turn.at_ns < self.sent_ns:
+            self.sent_ns = -math.inf  # the world was reset
         news = {r.sensor: r.values[0] for r in turn.readings if r.readable and r.sensor in self.bearings}
         self.nearness |= news
-        if not news and tick % 10 != 0:
-            return pb.RobotStep(robot=turn.robot)
-        left, right = self.decide()
-        return pb.RobotStep(robot=turn.robot, command=pb.Command(left_signal=left, right_signal=right))
+        command = None
+        if news or turn.at_ns >= self.sent_ns + self.REPEAT_NS:
+            left, right = self.decide()
+            command = pb.Command(left_signal=left, right_signal=right)
+            self.sent_ns = turn.at_ns
+        until = pb.UntilMessage(at_latest_ns=self.sent_ns + self.REPEAT_NS)
+        return pb.RobotStep(robot=turn.robot, command=command, until_message=until)
 
     def decide(self):
         nearest = max(self.nearness.values(), default=math.inf)
@@ -80,7 +88,7 @@ def run(args):
             if turn.tick >= last_tick:
                 return print(f"stopped at tick {turn.tick}")
             # Exactly one Step a Turn: in lockstep the world waits for it.
-            robots = [brain.step(robot, turn.tick) for robot in turn.robots]
+            robots = [brain.step(robot) for robot in turn.robots]
             requests.put(pb.AttachRequest(step=pb.Step(turn=turn.turn, robots=robots)))
         print("the server closed the stream")
 

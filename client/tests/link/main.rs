@@ -27,6 +27,7 @@ fn step(tick: u64, outputs: &[(u32, Option<Output>)]) -> v1::Step {
         thinking_ns: None,
         operations: None,
         output: output.clone(),
+        until_message: None,
     };
     v1::Step { turn: number(tick), robots: outputs.iter().map(robot_step).collect() }
 }
@@ -45,6 +46,7 @@ async fn the_handshake_names_world_robot_and_brain_and_brings_the_body() {
         mode: v1::PortMode::Messages.into(),
         brain: "timid".into(),
         memory_bytes: None,
+        thinks_as_scenario: false,
     };
     assert_eq!(requests.recv().await, Some(Request::Hello(hello)));
     assert_eq!((robot.step_ns(), robot.lockstep()), (10_000_000, true));

@@ -1,6 +1,7 @@
 //! What a brain is told, and what it says.
 
 use baudbot_proto::v1;
+use baudbot_sim::SimTime;
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::{Mode, Protocol};
@@ -11,7 +12,7 @@ use baudbot_sim::sensor::{Component, Device, Sensor};
 use baudbot_wire::Encoding;
 use tonic::Status;
 
-use crate::endpoint::{Output, Signals, Thinking, Write};
+use crate::endpoint::{Output, Signals, Thinking, Until, Write};
 use crate::letter::{Attached, Delivery, RobotDelivery};
 
 /// What a brain may know of its robots.
@@ -161,6 +162,7 @@ pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
         slot: step.robot as usize,
         thinking: Thinking { ns: step.thinking_ns, operations: step.operations },
         output: step.output.map(output),
+        until: step.until_message.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) }),
     };
     steps.into_iter().map(write).collect()
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use baudbot_proto::v1;
 use tonic::Status;
 
-use crate::pace::{Pace, Watchdog, WatchdogPolicy};
+use crate::pace::{Lockstep, Pace, Watchdog, WatchdogPolicy};
 
 /// A pace from the contract; `None` if it is absent.
 pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> {
@@ -21,10 +21,18 @@ pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> 
                 "pace.scaled.factor: must be positive, is {factor}"
             )));
         }
-        v1::pace::Kind::Lockstep(lockstep) => Pace::Lockstep(watchdog_from(lockstep.watchdog)?),
-        v1::pace::Kind::Stepped(stepped) => Pace::Stepped(watchdog_from(stepped.watchdog)?),
+        v1::pace::Kind::Lockstep(lockstep) => {
+            Pace::Lockstep(lockstep_from(lockstep.watchdog, lockstep.no_lookahead)?)
+        }
+        v1::pace::Kind::Stepped(stepped) => {
+            Pace::Stepped(lockstep_from(stepped.watchdog, stepped.no_lookahead)?)
+        }
         v1::pace::Kind::Free(_) => Pace::Free,
     }))
+}
+
+fn lockstep_from(watchdog: Option<v1::Watchdog>, no_lookahead: bool) -> Result<Lockstep, Status> {
+    Ok(Lockstep { watchdog: watchdog_from(watchdog)?, lookahead: !no_lookahead })
 }
 
 fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Result<Watchdog, Status> {
@@ -47,8 +55,12 @@ pub(super) fn pace_to(pace: Pace) -> v1::Pace {
     let kind = match pace {
         Pace::Timed { factor: 1.0 } => Kind::RealTime(v1::RealTime {}),
         Pace::Timed { factor } => Kind::Scaled(v1::Scaled { factor }),
-        Pace::Lockstep(watchdog) => Kind::Lockstep(v1::Lockstep { watchdog: Some(watchdog_to(watchdog)) }),
-        Pace::Stepped(watchdog) => Kind::Stepped(v1::Stepped { watchdog: Some(watchdog_to(watchdog)) }),
+        Pace::Lockstep(Lockstep { watchdog, lookahead }) => {
+            Kind::Lockstep(v1::Lockstep { watchdog: Some(watchdog_to(watchdog)), no_lookahead: !lookahead })
+        }
+        Pace::Stepped(Lockstep { watchdog, lookahead }) => {
+            Kind::Stepped(v1::Stepped { watchdog: Some(watchdog_to(watchdog)), no_lookahead: !lookahead })
+        }
         Pace::Free => Kind::Free(v1::Free {}),
     };
     v1::Pace { kind: Some(kind) }

@@ -1,24 +1,28 @@
-//! A world's thread: it alone touches the world, and does one thing at a time.
+//! A world and what is done about it, one thing at a time: letters are opened, a tick begins, a tick ends.
 //!
-//! This file is its loop; what operators order is in [`orders`].
+//! Who does that is [`Room`](crate::room::Room)'s to know. This file is the loop; what operators order is in [`orders`].
 
+mod ahead;
+mod letters;
 mod orders;
+mod rounds;
 mod stopwatch;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Instant;
+use std::sync::atomic::AtomicU32;
+use std::time::{Duration, Instant};
 
-use baudbot_sim::{Input, RobotView, SimTime, World};
+use baudbot_sim::{Input, RobotView, SimTime, Turn, World};
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
-use crate::endpoint::{Sender, Thinking, Write};
-use crate::letter::{Activity, Attach, Attached, Lease, Letter, Report};
+use crate::endpoint::Sender;
+use crate::letter::{Activity, Letter, Report};
 use crate::observers::Observers;
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
-use crate::sessions::{Answer, Sessions};
+use crate::sessions::Sessions;
+pub(crate) use rounds::Then;
 use stopwatch::Stopwatch;
 
 /// Called at the start of every tick, when the sensors have been read, on the world's own thread.
@@ -28,7 +32,6 @@ pub type OnTick = Box<dyn FnMut(&World) + Send>;
 pub(crate) struct Host {
     name: Arc<str>,
     world: World,
-    letters: Receiver<Letter>,
     sessions: Sessions,
     observers: Observers,
     on_tick: Option<OnTick>,
@@ -56,6 +59,17 @@ pub(crate) struct Host {
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
     deleted: bool,
+    /// How long a tick takes, lately; `None` before the first.
+    tick_takes: Option<Duration>,
+    tick_took: Duration,
+    /// Worlds on this server.
+    neighbours: Arc<AtomicU32>,
+    /// When the world's thread wakes by itself.
+    alarm: Option<Instant>,
+    /// Letters of those who want to see the world, which is ahead of its brains.
+    held: VecDeque<Letter>,
+    /// The run is over, and nobody has been told, as brains have yet to answer.
+    ending: bool,
 }
 
 /// A state that is kept.
@@ -78,6 +92,9 @@ struct Pending {
 enum Next {
     Begin,
     Finish,
+    /// Finish without the answers that are owed; at the latest at this instant there is something else to do.
+    FinishAhead(Instant),
+    End,
     Watchdog,
     Wait(Option<Instant>),
 }
@@ -89,7 +106,7 @@ impl Host {
         pace: Pace,
         paused: bool,
         on_tick: Option<OnTick>,
-        letters: Receiver<Letter>,
+        neighbours: Arc<AtomicU32>,
     ) -> Self {
         let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
         Self {
@@ -97,7 +114,6 @@ impl Host {
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
             world,
-            letters,
             on_tick,
             pace,
             pacing: Pacing::default(),
@@ -115,57 +131,36 @@ impl Host {
             snapshots: VecDeque::new(),
             last_snapshot: 0,
             deleted: false,
-        }
-    }
-
-    /// Runs the world until it is deleted or nobody can write to it any more.
-    pub(crate) fn run(mut self) {
-        loop {
-            // Letters go first, but a flood of them must not hold up the clock.
-            for _ in 0..MAX_LETTERS_AT_ONCE {
-                let Ok(letter) = self.letters.try_recv() else { break };
-                self.open(letter);
-            }
-            if self.deleted {
-                break;
-            }
-            let now = Instant::now();
-            self.running.set(self.activity() == Activity::Running, now);
-            match self.next(now) {
-                Next::Begin => self.begin(now),
-                Next::Finish => self.finish(now),
-                Next::Watchdog => self.bite(),
-                Next::Wait(until) => match self.wait(until, now) {
-                    Ok(letter) => self.open(letter),
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => break,
-                },
-            }
-        }
-        self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
-    }
-
-    fn wait(&self, until: Option<Instant>, now: Instant) -> Result<Letter, RecvTimeoutError> {
-        match until {
-            Some(until) => self.letters.recv_timeout(until.saturating_duration_since(now)),
-            None => self.letters.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            tick_takes: None,
+            tick_took: Duration::ZERO,
+            neighbours,
+            alarm: None,
+            held: VecDeque::new(),
+            ending: false,
         }
     }
 
     fn next(&self, now: Instant) -> Next {
+        if self.ending {
+            return if self.sessions.is_behind() { self.wait_for_answers(now) } else { Next::End };
+        }
         if !self.begun {
             let go = self.activity() == Activity::Running;
+            if self.sessions.is_behind() && !(go && self.can_begin_ahead()) {
+                return self.wait_for_answers(now);
+            }
             return if go { Next::Begin } else { Next::Wait(None) };
         }
-        if let Some(watchdog) = self.pace.watchdog() {
+        if self.pace.watchdog().is_some() {
             if self.sessions.has_unanswered_empty_seat() {
                 return Next::Wait(None);
             }
-            let deadline = self.waiting_since + watchdog.timeout;
-            return match self.sessions.owing().next() {
-                None => Next::Finish,
-                Some(_) if now >= deadline => Next::Watchdog,
-                Some(_) => Next::Wait(Some(deadline)),
+            if self.sessions.owing().next().is_none() {
+                return Next::Finish;
+            }
+            return match self.wait_for_answers(now) {
+                Next::Wait(Some(until)) if self.can_finish_ahead() => Next::FinishAhead(until),
+                next => next,
             };
         }
         match &self.clock {
@@ -200,13 +195,31 @@ impl Host {
         if let (Pace::Timed { factor }, None) = (self.pace, &self.clock) {
             self.clock = Some(Clock::new(now, self.world.time(), factor));
         }
-        let lockstep = self.pace.watchdog().is_some();
-        let turns = self.world.begin().to_vec();
+        let lockstep = self.pace.lockstep();
+        let mut turns = self.world.begin().to_vec();
         self.show();
-        self.sessions.deliver(&self.world, &turns, lockstep);
+        if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
+            turns.retain(|&turn| !self.lets_sleep(turn));
+        }
+        self.sessions.deliver(&self.world, &turns, lockstep.is_some());
         self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
-        self.waiting_since = Instant::now();
+        let begun = Instant::now();
+        if !self.sessions.is_behind() {
+            self.waiting_since = begun;
+        }
+        self.tick_took = begun - now;
+    }
+
+    /// A brain that waits for what has not come is not asked. Its step counts as one in which it wrote nothing.
+    fn lets_sleep(&mut self, turn: Turn) -> bool {
+        let sleeps = self.sessions.sleeps(turn, &self.world);
+        if sleeps {
+            let thinking_ns = self.world.scenario().robots()[turn.robot].thinking_ns;
+            let at = turn.at + thinking_ns;
+            self.inputs.push(Pending { robot: turn.robot, at, bytes: Vec::new(), tick: None });
+        }
+        sleeps
     }
 
     /// The world at the start of a tick, for those who look.
@@ -217,12 +230,13 @@ impl Host {
         self.observers.show(&self.world);
     }
 
-    fn finish(&mut self, now: Instant) {
+    /// Ends the tick, without the answers of some robots, each with when its brain is done.
+    fn finish_with(&mut self, now: Instant, open: &[(usize, SimTime)]) {
         if let Some(clock) = &self.clock {
             let late = now.saturating_duration_since(clock.instant(self.tick_end()));
             let step = clock.instant(self.tick_end()) - clock.instant(self.world.time());
             self.pacing.note_lateness(late, step);
-        } else if self.pace.watchdog().is_some() {
+        } else if self.pace.watchdog().is_some() && !self.sessions.is_behind() {
             self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
         }
         for pending in &self.inputs {
@@ -232,21 +246,29 @@ impl Host {
         }
         let inputs: Vec<Input<'_>> =
             self.inputs.iter().map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
-        self.world.finish(&inputs);
+        self.world.finish_ahead(&inputs, open);
         self.inputs.clear();
         self.permits.clear();
         self.begun = false;
         self.credits = self.credits.saturating_sub(1);
-        if self.world.ending().is_some() {
+        self.ending = self.world.ending().is_some();
+        if self.ending && !self.sessions.is_behind() {
             self.end();
         }
         if self.credits == 0 {
             self.answer_steppers();
         }
+        self.note_duration(self.tick_took + now.elapsed());
+    }
+
+    /// A tick took so long, without the wait for brains.
+    fn note_duration(&mut self, took: Duration) {
+        self.tick_takes = Some(self.tick_takes.map_or(took, |takes| (takes * 7 + took) / 8));
     }
 
     /// The run is over: the sensors are read a last time, and everybody is told.
     fn end(&mut self) {
+        self.ending = false;
         self.credits = 0;
         self.clock = None;
         self.world.begin();
@@ -266,88 +288,24 @@ impl Host {
                 "a brain has not answered in time");
             match watchdog.policy {
                 WatchdogPolicy::Wait => {}
-                WatchdogPolicy::GoOn => self.sessions.mark_late(number),
+                WatchdogPolicy::GoOn => {
+                    self.sessions.mark_late(number);
+                    self.give_up(number);
+                    self.deliver_held(number);
+                }
                 WatchdogPolicy::Detach => {
                     let status = Status::deadline_exceeded(format!("no answer to a Turn within {timeout:?}"));
-                    self.sessions.close(number, Some(watchdog.policy), status);
+                    self.close(number, status);
                 }
             }
         }
+        self.open_held_at_last();
     }
 
-    fn open(&mut self, letter: Letter) {
-        match letter {
-            Letter::Order(order, reply) => self.obey(order, reply),
-            Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
-            Letter::Watch { every_ticks, frames } => self.observers.add(every_ticks, frames, &self.world),
-            Letter::Attach(request, reply) => self.attach(request, reply),
-            Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
-            Letter::End => self.deleted = true,
-            Letter::Detach { session } => self.sessions.detach(session, self.policy()),
-        }
-    }
-
-    fn attach(&mut self, request: Attach, reply: oneshot::Sender<Result<Attached, Status>>) {
-        let scenario = Arc::clone(self.world.scenario());
-        let world = request.world.clone();
-        let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
-            Ok(attached) => attached,
-            Err(status) => return drop(reply.send(Err(status))),
-        };
-        for &robot in &robots {
-            self.senders[robot] = sender(&self.world.robot(robot));
-        }
-        let lockstep = self.pace.watchdog().is_some();
-        let lease = Lease { world, session };
-        // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
-        if reply.send(Ok(Attached { lease, scenario, robots, lockstep })).is_err() {
-            return;
-        }
-        if self.world.ending().is_some() {
-            self.sessions.tell_one_ended(session, self.world.tick());
-        } else if lockstep && self.begun {
-            self.sessions.deliver_unanswered(session, &self.world);
-        }
-    }
-
-    fn policy(&self) -> Option<WatchdogPolicy> {
-        self.pace.watchdog().map(|watchdog| watchdog.policy)
-    }
-
-    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
-        let answer = self.sessions.answered(session, turn);
-        match (answer, self.pace.watchdog()) {
-            (Answer::Void, _) => return,
-            (Answer::Unasked, Some(_)) => {
-                let text = format!(
-                    "step.turn: Turn {turn} is not the one to answer; in lockstep each Turn takes exactly one Step"
-                );
-                self.sessions.close(session, self.policy(), Status::failed_precondition(text));
-                return;
-            }
-            (Answer::Due, _) | (Answer::Unasked, None) => {}
-        }
-        let tick = self.sessions.tick_of(session, turn);
-        for write in writes {
-            let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
-            let at = self.written_at(robot, write.thinking);
-            let spec = &self.world.scenario().robots()[robot];
-            let bytes = self.senders[robot].encode(spec, write.output);
-            self.inputs.push(Pending { robot, at, bytes, tick });
-        }
-        self.permits.push(permit);
-    }
-
-    /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
-    /// time where the world waits, and not before they came where time follows the wall clock.
-    fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
-        let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
-        let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
-        match &self.clock {
-            // A world that lags its clock takes what comes now as coming within this tick.
-            Some(clock) => clock.time(Instant::now()).min(self.tick_end()).max(step),
-            None => step + thinking.on(self.world.robot(robot).spec()),
-        }
+    /// Ends a brain program's stream.
+    fn close(&mut self, session: u64, status: Status) {
+        self.give_up(session);
+        self.sessions.close(session, self.policy(), status);
     }
 
     fn tick_end(&self) -> SimTime {
@@ -359,5 +317,3 @@ impl Host {
 fn sender(robot: &RobotView<'_>) -> Sender {
     Sender::new(robot.actuators().iter().map(|actuator| actuator.signal))
 }
-
-const MAX_LETTERS_AT_ONCE: usize = 100;

@@ -84,6 +84,9 @@ impl Host {
     fn set_pace(&mut self, pace: Pace) {
         // From lockstep to lockstep, Turns that are open stay open.
         if self.pace.watchdog().is_none() || pace.watchdog().is_none() {
+            for session in self.sessions.numbers_behind() {
+                self.give_up(session);
+            }
             self.sessions.void_turns();
         }
         self.pace = pace;
@@ -97,6 +100,7 @@ impl Host {
     fn replace(&mut self, world: World) {
         self.world = world;
         self.begun = false;
+        self.ending = false;
         self.clock = None;
         self.inputs.clear();
         self.permits.clear();

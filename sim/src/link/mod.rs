@@ -21,6 +21,7 @@ mod counters;
 mod detour;
 mod duplex;
 mod line;
+mod lookahead;
 mod messages;
 mod outage;
 mod radio;

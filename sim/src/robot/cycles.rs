@@ -78,6 +78,11 @@ impl Cycles {
         self.open.iter().filter(|open| !open.is_late).count() as u64
     }
 
+    /// Whether a command has been obeyed whose cycle is still to be counted.
+    pub(crate) fn is_closing(&self) -> bool {
+        self.open.front().is_some_and(|open| open.closed.is_some())
+    }
+
     /// A message of readings is framed.
     pub(super) fn open(&mut self, begun: SimTime) {
         if self.open.len() == MAX_OPEN

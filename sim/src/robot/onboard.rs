@@ -12,7 +12,7 @@ use crate::time::SimTime;
 impl RobotSpec {
     /// Whether readings are handed over without a message. The lines of a Khepera are part of what its brain sees, so
     /// one on board gets them too.
-    pub(crate) fn hands_over(&self) -> bool {
+    pub fn hands_over(&self) -> bool {
         matches!(self.link, Link::Onboard) && self.firmware.protocol != Protocol::Khepera
     }
 }
