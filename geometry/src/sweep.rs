@@ -10,7 +10,10 @@
 //! larger than their error; a shape so near that a margin is no help is tried with every ray, by those functions
 //! themselves.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+mod about;
+mod meet;
+
+use core::f64::consts::PI;
 use core::ops::Range;
 
 use arrayvec::ArrayVec;
@@ -18,10 +21,12 @@ use arrayvec::ArrayVec;
 use crate::circle::Circle;
 use crate::fan::Fan;
 use crate::math;
-use crate::pose::{Direction, Point, Pose, Vector};
+use crate::pose::{Direction, Pose, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
 use crate::vectors::{Work, with_vectors};
+use about::{Cone, MOST_OF_CONE_RAD, about_atan2, wrapped};
+use meet::{FEW_RAYS, Relative, meet};
 
 /// The distances along some rays of a fan, while shapes are added one after the other.
 pub struct Sweep<'a> {
@@ -32,6 +37,7 @@ pub struct Sweep<'a> {
     range: f64,
     distances: &'a mut [f64],
     waiting: ArrayVec<Candidate, MOST_WAITING>,
+    cone: Option<Cone>,
 }
 
 /// A shape within range that the rays have yet to be held against.
@@ -40,13 +46,6 @@ struct Candidate {
     shape: Relative,
     /// Which rays may meet it.
     spans: [Range<usize>; 2],
-}
-
-/// A shape as seen from the fan's origin, in the axes of the world.
-#[derive(Clone, Copy, PartialEq)]
-enum Relative {
-    Segment(Vector, Vector),
-    Circle(Vector, f64),
 }
 
 impl<'a> Sweep<'a> {
@@ -60,7 +59,8 @@ impl<'a> Sweep<'a> {
     pub fn new(pose: &Pose, fan: &'a Fan, rays: Range<usize>, range: f64, distances: &'a mut [f64]) -> Self {
         assert!(rays.len() == distances.len() && rays.end <= fan.len(), "a distance for each ray of the fan");
         distances.fill(f64::INFINITY);
-        Self { pose: *pose, direction: None, fan, rays, range, distances, waiting: ArrayVec::new() }
+        let waiting = ArrayVec::new();
+        Self { pose: *pose, direction: None, fan, rays, range, distances, waiting, cone: None }
     }
 
     /// All that is in range is in this disc, or touches it.
@@ -119,7 +119,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn wait(&mut self, shape: Relative) {
-        if self.waiting.iter().any(|candidate| candidate.shape == shape) {
+        if self.waiting.iter().any(|candidate| candidate.shape == shape) || self.is_beside(&shape) {
             return;
         }
         if self.waiting.is_full() {
@@ -128,6 +128,24 @@ impl<'a> Sweep<'a> {
         let spans = self.spans(&shape);
         if !(spans[0].is_empty() && spans[1].is_empty()) {
             self.waiting.push(Candidate { shape, spans });
+        }
+    }
+
+    /// Whether none of a few rays can meet the shape: much sooner told than which of them do.
+    fn is_beside(&mut self, shape: &Relative) -> bool {
+        let kappas = self.fan.kappas();
+        let few = 1..=FEW_RAYS;
+        if !few.contains(&self.rays.len())
+            || kappas[self.rays.end - 1] - kappas[self.rays.start] > MOST_OF_CONE_RAD
+        {
+            return false;
+        }
+        let Self { pose, fan, rays, cone, .. } = self;
+        let (first, last) = (fan.relative()[rays.start], fan.relative()[rays.end - 1]);
+        let cone = cone.get_or_insert_with(|| Cone::between(pose.heading, first, last));
+        match shape {
+            Relative::Segment(a, b) => cone.has_beside(a, b, 0.0),
+            Relative::Circle(center, radius) => cone.has_beside(center, center, *radius),
         }
     }
 
@@ -236,68 +254,6 @@ impl Work for Meet<'_, '_> {
     }
 }
 
-/// Holds a shape against some rays.
-#[inline(always)]
-fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
-    match *shape {
-        // Vectors do not pay: most rays miss, which is soon found out.
-        Relative::Segment(a, b) if distances.len() <= FEW_RAYS => {
-            meet_one_by_one(a, b, directions, range, distances);
-        }
-        Relative::Segment(a, b) => meet_segment(a, b, directions, range, distances),
-        Relative::Circle(center, radius) => meet_circle(center, radius, directions, range, distances),
-    }
-}
-
-/// [`Ray::hit_segment`], operation for operation, of a segment that the origin is not close to.
-#[inline(always)]
-fn meet_segment(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
-    let mut coincide = false;
-    for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
-        let (ax, ay) = (cos * a.x + sin * a.y, cos * a.y - sin * a.x);
-        let (bx, by) = (cos * b.x + sin * b.y, cos * b.y - sin * b.x);
-        let a_is_nearer = ay.abs() <= by.abs();
-        let (near_x, near_y) = if a_is_nearer { (ax, ay) } else { (bx, by) };
-        let (far_x, far_y) = if a_is_nearer { (bx, by) } else { (ax, ay) };
-        let distance = near_x + (far_x - near_x) * (near_y / (near_y - far_y)) + 0.0;
-        let misses = ((ay > 0.0) & (by > 0.0)) | ((ay < 0.0) & (by < 0.0));
-        let hits = !misses & (distance >= 0.0) & (distance <= range) & (distance < *nearest);
-        *nearest = if hits { distance } else { *nearest };
-        coincide |= (ay == 0.0) & (by == 0.0);
-    }
-    if coincide {
-        meet_one_by_one(a, b, (cos, sin), range, distances);
-    }
-}
-
-/// [`Ray::hit_segment`] itself: for rays that run along the segment, and for a few.
-fn meet_one_by_one(a: Vector, b: Vector, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
-    let segment = Segment { start: Point::from(a), end: Point::from(b) };
-    for ((nearest, &cos), &sin) in distances.iter_mut().zip(cos).zip(sin) {
-        let ray = Ray { origin: Point::origin(), direction: Direction { cos, sin } };
-        if let Some(distance) = ray.hit_segment(&segment)
-            && distance <= range
-            && distance < *nearest
-        {
-            *nearest = distance;
-        }
-    }
-}
-
-/// [`Ray::hit_circle`], operation for operation, of a circle that the origin is outside of.
-#[inline(always)]
-fn meet_circle(center: Vector, radius: f64, (cos, sin): (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
-    for ((nearest, cos), sin) in distances.iter_mut().zip(cos).zip(sin) {
-        let ahead = cos * center.x + sin * center.y;
-        let aside = (cos * center.y - sin * center.x).abs();
-        let half_chord = math::sqrt((radius - aside) * (radius + aside));
-        let distance = ahead - half_chord;
-        let distance = if distance > 0.0 { distance } else { 0.0 };
-        let hits = (ahead >= 0.0) & (aside <= radius) & (distance <= range) & (distance < *nearest);
-        *nearest = if hits { distance } else { *nearest };
-    }
-}
-
 fn nearest_to_origin(a: Vector, b: Vector) -> Vector {
     let along = b - a;
     let (ahead, length_squared) = (-a.dot(&along), along.norm_squared());
@@ -310,30 +266,6 @@ fn nearest_to_origin(a: Vector, b: Vector) -> Vector {
     }
 }
 
-/// The angle of (`x`, `y`) in radians, to 0.00002 (Abramowitz and Stegun, 4.4.49): enough to choose rays by.
-fn about_atan2(y: f64, x: f64) -> f64 {
-    let (ax, ay) = (x.abs(), y.abs());
-    let (small, large) = if ay <= ax { (ay, ax) } else { (ax, ay) };
-    let t = if large > 0.0 { small / large } else { 0.0 };
-    let t2 = t * t;
-    let atan =
-        t * (0.999_866_0 + t2 * (-0.330_299_5 + t2 * (0.180_141_0 + t2 * (-0.085_133_0 + t2 * 0.020_835_1))));
-    let atan = if ay <= ax { atan } else { FRAC_PI_2 - atan };
-    let atan = if x < 0.0 { PI - atan } else { atan };
-    if y < 0.0 { -atan } else { atan }
-}
-
-/// Into [-pi, pi], from less than a turn outside of it.
-fn wrapped(angle_rad: f64) -> f64 {
-    if angle_rad > PI {
-        angle_rad - TAU
-    } else if angle_rad < -PI {
-        angle_rad + TAU
-    } else {
-        angle_rad
-    }
-}
-
 /// Rays are chosen with angles that are wrong by less than this.
 const MARGIN_RAD: f64 = 1e-4;
 
@@ -343,9 +275,6 @@ const ROUNDING: f64 = 1e-12;
 /// A shape is close if its distance, as a part of its ends', is less than this: then rounding matters to whether
 /// the origin is on it.
 const CLOSE: f64 = 1e-9;
-
-/// For so few rays choosing is no gain.
-const FEW_RAYS: usize = 4;
 
 /// So many rays have their directions computed at once.
 const MANY_RAYS: usize = 128;

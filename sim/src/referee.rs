@@ -31,6 +31,8 @@ pub struct Rules {
     pub sensed: Option<f64>,
     /// The run ends when a battery is empty.
     pub battery_empty: bool,
+    /// Whether some robot's missed deadline ends it.
+    pub(crate) missed_deadline: bool,
 }
 
 impl Rules {
@@ -143,8 +145,8 @@ impl World {
     /// Whether the rules say that it has been enough.
     pub(crate) fn judge(&self) -> Option<Ending> {
         let (scenario, rules) = (self.scenario(), &self.scenario().rules);
-        let collisions: u64 = self.robots().map(|robot| robot.counters().collisions).sum();
-        if let Some(limit) = rules.collisions.filter(|&limit| collisions >= limit) {
+        let collisions = || self.robots().map(|robot| robot.counters().collisions).sum::<u64>();
+        if let Some(limit) = rules.collisions.filter(|&limit| collisions() >= limit) {
             return Some(Ending::Collisions(limit));
         }
         let goals =
@@ -163,13 +165,15 @@ impl World {
         let empty = |robot: &crate::RobotView<'_>| {
             robot.battery().is_some_and(|(battery, state)| state.is_empty(battery))
         };
-        if let Some(robot) = self.robots().find(|robot| rules.battery_empty && empty(robot)) {
+        if rules.battery_empty
+            && let Some(robot) = self.robots().find(empty)
+        {
             return Some(Ending::BatteryEmpty(String::clone(&robot.spec().name)));
         }
         let too_late = |robot: &crate::RobotView<'_>| {
             robot.spec().deadline.on_late == Some(OnLate::End) && robot.cycles().late > 0
         };
-        let late = self.robots().find(too_late);
+        let late = rules.missed_deadline.then(|| self.robots().find(too_late)).flatten();
         late.map(|robot| Ending::DeadlineMissed(String::clone(&robot.spec().name)))
     }
 }

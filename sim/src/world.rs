@@ -1,6 +1,7 @@
 //! The world: the flow of Fig. 3.1 in two halves, with the brains between them.
 
 mod frozen;
+mod given;
 mod lookahead;
 mod motion;
 
@@ -22,6 +23,7 @@ use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
+use given::Given;
 use lookahead::Ahead;
 use motion::Lists;
 
@@ -65,6 +67,17 @@ struct Spare {
     lists: Lists,
     /// When each robot's brain steps in the tick, if it does.
     steps: Vec<Option<SimTime>>,
+    given: Given,
+}
+
+impl Spare {
+    fn note_steps(&mut self, turns: &[Turn], robots: usize) {
+        self.steps.clear();
+        self.steps.resize(robots, None);
+        for turn in turns {
+            self.steps[turn.robot] = Some(turn.at);
+        }
+    }
 }
 
 impl Clone for Spare {
@@ -167,7 +180,8 @@ impl World {
             ending: None,
         };
         let (ahead, spare) = (Ahead::default(), Spare::default());
-        let mut world = Self { scenario, state, seen: None, ahead, spare, is_parallel: false };
+        let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
+        let mut world = Self { scenario, state, seen: None, ahead, spare, is_parallel };
         world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
         world
     }
@@ -180,8 +194,8 @@ impl World {
         }
     }
 
-    /// Whether ticks of many robots use all threads of the rayon pool that they are called in. Makes no difference to
-    /// any bit.
+    /// Whether ticks use all threads of the rayon pool that they are called in, where there are enough robots for it.
+    /// Worlds of 256 robots and more do so unless told otherwise. Makes no difference to any bit.
     #[cfg(feature = "rayon")]
     pub fn set_parallel(&mut self, is_parallel: bool) {
         self.is_parallel = is_parallel;
@@ -223,18 +237,29 @@ impl World {
         if !self.state.begun || self.state.ending.is_some() {
             return;
         }
-        self.hand_over();
-        self.write(inputs);
         let frozen = self.seen.take().unwrap_or_else(|| self.frozen());
         let (start, end) = (self.time(), self.tick_end());
-        let scenario = &*self.scenario;
-        let steps = &mut self.spare.steps;
-        steps.resize(self.state.robots.len(), None);
-        parallel::each(self.is_parallel, &mut self.state.robots, steps, |own, robot, _| {
+        let Self { scenario, state, spare, ahead, is_parallel, .. } = self;
+        let scenario = &**scenario;
+        spare.note_steps(&state.turns, state.robots.len());
+        spare.given.note(inputs, state.robots.len());
+        let tick = state.tick;
+        // All of a robot's at once: it is seldom that a crowd is in the processor's near memory.
+        let Spare { given, steps, .. } = spare;
+        parallel::each(*is_parallel, &mut state.robots, steps, |own, robot, step| {
+            let spec = &scenario.robots()[own];
+            if let Some(at) = *step {
+                robot.hand_over(tick, at);
+            }
+            given.of(own).for_each(|i| robot.answer(spec, &inputs[i]));
+            if let Some(at) = step.filter(|&at| !ahead.holds(&Turn { robot: own, at })) {
+                robot.step_over(spec, at);
+            }
             let scene = scenario.scene(&frozen, own);
             let moment = Moment { scene: &scene, noise: scenario.noise, start, end };
-            robot.advance(&scenario.robots()[own], &moment, end, None);
+            robot.advance(spec, &moment, end, None);
             robot.look_for_losses(end);
+            robot.start_moving(spec, scenario.noise);
         });
         self.spare.frozen = frozen;
         self.move_all();
@@ -248,25 +273,6 @@ impl World {
     pub fn answers(&mut self, robot: usize, tick: u64) {
         if let Some(robot) = self.state.robots.get_mut(robot) {
             robot.laptop.answers_tick = Some(tick).filter(|_| tick != self.state.tick);
-        }
-    }
-
-    fn hand_over(&mut self) {
-        for turn in &self.state.turns {
-            self.state.robots[turn.robot].hand_over(self.state.tick, turn.at);
-        }
-    }
-
-    fn write(&mut self, inputs: &[Input<'_>]) {
-        for input in inputs {
-            let Some(robot) = self.state.robots.get_mut(input.robot) else { continue };
-            let (spec, begun) = (&self.scenario.robots()[input.robot], robot.laptop.busy_until);
-            let at = robot.think(spec, begun, input.at.max(begun));
-            robot.laptop.busy_until = at;
-            robot.write(spec, at, input.bytes);
-        }
-        for turn in self.state.turns.iter().filter(|turn| !self.ahead.holds(turn)) {
-            self.state.robots[turn.robot].step_over(&self.scenario.robots()[turn.robot], turn.at);
         }
     }
 
@@ -360,6 +366,10 @@ impl World {
         hash::of(&self.state)
     }
 }
+
+/// So many robots are moved by several threads, if there are any: the work of a tick is then well above what it costs
+/// to call them.
+const CROWD: usize = 256;
 
 /// Events that a world keeps of all its robots' timelines together, unless it is told otherwise.
 const TIMELINE_EVENTS: usize = 1 << 16;

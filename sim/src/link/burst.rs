@@ -38,6 +38,17 @@ impl Burst {
         self.end
     }
 
+    /// Puts so many characters, at least one, on a wire on which they take no time: [`put`](Self::put) for each of them.
+    pub(super) fn put_at_once(&mut self, ready: SimTime, characters: u64) -> SimTime {
+        if ready > self.end {
+            self.start = ready;
+            self.characters = 0;
+        }
+        self.characters += characters;
+        self.end = self.start;
+        self.end
+    }
+
     /// When at most `depth` of its characters will still be on the way.
     pub(super) fn drained_to(&self, link: &Link, depth: usize) -> SimTime {
         match self.characters.saturating_sub(depth as u64) {
@@ -72,6 +83,17 @@ mod tests {
             burst.put(&link, SimTime::ZERO);
         }
         assert_eq!(burst.end, SimTime::from_ns(3600 * SECOND_NS));
+    }
+
+    #[test]
+    fn at_once_is_one_by_one_where_it_takes_no_time() {
+        let (mut alone, mut together) = (Burst::default(), Burst::default());
+        for (us, n) in [(0, 3), (0, 1), (5, 2), (4, 4), (9, 1)] {
+            let ready = SimTime::from_ns(us * 1000);
+            let last = (0..n).map(|_| alone.put(&Link::Ideal, ready)).last();
+            assert_eq!(Some(together.put_at_once(ready, n)), last);
+            assert_eq!(alloc::format!("{together:?}"), alloc::format!("{alone:?}"));
+        }
     }
 
     #[test]

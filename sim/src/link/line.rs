@@ -55,6 +55,12 @@ impl Line {
             self.send_by_detour(link, now, bytes);
             return;
         }
+        if matches!(link, Link::Ideal | Link::Onboard) && !bytes.is_empty() {
+            let arrival = self.burst.put_at_once(now, bytes.len() as u64);
+            self.in_flight.extend(bytes.iter().map(|&byte| (arrival, byte)));
+            self.sent += bytes.len() as u64;
+            return;
+        }
         for &byte in bytes {
             let byte = self.disturb(link, now, byte);
             self.in_flight.push_back((self.burst.put(link, now), byte));

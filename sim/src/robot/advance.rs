@@ -9,6 +9,7 @@ use crate::microcontroller::{Order, Taken, Task};
 use crate::sensor::{Event, Measurement};
 use crate::time::SimTime;
 use crate::timeline::What;
+use crate::world::Input;
 
 /// What comes next on a robot.
 enum Next {
@@ -242,6 +243,23 @@ impl Robot {
         match spec.link {
             Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
             Link::Ideal | Link::Uart(_) | Link::Usb(_) => until,
+        }
+    }
+
+    /// What the brain hands to its port.
+    pub(crate) fn answer(&mut self, spec: &RobotSpec, input: &Input<'_>) {
+        let begun = self.laptop.busy_until;
+        let at = self.think(spec, begun, input.at.max(begun));
+        self.laptop.busy_until = at;
+        self.write(spec, at, input.bytes);
+    }
+
+    /// What has happened on it in this tick is over, and it begins to move.
+    pub(crate) fn start_moving(&mut self, spec: &RobotSpec, noise: bool) {
+        self.collided = false;
+        self.pings = [None, self.pings[0].or(self.pings[1])];
+        if noise {
+            self.motor_noise.tick(&spec.drive.motor_noise);
         }
     }
 

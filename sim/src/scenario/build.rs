@@ -16,7 +16,7 @@ use crate::coverage::Floor;
 use crate::movable::{Body, Movable};
 use crate::mover::{Mover, Path as Way};
 use crate::referee::Rules;
-use crate::robot::RobotSpec;
+use crate::robot::{OnLate, RobotSpec};
 use crate::sensor::Sensor;
 use crate::surroundings::Surroundings;
 use crate::time::{SECOND_NS, SimTime};
@@ -142,6 +142,7 @@ fn rules(
         covered,
         sensed,
         battery_empty: end.battery_empty,
+        missed_deadline: robots.iter().any(|robot| robot.deadline.on_late == Some(OnLate::End)),
     })
 }
 

@@ -436,7 +436,9 @@ impl Sensor {
         values: &mut [f64],
         stream: &mut Stream,
     ) {
-        if noisy && !self.noise.is_none() {
+        if noisy && matches!(values, [value] if value.to_bits() == 0) && self.noise.leaves_0(stream) {
+            // Nothing is near.
+        } else if noisy && !self.noise.is_none() {
             // What is infinitely far stays so whatever noise does to it, but for a dropout.
             let nothing = self.device.nothing();
             if let Some(nothing) = nothing {

@@ -98,6 +98,20 @@ impl Noise {
         sigmas == [0.0; 5] && self.uniform == 0.0 && self.spikes().is_none() && self.dropout().is_none()
     }
 
+    /// Whether a reading of 0 stays 0 whatever is drawn: the draws are made all the same.
+    pub(crate) fn leaves_0(&self, stream: &mut Stream) -> bool {
+        let is_factor_alone = [self.gain_spread, self.offset_spread, self.additive, self.uniform] == [0.0; 4]
+            && self.drift.is_none()
+            && self.spikes.is_none()
+            && self.dropout.is_none();
+        // Unless the factor could be negative, and the 0 too.
+        let leaves = is_factor_alone && self.multiplicative.abs() < 1.0 / Stream::MOST_NORMAL;
+        if leaves && self.multiplicative != 0.0 {
+            stream.skip_normal();
+        }
+        leaves
+    }
+
     /// A specimen of a sensor with so many components, at the start of the run. `specimen` should not be the
     /// stream of the readings' noise, so that another specimen makes no difference to that.
     pub(crate) fn start(&self, components: usize, specimen: &mut Stream) -> NoiseState {
@@ -184,11 +198,6 @@ impl NoiseState {
 /// Multiplicative noise, Eq. (3.1): the reading times N(1, σ). Draws nothing if σ is 0.
 pub(crate) fn multiplicative(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
     if sigma == 0.0 {
-        return reading;
-    }
-    // Of 0 there is nothing to disturb, unless the factor could be negative: the draws are made, but not computed with.
-    if reading.to_bits() == 0 && sigma.abs() < 1.0 / Stream::MOST_NORMAL {
-        stream.skip_normal();
         return reading;
     }
     reading * (1.0 + sigma * stream.normal())

@@ -22,6 +22,8 @@ use crate::time::{SECOND_NS, SimTime};
 #[derive(Debug, Default)]
 pub(super) struct Lists {
     at_start: Vec<Pose>,
+    /// Where each robot was and is.
+    ways: Vec<[Pose; 2]>,
     before: Vec<Pose>,
     after: Vec<Pose>,
     crowd: Crowd,
@@ -39,13 +41,6 @@ impl World {
         let mut lists = core::mem::take(&mut self.spare.lists);
         let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
-        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
-            robot.collided = false;
-            robot.pings = [None, robot.pings[0].or(robot.pings[1])];
-            if scenario.noise {
-                robot.motor_noise.tick(&spec.drive.motor_noise);
-            }
-        }
         let scored = scenario.rules.floor.is_some() || !scenario.surroundings.zones.is_empty();
         if scored {
             self.note_poses(&mut lists.at_start);
@@ -63,37 +58,39 @@ impl World {
     }
 
     fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
-        self.note_poses(&mut lists.before);
-        let specs = scenario.robots();
-        lists.held.resize(specs.len(), None);
-        parallel::each(self.is_parallel, &mut self.state.robots, &mut lists.held, |own, robot, _| {
-            robot.drive(&specs[own], scenario, now, dt);
-        });
+        self.drive_all(scenario, lists, now, dt);
         self.note_obstacles(scenario, &mut lists.obstacles);
         lists.held_first.clear();
+        gather(scenario, lists);
         if !scenario.movables.is_empty() {
-            self.gather(scenario, lists);
             self.push(scenario, lists, dt);
+            self.note_poses(&mut lists.after);
+            gather(scenario, lists);
         }
-        self.gather(scenario, lists);
         match scenario.collision {
-            CollisionPolicy::StopRun => self.stop_run(scenario, lists),
-            CollisionPolicy::StopRobot => self.stop_robots(scenario, lists),
-        }
-        for (robot, spec) in self.state.robots.iter_mut().zip(scenario.robots()) {
-            let (speed, _) = scenario.surroundings.over_ground(&spec.drive, &robot.motion);
-            robot.counters.distance_m += (speed * dt).abs();
+            CollisionPolicy::StopRun => self.stop_run(scenario, lists, dt),
+            CollisionPolicy::StopRobot => self.stop_robots(scenario, lists, dt),
         }
         if !scenario.movers.is_empty() {
             self.move_movers(scenario, now, dt);
         }
     }
 
-    /// Where the robots are now, and who is near whom on the way there.
-    fn gather(&self, scenario: &Scenario, lists: &mut Lists) {
-        self.note_poses(&mut lists.after);
-        let ways = lists.before.iter().zip(&lists.after).zip(scenario.robots());
-        lists.crowd.rebuild(ways.map(|((before, after), spec)| swept(&spec.form(), before, after)));
+    /// Each robot drives as if it were alone; where it was and where it is then.
+    fn drive_all(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
+        let Lists { ways, before, after, .. } = lists;
+        let nowhere = Pose::new(0.0, 0.0, 0.0);
+        ways.resize(self.state.robots.len(), [nowhere; 2]);
+        let specs = scenario.robots();
+        parallel::each(self.is_parallel, &mut self.state.robots, ways, |own, robot, way| {
+            way[0] = robot.motion.pose;
+            robot.drive(&specs[own], scenario, now, dt);
+            way[1] = robot.motion.pose;
+        });
+        before.clear();
+        before.extend(ways.iter().map(|way| way[0]));
+        after.clear();
+        after.extend(ways.iter().map(|way| way[1]));
     }
 
     /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
@@ -151,7 +148,7 @@ impl World {
         obstacles.extend(movers.map(|(mover, state)| mover.form().at(&state.pose)));
     }
 
-    fn stop_run(&mut self, scenario: &Scenario, lists: &mut Lists) {
+    fn stop_run(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         let Lists { before, after, crowd, held, obstacles, .. } = lists;
         step(scenario, obstacles, before, after, crowd, |step| {
             held.clear();
@@ -159,11 +156,12 @@ impl World {
         });
         for own in 0..lists.before.len() {
             self.note_contact(own, lists.held[own], lists);
+            self.note_way(scenario, own, dt);
         }
         self.state.ending = self.state.collisions.first().cloned().map(Ending::Collision);
     }
 
-    fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists) {
+    fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         let Lists { before, after, crowd, held, found, obstacles, .. } = lists;
         let is_parallel = self.is_parallel;
         step(scenario, obstacles, before, after, crowd, |mut step| {
@@ -176,7 +174,15 @@ impl World {
             }
             let earlier = || lists.held_first.get(own).copied().flatten();
             self.note_contact(own, met.or_else(earlier), lists);
+            self.note_way(scenario, own, dt);
         }
+    }
+
+    /// How far a robot has come.
+    fn note_way(&mut self, scenario: &Scenario, own: usize, dt: f64) {
+        let robot = &mut self.state.robots[own];
+        let (speed, _) = scenario.surroundings.over_ground(&scenario.robots()[own].drive, &robot.motion);
+        robot.counters.distance_m += (speed * dt).abs();
     }
 
     /// Puts a robot back to where it was. A disc keeps its turning, as it cannot run into anything by it.
@@ -253,6 +259,12 @@ impl World {
         poses.clear();
         poses.extend(self.state.robots.iter().map(|robot| robot.motion.pose));
     }
+}
+
+/// Who is near whom on the way.
+fn gather(scenario: &Scenario, lists: &mut Lists) {
+    let ways = lists.before.iter().zip(&lists.after).zip(scenario.robots());
+    lists.crowd.rebuild(ways.map(|((before, after), spec)| swept(&spec.form(), before, after)));
 }
 
 /// Looks at a step of all robots.

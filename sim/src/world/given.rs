@@ -1,0 +1,61 @@
+//! Whose inputs are which.
+
+use alloc::vec::Vec;
+
+use super::Input;
+
+/// The places of a tick's inputs, robot by robot. Its memory serves all ticks.
+#[derive(Debug, Default)]
+pub(super) struct Given {
+    /// Where each robot's begin in `places`; one more at the end.
+    starts: Vec<u32>,
+    places: Vec<u32>,
+}
+
+impl Given {
+    /// Takes the inputs of so many robots; an index that no robot has is left out.
+    pub(super) fn note(&mut self, inputs: &[Input<'_>], robots: usize) {
+        self.starts.clear();
+        self.starts.resize(robots + 1, 0);
+        let known = || inputs.iter().enumerate().filter(|(_, input)| input.robot < robots);
+        known().for_each(|(_, input)| self.starts[input.robot] += 1);
+        let mut end = 0;
+        for start in &mut self.starts {
+            end += *start;
+            *start = end;
+        }
+        self.places.clear();
+        self.places.resize(end as usize, 0);
+        // From behind, so that those of one robot keep their order.
+        for (place, input) in known().rev() {
+            let start = &mut self.starts[input.robot];
+            *start -= 1;
+            self.places[*start as usize] = place as u32;
+        }
+    }
+
+    /// The places of a robot's inputs, in their order.
+    pub(super) fn of(&self, robot: usize) -> impl Iterator<Item = usize> {
+        let places = self.starts[robot] as usize..self.starts[robot + 1] as usize;
+        self.places[places].iter().map(|&place| place as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::SimTime;
+
+    #[test]
+    fn each_robot_has_its_own_in_their_order() {
+        let inputs = [2, 0, 9, 2, 0, 2].map(|robot| Input { robot, at: SimTime::ZERO, bytes: &[] });
+        let mut given = Given::default();
+        for _ in 0..2 {
+            given.note(&inputs, 3);
+            let found: Vec<Vec<_>> = (0..3).map(|robot| given.of(robot).collect()).collect();
+            assert_eq!(found, [alloc::vec![1, 4], alloc::vec![], alloc::vec![0, 3, 5]]);
+        }
+        given.note(&[], 1);
+        assert_eq!(given.of(0).count(), 0);
+    }
+}
