@@ -25,8 +25,8 @@ use crate::pose::{Direction, Pose, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
 use crate::vectors::{Work, with_vectors};
-use about::{Cone, MOST_OF_CONE_RAD, about_atan2, wrapped};
-use meet::{FEW_RAYS, Relative, meet};
+use about::{Cone, about_atan2, wrapped};
+use meet::{Relative, meet};
 
 /// The distances along some rays of a fan, while shapes are added one after the other.
 pub struct Sweep<'a> {
@@ -72,6 +72,9 @@ impl<'a> Sweep<'a> {
     /// One more segment that may be in the way. To give one twice does no harm.
     pub fn segment(&mut self, segment: &Segment) {
         let (a, b) = (segment.start - self.pose.position, segment.end - self.pose.position);
+        if self.has_few_rays() {
+            return self.try_few((a, b, 0.0), |ray| ray.hit_segment(segment));
+        }
         let reach = a.abs().sum() + b.abs().sum();
         let nearest = nearest_to_origin(a, b).norm_squared();
         let within = self.range + ROUNDING * reach;
@@ -88,6 +91,9 @@ impl<'a> Sweep<'a> {
     /// One more disc that may be in the way. To give one twice does no harm.
     pub fn circle(&mut self, circle: &Circle) {
         let center = circle.center - self.pose.position;
+        if self.has_few_rays() {
+            return self.try_few((center, center, circle.radius), |ray| ray.hit_circle(circle));
+        }
         let within = self.range + circle.radius + ROUNDING * (center.abs().sum() + circle.radius);
         let is_near = center.norm_squared() <= within * within;
         if !is_near {
@@ -103,6 +109,9 @@ impl<'a> Sweep<'a> {
     /// One more shape that is inside of this disc, and that is hit as `hit` says.
     pub fn other(&mut self, around: &Circle, hit: impl Fn(&Ray) -> Option<f64>) {
         let center = around.center - self.pose.position;
+        if self.has_few_rays() {
+            return self.try_few((center, center, around.radius), hit);
+        }
         let within = self.range + around.radius + ROUNDING * (center.abs().sum() + around.radius);
         let is_near = center.norm_squared() <= within * within;
         if !is_near {
@@ -119,7 +128,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn wait(&mut self, shape: Relative) {
-        if self.waiting.iter().any(|candidate| candidate.shape == shape) || self.is_beside(&shape) {
+        if self.waiting.iter().any(|candidate| candidate.shape == shape) {
             return;
         }
         if self.waiting.is_full() {
@@ -131,21 +140,18 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Whether none of a few rays can meet the shape: much sooner told than which of them do.
-    fn is_beside(&mut self, shape: &Relative) -> bool {
-        let kappas = self.fan.kappas();
-        let few = 1..=FEW_RAYS;
-        if !few.contains(&self.rays.len())
-            || kappas[self.rays.end - 1] - kappas[self.rays.start] > MOST_OF_CONE_RAD
-        {
-            return false;
-        }
+    /// So few that it is no gain to find out which of them a shape may cover.
+    fn has_few_rays(&self) -> bool {
+        (1..=FEW_RAYS).contains(&self.rays.len())
+    }
+
+    /// Tries each ray with a shape between two points, with so much around them, unless it is beside all rays: that is
+    /// told much sooner.
+    fn try_few(&mut self, (a, b, around): (Vector, Vector, f64), hit: impl Fn(&Ray) -> Option<f64>) {
         let Self { pose, fan, rays, cone, .. } = self;
-        let (first, last) = (fan.relative()[rays.start], fan.relative()[rays.end - 1]);
-        let cone = cone.get_or_insert_with(|| Cone::between(pose.heading, first, last));
-        match shape {
-            Relative::Segment(a, b) => cone.has_beside(a, b, 0.0),
-            Relative::Circle(center, radius) => cone.has_beside(center, center, *radius),
+        let cone = cone.get_or_insert_with(|| Cone::of(pose.heading, fan, rays));
+        if !cone.has_beside(&a, &b, around) {
+            self.each_ray(0..usize::MAX, hit);
         }
     }
 
@@ -170,9 +176,6 @@ impl<'a> Sweep<'a> {
 
     /// The rays, by their places in the fan, that may meet the shape.
     fn spans(&mut self, shape: &Relative) -> [Range<usize>; 2] {
-        if self.rays.len() <= FEW_RAYS {
-            return [self.rays.clone(), 0..0];
-        }
         let behind = self.direction().inverse();
         let angle = |v: Vector| {
             let v = behind.apply(v);
@@ -204,11 +207,7 @@ impl<'a> Sweep<'a> {
             return;
         }
         let forward = self.direction();
-        if self.rays.len() <= FEW_RAYS {
-            self.meet_in_parts::<FEW_RAYS>(forward);
-        } else {
-            with_vectors(Meet { sweep: self, forward });
-        }
+        with_vectors(Meet { sweep: self, forward });
         self.waiting.clear();
     }
 
@@ -275,6 +274,9 @@ const ROUNDING: f64 = 1e-12;
 /// A shape is close if its distance, as a part of its ends', is less than this: then rounding matters to whether
 /// the origin is on it.
 const CLOSE: f64 = 1e-9;
+
+/// So few rays are tried one by one.
+const FEW_RAYS: usize = 8;
 
 /// So many rays have their directions computed at once.
 const MANY_RAYS: usize = 128;

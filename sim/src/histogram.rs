@@ -24,6 +24,20 @@ impl Histogram {
     /// Counts a duration.
     pub fn note(&mut self, ns: u64) {
         let bucket = bucket(ns);
+        self.count += 1;
+        self.sum_ns = self.sum_ns.saturating_add(ns);
+        let place = bucket.wrapping_sub(self.first) as usize;
+        if let Some(n) = self.buckets.get_mut(place) {
+            *n = n.saturating_add(1);
+            self.min_ns = self.min_ns.min(ns);
+            self.max_ns = self.max_ns.max(ns);
+        } else {
+            self.make_room(bucket, ns);
+        }
+    }
+
+    #[cold]
+    fn make_room(&mut self, bucket: u32, ns: u64) {
         if self.buckets.is_empty() {
             (self.first, self.min_ns) = (bucket, ns);
         }
@@ -36,8 +50,6 @@ impl Histogram {
             self.buckets.resize(place + 1, 0);
         }
         self.buckets[place] = self.buckets[place].saturating_add(1);
-        self.count += 1;
-        self.sum_ns = self.sum_ns.saturating_add(ns);
         self.min_ns = self.min_ns.min(ns);
         self.max_ns = self.max_ns.max(ns);
     }

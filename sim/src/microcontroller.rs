@@ -133,6 +133,18 @@ impl Microcontroller {
         (due.max(self.free_at), task)
     }
 
+    /// What comes next once sensor `i` has been read that was due at `due`, if that is another sensor which was due just
+    /// then: sensors come first at an instant, in their order.
+    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, Task)> {
+        let behind = self.channels[i + 1..].iter().position(|channel| channel.due.next == due)?;
+        Some((due.max(self.free_at), Task::Acquire(i + 1 + behind)))
+    }
+
+    /// When sensor `i` is due next.
+    pub(crate) fn sensor_due(&self, i: usize) -> SimTime {
+        self.channels[i].due.next
+    }
+
     /// Reads sensor `i`; gives back the pulse that it sent, if others can hear it.
     pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) -> Option<Ping> {
         let channel = &mut self.channels[i];

@@ -201,9 +201,15 @@ impl Eye<'_> {
 
     /// Visits all rays of a fan in their order, each with how far it runs.
     pub(crate) fn each(&self, pose: &Pose, fan: &Fan, mut visit: impl FnMut(usize, f64)) {
+        let vicinity = self.scene.vicinity(&self.around, self.height.layer);
+        if vicinity.is_some_and(Vicinity::is_empty) {
+            return (0..fan.len()).for_each(|i| visit(i, f64::INFINITY));
+        }
         let mut distances_m = [0.0; 16];
-        for first in (0..fan.len()).step_by(distances_m.len()) {
+        let mut first = 0;
+        while first < fan.len() {
             let rays = first..(first + distances_m.len()).min(fan.len());
+            first = rays.end;
             let distances_m = &mut distances_m[..rays.len()];
             self.sweep(pose, fan, rays.clone(), distances_m);
             rays.zip(distances_m).for_each(|(i, distance_m)| visit(i, *distance_m));

@@ -81,6 +81,11 @@ impl Vicinity {
         layer == self.layer && left >= 0.0 && (disc.center - self.around.center).norm_squared() <= left * left
     }
 
+    /// Whether there is nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.shapes.is_empty() && self.bodies.is_empty()
+    }
+
     /// Adds all shapes of the layer's index.
     pub(crate) fn sweep(&self, index: &Index, sweep: &mut Sweep<'_>) {
         for shape in &self.shapes {

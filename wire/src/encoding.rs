@@ -82,11 +82,8 @@ impl Encoding {
     /// `Float64` may give NaN or an infinity, as the other side sent it; the other encodings cannot, if they pass
     /// [`check`](Self::check).
     pub fn take(self, bytes: &[u8]) -> Option<f64> {
-        let mut word = [0; 8];
-        for (to, from) in word.iter_mut().zip(bytes.get(..self.len())?) {
-            *to = *from;
-        }
-        let word = u64::from_le_bytes(word);
+        let bytes = bytes.get(..self.len())?;
+        let word = bytes.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte));
         Some(match self {
             Self::Float64 => f64::from_bits(word),
             Self::Level { .. } => self.value(word.min(self.top()) as i64),

@@ -1,33 +1,41 @@
 //! What is only about right: enough to leave out rays that a shape is far from.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::ops::Range;
 
+use crate::fan::Fan;
 use crate::pose::{Direction, Vector};
 
 /// About where a few rays go.
 #[derive(Clone, Copy)]
-pub(super) struct Cone {
-    middle: Direction,
-    right: Direction,
-    left: Direction,
+pub(super) enum Cone {
+    /// Nowhere but between two of them.
+    Narrow { middle: Direction, right: Direction, left: Direction },
+    /// Hardly anything is beside them.
+    Wide,
 }
 
 impl Cone {
-    /// Of a sensor with this heading, between rays of these relative directions, from right to left and less than
-    /// [`MOST_OF_CONE_RAD`] apart.
-    pub(super) fn between(heading: f64, first: Direction, last: Direction) -> Self {
+    /// Of these rays of the fan of a sensor with this heading, at least one.
+    pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>) -> Self {
+        let (first, last) = (rays.start, rays.end - 1);
+        if fan.kappas()[last] - fan.kappas()[first] > MOST_OF_CONE_RAD {
+            return Self::Wide;
+        }
         let forward = about_direction(heading);
-        let (right, left) = (forward.rotate(first), forward.rotate(last));
-        Self { middle: Direction { cos: right.cos + left.cos, sin: right.sin + left.sin }, right, left }
+        let (right, left) = (forward.rotate(fan.relative()[first]), forward.rotate(fan.relative()[last]));
+        let middle = Direction { cos: right.cos + left.cos, sin: right.sin + left.sin };
+        Self::Narrow { middle, right, left }
     }
 
     /// Whether two points, with so much around them, are to the right of all rays, to the left of all, or behind.
     pub(super) fn has_beside(&self, a: &Vector, b: &Vector, around: f64) -> bool {
+        let Self::Narrow { middle, right, left } = self else { return false };
         let margin = |v: &Vector| around + ABOUT * v.abs().sum();
         let (a_margin, b_margin) = (margin(a), margin(b));
-        let is_right = |v: &Vector, margin: f64| self.right.vector().perp(v) < -margin;
-        let is_left = |v: &Vector, margin: f64| self.left.vector().perp(v) > margin;
-        let is_behind = |v: &Vector, margin: f64| self.middle.vector().dot(v) < -2.0 * margin;
+        let is_right = |v: &Vector, margin: f64| right.vector().perp(v) < -margin;
+        let is_left = |v: &Vector, margin: f64| left.vector().perp(v) > margin;
+        let is_behind = |v: &Vector, margin: f64| middle.vector().dot(v) < -2.0 * margin;
         (is_right(a, a_margin) && is_right(b, b_margin))
             || (is_left(a, a_margin) && is_left(b, b_margin))
             || (is_behind(a, a_margin) && is_behind(b, b_margin))
@@ -72,4 +80,4 @@ pub(super) fn wrapped(angle_rad: f64) -> f64 {
 const ABOUT: f64 = 0.006;
 
 /// A cone that is wider than this, or almost, is no cone.
-pub(super) const MOST_OF_CONE_RAD: f64 = 3.0;
+const MOST_OF_CONE_RAD: f64 = 3.0;

@@ -17,7 +17,7 @@ pub(super) enum Relative {
 pub(super) fn meet(shape: &Relative, directions: (&[f64], &[f64]), range: f64, distances: &mut [f64]) {
     match *shape {
         // Vectors do not pay: most rays miss, which is soon found out.
-        Relative::Segment(a, b) if distances.len() <= FEW_RAYS => {
+        Relative::Segment(a, b) if distances.len() <= FEW => {
             meet_one_by_one(a, b, directions, range, distances);
         }
         Relative::Segment(a, b) => meet_segment(a, b, directions, range, distances),
@@ -74,5 +74,5 @@ fn meet_circle(center: Vector, radius: f64, (cos, sin): (&[f64], &[f64]), range:
     }
 }
 
-/// For so few rays choosing is no gain, nor are vectors.
-pub(super) const FEW_RAYS: usize = 8;
+/// For so few rays vectors are no gain.
+const FEW: usize = 8;

@@ -78,11 +78,14 @@ impl Robot {
             }
             if on_robot.0 <= arrival {
                 let (now, next) = on_robot;
-                match next {
-                    Next::Device(i, event) => self.run_device(spec, moment, now, (i, event)),
+                let soon = match next {
+                    Next::Device(i, event) => {
+                        self.run_device(spec, moment, now, (i, event));
+                        None
+                    }
                     Next::Task(task) => self.run(spec, moment, now, task),
-                }
-                on_robot = self.next_on_robot(spec);
+                };
+                on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
                 if step.is_none() && self.laptop.has_message {
                     step = earliest.map(|earliest| earliest.max(now));
@@ -123,17 +126,31 @@ impl Robot {
         next
     }
 
-    fn run(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, task: Task) {
+    /// Does a task; says what comes next, if that is known without looking at all there is.
+    fn run(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        now: SimTime,
+        task: Task,
+    ) -> Option<(SimTime, Task)> {
         match task {
-            Task::Acquire(i) => self.acquire(spec, moment, now, i),
+            Task::Acquire(i) => return self.acquire(spec, moment, now, i),
             Task::SendReadings => self.send_readings(spec, now),
             Task::Receive => self.receive(spec, now),
         }
+        None
     }
 
-    fn acquire(&mut self, spec: &RobotSpec, moment: &Moment<'_>, now: SimTime, i: usize) {
+    fn acquire(
+        &mut self,
+        spec: &RobotSpec,
+        moment: &Moment<'_>,
+        now: SimTime,
+        i: usize,
+    ) -> Option<(SimTime, Task)> {
         let Self { microcontroller, motion, actuators, battery, .. } = self;
-        let missed = microcontroller.channels()[i].missed();
+        let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
         let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
         let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
         self.pings[0] = ping.or(self.pings[0]);
@@ -142,6 +159,7 @@ impl Robot {
             self.recorder.note(now, now, What::Missed { sensor });
         }
         self.recorder.note(now, until, What::Acquire { sensor });
+        self.microcontroller.next_sensor(i, due).filter(|_| spec.own_clocks.is_empty())
     }
 
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
