@@ -1,5 +1,6 @@
 //! What the microcontroller has of each sensor: when it is due, and the sample that it holds.
 
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -19,8 +20,8 @@ pub(crate) struct Channel {
     pub(super) memory: Memory,
     pub(super) noise: NoiseState,
     pub(super) stream: Stream,
-    /// If the device measures at its own pace.
-    pub(super) running: Option<Running>,
+    /// If the device measures at its own pace. Seldom there, so it takes no room among what is looked at all the time.
+    pub(super) running: Option<Box<Running>>,
     /// The last sample, one value a component; empty before the first.
     pub(crate) values: Vec<f64>,
     /// When the microcontroller took it; of a device with a cable of its own, when it was measured.
@@ -48,7 +49,7 @@ impl Channel {
         Self {
             due,
             noise: sensor.noise.start(sensor.device.values(), specimen),
-            running: sensor.own_clock.as_ref().map(|clock| Running::start(clock, specimen, noise)),
+            running: sensor.own_clock.as_ref().map(|clock| Box::new(Running::start(clock, specimen, noise))),
             memory: sensor.device.remember(&spec.start.pose, specimen),
             stream: Stream::new(seed, &name),
             values: vec![],

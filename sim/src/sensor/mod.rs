@@ -23,6 +23,7 @@ mod sonar;
 mod touch;
 mod voltage;
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -119,7 +120,7 @@ pub(crate) enum Memory {
     Encoders(encoder::Seen),
     Filter(lowpass::LowPass),
     Accelerometer([lowpass::LowPass; 2]),
-    Gps(gps::Wander),
+    Gps(Box<gps::Wander>),
     Touch(touch::Contact),
 }
 
@@ -297,7 +298,7 @@ impl Device {
                 Memory::Filter(lowpass::LowPass::default())
             }
             Self::Accelerometer(_) => Memory::Accelerometer(Default::default()),
-            Self::Gps(gps) => Memory::Gps(gps.start(stream)),
+            Self::Gps(gps) => Memory::Gps(Box::new(gps.start(stream))),
             Self::Whisker(_) | Self::Bumper(_) => Memory::Touch(touch::Contact::default()),
             _ => Memory::None,
         }

@@ -22,7 +22,7 @@
 //!   deviation have otherwise the same noise.
 //! - Nothing is clamped or wrapped here. The device knows what its readings can be.
 
-use alloc::vec::Vec;
+use alloc::boxed::Box;
 
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
@@ -83,10 +83,10 @@ pub struct Dropout {
 /// What a specimen keeps from reading to reading. Each list has an entry a component, or none if it is off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoiseState {
-    gains: Vec<f64>,
-    offsets: Vec<f64>,
+    gains: Box<[f64]>,
+    offsets: Box<[f64]>,
     /// The biases as they were at `drifted_at`.
-    drifts: Vec<f64>,
+    drifts: Box<[f64]>,
     drifted_at: SimTime,
 }
 
@@ -220,7 +220,7 @@ pub(crate) fn additive(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
 const MANY: usize = 8;
 
 /// So many N(mean, σ); none, and nothing is drawn, if σ is 0.
-fn spread(components: usize, mean: f64, sigma: f64, stream: &mut Stream) -> Vec<f64> {
+fn spread(components: usize, mean: f64, sigma: f64, stream: &mut Stream) -> Box<[f64]> {
     let components = if sigma == 0.0 { 0 } else { components };
     (0..components).map(|_| mean + sigma * stream.normal()).collect()
 }
@@ -245,8 +245,8 @@ fn pair(values: &mut [f64], with: &[f64], change: impl Fn(f64, f64) -> f64) {
 
 #[cfg(test)]
 mod tests {
+    use alloc::boxed::Box;
     use alloc::format;
-    use alloc::vec;
     use alloc::vec::Vec;
 
     use baudbot_geometry::math;
@@ -444,9 +444,9 @@ mod tests {
     fn readings_are_disturbed_in_the_order_of_the_fields() {
         let noise = Noise { dropout: None, ..everything() };
         let mut state = NoiseState {
-            gains: vec![2.0],
-            offsets: vec![10.0],
-            drifts: vec![100.0],
+            gains: Box::new([2.0]),
+            offsets: Box::new([10.0]),
+            drifts: Box::new([100.0]),
             drifted_at: SimTime::ZERO,
         };
         let mut stream = Stream::new(1, "a");
