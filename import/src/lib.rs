@@ -40,6 +40,9 @@ pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportErro
     if text.len() > MAX_TEXT {
         return Ok(Cow::Borrowed(text)); // the parser refuses it
     }
+    if !may_refer(text) {
+        return Ok(Cow::Borrowed(text));
+    }
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(Cow::Borrowed(text)) };
     let has_maps = maps::inline(&mut document, base)?;
     let has_lookups = lookup::inline(&mut document, base)?;
@@ -56,6 +59,12 @@ pub fn inline<'a>(text: &'a str, base: &Path) -> Result<Cow<'a, str>, ImportErro
         return Err(ImportError::field("scenario", problem));
     }
     Ok(Cow::Owned(complete))
+}
+
+/// Whether a text has a word that fields with names of files are called by, or may have one in disguise. A long text
+/// that has none is not parsed here, which takes several times its memory.
+fn may_refer(text: &str) -> bool {
+    ["maps", "lookup", "\\"].iter().any(|word| text.contains(word))
 }
 
 /// Bytes of the longest text that the parser of scenarios takes.
