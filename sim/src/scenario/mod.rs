@@ -28,6 +28,8 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use baudbot_geometry::Circle;
+use serde::Deserialize;
+use toml::de::DeTable;
 
 pub use error::ScenarioError;
 pub use overrides::Override;
@@ -90,13 +92,12 @@ impl Scenario {
         if toml.len() > MAX_BYTES {
             return Err(ScenarioError::TooLong { bytes: toml.len() as u64 });
         }
-        let mut table: toml::Table = toml.parse().map_err(|e: toml::de::Error| syntax(&e))?;
+        let (mut table, mut order) = read(toml).map_err(|error| syntax(&error))?;
         for change in overrides {
             change.apply(&mut table)?;
         }
         let presets = preset::expand(&mut table)?;
         let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
-        let mut order = order::Order::of(toml);
         for (robot, chain) in raw.robots.iter_mut().zip(&presets) {
             let names = order.next(chain);
             robot.sensors.arrange(&names.sensors);
@@ -174,6 +175,18 @@ impl Scenario {
     pub fn robots(&self) -> &[RobotSpec] {
         &self.robots
     }
+}
+
+/// What the text says, and in which order. It is parsed once: of a long text that is much work, and much memory.
+fn read(toml: &str) -> Result<(toml::Table, order::Order), toml::de::Error> {
+    let document = DeTable::parse(toml)?;
+    let order = order::Order::of(document.get_ref());
+    let table = toml::Table::deserialize(toml::Deserializer::from(document));
+    let table = table.map_err(|mut error| {
+        error.set_input(Some(toml));
+        error
+    })?;
+    Ok((table, order))
 }
 
 /// With a picture of the line that is wrong, unless that is too long to be looked at.

@@ -27,8 +27,8 @@ pub(super) struct Order {
 
 impl Order {
     /// In the text of a scenario.
-    pub(super) fn of(toml: &str) -> Self {
-        Self { robots: of_robots(toml).into_iter(), presets: BTreeMap::new() }
+    pub(super) fn of(document: &DeTable<'_>) -> Self {
+        Self { robots: of_robots(document).into_iter(), presets: BTreeMap::new() }
     }
 
     /// Of the next robot, which is made of these presets: the farthest one's names first, the file's own last.
@@ -55,9 +55,8 @@ impl Names {
 }
 
 /// For each robot of the file.
-fn of_robots(toml: &str) -> Vec<Names> {
-    let Ok(table) = DeTable::parse(toml) else { return Vec::new() };
-    let Some(DeValue::Array(robots)) = table.get_ref().get("robots").map(|robots| robots.get_ref()) else {
+fn of_robots(document: &DeTable<'_>) -> Vec<Names> {
+    let Some(DeValue::Array(robots)) = document.get("robots").map(|robots| robots.get_ref()) else {
         return Vec::new();
     };
     let names = |robot: &DeValue<'_>| match robot {
