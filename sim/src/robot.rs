@@ -11,6 +11,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::ops::Deref;
 
 use baudbot_geometry::{Point, Pose};
 use serde::{Deserialize, Serialize};
@@ -37,13 +38,31 @@ use crate::sensor::Sensor;
 use crate::time::SimTime;
 use crate::vicinity::Reach;
 
-/// What a robot is.
+/// A robot of a scenario: its name, where it starts, and what it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
     /// Unique in its world.
     pub name: String,
+    /// The name of the scenario's table that it stands in together with others, if there are `starts` in that.
+    pub group: Option<Arc<str>>,
     /// Where and how it starts.
     pub start: Start,
+    /// What it is. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
+    pub model: Arc<RobotModel>,
+}
+
+/// A robot is what its model is, so that `robot.link` is `robot.model.link`.
+impl Deref for RobotSpec {
+    type Target = RobotModel;
+
+    fn deref(&self) -> &RobotModel {
+        &self.model
+    }
+}
+
+/// What a robot is, whatever its name and wherever it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotModel {
     /// Body, wheels and motors.
     pub drive: Drive,
     /// Corners of the body in the robot's frame, in metres; none if it is a disc. The collision geometry of §3.2.5.
@@ -61,7 +80,7 @@ pub struct RobotSpec {
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a cable of their own.
-    /// Robots whose sensors are alike share them: a crowd of them needs little memory, and little of it is looked at.
+    /// Models whose sensors are alike share them.
     pub sensors: Arc<[Sensor]>,
     /// How far those of them look that see what is near.
     pub(crate) reach: Option<Reach>,
@@ -88,6 +107,11 @@ pub struct RobotSpec {
 }
 
 impl RobotSpec {
+    /// The name of its table in the scenario, by which its fields can be changed.
+    pub fn table_name(&self) -> &str {
+        self.group.as_deref().unwrap_or(&self.name)
+    }
+
     /// Whether its brain is the microcontroller's program: then nothing is framed and nothing received.
     pub fn is_onboard(&self) -> bool {
         matches!(self.link, Link::Onboard)

@@ -163,7 +163,7 @@ fn a_khepera_reads_a_sensor_every_2_5_ms_and_each_every_20_ms() {
 
 #[test]
 fn a_boe_bots_servo_has_the_curve_of_its_manual() {
-    let Motors::Servo(servo) = spec("boe-bot", "").drive.motor else { panic!("no servo") };
+    let Motors::Servo(servo) = spec("boe-bot", "").drive.motor.clone() else { panic!("no servo") };
     let rpm = |pulse_us: f64| servo.target_rad_s((pulse_us - 1500.0) / 200.0) * 60.0 / TAU;
     for (pulse, expected) in [(1300.0, -48.0), (1400.0, -44.0), (1500.0, 0.0), (1600.0, 44.0), (1700.0, 48.0)]
     {

@@ -9,7 +9,7 @@ use super::change::{Change, MS, Robot, chip, has_many_bits, has_many_signal_bits
 use crate::firmware::{Firmware, Mode, Protocol};
 use crate::link::{Adapter, Ftdi, Link, Uart, Usb};
 use crate::presets::Preset;
-use crate::robot::RobotSpec;
+use crate::robot::RobotModel;
 use crate::schedule::Schedule;
 use crate::sensor::Sensor;
 
@@ -17,7 +17,7 @@ impl Robot {
     /// The robot with a change.
     pub(super) fn with(&self, change: Change) -> Self {
         let mut new = self.clone();
-        let spec = &mut new.spec;
+        let spec = Arc::make_mut(&mut new.spec.model);
         match change {
             Change::Latency(ns) => set_adapter(&mut spec.link, |old| match old {
                 Adapter::Ftdi(ftdi) => Adapter::Ftdi(Ftdi { latency_ns: ns, ..ftdi }),
@@ -102,7 +102,7 @@ fn cable() -> Link {
 }
 
 /// The same sensors and signals in another form, or at another time.
-fn set_firmware(spec: &mut RobotSpec, protocol: Protocol, mode: Mode) {
+fn set_firmware(spec: &mut RobotModel, protocol: Protocol, mode: Mode) {
     let sensors: Vec<&[Encoding]> = spec
         .sensors
         .iter()
@@ -120,7 +120,7 @@ fn new_schedule(firmware: &Firmware, period_ns: u64) -> Schedule {
     Schedule::new(period_ns, phase_ns)
 }
 
-fn fewer_bits(spec: &mut RobotSpec) {
+fn fewer_bits(spec: &mut RobotModel) {
     for sensor in Arc::make_mut(&mut spec.sensors).iter_mut().filter(|sensor| has_many_bits(sensor)) {
         sensor.encodings.fill(Encoding::Level { bits: 8, min: 0.0, max: 1.0 });
     }
@@ -133,7 +133,7 @@ fn fewer_bits(spec: &mut RobotSpec) {
     spec.firmware = Firmware::new(spec.firmware.protocol, spec.firmware.mode, &sensors, motors);
 }
 
-fn drop_sensor(spec: &mut RobotSpec, i: usize) {
+fn drop_sensor(spec: &mut RobotModel, i: usize) {
     let rest = spec.sensors.iter().enumerate().filter(|(other, _)| *other != i);
     spec.sensors = rest.map(|(_, sensor)| sensor.clone()).collect();
     let places = |wanted: fn(&Sensor) -> bool| {
@@ -144,7 +144,7 @@ fn drop_sensor(spec: &mut RobotSpec, i: usize) {
     set_firmware(spec, spec.firmware.protocol, spec.firmware.mode);
 }
 
-fn set_chip(spec: &mut RobotSpec, preset: &Preset) {
+fn set_chip(spec: &mut RobotModel, preset: &Preset) {
     let Some(chip) = chip(preset) else { return };
     let thinking_ns = spec.brain_operations.and_then(|operations| chip.thinking_ns(operations));
     spec.thinking_ns = thinking_ns.unwrap_or(spec.thinking_ns);

@@ -13,7 +13,7 @@ use crate::firmware::{Firmware, Mode, Protocol};
 use crate::link::{Adapter, Link, Uart};
 use crate::microcontroller::Processor;
 use crate::presets::{Preset, PresetKind, presets};
-use crate::robot::{Deadline, OnLate, RobotSpec};
+use crate::robot::{Deadline, OnLate, RobotModel, RobotSpec};
 use crate::sensor::{Device, Sensor};
 use crate::time::SECOND_NS;
 
@@ -226,7 +226,7 @@ impl Robot {
 
     /// A change as overrides of the scenario; none if there is no such field.
     pub(super) fn overrides(&self, change: Change) -> Option<Vec<String>> {
-        let at = |rest: &str| format!("robots.{}.{rest}", self.spec.name);
+        let at = |rest: &str| format!("robots.{}.{rest}", self.spec.table_name());
         let ms = |ns: u64| ns as f64 / 1e6;
         let one = |text: String| Some(alloc::vec![text]);
         match change {
@@ -267,7 +267,7 @@ impl Robot {
         let mut fields =
             alloc::vec![format!("step_ms={}", step_ns as f64 / 1e6), format!("substeps={substeps}")];
         let old_ms = self.step_ns as f64 / 1e6;
-        let at = |rest: &str| format!("robots.{}.{rest}.period_ms={old_ms}", self.spec.name);
+        let at = |rest: &str| format!("robots.{}.{rest}.period_ms={old_ms}", self.spec.table_name());
         if matches!(self.spec.firmware.mode, Mode::Stream(frame) if frame.period_ns() == self.step_ns) {
             fields.push(at("firmware"));
         }
@@ -338,7 +338,7 @@ pub(super) fn has_many_bits(sensor: &Sensor) -> bool {
     sensor.is_on_wire() && sensor.encodings.iter().any(many)
 }
 
-pub(super) fn has_many_signal_bits(spec: &RobotSpec) -> bool {
+pub(super) fn has_many_signal_bits(spec: &RobotModel) -> bool {
     spec.signal_limit.is_some() && spec.firmware.layout().motors.iter().any(|encoding| encoding.len() > 1)
 }
 

@@ -40,6 +40,7 @@ mod timeline;
 mod transfer;
 mod wire;
 
+use alloc::collections::BTreeMap;
 use alloc::string::ToString;
 use alloc::vec::Vec;
 
@@ -74,8 +75,22 @@ const TOO_MANY: &str =
 impl Budget {
     /// Of all robots of a scenario, with mends for those that do not keep their step.
     pub fn of(scenario: &Scenario) -> Self {
-        let robots = scenario.robots().iter();
-        Self { robots: robots.map(|spec| RobotBudget::of(scenario, spec)).collect() }
+        Self::of_some(scenario, scenario.robots())
+    }
+
+    /// Of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
+    pub fn of_some<'a>(scenario: &Scenario, robots: impl IntoIterator<Item = &'a RobotSpec>) -> Self {
+        let mut tables: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut budgets: Vec<RobotBudget> = Vec::new();
+        for spec in robots {
+            let first = *tables.entry(spec.table_name()).or_insert(budgets.len());
+            let budget = match budgets.get(first) {
+                Some(first) => RobotBudget { robot: spec.name.clone(), ..first.clone() },
+                None => RobotBudget::of(scenario, spec),
+            };
+            budgets.push(budget);
+        }
+        Self { robots: budgets }
     }
 }
 

@@ -35,7 +35,7 @@ impl Robot {
 
     pub(super) fn port_overrides(&self, baud: u32) -> Vec<String> {
         let name = |i: usize| self.spec.sensors[i].name.as_str();
-        let one = |i| format!("robots.{}.sensors.{}.port.link.baud={baud}", self.spec.name, name(i));
+        let one = |i| format!("robots.{}.sensors.{}.port.link.baud={baud}", self.spec.table_name(), name(i));
         self.slow_ports().into_iter().map(|(i, _)| one(i)).collect()
     }
 }

@@ -21,6 +21,7 @@ mod preset;
 mod raw;
 mod robots;
 mod sensors;
+mod starts;
 mod things;
 mod warnings;
 

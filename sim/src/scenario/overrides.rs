@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use toml::{Table, Value};
 
 use super::ScenarioError;
+use super::starts::numbered;
 
 /// Most parts of a path; tables nested without end would exhaust the stack.
 const MAX_PARTS: usize = 16;
@@ -81,12 +82,28 @@ fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut T
     let names: Vec<String> = list.iter().map(|value| name_of(value).unwrap_or("?").to_owned()).collect();
     let by_name = names.iter().position(|name| name == key);
     let index = by_name.or_else(|| key.parse().ok().filter(|&i: &usize| i < names.len()));
+    let error = |problem| ScenarioError::field(format!("{path}.{key}"), problem);
+    if index.is_none()
+        && let Some((table, i)) = of_several(list, key)
+    {
+        return Err(error(format!(
+            "is one of several in `{table}`, which are alike: change {path}.{table}.FIELD for all of them, or \
+             {path}.{table}.starts[{i}].FIELD for how this one starts"
+        )));
+    }
     let tables = index.map(|i| &mut list[i]).and_then(Value::as_table_mut);
-    tables.ok_or_else(|| {
-        ScenarioError::field(
-            format!("{path}.{key}"),
-            format!("there is no such element; there are: {}", names.join(", ")),
-        )
+    tables.ok_or_else(|| error(format!("there is no such element; there are: {}", names.join(", "))))
+}
+
+/// The table with `starts` that a robot of this name comes from, and which of them is its own.
+fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<(&'a str, usize)> {
+    list.iter().find_map(|value| {
+        let (table, starts) = (name_of(value)?, value.get("starts")?.as_array()?);
+        let is_it = |i: usize| match name_of(&starts[i]) {
+            Some(name) => name == robot,
+            None => numbered(table, i) == robot,
+        };
+        (0..starts.len()).find(|&i| is_it(i)).map(|i| (table, i))
     })
 }
 

@@ -76,6 +76,7 @@ impl Expander {
         if let Some(preset) = self.take(path, robot, PresetKind::Robot)? {
             let (mut base, rest) = self.resolved(path, preset)?;
             drop_sensors(path, robot, &mut base)?;
+            fill_starts(robot, &mut base);
             fill(robot, base);
             chain.push(preset);
             chain.extend(rest);
@@ -193,6 +194,13 @@ fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> 
         sensors.remove(name);
     }
     Ok(())
+}
+
+/// Where there are `starts`, what a preset says of a start goes for each of them.
+fn fill_starts(robot: &mut Table, base: &mut Table) {
+    let Some(Value::Array(starts)) = robot.get_mut("starts") else { return };
+    let Some(Value::Table(start)) = base.remove("start") else { return };
+    starts.iter_mut().filter_map(Value::as_table_mut).for_each(|own| fill(own, start.clone()));
 }
 
 /// Puts into a table what it does not say and `base` does, in tables within it as well.

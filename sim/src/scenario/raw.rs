@@ -79,8 +79,8 @@ pub(super) struct Goal {
 #[serde(deny_unknown_fields)]
 pub(super) struct Robot {
     pub(super) name: String,
-    #[serde(default)]
-    pub(super) start: Start,
+    pub(super) start: Option<Start>,
+    pub(super) starts: Option<Vec<Start>>,
     pub(super) body: Body,
     #[serde(default)]
     pub(super) motors: toml::Table,
@@ -116,6 +116,7 @@ pub(super) struct Start {
     pub(super) turn_rate_rad_s: f64,
     #[serde(default)]
     pub(super) wheels_at_rest: bool,
+    pub(super) name: Option<String>,
 }
 
 #[derive(Debug, serde::Deserialize)]

@@ -1,16 +1,17 @@
-//! From a raw robot to a [`RobotSpec`].
+//! From raw robots to [`RobotSpec`]s.
 
 use alloc::format;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Point, Pose, angle, polygon};
+use baudbot_geometry::{Point, polygon};
 use baudbot_wire::Encoding;
 
 use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
-use super::{ScenarioError, actuators, arena, cable, faults, link, raw, sensors, things};
+use super::starts::{self, Place};
+use super::{ScenarioError, actuators, arena, cable, faults, link, raw, sensors};
 use crate::actuator::Actuator;
 use crate::arena::Arena;
 use crate::battery::Battery;
@@ -19,7 +20,7 @@ use crate::firmware::Firmware;
 use crate::link::Link;
 use crate::microcontroller::Processor;
 use crate::movable::Body;
-use crate::robot::{RobotSpec, Start};
+use crate::robot::{RobotModel, RobotSpec};
 use crate::sensor::Sensor;
 use crate::surroundings::Surroundings;
 use crate::time::SECOND_NS;
@@ -38,27 +39,38 @@ type Result<T> = core::result::Result<T, ScenarioError>;
 
 /// The robots, in the order of their names.
 pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>) -> Result<Vec<RobotSpec>> {
-    if raw.len() > MAX_ROBOTS {
-        return Err(path.error(format!("there are {}, the limit is {MAX_ROBOTS}", raw.len())));
+    let number: usize = raw.iter().map(starts::number).sum();
+    if number > MAX_ROBOTS {
+        return Err(path.error(format!("there are {number}, the limit is {MAX_ROBOTS}")));
     }
     let mut names = Names::default();
-    let mut robots: Vec<(usize, RobotSpec)> = Vec::new();
+    let mut robots: Vec<(Place, RobotSpec)> = Vec::with_capacity(number);
     for (i, robot) in raw.into_iter().enumerate() {
         let path = path.index(i);
-        let name = names.take(&path.field("name"), &robot.name)?;
-        let mut spec = robot_spec(&path, name, robot, context)?;
-        if let Some((_, last)) = robots.last()
-            && last.sensors == spec.sensors
-        {
-            spec.sensors = Arc::clone(&last.sensors);
+        let places = starts::places(&path, &robot, &mut names)?;
+        let group: Option<Arc<str>> = robot.starts.is_some().then(|| robot.name.as_str().into());
+        let (model, faults) = model(&path, robot, context)?;
+        is_stable(&path, &model, context.step)?;
+        is_affordable(&path, &model, context.step)?;
+        let model = shared(model, robots.last().map(|(_, last)| last));
+        for (place, name, start) in places {
+            let model = with_faults(&path, &model, (&name, context.seed), &faults)?;
+            robots.push((place, RobotSpec { name, group: group.clone(), start, model }));
         }
-        is_stable(&path, &spec, context.step)?;
-        is_affordable(&path, &spec, context.step)?;
-        stands_free(&path, &spec, context, &robots)?;
-        robots.push((i, spec));
     }
+    starts::stand_free(&robots, context)?;
     robots.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
     Ok(robots.into_iter().map(|(_, spec)| spec).collect())
+}
+
+/// The model of the robot before, or its sensors, if they are the same.
+fn shared(mut model: RobotModel, last: Option<&RobotSpec>) -> Arc<RobotModel> {
+    match last {
+        Some(last) if *last.model == model => return Arc::clone(&last.model),
+        Some(last) if last.sensors == model.sensors => model.sensors = Arc::clone(&last.sensors),
+        Some(_) | None => {}
+    }
+    Arc::new(model)
 }
 
 /// The length of a tick, which several checks need.
@@ -80,7 +92,7 @@ pub(super) struct World<'a> {
 }
 
 /// Euler steps that are too long for a body blow up, and end in numbers that are none.
-fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+fn is_stable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     let dt = step.step_ns as f64 / step.substeps as f64 / SECOND_NS as f64;
     let worst = spec.drive.stiffness(dt).into_iter().fold(0.0, f64::max);
     if worst < 2.0 {
@@ -100,7 +112,7 @@ fn is_stable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
 }
 
 /// A scenario that nobody could wait for is a mistake in a unit.
-fn is_affordable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
+fn is_affordable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     for sensor in spec.sensors.iter() {
         let Some(fan) = sensor.device.fan() else { continue };
         let period_ns = sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns);
@@ -113,35 +125,12 @@ fn is_affordable(path: &Path, spec: &RobotSpec, step: Step) -> Result<()> {
     Ok(())
 }
 
-/// Nothing may stand in the arena, in what moves or is pushed, or in another robot.
-fn stands_free(
+/// What the robots of a table are, and what is to go wrong on them, which each has of its own.
+fn model(
     path: &Path,
-    spec: &RobotSpec,
-    context: &World<'_>,
-    others: &[(usize, RobotSpec)],
-) -> Result<()> {
-    let (form, pose) = (spec.form(), &spec.start.pose);
-    if let Some(name) = things::stands_in((&form, pose), context.arena, context.bodies) {
-        let (size, at) = (form.reach_m(), pose.position);
-        let problem = format!("at ({}, {}) a robot of radius {size} m stands in `{name}`", at.x, at.y);
-        return Err(path.field("start").error(problem));
-    }
-    let body = form.at(pose);
-    let near = |other: &RobotSpec| {
-        let reach = form.reach_m() + other.form().reach_m();
-        (other.start.pose.position - pose.position).norm_squared() < reach * reach
-    };
-    let meets = |other: &RobotSpec| near(other) && other.form().at(&other.start.pose).overlaps(&body);
-    match others.iter().find(|(_, other)| meets(other)) {
-        Some((i, other)) => {
-            Err(path.field("start").error(format!("stands in robots[{i}] (`{}`)", other.name)))
-        }
-        None => Ok(()),
-    }
-}
-
-fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut World<'_>) -> Result<RobotSpec> {
-    let start = start(&path.field("start"), &raw.start)?;
+    mut raw: raw::Robot,
+    context: &mut World<'_>,
+) -> Result<(RobotModel, Vec<faults::RawFault>)> {
     let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
     let body = path.field("body");
@@ -151,14 +140,9 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
     let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
-    let Mind { processor, mut link, thinking_ns, firmware } =
+    let Mind { processor, link, thinking_ns, firmware } =
         mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
-    let deadline = faults::deadline(path, &raw.brain, context.step.step_ns)?;
-    let parts = faults::Parts { name: &name, seed: context.seed, sensors: &sensors, link: &mut link };
-    let faults = faults::faults(path, &raw.faults, parts)?;
-    Ok(RobotSpec {
-        name,
-        start,
+    let model = RobotModel {
         drive,
         outline,
         look,
@@ -175,11 +159,28 @@ fn robot_spec(path: &Path, name: String, mut raw: raw::Robot, context: &mut Worl
         firmware,
         link,
         thinking_ns,
-        deadline,
-        faults,
+        deadline: faults::deadline(path, &raw.brain, context.step.step_ns)?,
+        faults: Vec::new(),
         brain_operations: raw.brain.operations,
         brain_memory_bytes: raw.brain.memory_bytes,
-    })
+    };
+    Ok((model, raw.faults))
+}
+
+/// The model with what goes wrong on the robot of this name. Faults by chance come when its own random numbers say.
+fn with_faults(
+    path: &Path,
+    model: &Arc<RobotModel>,
+    (name, seed): (&str, u64),
+    raw: &[faults::RawFault],
+) -> Result<Arc<RobotModel>> {
+    if raw.is_empty() {
+        return Ok(Arc::clone(model));
+    }
+    let mut own = RobotModel::clone(model);
+    let parts = faults::Parts { name, seed, sensors: &own.sensors, link: &mut own.link };
+    own.faults = faults::faults(path, raw, parts)?;
+    Ok(Arc::new(own))
 }
 
 /// What decides on a robot, and how it is told.
@@ -281,17 +282,6 @@ fn each_named<T>(
         made.push(make(&path, name, table)?);
     }
     Ok(made)
-}
-
-fn start(path: &Path, raw: &raw::Start) -> Result<Start> {
-    let (x, y) = (path.coordinate("x_m", raw.x_m)?, path.coordinate("y_m", raw.y_m)?);
-    let heading = angle::wrap(path.within("heading_rad", raw.heading_rad, -1e3, 1e3)?);
-    Ok(Start {
-        pose: Pose::new(x, y, heading),
-        speed_m_s: path.within("speed_m_s", raw.speed_m_s, -1e3, 1e3)?,
-        turn_rate_rad_s: path.within("turn_rate_rad_s", raw.turn_rate_rad_s, -1e3, 1e3)?,
-        wheels_at_rest: raw.wheels_at_rest,
-    })
 }
 
 fn drive(path: &Path, body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Result<Drive> {

@@ -1,5 +1,6 @@
 //! What is allowed and yet hardly meant: told, not refused.
 
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -31,7 +32,8 @@ impl Scenario {
     /// What is allowed and yet hardly meant.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        for robot in self.robots() {
+        let mut tables = BTreeSet::new();
+        for robot in self.robots().iter().filter(|robot| tables.insert(robot.table_name())) {
             too_fast_to_read(robot, &mut warnings);
             too_long_for_the_port(robot, &mut warnings);
         }
@@ -63,7 +65,10 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
             "a read takes the microcontroller up to {takes_ms} ms, but is due every {} ms; reads will be left out",
             ms(sensor.schedule.period_ns())
         );
-        warnings.push(Warning { path: format!("robots.{}.sensors.{}", robot.name, sensor.name), problem });
+        warnings.push(Warning {
+            path: format!("robots.{}.sensors.{}", robot.table_name(), sensor.name),
+            problem,
+        });
     }
     let all: f64 = on_wire().map(share).sum();
     if all > 1.0 && on_wire().all(|sensor| share(sensor) <= 1.0) {
@@ -71,7 +76,7 @@ fn too_fast_to_read(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
         let problem = format!(
             "reading all of them takes up to {percent} % of the microcontroller's time; reads will be left out"
         );
-        warnings.push(Warning { path: format!("robots.{}.sensors", robot.name), problem });
+        warnings.push(Warning { path: format!("robots.{}.sensors", robot.table_name()), problem });
     }
 }
 
@@ -93,7 +98,7 @@ fn too_long_for_the_port(robot: &RobotSpec, warnings: &mut Vec<Warning>) {
                 ms(takes_ns),
                 ms(clock.period_ns)
             );
-            let path = format!("robots.{}.sensors.{}.port", robot.name, sensor.name);
+            let path = format!("robots.{}.sensors.{}.port", robot.table_name(), sensor.name);
             warnings.push(Warning { path, problem });
         }
     }
