@@ -12,6 +12,7 @@ use baudbot_sim::robot::{Deadline, OnLate, RobotSpec};
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame, khepera};
 
+use crate::alike;
 use crate::args::CheckArgs;
 use crate::drawing;
 use crate::link;
@@ -36,9 +37,10 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
 fn describe(source: &Source, scenario: &Scenario) -> String {
     let mut text = format!("{}: sound\n", source.label());
     text += &pairs("  ", &facts(scenario));
-    for robot in scenario.robots() {
+    for (robot, count) in alike::first_of_each(scenario.robots()) {
         text.push('\n');
         text += &describe_robot(robot);
+        text += &alike::others(robot, count);
     }
     for warning in scenario.warnings() {
         let _ = writeln!(text, "\nwarning: {warning}");
@@ -375,6 +377,19 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
+    }
+
+    #[test]
+    fn of_robots_that_are_alike_the_first_is_described() {
+        let starts = "starts = [{ x_m = -1 }, { x_m = 1 }, { name = \"a\" }]";
+        let text = format!(
+            "[[robots]]\nname = \"r\"\n{starts}\n\
+             body = {{ radius_m = 0.2, mass_kg = 3, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\n"
+        );
+        let text = describe(&Source::find("wander").unwrap(), &Scenario::parse(&text).unwrap());
+        assert!(text.contains("  robots     3\n") && text.matches("\nrobot ").count() == 1, "{text}");
+        assert!(text.contains("\nrobot a\n  start     x 0 m"), "{text}");
+        assert!(text.ends_with("  and 2 more of `r`, alike but for where they start\n"), "{text}");
     }
 
     #[test]

@@ -7,10 +7,12 @@
 //!    a file or folder.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
-//!    `map` an arena in characters, `drawing` a scenario as a picture, and `text` lays out columns.
+//!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
+//!    and `text` lays out columns.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
+mod alike;
 mod args;
 mod bench;
 mod brain;

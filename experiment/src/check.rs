@@ -132,7 +132,8 @@ fn missing<'a>(
     if error.starts_with("there is no parameter of a brain") || error.starts_with("no brain `") {
         return by(&|setting| error.contains(&format!("`{}`", name(setting))), error.to_owned());
     }
-    if error.contains(": is a list; ") || error.contains(", it has no field `") {
+    let of_a_path = [": is a list; ", ", it has no field `", ": is one of several in `"];
+    if of_a_path.iter().any(|words| error.contains(words)) {
         let (path, problem) = error.split_once(": ")?;
         return by(&|setting| name(setting).starts_with(path), problem.to_owned());
     }

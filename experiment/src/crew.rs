@@ -51,21 +51,23 @@ pub enum CrewError {
 }
 
 /// Shares the robots out to brains: `NAME[:K=V,…]` for all that no `ROBOT=NAME[:K=V,…]` names. Without any for all,
-/// those that are not named get the default brain.
+/// those that are not named get the default brain. The name of a table with `starts` is for all robots of that which are
+/// not named themselves.
 ///
 /// # Errors
 /// If a robot is not there, has two brains, or cannot see and is given none.
 pub fn share_out(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Job>, CrewError> {
     let brains = parse(brains)?;
     for robot in brains.keys().flatten() {
-        if !robots.iter().any(|spec| spec.name == *robot) {
+        if !robots.iter().any(|spec| spec.name == *robot || spec.table_name() == *robot) {
             let known = robots.iter().map(|spec| spec.name.clone()).collect();
             return Err(CrewError::Robot { robot: (*robot).to_owned(), known });
         }
     }
     let mut jobs: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for spec in robots {
-        let brain = match brains.get(&Some(spec.name.as_str())).or_else(|| brains.get(&None)) {
+        let whose = [Some(spec.name.as_str()), Some(spec.table_name()), None];
+        let brain = match whose.iter().find_map(|whose| brains.get(whose)) {
             Some(brain) => brain,
             None if has_infrared(spec) => DEFAULT,
             None => return Err(CrewError::Blind { robot: spec.name.clone() }),
@@ -199,6 +201,16 @@ mod tests {
         let expected = vec![job("constant:left=0.1,right=0.2", &["bob"]), job("wander", &["alice", "carol"])];
         assert_eq!(mixed, Ok(expected));
         assert_eq!(jobs(&["none"]), Ok(vec![]));
+    }
+
+    #[test]
+    fn a_brain_may_be_for_all_robots_of_a_table() {
+        let toml = "[[robots]]\nname = \"ant\"\nstarts = [{}, { x_m = 1.0 }, { x_m = 2.0, name = \"queen\" }]\n\
+                    body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }\n";
+        let scenario = Scenario::parse(toml).unwrap();
+        let arguments = ["constant", "ant=wander", "queen=none"].map(str::to_owned);
+        let jobs = share_out(&arguments, scenario.robots()).unwrap();
+        assert_eq!(jobs, [Job { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]);
     }
 
     #[test]

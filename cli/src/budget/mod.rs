@@ -6,8 +6,10 @@ mod table;
 use std::path::Path;
 use std::process::ExitCode;
 
-use baudbot_sim::budget::{Budget, RobotBudget, Verdict};
+use baudbot_sim::budget::{Budget, Verdict};
+use baudbot_sim::robot::RobotSpec;
 
+use crate::alike;
 use crate::args::BudgetArgs;
 use crate::error::Refused;
 use crate::run::overrides;
@@ -24,16 +26,15 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
         return Err(Refused::error(format!("--robot: there is no robot `{name}`; there are: {there}")));
     }
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
-    let wanted = scenario.robots().iter().filter(|robot| wanted(&robot.name));
-    let robots = wanted.map(|robot| RobotBudget::of(&scenario, robot)).collect();
-    let budget = Budget { robots };
+    let wanted: Vec<_> = scenario.robots().iter().filter(|robot| wanted(&robot.name)).collect();
+    let budget = Budget::of_some(&scenario, wanted.iter().copied());
     if let Some(path) = &args.svg {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
     }
     if args.json {
         text::print(&(serde_json::to_string_pretty(&budget)? + "\n"))?;
     } else {
-        text::print(&told(&source, &budget))?;
+        text::print(&told(&source, &wanted, &budget))?;
     }
     Ok(code(args, &budget))
 }
@@ -58,10 +59,14 @@ fn draw(world: &str, budget: &Budget, path: &Path) -> anyhow::Result<()> {
     text::write(path, &picture)
 }
 
-fn told(source: &Source, budget: &Budget) -> String {
+fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget) -> String {
     if budget.robots.is_empty() {
         return format!("{}: no robots\n", source.label());
     }
-    let robots: Vec<_> = budget.robots.iter().map(table::robot).collect();
+    let told = |(spec, count): (&RobotSpec, usize)| {
+        let robot = budget.robots.iter().find(|robot| robot.robot == spec.name);
+        robot.map(|robot| table::robot(robot) + &alike::others(spec, count))
+    };
+    let robots: Vec<_> = alike::first_of_each(specs.iter().copied()).into_iter().filter_map(told).collect();
     robots.join("\n")
 }

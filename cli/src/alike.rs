@@ -1,0 +1,31 @@
+//! Robots of one table of a scenario, with several `starts`: one of them is told of, and stands for all.
+
+use std::collections::BTreeMap;
+
+use baudbot_sim::robot::RobotSpec;
+
+/// The first robot of each table, in the robots' order, and how many of them are of that table.
+pub(crate) fn first_of_each<'a>(
+    robots: impl IntoIterator<Item = &'a RobotSpec>,
+) -> Vec<(&'a RobotSpec, usize)> {
+    let mut firsts: Vec<(&RobotSpec, usize)> = Vec::new();
+    let mut places = BTreeMap::new();
+    for robot in robots {
+        let place = *places.entry(robot.table_name()).or_insert(firsts.len());
+        match firsts.get_mut(place) {
+            Some((_, count)) => *count += 1,
+            None => firsts.push((robot, 1)),
+        }
+    }
+    firsts
+}
+
+/// A line that says for how many others this robot stands; empty if for none.
+pub(crate) fn others(robot: &RobotSpec, count: usize) -> String {
+    match (&robot.group, count) {
+        (Some(table), 2..) => {
+            format!("  and {} more of `{table}`, alike but for where they start\n", count - 1)
+        }
+        _ => String::new(),
+    }
+}
