@@ -64,15 +64,20 @@ impl Infrared {
         Self { cable, step_ms: 10.0, sensors: SENSORS_M_DEG.len(), encoders: false }
     }
 
-    /// Such robots where the plan has them.
+    /// Such robots where the plan has them, alike but for that.
     pub fn scenario(&self, plan: &Plan) -> String {
         let mut toml = head("infrared", self.step_ms);
         arena(&mut toml, plan);
-        for (i, &start) in plan.robots.iter().enumerate() {
-            robot(&mut toml, i, start, SMALL_BODY);
-            let _ = writeln!(toml, "link = {}", self.cable.toml());
-            self.senses(&mut toml);
+        toml += "[[robots]]\nname = \"r\"\nstarts = [\n";
+        for (i, &[x, y, heading]) in plan.robots.iter().enumerate() {
+            let _ = writeln!(
+                toml,
+                "    {{ name = \"{}\", x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }},",
+                name(i)
+            );
         }
+        let _ = write!(toml, "]\n{SMALL_BODY}link = {}\n", self.cable.toml());
+        self.senses(&mut toml);
         toml
     }
 
@@ -106,7 +111,7 @@ pub fn office(plan: &Plan, robots: usize, period_ms: f64) -> String {
     let mut toml = head("office", 10.0);
     arena(&mut toml, plan);
     for (i, &start) in plan.robots.iter().take(robots).enumerate() {
-        robot(&mut toml, i, start, OFFICE_BODY);
+        robot(&mut toml, i, start);
         // Devices that nobody synchronised: the scans of many robots are spread over their period.
         let phase_ms = i as f64 * 10.0 % period_ms;
         let _ = write!(
@@ -152,12 +157,18 @@ fn arena(toml: &mut String, plan: &Plan) {
     }
 }
 
-fn robot(toml: &mut String, i: usize, [x, y, heading]: [f64; 3], body: &str) {
+/// A robot of the office, still without sensors.
+fn robot(toml: &mut String, i: usize, [x, y, heading]: [f64; 3]) {
     let _ = write!(
         toml,
-        "[[robots]]\nname = \"r{i:04}\"\n\
-         start = {{ x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }}\n{body}"
+        "[[robots]]\nname = \"{}\"\n\
+         start = {{ x_m = {x:?}, y_m = {y:?}, heading_rad = {heading:?} }}\n{OFFICE_BODY}",
+        name(i)
     );
+}
+
+fn name(i: usize) -> String {
+    format!("r{i:04}")
 }
 
 /// Time between two readings on a serial cable of 9600 baud: a frame of one value takes some 10 ms.
