@@ -33,7 +33,7 @@ pub enum FaultKind {
     Brain,
     /// A sensor sticks: it gives its last value again and again, as if it were new.
     Sensor {
-        /// Its place in [`RobotSpec::sensors`](crate::robot::RobotSpec::sensors).
+        /// Its place in [`RobotModel::sensors`](crate::robot::RobotModel::sensors).
         sensor: usize,
         /// Its name.
         name: String,
