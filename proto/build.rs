@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use prost::Message;
 
-const FILES: [&str; 5] = [
+const FILES: [&str; 6] = [
     "baudbot/v1/world.proto",
     "baudbot/v1/budget.proto",
     "baudbot/v1/control.proto",
     "baudbot/v1/brain_link.proto",
     "baudbot/v1/observe.proto",
+    "baudbot/v1/page.proto",
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
