@@ -6,8 +6,9 @@ use baudbot_wire::khepera::Lines;
 use baudbot_wire::{BareDecoder, Encoding, Layout};
 use serde::{Deserialize, Serialize};
 
+use crate::link::{LEAST_BAUD, Link, Uart};
 use crate::schedule::Schedule;
-use crate::time::SimTime;
+use crate::time::{SECOND_NS, SimTime};
 
 /// A program of the microcontroller, one of a closed set.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +77,16 @@ impl Firmware {
     pub fn layout(&self) -> Layout<'_> {
         let Fields { components, counts, motors, ages } = &self.fields;
         Layout { components, counts, motors, ages: *ages }
+    }
+
+    /// The least baud rate of a cable on which its messages are told apart: a bare one ends when there is silence for
+    /// longer than a character takes.
+    pub(crate) fn least_baud(&self, uart: &Uart) -> u64 {
+        let Protocol::Bare { gap_ns } = self.protocol else { return LEAST_BAUD };
+        let held_ns = Link::Uart(uart.clone()).pause_ns() - Link::Uart(uart.clone()).burst_ns(1);
+        let bits_ns = u64::from(uart.bits_per_character) * SECOND_NS;
+        let character_ns = gap_ns.saturating_sub(held_ns + 1).max(1);
+        bits_ns.div_ceil(character_ns).max(LEAST_BAUD)
     }
 
     /// How one motor signal is encoded.

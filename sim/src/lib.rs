@@ -41,6 +41,7 @@ pub mod fault;
 pub mod firmware;
 mod hash;
 mod histogram;
+mod intervention;
 mod laptop;
 pub mod link;
 pub mod microcontroller;
@@ -69,6 +70,7 @@ mod view;
 mod world;
 
 pub use histogram::Histogram;
+pub use intervention::{Intervention, InterventionError};
 pub use laptop::{Freshness, Reading};
 pub use scenario::{Override, Scenario};
 pub use time::SimTime;

@@ -27,7 +27,7 @@ use crate::drive::{Drive, Motion, Wheels};
 use crate::fault::{Fault, FaultKind, When};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
-use crate::link::{Line, Link};
+use crate::link::{Direction, Line, Link};
 use crate::microcontroller::{Microcontroller, Processor};
 use crate::motor::NoiseState;
 use crate::movable::Form;
@@ -240,5 +240,27 @@ impl Robot {
             recorder: Recorder::default(),
             spare: Vec::new(),
         }
+    }
+
+    /// Somebody puts it somewhere else.
+    pub(crate) fn put_down(&mut self, spec: &RobotSpec, pose: Pose) {
+        self.motion.pose = pose;
+        self.motion.turn_rate_rad_s = 0.0;
+        self.motion.acceleration_m_s2 = 0.0;
+        spec.drive.halt(&mut self.motion);
+        self.contacts.clear();
+        self.collided = false;
+    }
+
+    /// The cable to its brain is one that can be out.
+    pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str) {
+        self.uplink.watch_outages(link, seed, &format!("{name}/link:up"), Direction::Up);
+        self.downlink.watch_outages(link, seed, &format!("{name}/link:down"), Direction::Down);
+    }
+
+    /// The cable to its brain has another rate from now on.
+    pub(crate) fn begin_bursts(&mut self) {
+        self.uplink.begin_burst();
+        self.downlink.begin_burst();
     }
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
 use crate::hash;
+use crate::intervention::Altered;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::parallel;
@@ -51,7 +52,11 @@ use motion::Lists;
 /// ```
 #[derive(Clone, Debug)]
 pub struct World {
+    /// As it was made.
+    origin: Arc<Scenario>,
+    /// As it is now: what people [change by hand](Self::intervene) is another scenario from then on.
     scenario: Arc<Scenario>,
+    pub(crate) altered: Altered,
     state: State,
     /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
     seen: Option<Frozen>,
@@ -92,8 +97,8 @@ pub(crate) struct State {
     tick: u64,
     begun: bool,
     pub(crate) robots: Vec<Robot>,
-    movers: Vec<MoverState>,
-    movables: Vec<MovableState>,
+    pub(crate) movers: Vec<MoverState>,
+    pub(crate) movables: Vec<MovableState>,
     pub(crate) score: Score,
     turns: Vec<Turn>,
     collisions: Vec<Collision>,
@@ -181,7 +186,8 @@ impl World {
         };
         let (ahead, spare) = (Ahead::default(), Spare::default());
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
-        let mut world = Self { scenario, state, seen: None, ahead, spare, is_parallel };
+        let (origin, altered) = (Arc::clone(&scenario), Altered::default());
+        let mut world = Self { origin, scenario, altered, state, seen: None, ahead, spare, is_parallel };
         world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
         world
     }
@@ -298,11 +304,28 @@ impl World {
         }
     }
 
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    pub(crate) fn is_begun(&self) -> bool {
+        self.state.begun
+    }
+
+    pub(crate) fn scenario_mut(&mut self) -> &mut Scenario {
+        Arc::make_mut(&mut self.scenario)
+    }
+
     pub(crate) fn state_mut(&mut self) -> &mut State {
         &mut self.state
     }
 
     /// What the world was made from.
+    pub fn origin(&self) -> &Arc<Scenario> {
+        &self.origin
+    }
+
+    /// What the world is made of: its [origin](Self::origin), but for what has been changed by hand.
     pub fn scenario(&self) -> &Arc<Scenario> {
         &self.scenario
     }
@@ -363,7 +386,7 @@ impl World {
 
     /// A fingerprint of the whole state: equal for equal bits, on every machine.
     pub fn hash(&self) -> u64 {
-        hash::of(&self.state)
+        if self.altered.is_empty() { hash::of(&self.state) } else { hash::of(&(&self.state, &self.altered)) }
     }
 }
 

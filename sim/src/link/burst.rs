@@ -49,6 +49,11 @@ impl Burst {
         self.end
     }
 
+    /// The next character begins a burst, behind those that are on the wire.
+    pub(super) fn begin(&mut self) {
+        (self.start, self.characters) = (self.end, 0);
+    }
+
     /// When at most `depth` of its characters will still be on the way.
     pub(super) fn drained_to(&self, link: &Link, depth: usize) -> SimTime {
         match self.characters.saturating_sub(depth as u64) {

@@ -17,7 +17,7 @@ use crate::time::SimTime;
 
 /// Which way a line leads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Direction {
+pub(crate) enum Direction {
     /// To the laptop: first the wire, then the adapter.
     Up,
     /// To the microcontroller: first the adapter, then the wire.

@@ -49,6 +49,18 @@ impl Line {
         }
     }
 
+    /// From now on the cable can be out.
+    pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str, direction: Direction) {
+        if link.has_detour() && self.detour.is_none() {
+            self.detour = Some(Detour::new(link, seed, name, direction));
+        }
+    }
+
+    /// What is sent from now on begins a burst, behind what is on the wire.
+    pub(crate) fn begin_burst(&mut self) {
+        self.burst.begin();
+    }
+
     /// Puts bytes on the line at `now`, behind those that wait.
     pub(crate) fn send(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
         if self.detour.is_some() {

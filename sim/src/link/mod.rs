@@ -33,6 +33,7 @@ use alloc::vec::Vec;
 
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
+pub(crate) use detour::Direction;
 pub(crate) use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;
@@ -98,6 +99,21 @@ pub struct Usb {
     pub outages: Vec<Outage>,
     /// See [`Uart::cuts`].
     pub cuts: Vec<When>,
+}
+
+impl Uart {
+    /// The greatest rate that what stands between the cable and the laptop keeps up with: the memory of its chip has no
+    /// end in the model, so the bus must not be what limits it.
+    pub fn most_baud(&self) -> u64 {
+        let (packet_bytes, frame_ns) = match self.adapter {
+            Adapter::None | Adapter::Bluetooth(_) => return MOST_BAUD,
+            Adapter::Cdc { frame_ns } => (64, frame_ns),
+            Adapter::Ftdi(Ftdi { packet_bytes, frame_ns, .. }) => (packet_bytes, frame_ns),
+        };
+        let bits = PACKETS_PER_FRAME * u64::from(packet_bytes) * u64::from(self.bits_per_character);
+        let most = u128::from(bits) * u128::from(SECOND_NS) / u128::from(frame_ns);
+        u64::try_from(most).unwrap_or(u64::MAX).min(MOST_BAUD)
+    }
 }
 
 impl Link {
@@ -210,6 +226,15 @@ impl Link {
         *self.adapter() != Adapter::None || self.turnaround_ns().is_some() || self.has_outages()
     }
 }
+
+/// Least baud rate of a cable.
+pub(crate) const LEAST_BAUD: u64 = 50;
+
+/// Greatest baud rate of a cable.
+pub(crate) const MOST_BAUD: u64 = 100_000_000;
+
+/// Packets that a USB bus carries in a frame (USB 2.0, table 5-9).
+pub(crate) const PACKETS_PER_FRAME: u64 = 19;
 
 /// Bytes that the driver of an ideal link holds: enough for any brain, and yet an end for one that never reads.
 const IDEAL_BUFFER: usize = 1 << 20;

@@ -6,16 +6,15 @@ use alloc::vec::Vec;
 use super::cable::refuse;
 use super::check::Path;
 use super::{ScenarioError, raw};
-use crate::link::{Adapter, Bluetooth, Ftdi, Link, Outage, Uart, Usb};
+use crate::link::{
+    Adapter, Bluetooth, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
+};
 use crate::time::{SECOND_NS, SimTime};
 
 type Result<T> = core::result::Result<T, ScenarioError>;
 
 /// Most outages of a link.
 const MAX_OUTAGES: usize = 1000;
-
-/// Packets that fit into a USB frame, full ones at full speed (USB 2.0, table 5-9).
-const PACKETS_PER_FRAME: u64 = 19;
 
 /// Shortest and longest USB frame, in milliseconds; 0.125 ms is a high-speed microframe.
 const FRAME_MS: (f64, f64) = (0.125, 100.0);
@@ -86,7 +85,7 @@ fn uart(path: &Path, raw: &raw::Link) -> Result<Uart> {
     }
     let depth = |field, depth| depth_of(path, field, depth, 64);
     let uart = Uart {
-        baud: path.whole_within("baud", baud, 50, 100_000_000)? as u32,
+        baud: path.whole_within("baud", baud, LEAST_BAUD, MOST_BAUD)? as u32,
         bits_per_character: bits as u8,
         receive_depth: depth("receive_depth", raw.receive_depth)?,
         transmit_depth: depth("transmit_depth", raw.transmit_depth)?,
@@ -188,22 +187,18 @@ fn packet_bytes(path: &Path, given: Option<u64>, default: u64, most: u64) -> Res
     path.whole_within("packet_bytes", given.unwrap_or(default), 1, most).map(|bytes| bytes as u32)
 }
 
-/// Whether the bus can carry what the chip gets: its memory has no end in the model, so the bus must not be what
-/// limits it.
+/// Whether the bus can carry what the chip gets.
 fn keeps_up(path: &Path, uart: &Uart) -> Result<()> {
-    let (packet_bytes, frame_ns) = match uart.adapter {
-        Adapter::None | Adapter::Bluetooth(_) => return Ok(()),
-        Adapter::Cdc { frame_ns } => (64, frame_ns),
-        Adapter::Ftdi(Ftdi { packet_bytes, frame_ns, .. }) => (u64::from(packet_bytes), frame_ns),
-    };
-    let bits = PACKETS_PER_FRAME * packet_bytes * u64::from(uart.bits_per_character);
-    let most = u128::from(bits) * u128::from(SECOND_NS) / u128::from(frame_ns);
-    if u128::from(uart.baud) <= most {
+    let (most, baud) = (uart.most_baud(), uart.baud);
+    if u64::from(baud) <= most {
         return Ok(());
     }
+    let packet_bytes = match uart.adapter {
+        Adapter::Ftdi(Ftdi { packet_bytes, .. }) => packet_bytes,
+        _ => 64,
+    };
     let problem = format!(
-        "{PACKETS_PER_FRAME} packets of {packet_bytes} bytes a frame keep up with {most} baud, not with {}",
-        uart.baud
+        "{PACKETS_PER_FRAME} packets of {packet_bytes} bytes a frame keep up with {most} baud, not with {baud}"
     );
     Err(path.field("adapter").error(problem))
 }

@@ -172,6 +172,10 @@ impl Scenario {
         &self.rules
     }
 
+    pub(crate) fn robots_mut(&mut self) -> &mut [RobotSpec] {
+        &mut self.robots
+    }
+
     /// The robots in the order of their names, whatever their order in the file.
     pub fn robots(&self) -> &[RobotSpec] {
         &self.robots

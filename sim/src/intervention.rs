@@ -1,0 +1,254 @@
+//! Changes by hand: somebody moves a robot, pulls a cable, or sets another baud rate.
+//!
+//! They happen between two ticks, and are inputs like a brain's bytes: the same ones at the same ticks make the same
+//! run. A cable that is changed is another cable in the scenario from then on; [`World::hash`](crate::World::hash)
+//! covers that.
+
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Pose, Vector, angle};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::fault::When;
+use crate::link::Link;
+use crate::movable::{Body, MovableState};
+use crate::time::SimTime;
+use crate::world::World;
+
+/// A change by hand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Intervention {
+    /// A robot is put somewhere else, where it stands still. Its wheels do not turn meanwhile.
+    PlaceRobot {
+        /// Its name.
+        robot: String,
+        /// World from robot.
+        pose: Pose,
+    },
+    /// Something that is pushed is put somewhere else, where it lies still.
+    PlaceThing {
+        /// Its name.
+        thing: String,
+        /// World from thing.
+        pose: Pose,
+    },
+    /// The cable between a robot and its brain is pulled, or plugged in again. What would arrive meanwhile is lost.
+    PullCable {
+        /// The robot's name.
+        robot: String,
+        /// Pulled; otherwise plugged in.
+        pulled: bool,
+    },
+    /// Both ends of the cable between a robot and its brain change to another baud rate. What is on the wire by then
+    /// arrives as it would have.
+    SetBaud {
+        /// The robot's name.
+        robot: String,
+        /// Bits a second.
+        baud: u32,
+    },
+}
+
+/// Why a change was not made. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum InterventionError {
+    /// The tick has begun; changes are made before that.
+    #[error("the world is within a tick")]
+    WithinTick,
+    /// The run is over.
+    #[error("the run has ended")]
+    Ended,
+    /// No such robot or thing.
+    #[error("{field}: there is no {kind} `{name}`")]
+    Unknown {
+        /// Which field names it.
+        field: &'static str,
+        /// What it was to be.
+        kind: &'static str,
+        /// The name, cut off if it is long.
+        name: String,
+    },
+    /// Not a place.
+    #[error("{field}: must be a number from -{most} to {most}")]
+    Place {
+        /// Which field it is in.
+        field: &'static str,
+        /// The greatest that it can be.
+        most: u32,
+    },
+    /// There is something there.
+    #[error("no room: `{with}` is in the way")]
+    NoRoom {
+        /// What is in the way.
+        with: String,
+    },
+    /// The robot has no such cable.
+    #[error("robot: `{robot}` has no {cable}")]
+    NoCable {
+        /// The robot's name.
+        robot: String,
+        /// What was asked for.
+        cable: &'static str,
+    },
+    /// Not a rate that the cable can have.
+    #[error("baud: must be {least} to {most} here, is {baud}")]
+    Baud {
+        /// What it is.
+        baud: u32,
+        /// The least that it can be.
+        least: u64,
+        /// The most that it can be.
+        most: u64,
+    },
+    /// It has been done too often.
+    #[error("robot: the cable of `{robot}` has been pulled too often")]
+    TooOften {
+        /// The robot's name.
+        robot: String,
+    },
+}
+
+type Result<T> = core::result::Result<T, InterventionError>;
+
+/// What has been changed of the scenario. No part of the state of a world in which nobody did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Altered(Vec<(SimTime, Intervention)>);
+
+impl Altered {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl World {
+    /// Changes something by hand, between two ticks.
+    ///
+    /// # Errors
+    /// Says why not; then nothing has changed.
+    pub fn intervene(&mut self, intervention: &Intervention) -> Result<()> {
+        if self.is_begun() {
+            return Err(InterventionError::WithinTick);
+        }
+        if self.ending().is_some() {
+            return Err(InterventionError::Ended);
+        }
+        match intervention {
+            Intervention::PlaceRobot { robot, pose } => return self.place_robot(robot, pose),
+            Intervention::PlaceThing { thing, pose } => return self.place_thing(thing, pose),
+            Intervention::PullCable { robot, pulled } => self.pull_cable(robot, *pulled)?,
+            Intervention::SetBaud { robot, baud } => self.set_baud(robot, *baud)?,
+        }
+        self.altered.0.push((self.time(), intervention.clone()));
+        Ok(())
+    }
+
+    fn place_robot(&mut self, name: &str, pose: &Pose) -> Result<()> {
+        let own = self.robot_named(name)?;
+        let pose = checked(pose)?;
+        let spec = &self.scenario().robots()[own];
+        self.has_room(&spec.form().at(&pose), name)?;
+        let spec = spec.clone();
+        self.state_mut().robots[own].put_down(&spec, pose);
+        Ok(())
+    }
+
+    fn place_thing(&mut self, name: &str, pose: &Pose) -> Result<()> {
+        let things = &self.scenario().movables;
+        let found = things.iter().position(|thing| thing.name == name);
+        let i = found.ok_or_else(|| unknown("thing", "thing that is pushed", name))?;
+        let pose = checked(pose)?;
+        self.has_room(&things[i].shape.form().at(&pose), name)?;
+        self.state_mut().movables[i] = MovableState { pose, velocity_m_s: Vector::zeros(), spin_rad_s: 0.0 };
+        Ok(())
+    }
+
+    /// Whether nothing but what has this name is where the body is to be.
+    fn has_room(&self, body: &Body, name: &str) -> Result<()> {
+        let no_room = |with: &str| Err(InterventionError::NoRoom { with: with.to_string() });
+        let scenario = self.scenario();
+        if let Some(thing) = body.arena_thing(&scenario.arena) {
+            return no_room(scenario.arena.name_of(thing));
+        }
+        let state = self.state();
+        let robots = scenario.robots().iter().zip(&state.robots);
+        let robots = robots.map(|(spec, robot)| (&spec.name, spec.form().at(&robot.motion.pose)));
+        let movers = scenario.movers.iter().zip(&state.movers);
+        let movers = movers.map(|(mover, state)| (&mover.name, mover.form().at(&state.pose)));
+        let movables = scenario.movables.iter().zip(&state.movables);
+        let movables = movables.map(|(thing, state)| (&thing.name, thing.shape.form().at(&state.pose)));
+        let mut others = robots.chain(movers).chain(movables).filter(|(other, _)| *other != name);
+        match others.find(|(_, other)| other.overlaps(body)) {
+            Some((with, _)) => no_room(with),
+            None => Ok(()),
+        }
+    }
+
+    fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<()> {
+        let (own, now) = (self.robot_named(name)?, self.time());
+        let (seed, scenario) = (self.scenario().seed, self.scenario_mut());
+        let link = &mut scenario.robots_mut()[own].link;
+        let cuts = match link {
+            Link::Uart(uart) => &mut uart.cuts,
+            Link::Usb(usb) => &mut usb.cuts,
+            Link::Ideal | Link::Onboard => {
+                return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
+            }
+        };
+        let room = cuts.len() < MOST_CUTS;
+        let out = cuts.iter_mut().find(|when| matches!(when, When::Once { until: SimTime::NEVER, .. }));
+        match (out, pulled) {
+            (Some(When::Once { until, .. }), false) => *until = now,
+            (None, true) if room => cuts.push(When::Once { from: now, until: SimTime::NEVER }),
+            (None, true) => return Err(InterventionError::TooOften { robot: name.to_string() }),
+            _ => {}
+        }
+        let link = link.clone();
+        self.state_mut().robots[own].watch_outages(&link, seed, name);
+        Ok(())
+    }
+
+    fn set_baud(&mut self, name: &str, baud: u32) -> Result<()> {
+        let own = self.robot_named(name)?;
+        let spec = &mut self.scenario_mut().robots_mut()[own];
+        let Link::Uart(uart) = &spec.link else {
+            return Err(InterventionError::NoCable { robot: name.to_string(), cable: "serial cable" });
+        };
+        let mut changed = uart.clone();
+        changed.baud = baud;
+        let (least, most) = (spec.firmware.least_baud(uart), uart.most_baud());
+        if !(least..=most).contains(&u64::from(baud)) {
+            return Err(InterventionError::Baud { baud, least, most });
+        }
+        spec.link = Link::Uart(changed);
+        self.state_mut().robots[own].begin_bursts();
+        Ok(())
+    }
+
+    fn robot_named(&self, name: &str) -> Result<usize> {
+        let found = self.scenario().robots().iter().position(|spec| spec.name == name);
+        found.ok_or_else(|| unknown("robot", "robot", name))
+    }
+}
+
+fn unknown(field: &'static str, kind: &'static str, name: &str) -> InterventionError {
+    InterventionError::Unknown { field, kind, name: name.chars().take(80).collect() }
+}
+
+fn checked(pose: &Pose) -> Result<Pose> {
+    let place = |field, value: f64, most: u32| {
+        let is_in = value.abs() <= f64::from(most);
+        if is_in { Ok(value) } else { Err(InterventionError::Place { field, most }) }
+    };
+    let x = place("x_m", pose.position.x, MOST_M)?;
+    let y = place("y_m", pose.position.y, MOST_M)?;
+    Ok(Pose::new(x, y, angle::wrap(place("heading_rad", pose.heading, MOST_RAD)?)))
+}
+
+const MOST_M: u32 = 1_000_000;
+const MOST_RAD: u32 = 10;
+
+/// Most times that the cable of a robot is out by hand or by its faults' scripts.
+const MOST_CUTS: usize = 10_000;
