@@ -17,6 +17,7 @@ use self::help::{
     PRESET_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
 };
 use crate::error::Refused;
+use crate::viewer::Viewer;
 
 /// A simulation server for mobile robots whose brains are elsewhere.
 ///
@@ -273,6 +274,9 @@ pub(crate) struct ListenArgs {
     /// Take brains, observers and operators here: IP:PORT (port 0 takes a free one) or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) listen: Vec<Address>,
+    /// Show the worlds in a browser at http://IP:PORT (port 0 takes a free one), or not: off
+    #[arg(long, value_name = "IP:PORT|off")]
+    pub(crate) viewer: Option<Viewer>,
     /// Allow addresses that other machines reach; whoever reaches them may do anything here
     #[arg(long)]
     pub(crate) insecure: bool,

@@ -8,7 +8,7 @@
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    and `text` lays out columns.
+//!    `text` lays out columns, and `viewer` leads to a page.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
@@ -36,6 +36,7 @@ mod summary;
 mod sweep;
 mod text;
 mod trace;
+mod viewer;
 mod watch;
 mod written;
 

@@ -27,7 +27,7 @@ use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::trace::Trace;
 use crate::written::{self, Files};
-use crate::{connect, report, text};
+use crate::{connect, report, text, viewer};
 
 /// What is going to be run.
 struct Plan {
@@ -172,9 +172,12 @@ async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<S
     for address in &args.listen.listen {
         builder = builder.listen(address.clone());
     }
+    // What is over in a moment nobody can look at.
+    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed { .. }));
     let server = builder.serve().await.map_err(from_builder)?;
-    for address in server.addresses().iter().filter(|_| !args.quiet) {
-        eprintln!("listening on {address}");
+    if !args.quiet {
+        server.addresses().iter().for_each(|address| eprintln!("listening on {address}"));
+        viewer::link(&server).iter().for_each(|link| eprintln!("{link}"));
     }
     Ok(server)
 }

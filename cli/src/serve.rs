@@ -14,6 +14,7 @@ use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::signals::Stop;
 use crate::text;
+use crate::viewer;
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     let pace = args.pace.with(&args.watchdog)?;
@@ -37,6 +38,7 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     for address in addresses(args)? {
         builder = builder.listen(address);
     }
+    builder = viewer::add(builder, args.listen.viewer, true);
     // Scenarios may have come through FIFOs; there a single signal is to end the program.
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let server = builder.serve().await.map_err(from_builder)?;
@@ -68,6 +70,9 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     }
     for (_, description, _) in worlds {
         text += description;
+    }
+    if let Some(link) = viewer::link(server) {
+        let _ = writeln!(text, "\n{link}");
     }
     let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
     if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {

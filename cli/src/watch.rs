@@ -35,7 +35,7 @@ async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
     let mut observe = connect::observe(channel.clone());
     let described = observe.describe_world(v1::DescribeWorldRequest { world: world.clone() }).await;
     let described = described.map_err(|status| from_server(&status))?.into_inner();
-    let frames = observe.watch(v1::WatchRequest { world: world.clone(), every_ticks: 0 }).await;
+    let frames = observe.watch(v1::WatchRequest { world: world.clone(), ..Default::default() }).await;
     let mut frames = frames.map_err(|status| from_server(&status))?.into_inner();
     let size = if in_place { terminal() } else { PAPER };
     let mut view = View { world, described, map: None, size, collisions: Vec::new() };

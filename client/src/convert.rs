@@ -35,6 +35,11 @@ pub(crate) fn step<'a>(turn: u64, answers: impl Iterator<Item = (usize, Answer<'
     request(Request::Step(v1::Step { turn, robots }))
 }
 
+/// What is shown to people.
+pub(crate) fn annotate(robot: usize, belief: v1::Belief) -> v1::AttachRequest {
+    request(Request::Annotate(v1::Annotate { robot: robot as u32, belief: Some(belief) }))
+}
+
 /// What came in answer to the Hello for `robots`.
 pub(crate) fn welcome(response: Option<v1::AttachResponse>, robots: &[String]) -> Result<Welcome, Breach> {
     let found = match response {

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use baudbot_proto::v1::Belief;
+
 use crate::body::Body;
 use crate::brain::Action;
 use crate::error::Error;
@@ -61,5 +63,13 @@ impl Fleet {
     pub async fn act(&mut self, actions: &[(usize, Action)]) -> Result<(), Error> {
         let answers: Vec<_> = actions.iter().map(|(robot, action)| (*robot, Answer::Act(action))).collect();
         self.session.answer(&answers).await
+    }
+
+    /// Shows people what a robot's brain believes and does, as [`Robot::publish`](crate::Robot::publish).
+    ///
+    /// # Errors
+    /// As [`Robot::publish`](crate::Robot::publish).
+    pub async fn publish(&mut self, robot: usize, belief: Belief) -> Result<(), Error> {
+        self.session.publish(robot, belief).await
     }
 }

@@ -12,6 +12,8 @@
 //! 5. [`Robot::drive`] answers it with [`Signals`] for the motors; [`run`] does 4 and 5 with a [`Brain`]
 //!    until the run is over.
 //!
+//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`].
+//!
 //! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
 //! does what a brain of messages does.
 //!
@@ -56,6 +58,7 @@ mod stream;
 mod turn;
 mod wire;
 
+pub use baudbot_proto::v1::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
 pub use baudbot_wire::Encoding;
 
 pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor};

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_proto::v1::Belief;
+
 use crate::body::Body;
 use crate::brain::Action;
 use crate::error::Error;
@@ -102,5 +104,14 @@ impl Robot {
     /// As [`drive`](Self::drive).
     pub async fn act(&mut self, action: Action) -> Result<(), Error> {
         self.session.answer(&[(0, Answer::Act(&action))]).await
+    }
+
+    /// Shows people what the brain believes and does. It costs no time on the cable and changes nothing in the world; of
+    /// what is published faster than people look, they see the newest.
+    ///
+    /// # Errors
+    /// As [`drive`](Self::drive). A belief of more than 256 KiB ends the stream.
+    pub async fn publish(&mut self, belief: Belief) -> Result<(), Error> {
+        self.session.publish(0, belief).await
     }
 }

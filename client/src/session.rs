@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_proto::v1::Belief;
 use tonic::transport::Channel;
 
 use crate::body::Body;
@@ -177,6 +178,11 @@ impl Session {
         let silent = self.asked.iter().filter(left_out).map(|&robot| (robot, Answer::Nothing));
         let step = convert::step(self.number, answers.iter().cloned().chain(asleep).chain(silent));
         Ok(self.stream.send(step).await?)
+    }
+
+    /// Shows people what a robot's brain believes.
+    pub(crate) async fn publish(&mut self, robot: usize, belief: Belief) -> Result<(), Error> {
+        Ok(self.stream.send(convert::annotate(robot, belief)).await?)
     }
 }
 

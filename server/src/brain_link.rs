@@ -6,11 +6,13 @@ use std::sync::Arc;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
 use baudbot_proto::v1::brain_link_service_server::BrainLinkService;
+use prost::Message as _;
 use tokio::sync::{Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
+use crate::beliefs;
 use crate::convert;
 use crate::endpoint::{Endpoint, Write};
 use crate::letter::{Attach, Attached, Delivery, Letter};
@@ -41,8 +43,8 @@ impl BrainLinkService for BrainLink {
         let mut requests = request.into_inner();
         let hello = match requests.message().await?.and_then(|request| request.request) {
             Some(Content::Hello(hello)) => check(hello)?,
-            Some(Content::Step(_)) => {
-                return Err(Status::failed_precondition("step: the first request must be a Hello"));
+            Some(Content::Step(_) | Content::Annotate(_)) => {
+                return Err(Status::failed_precondition("request: the first one must be a Hello"));
             }
             None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
         };
@@ -85,22 +87,31 @@ async fn listen(
     raw: bool,
     deliveries: mpsc::Sender<Delivery>,
 ) {
-    let Attached { lease, scenario, robots, .. } = attached;
-    let endpoint = Endpoint::new(scenario, robots, raw);
+    let Attached { lease, scenario, robots, beliefs, .. } = attached;
+    let endpoint = Endpoint::new(scenario, robots.clone(), raw);
+    let publish = |annotate: v1::Annotate| {
+        let (robot, belief) = checked(annotate, &robots)?;
+        beliefs.publish(robot, belief);
+        Ok(())
+    };
     let room = Arc::new(Semaphore::new(STEPS_A_TICK));
     let take_steps = async {
         while let Ok(Some(request)) = requests.message().await {
-            let letter = match step_of(request, &endpoint) {
-                Ok((turn, writes)) => {
-                    let Ok(permit) = Arc::clone(&room).acquire_owned().await else { break };
-                    Letter::Step { session: lease.session, turn, writes, permit }
-                }
+            let step = match request.request {
+                Some(Content::Annotate(annotate)) => publish(annotate).map(|()| None),
+                request => step_of(request, &endpoint).map(Some),
+            };
+            let (turn, writes) = match step {
+                Ok(Some(step)) => step,
+                Ok(None) => continue,
                 Err(status) => {
-                    tracing::debug!(world = lease.world.name(), %status, "a brain's step was refused");
+                    tracing::debug!(world = lease.world.name(), %status, "a brain's request was refused");
                     let _ = deliveries.try_send(Delivery::Close(status));
                     break;
                 }
             };
+            let Ok(permit) = Arc::clone(&room).acquire_owned().await else { break };
+            let letter = Letter::Step { session: lease.session, turn, writes, permit };
             if lease.world.send(letter).is_err() {
                 break;
             }
@@ -114,8 +125,24 @@ async fn listen(
     }
 }
 
-fn step_of(request: v1::AttachRequest, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
-    match request.request {
+/// What a brain publishes, and for which of the world's robots.
+fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize, v1::Belief), Status> {
+    let slot = annotate.robot as usize;
+    let Some(&robot) = robots.get(slot) else {
+        let text = format!("annotate.robot: must be 0 to {}, is {slot}", robots.len() - 1);
+        return Err(Status::invalid_argument(text));
+    };
+    let belief = annotate.belief.unwrap_or_default();
+    let bytes = belief.encoded_len();
+    if bytes > beliefs::MAX_BYTES {
+        let text = format!("annotate.belief: has {bytes} bytes, the limit is {}", beliefs::MAX_BYTES);
+        return Err(Status::invalid_argument(text));
+    }
+    Ok((robot, belief))
+}
+
+fn step_of(request: Option<Content>, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
+    match request {
         Some(Content::Step(step)) => {
             let writes = convert::writes(step.robots);
             endpoint.check(&writes)?;
@@ -124,6 +151,6 @@ fn step_of(request: v1::AttachRequest, endpoint: &Endpoint) -> Result<(u64, Vec<
         Some(Content::Hello(_)) => {
             Err(Status::failed_precondition("hello: this stream is attached already; open another one"))
         }
-        None => Err(Status::invalid_argument("request: must be a Step")),
+        Some(Content::Annotate(_)) | None => Err(Status::invalid_argument("request: must be a Step")),
     }
 }

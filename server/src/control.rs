@@ -210,6 +210,15 @@ impl ControlService for Control {
         Ok(Response::new(v1::DeleteWorldResponse { status }))
     }
 
+    async fn intervene(
+        &self,
+        request: Request<v1::InterveneRequest>,
+    ) -> Result<Response<v1::InterveneResponse>, Status> {
+        let v1::InterveneRequest { world, intervention } = request.into_inner();
+        let status = self.status(&world, convert::intervention(intervention)?).await?;
+        Ok(Response::new(v1::InterveneResponse { status }))
+    }
+
     async fn get_budget(
         &self,
         request: Request<v1::GetBudgetRequest>,

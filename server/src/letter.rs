@@ -4,14 +4,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_proto::v1;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::battery::BatteryState;
 use baudbot_sim::collision::Collision;
 use baudbot_sim::drive::{Motion, Wheels};
-use baudbot_sim::{Reading, RobotView, Scenario, SimTime, World};
+use baudbot_sim::{Intervention, Reading, RobotView, Scenario, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tonic::Status;
 
+use crate::beliefs::Beliefs;
+use crate::details::Detail;
 use crate::endpoint::Write;
 use crate::pace::{Pace, Pacing};
 use crate::registry::WorldHandle;
@@ -20,10 +23,7 @@ use crate::registry::WorldHandle;
 pub(crate) enum Letter {
     Order(Order, oneshot::Sender<Result<Report, Status>>),
     Describe(oneshot::Sender<Arc<Scenario>>),
-    Watch {
-        every_ticks: u64,
-        frames: mpsc::Sender<Frame>,
-    },
+    Watch(Watch),
     Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
     Step {
         session: u64,
@@ -38,17 +38,35 @@ pub(crate) enum Letter {
     End,
 }
 
+/// An observer wants to see the world.
+pub(crate) struct Watch {
+    pub(crate) every_ticks: u64,
+    /// The robots that it wants to know more of.
+    pub(crate) details: Vec<usize>,
+    pub(crate) frames: mpsc::Sender<Frame>,
+}
+
 /// What an operator orders.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Order {
     Report,
     Start,
     Pause,
-    Step { ticks: u64 },
+    Step {
+        ticks: u64,
+    },
     SetPace(Pace),
     Reset,
     Snapshot,
-    Restore { snapshot: u64 },
+    Restore {
+        snapshot: u64,
+    },
+    /// Before the next tick.
+    Intervene(Intervention),
+    /// Throws the brain of the robot of this name off.
+    DetachBrain {
+        robot: String,
+    },
     Delete,
 }
 
@@ -90,6 +108,9 @@ pub(crate) struct Frame {
     pub(crate) ending: Option<String>,
     pub(crate) things: Vec<Thing>,
     pub(crate) score: Option<Score>,
+    pub(crate) details: Vec<Detail>,
+    /// By robot, what its brain has published since the last frame.
+    pub(crate) beliefs: Vec<(usize, Arc<v1::Belief>)>,
 }
 
 pub(crate) struct Truth {
@@ -167,6 +188,7 @@ pub(crate) struct Attached {
     /// Indices of the robots, in the order of the request.
     pub(crate) robots: Vec<usize>,
     pub(crate) lockstep: bool,
+    pub(crate) beliefs: Beliefs,
 }
 
 /// A hold on robots: they are let go when it is dropped, wherever that happens.

@@ -8,7 +8,10 @@
 //! 3. `endpoint` is the laptop's end of a brain's ports: what it writes, checked and turned into bytes.
 //! 4. `registry` finds a world by name; a `letter` is all that passes between a service and a world.
 //! 5. `host` is a world's thread: it alone touches the world. [`Pace`] says when a tick ends, `sessions` who
-//!    is attached and whom the world waits for, `observers` who watches.
+//!    is attached and whom the world waits for, `observers` who watches, in `details` if they want; `beliefs` is what
+//!    brains publish for them.
+//!
+//! 6. `page` is the viewer for browsers: a program like any other, behind a WebSocket and a `pipe` in memory.
 //!
 //! `convert` is the only folder that names both the contract's types and the domain's.
 //!
@@ -31,16 +34,20 @@
 //! ```
 
 mod address;
+mod beliefs;
 mod brain_link;
 mod columns;
 mod control;
 mod convert;
+mod details;
 mod endpoint;
 mod host;
 mod letter;
 mod observe;
 mod observers;
 mod pace;
+mod page;
+mod pipe;
 mod registry;
 mod room;
 mod server;

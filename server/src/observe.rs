@@ -4,14 +4,17 @@ use std::pin::Pin;
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_server::ObserveService;
+use baudbot_sim::Scenario;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status};
 
 use crate::convert;
-use crate::letter::Letter;
+use crate::details::MAX_DETAILS;
+use crate::letter::{Letter, Watch};
 use crate::registry::Registry;
+use crate::words::brief;
 
 /// Frames that wait for an observer before it misses some.
 const FRAMES_AHEAD: usize = 8;
@@ -37,15 +40,31 @@ impl ObserveService for Observe {
     type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchResponse, Status>> + Send>>;
 
     async fn watch(&self, request: Request<v1::WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
-        let v1::WatchRequest { world, every_ticks } = request.into_inner();
+        let v1::WatchRequest { world, every_ticks, details } = request.into_inner();
         let world = self.registry.find("world", &world)?;
+        let scenario = world.ask(Letter::Describe).await?;
         let every_ticks = match every_ticks {
-            0 => 1_000_000_000 / DEFAULT_RATE_HZ / world.ask(Letter::Describe).await?.step_ns(),
+            0 => 1_000_000_000 / DEFAULT_RATE_HZ / scenario.step_ns(),
             ticks => ticks,
         };
+        let details = detailed(&scenario, &details)?;
         let (frames, stream) = mpsc::channel(FRAMES_AHEAD);
-        world.send(Letter::Watch { every_ticks, frames })?;
+        world.send(Letter::Watch(Watch { every_ticks, details, frames }))?;
         let stream = ReceiverStream::new(stream).map(|frame| Ok(convert::frame(frame)));
         Ok(Response::new(Box::pin(stream)))
     }
+}
+
+/// The robots of these names.
+fn detailed(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, Status> {
+    if names.len() > MAX_DETAILS {
+        let text = format!("details: there are {}, the limit is {MAX_DETAILS}", names.len());
+        return Err(Status::invalid_argument(text));
+    }
+    let robots = scenario.robots();
+    let place = |(i, name): (usize, &String)| {
+        let found = robots.iter().position(|spec| spec.name == *name);
+        found.ok_or_else(|| Status::not_found(format!("details[{i}]: there is no robot `{}`", brief(name))))
+    };
+    names.iter().enumerate().map(place).collect()
 }

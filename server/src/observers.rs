@@ -1,10 +1,14 @@
 //! Observers of one world. A slow one misses frames and never slows the world.
 
 use baudbot_sim::collision::Collision;
+use baudbot_sim::sight::Onlooker;
 use baudbot_sim::{RobotView, ThingView, World};
 use tokio::sync::mpsc;
 
-use crate::letter::{Charge, Frame, Score, Thing, Truth};
+use crate::beliefs::Beliefs;
+use crate::details::{Detail, Detailed};
+use crate::letter::{Charge, Frame, Score, Thing, Truth, Watch};
+use crate::sessions::Sessions;
 
 /// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
 const MAX_COLLISIONS: usize = 1000;
@@ -17,15 +21,33 @@ struct Observer {
     frames: mpsc::Sender<Frame>,
     missed_frames: u64,
     collisions: Vec<Collision>,
+    detailed: Vec<Detailed>,
+    /// What brains published that it has seen.
+    published: u64,
+}
+
+/// What observers can see of a world.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) sessions: &'a Sessions,
+    pub(crate) beliefs: &'a Beliefs,
 }
 
 impl Observers {
     /// A new observer, who gets a first frame at once, also of a world that stands.
-    pub(crate) fn add(&mut self, every_ticks: u64, frames: mpsc::Sender<Frame>, world: &World) {
+    pub(crate) fn add(&mut self, watch: Watch, view: View<'_>) {
         self.0.retain(|observer| !observer.frames.is_closed());
-        let every_ticks = every_ticks.max(1);
-        let mut observer = Observer { every_ticks, frames, missed_frames: 0, collisions: Vec::new() };
-        if observer.show(world) {
+        let Watch { every_ticks, details, frames } = watch;
+        let mut observer = Observer {
+            every_ticks: every_ticks.max(1),
+            frames,
+            missed_frames: 0,
+            collisions: Vec::new(),
+            detailed: details.into_iter().map(|robot| Detailed::new(robot, view.world)).collect(),
+            published: 0,
+        };
+        if observer.show(view) {
             self.0.push(observer);
         }
     }
@@ -36,27 +58,35 @@ impl Observers {
     }
 
     /// Sends the truth at the start of a tick to those whose turn it is; at the end of a run, to all.
-    pub(crate) fn show(&mut self, world: &World) {
+    pub(crate) fn show(&mut self, view: View<'_>) {
         self.0.retain_mut(|observer| {
             if observer.frames.is_closed() {
                 return false;
             }
+            let world = view.world;
             let room = MAX_COLLISIONS.saturating_sub(observer.collisions.len());
             observer.collisions.extend(world.collisions().iter().take(room).cloned());
+            observer.detailed.iter_mut().for_each(|detailed| detailed.note(world));
             let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
-            !due || observer.show(world)
+            !due || observer.show(view)
         });
+    }
+
+    /// Sends everybody the truth between two ticks: something has been changed by hand.
+    pub(crate) fn show_now(&mut self, view: View<'_>) {
+        self.0.retain_mut(|observer| observer.show(view));
     }
 }
 
 impl Observer {
     /// `false` if the observer is gone.
-    fn show(&mut self, world: &World) -> bool {
+    fn show(&mut self, view: View<'_>) -> bool {
+        let world = view.world;
         // The last place is for the end of the run, which no observer must miss.
         let needed = if world.ending().is_some() { 1 } else { 2 };
         if self.frames.capacity() < needed {
             self.missed_frames += 1;
-            return true;
+            return !self.frames.is_closed();
         }
         let frame = Frame {
             tick: world.tick(),
@@ -67,8 +97,19 @@ impl Observer {
             ending: world.ending().map(ToString::to_string),
             things: world.things().map(thing).collect(),
             score: Score::of(world),
+            details: self.details(view),
+            beliefs: view.beliefs.since(&mut self.published),
         };
         self.frames.try_send(frame).is_ok()
+    }
+
+    fn details(&mut self, view: View<'_>) -> Vec<Detail> {
+        if self.detailed.is_empty() {
+            return Vec::new();
+        }
+        let onlooker = Onlooker::new(view.world);
+        let detailed = self.detailed.iter_mut();
+        detailed.map(|detailed| detailed.tell(view.world, view.sessions, &onlooker)).collect()
     }
 }
 

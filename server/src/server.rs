@@ -1,6 +1,7 @@
 //! The server: its builder, its listeners, and its end.
 
 use std::io;
+use std::net::SocketAddr;
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,16 +11,14 @@ use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
 use baudbot_proto::v1::control_service_server::ControlServiceServer;
 use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use baudbot_sim::Scenario;
-use hyper_util::rt::TokioIo;
-use tokio::io::DuplexStream;
 use tokio::net::{TcpListener, UnixListener, UnixStream};
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
-use tokio_stream::wrappers::{UnboundedReceiverStream, UnixListenerStream};
+use tokio_stream::wrappers::UnixListenerStream;
 use tonic::Status;
 use tonic::transport::server::{Connected, Router, TcpIncoming};
-use tonic::transport::{Channel, Endpoint, Server as Transport};
+use tonic::transport::{Channel, Server as Transport};
 
 use crate::address::Address;
 use crate::brain_link::BrainLink;
@@ -28,13 +27,12 @@ use crate::host::OnTick;
 use crate::letter::Letter;
 use crate::observe::Observe;
 use crate::pace::Pace;
+use crate::page;
+use crate::pipe::Pipes;
 use crate::registry::{NewWorld, Registry};
 
 /// How often a silent connection is asked whether it is there, and how long it has to answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
-
-/// Bytes in flight through an in-process pipe.
-const PIPE_BYTES: usize = 1 << 20;
 
 /// Why a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -107,6 +105,8 @@ impl WorldConfig {
 pub struct Builder {
     worlds: Vec<WorldConfig>,
     addresses: Vec<Address>,
+    /// Each with whether another port will do.
+    viewers: Vec<(SocketAddr, bool)>,
     insecure: bool,
 }
 
@@ -125,6 +125,20 @@ impl Builder {
         self
     }
 
+    /// Serves the viewer, a page for browsers, here.
+    #[must_use]
+    pub fn viewer(mut self, address: SocketAddr) -> Self {
+        self.viewers.push((address, false));
+        self
+    }
+
+    /// As [`viewer`](Self::viewer), but if this port is taken on another one that is free.
+    #[must_use]
+    pub fn viewer_or_free_port(mut self, address: SocketAddr) -> Self {
+        self.viewers.push((address, true));
+        self
+    }
+
     /// Allows addresses that other machines can reach.
     #[must_use]
     pub fn insecure(mut self, insecure: bool) -> Self {
@@ -137,7 +151,7 @@ impl Builder {
     /// # Errors
     /// If a world cannot be made.
     pub async fn in_process(self) -> Result<Server, ServerError> {
-        Self { addresses: Vec::new(), ..self }.serve().await
+        Self { addresses: Vec::new(), viewers: Vec::new(), ..self }.serve().await
     }
 
     /// Starts the server on its addresses.
@@ -152,11 +166,15 @@ impl Builder {
             }
             listeners.push(Listener::bind(address).await?);
         }
+        let mut pages = Vec::new();
+        for viewer in self.viewers {
+            pages.push(listen_for_pages(viewer, self.insecure).await?);
+        }
         let registry = Registry::default();
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
-        Server::start(registry, listeners).await
+        Server::start(registry, listeners, pages).await
     }
 }
 
@@ -164,8 +182,9 @@ impl Builder {
 pub struct Server {
     registry: Registry,
     addresses: Vec<Address>,
+    viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
-    pipes: mpsc::UnboundedSender<io::Result<DuplexStream>>,
+    pipes: Pipes,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
 }
@@ -176,13 +195,18 @@ impl Server {
         Builder::default()
     }
 
-    async fn start(registry: Registry, listeners: Vec<Listener>) -> Result<Self, ServerError> {
+    async fn start(
+        registry: Registry,
+        listeners: Vec<Listener>,
+        pages: Vec<TcpListener>,
+    ) -> Result<Self, ServerError> {
         let router = router(&registry).await?;
         let (stop, stopped) = watch::channel(false);
-        let (pipes, incoming) = mpsc::unbounded_channel();
+        let (pipes, incoming) = Pipes::new();
         let mut tasks = JoinSet::new();
         let mut addresses = Vec::new();
         let mut sockets = Vec::new();
+        let mut viewers = Vec::new();
         for listener in listeners {
             addresses.push(listener.address().clone());
             if let Address::Unix(path) = listener.address() {
@@ -194,8 +218,12 @@ impl Server {
                 Listener::Unix(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
             };
         }
-        tasks.spawn(run(router, UnboundedReceiverStream::new(incoming), stopped));
-        Ok(Self { registry, addresses, sockets, pipes, stop, tasks })
+        tasks.spawn(run(router, incoming, stopped.clone()));
+        for page in pages {
+            viewers.extend(page.local_addr());
+            tasks.spawn(page::serve(page, pipes.clone(), stopped.clone()));
+        }
+        Ok(Self { registry, addresses, viewers, sockets, pipes, stop, tasks })
     }
 
     /// Where it listens, free ports filled in.
@@ -203,22 +231,17 @@ impl Server {
         &self.addresses
     }
 
+    /// Where the viewer is, free ports filled in.
+    pub fn viewers(&self) -> &[SocketAddr] {
+        &self.viewers
+    }
+
     /// A new connection to it, through a pipe in memory.
     ///
     /// # Errors
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
-        let pipes = self.pipes.clone();
-        let connector = tower::service_fn(move |_| {
-            let (near, far) = tokio::io::duplex(PIPE_BYTES);
-            let sent = pipes.send(Ok(far));
-            std::future::ready(
-                sent.map(|()| TokioIo::new(near))
-                    .map_err(|_| io::Error::from(io::ErrorKind::ConnectionRefused)),
-            )
-        });
-        // The name is never looked up; it has to be some authority.
-        Ok(Endpoint::from_static("http://localhost").connect_with_connector(connector).await?)
+        Ok(self.pipes.channel().await?)
     }
 
     /// Ends all worlds and streams, and waits until they are over.
@@ -291,6 +314,23 @@ async fn router(registry: &Registry) -> Result<Router, ServerError> {
         )
         .add_service(ObserveServiceServer::new(observe))
         .add_service(BrainLinkServiceServer::new(brain_link)))
+}
+
+async fn listen_for_pages(
+    (socket, or_free_port): (SocketAddr, bool),
+    insecure: bool,
+) -> Result<TcpListener, ServerError> {
+    let address = Address::Tcp(socket);
+    if !insecure && !address.is_local() {
+        return Err(ServerError::NotLoopback { address });
+    }
+    let listener = match TcpListener::bind(socket).await {
+        Err(error) if or_free_port && error.kind() == io::ErrorKind::AddrInUse => {
+            TcpListener::bind((socket.ip(), 0)).await
+        }
+        listener => listener,
+    };
+    listener.map_err(|source| ServerError::Bind { address, source })
 }
 
 enum Listener {

@@ -305,6 +305,16 @@ impl Sessions {
         }
     }
 
+    /// The program that holds a robot.
+    pub(crate) fn session(&self, robot: usize) -> Option<u64> {
+        self.seats.get(robot)?.session
+    }
+
+    /// The name of the brain that holds a robot.
+    pub(crate) fn brain(&self, robot: usize) -> Option<&str> {
+        Some(&self.by_number.get(&self.session(robot)?)?.brain)
+    }
+
     /// Each seat with the name of the brain that holds it.
     pub(crate) fn seats(&self) -> impl Iterator<Item = (&Seat, Option<&str>)> {
         self.seats.iter().map(|seat| {

@@ -5,6 +5,7 @@
 //! covers that.
 
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_geometry::{Pose, Vector, angle};
@@ -189,8 +190,8 @@ impl World {
     fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<()> {
         let (own, now) = (self.robot_named(name)?, self.time());
         let (seed, scenario) = (self.scenario().seed, self.scenario_mut());
-        let link = &mut scenario.robots_mut()[own].link;
-        let cuts = match link {
+        let model = Arc::make_mut(&mut scenario.robots_mut()[own].model);
+        let cuts = match &mut model.link {
             Link::Uart(uart) => &mut uart.cuts,
             Link::Usb(usb) => &mut usb.cuts,
             Link::Ideal | Link::Onboard => {
@@ -205,7 +206,7 @@ impl World {
             (None, true) => return Err(InterventionError::TooOften { robot: name.to_string() }),
             _ => {}
         }
-        let link = link.clone();
+        let link = model.link.clone();
         self.state_mut().robots[own].watch_outages(&link, seed, name);
         Ok(())
     }
@@ -222,7 +223,7 @@ impl World {
         if !(least..=most).contains(&u64::from(baud)) {
             return Err(InterventionError::Baud { baud, least, most });
         }
-        spec.link = Link::Uart(changed);
+        Arc::make_mut(&mut spec.model).link = Link::Uart(changed);
         self.state_mut().robots[own].begin_bursts();
         Ok(())
     }

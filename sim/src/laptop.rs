@@ -138,6 +138,11 @@ impl Laptop {
         self.sampled[i] = sampled_at.or(self.sampled[i]);
     }
 
+    /// When the reading of sensor `i` was truly sampled that the brain has not been given yet.
+    pub(crate) fn sampled_at(&self, i: usize) -> Option<SimTime> {
+        self.sampled.get(i).copied().flatten()
+    }
+
     fn note_ages(&mut self, message: &Arrived) {
         for &(i, sampled_at) in &message.sampled {
             self.sampled[i] = Some(sampled_at);

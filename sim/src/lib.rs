@@ -69,6 +69,7 @@ mod vicinity;
 mod view;
 mod world;
 
+pub use baudbot_geometry::Pose;
 pub use histogram::Histogram;
 pub use intervention::{Intervention, InterventionError};
 pub use laptop::{Freshness, Reading};

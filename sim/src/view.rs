@@ -93,6 +93,11 @@ impl<'a> RobotView<'a> {
         &self.state.laptop.readings
     }
 
+    /// When the reading of a sensor was truly sampled that has come since the brain's last step, as far as that is known.
+    pub fn sampled_at(&self, sensor: usize) -> Option<SimTime> {
+        self.state.laptop.sampled_at(sensor)
+    }
+
     /// Each sensor's truth, in the order of the wire.
     pub fn sensors(&self) -> impl ExactSizeIterator<Item = SensorView<'a>> {
         let freshness = &self.state.laptop.freshness;
@@ -133,6 +138,11 @@ impl<'a> RobotView<'a> {
     /// The line from the microcontroller to the laptop.
     pub fn uplink(&self) -> &'a LineCounters {
         &self.state.uplink.counters
+    }
+
+    /// Bytes that wait for the wire or are on it: to the laptop, and to the microcontroller.
+    pub fn under_way(&self) -> [u64; 2] {
+        [&self.state.uplink, &self.state.downlink].map(|line| line.under_way())
     }
 
     /// The line from the laptop to the microcontroller.

@@ -27,7 +27,7 @@ fn response(response: v1::attach_response::Response) -> v1::AttachResponse {
     v1::AttachResponse { response: Some(response) }
 }
 
-fn description(spec: &RobotSpec) -> v1::RobotDescription {
+pub(super) fn description(spec: &RobotSpec) -> v1::RobotDescription {
     let (baud, bits_per_character) = characters(&spec.link);
     v1::RobotDescription {
         robot: spec.name.clone(),

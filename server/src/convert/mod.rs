@@ -1,9 +1,11 @@
 //! Between the contract's types and the domain's: the only folder that names both.
 //!
-//! A file for each who asks: `brain`, `observe`, and `status` and `budget` for the operator. This one has what they share.
+//! A file for each who asks: `brain`, `observe` and `detail`, and `status`, `budget` and `intervention` for the operator. This one has what they share.
 
 mod brain;
 mod budget;
+mod detail;
+mod intervention;
 mod observe;
 mod pace;
 mod status;
@@ -14,6 +16,7 @@ use crate::letter::{Charge, Score};
 
 pub(crate) use brain::{delivery, welcome, writes};
 pub(crate) use budget::robot_budget;
+pub(crate) use intervention::intervention;
 pub(crate) use observe::{frame, world_description};
 pub(crate) use pace::pace_from;
 pub(crate) use status::status;

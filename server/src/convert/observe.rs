@@ -1,5 +1,7 @@
 //! What an observer is told.
 
+use std::sync::Arc;
+
 use baudbot_proto::v1;
 use baudbot_sim::Scenario;
 use baudbot_sim::actuator::ActuatorState;
@@ -9,6 +11,8 @@ use baudbot_sim::mover::Mover;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
 
+use super::brain::description;
+use super::detail::detail;
 use super::{battery, score};
 use crate::columns::sensor_columns;
 use crate::letter::{Frame, Thing, Truth};
@@ -68,6 +72,8 @@ fn robot(spec: &RobotSpec) -> v1::ObservedRobot {
         outline: spec.outline.iter().map(point).collect(),
         look: look(&spec.look),
         actuators: spec.actuators.iter().map(|actuator| actuator.name.clone()).collect(),
+        description: Some(description(spec)),
+        deadline_ns: spec.deadline.within_ns,
     }
 }
 
@@ -160,7 +166,13 @@ pub(crate) fn frame(frame: Frame) -> v1::WatchResponse {
         ending: frame.ending.unwrap_or_default(),
         things: frame.things.into_iter().map(thing).collect(),
         score: frame.score.map(score),
+        details: frame.details.into_iter().map(detail).collect(),
+        annotations: frame.beliefs.iter().map(annotation).collect(),
     }
+}
+
+fn annotation((robot, belief): &(usize, Arc<v1::Belief>)) -> v1::Annotation {
+    v1::Annotation { robot: *robot as u32, belief: Some(v1::Belief::clone(belief)) }
 }
 
 fn thing(Thing { name, x_m, y_m, heading_rad, blocked_ns }: Thing) -> v1::ThingTruth {

@@ -106,7 +106,7 @@ fn cycle_status(robot: &RobotView<'_>) -> v1::CycleStatus {
     }
 }
 
-fn durations(histogram: &Histogram) -> Option<v1::Durations> {
+pub(super) fn durations(histogram: &Histogram) -> Option<v1::Durations> {
     Some(v1::Durations {
         count: histogram.count(),
         mean_ns: histogram.mean_ns()?,
@@ -118,7 +118,7 @@ fn durations(histogram: &Histogram) -> Option<v1::Durations> {
     })
 }
 
-fn line_status(line: &LineCounters) -> v1::LineStatus {
+pub(super) fn line_status(line: &LineCounters) -> v1::LineStatus {
     v1::LineStatus {
         bytes: line.bytes,
         corrupted_bytes: line.corrupted_bytes,

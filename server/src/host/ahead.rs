@@ -152,7 +152,10 @@ pub(super) fn looks(letter: &Letter) -> bool {
             | Order::Pause
             | Order::Step { .. }
             | Order::SetPace(_)
-            | Order::Snapshot => true,
+            | Order::Snapshot
+            | Order::Intervene(_) => true,
+            // A brain that hangs is thrown off at once; how the world then stands is asked behind that.
+            Order::DetachBrain { .. } => false,
             // Whatever the world was, it is not any more.
             Order::Reset | Order::Restore { .. } | Order::Delete => false,
         },

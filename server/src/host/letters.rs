@@ -10,6 +10,7 @@ use tonic::Status;
 use super::{Host, Pending, ahead, sender};
 use crate::endpoint::{Thinking, Write};
 use crate::letter::{Attach, Attached, Lease, Letter};
+use crate::observers::View;
 use crate::pace::WatchdogPolicy;
 use crate::sessions::Answer;
 
@@ -27,7 +28,10 @@ impl Host {
         match letter {
             Letter::Order(order, reply) => self.obey(order, reply),
             Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
-            Letter::Watch { every_ticks, frames } => self.observers.add(every_ticks, frames, &self.world),
+            Letter::Watch(watch) => {
+                let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+                self.observers.add(watch, view);
+            }
             Letter::Attach(request, reply) => self.attach(request, reply),
             Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
             Letter::End => self.deleted = true,
@@ -51,7 +55,8 @@ impl Host {
         let lockstep = self.pace.watchdog().is_some();
         let lease = Lease { world, session };
         // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
-        if reply.send(Ok(Attached { lease, scenario, robots, lockstep })).is_err() {
+        let beliefs = self.beliefs.clone();
+        if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs })).is_err() {
             return;
         }
         if self.world.ending().is_some() {

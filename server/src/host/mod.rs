@@ -13,13 +13,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::time::{Duration, Instant};
 
-use baudbot_sim::{Input, RobotView, SimTime, Turn, World};
+use baudbot_sim::{Input, Intervention, RobotView, SimTime, Turn, World};
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
+use crate::beliefs::Beliefs;
 use crate::endpoint::Sender;
 use crate::letter::{Activity, Letter, Report};
-use crate::observers::Observers;
+use crate::observers::{Observers, View};
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
 use crate::sessions::Sessions;
 pub(crate) use rounds::Then;
@@ -34,6 +35,9 @@ pub(crate) struct Host {
     world: World,
     sessions: Sessions,
     observers: Observers,
+    beliefs: Beliefs,
+    /// Changes by hand that wait for the end of the tick, each with who waits for it.
+    interventions: Vec<(Intervention, oneshot::Sender<Result<Report, Status>>)>,
     on_tick: Option<OnTick>,
     pace: Pace,
     pacing: Pacing,
@@ -113,6 +117,8 @@ impl Host {
             name,
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
+            beliefs: Beliefs::new(senders.len()),
+            interventions: Vec::new(),
             world,
             on_tick,
             pace,
@@ -227,7 +233,8 @@ impl Host {
         if let Some(on_tick) = &mut self.on_tick {
             on_tick(&self.world);
         }
-        self.observers.show(&self.world);
+        let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+        self.observers.show(view);
     }
 
     /// Ends the tick, without the answers of some robots, each with when its brain is done.
@@ -255,6 +262,7 @@ impl Host {
         if self.ending && !self.sessions.is_behind() {
             self.end();
         }
+        self.intervene();
         if self.credits == 0 {
             self.answer_steppers();
         }

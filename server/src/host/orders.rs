@@ -3,14 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use baudbot_sim::World;
+use baudbot_sim::{InterventionError, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::stopwatch::Stopwatch;
 use super::{Host, Snapshot, sender};
-use crate::letter::{Order, Report, SeatReport};
+use crate::letter::{Letter, Order, Report, SeatReport};
+use crate::observers::View;
 use crate::pace::{Pace, Pacing};
+use crate::words::brief;
 
 /// States that are kept for one world; the oldest goes when there would be more.
 const MAX_SNAPSHOTS: usize = 64;
@@ -36,7 +38,7 @@ impl Host {
             Order::Step { ticks } => return self.step(ticks, reply),
             Order::SetPace(pace) => self.set_pace(pace),
             Order::Reset => {
-                let world = World::new(Arc::clone(self.world.scenario()));
+                let world = World::new(Arc::clone(self.world.origin()));
                 self.senders = world.robots().map(|robot| sender(&robot)).collect();
                 self.pacing = Pacing::default();
                 self.running = Stopwatch::default();
@@ -52,9 +54,53 @@ impl Host {
                 self.senders.clone_from(&kept.senders);
                 self.replace(world);
             }
+            Order::Intervene(intervention) => {
+                self.interventions.push((intervention, reply));
+                if !self.begun {
+                    self.intervene();
+                }
+                return;
+            }
+            Order::DetachBrain { robot } => {
+                return match self.detach_brain(&robot) {
+                    Ok(()) => self.open(Letter::Order(Order::Report, reply)),
+                    Err(status) => drop(reply.send(Err(status))),
+                };
+            }
             Order::Delete => self.deleted = true,
         }
         drop(reply.send(Ok(self.report(snapshot))));
+    }
+
+    /// Changes things by hand, now that no tick is under way.
+    pub(super) fn intervene(&mut self) {
+        if self.interventions.is_empty() {
+            return;
+        }
+        for (intervention, reply) in std::mem::take(&mut self.interventions) {
+            let done = self.world.intervene(&intervention);
+            let answer = done.map(|()| self.report(0)).map_err(|error| refused(&error));
+            drop(reply.send(answer));
+        }
+        let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+        self.observers.show_now(view);
+    }
+
+    /// Throws a robot's brain off.
+    fn detach_brain(&mut self, robot: &str) -> Result<(), Status> {
+        let robots = self.world.scenario().robots();
+        let Some(i) = robots.iter().position(|spec| spec.name == robot) else {
+            return Err(Status::not_found(format!(
+                "detach_brain.robot: there is no robot `{}`",
+                brief(robot)
+            )));
+        };
+        let Some(session) = self.sessions.session(i) else {
+            let text = format!("detach_brain.robot: robot `{robot}` has no brain");
+            return Err(Status::failed_precondition(text));
+        };
+        self.close(session, Status::aborted("the operator has detached this brain"));
+        Ok(())
     }
 
     fn step(&mut self, ticks: u64, reply: oneshot::Sender<Result<Report, Status>>) {
@@ -107,6 +153,7 @@ impl Host {
         self.sessions.void_turns();
         self.credits = 0;
         self.answer_steppers();
+        self.intervene();
     }
 
     fn keep(&mut self) -> u64 {
@@ -135,5 +182,14 @@ impl Host {
             seats: seats.collect(),
             snapshot,
         }
+    }
+}
+
+fn refused(error: &InterventionError) -> Status {
+    let text = format!("intervention: {error}");
+    match error {
+        InterventionError::Unknown { .. } => Status::not_found(text),
+        InterventionError::Place { .. } | InterventionError::Baud { .. } => Status::invalid_argument(text),
+        _ => Status::failed_precondition(text),
     }
 }

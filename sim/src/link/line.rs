@@ -116,8 +116,13 @@ impl Line {
 
     /// How many of the bytes that were sent are over.
     fn over(&self) -> u64 {
+        self.sent - self.under_way()
+    }
+
+    /// Bytes that wait for the wire or are on it.
+    pub(crate) fn under_way(&self) -> u64 {
         let asking = self.detour.as_ref().map_or(0, |detour| detour.asking.len());
-        self.sent - (self.in_flight.len() + asking) as u64
+        (self.in_flight.len() + asking) as u64
     }
 
     /// From when on the wire is free for more, as far as can be told now.

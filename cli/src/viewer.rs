@@ -1,0 +1,73 @@
+//! Where the viewer is, a page for browsers.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::str::FromStr;
+
+use baudbot_server::{Builder, Server};
+
+/// Where `--viewer` puts it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Viewer {
+    /// Nowhere.
+    Off,
+    /// Here.
+    At(SocketAddr),
+}
+
+impl FromStr for Viewer {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "off" {
+            return Ok(Self::Off);
+        }
+        let numeric = text.strip_prefix("http://").unwrap_or(text).replace("localhost:", "127.0.0.1:");
+        let address = numeric.trim_end_matches('/').parse();
+        address
+            .map(Self::At)
+            .map_err(|_| format!("`{text}` is no IP:PORT such as 127.0.0.1:7401, and not `off`"))
+    }
+}
+
+/// Adds the viewer to a server. Where nobody says, it is at the usual place, or at a free port if that is taken.
+pub(crate) fn add(builder: Builder, asked: Option<Viewer>, usually: bool) -> Builder {
+    match asked {
+        Some(Viewer::At(address)) => builder.viewer(address),
+        None if usually => builder.viewer_or_free_port(USUAL),
+        None | Some(Viewer::Off) => builder,
+    }
+}
+
+/// A line that leads people there; none if there is no viewer.
+pub(crate) fn link(server: &Server) -> Option<Link> {
+    server.viewers().first().copied().map(Link)
+}
+
+/// For people to click on.
+pub(crate) struct Link(SocketAddr);
+
+impl fmt::Display for Link {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "look at it: http://{}/", self.0)
+    }
+}
+
+/// Beside the place that servers listen at.
+const USUAL: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 7401);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read() {
+        let at = |text: &str| Viewer::At(text.parse().unwrap());
+        assert_eq!("off".parse(), Ok(Viewer::Off));
+        for text in ["127.0.0.1:80", "localhost:80", "http://localhost:80/"] {
+            assert_eq!(text.parse(), Ok(at("127.0.0.1:80")));
+        }
+        let problem = "7401".parse::<Viewer>().unwrap_err();
+        assert_eq!(problem, "`7401` is no IP:PORT such as 127.0.0.1:7401, and not `off`");
+    }
+}

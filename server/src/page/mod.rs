@@ -1,0 +1,75 @@
+//! The viewer: a page for browsers, on a port of its own, and the socket that it speaks over.
+//!
+//! The page comes with the program ([`files`]), and says nothing to anybody but this server. What it asks goes through
+//! one WebSocket ([`socket`]) to the same gRPC services that all others use, over a pipe in memory: a page can do what
+//! a program can that reaches the server, and not more.
+//!
+//! A browser also runs the pages of strangers. So that none of these can speak to a server on the same machine, the
+//! socket is opened only to pages that came from here: their origin must be the host that they ask, and on loopback
+//! that host must be called by a name of loopback's ([`guard`]).
+
+mod files;
+mod guard;
+mod socket;
+
+use crate::pipe::Pipes;
+use axum::Router;
+use axum::extract::{Request, State, WebSocketUpgrade};
+use axum::http::{HeaderMap, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::serve::ListenerExt;
+use guard::Guard;
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+
+/// What the page's services need.
+#[derive(Clone)]
+struct Page {
+    pipes: Pipes,
+    guard: Guard,
+    stopped: watch::Receiver<bool>,
+}
+
+/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services.
+pub(crate) async fn serve(listener: TcpListener, pipes: Pipes, mut stopped: watch::Receiver<bool>) {
+    let guard =
+        Guard { loopback_only: listener.local_addr().is_ok_and(|address| address.ip().is_loopback()) };
+    let page = Page { pipes, guard, stopped: stopped.clone() };
+    let router = Router::new()
+        .route("/page", get(open_socket))
+        .fallback(get(file))
+        .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
+        .with_state(page);
+    let stop = async move {
+        let _ = stopped.wait_for(|stopped| *stopped).await;
+    };
+    // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
+    let listener = listener.tap_io(|stream| drop(stream.set_nodelay(true)));
+    if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stop).await {
+        tracing::error!(%error, "the viewer's listener stopped");
+    }
+}
+
+async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {
+    match page.guard.check_host(request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(problem) => (StatusCode::FORBIDDEN, problem).into_response(),
+    }
+}
+
+async fn file(request: Request) -> Response {
+    files::answer(request.uri().path())
+}
+
+async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+    if let Err(problem) = page.guard.check_origin(&headers) {
+        return (StatusCode::FORBIDDEN, problem).into_response();
+    }
+    let Page { pipes, stopped, .. } = page;
+    upgrade
+        .max_message_size(socket::MAX_MESSAGE)
+        .max_frame_size(socket::MAX_MESSAGE)
+        .on_upgrade(move |socket| socket::serve(socket, pipes, stopped))
+}

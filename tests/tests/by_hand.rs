@@ -1,0 +1,109 @@
+//! What an operator changes by hand in a world of a server.
+
+use baudbot_client::Signals;
+use baudbot_proto::v1;
+use baudbot_proto::v1::intervene_request::Intervention;
+use baudbot_server::{Lockstep, Pace, Server};
+use baudbot_tests::system::{client, lockstep, operator, serve, status};
+use baudbot_tests::{WANDER, scenario};
+use tonic::Code;
+
+async fn intervene(server: &Server, intervention: Intervention) -> Result<v1::WorldStatus, tonic::Status> {
+    let request = v1::InterveneRequest { world: "w".into(), intervention: Some(intervention) };
+    let response = operator(server).await.intervene(request).await?;
+    Ok(response.into_inner().status.expect("a status"))
+}
+
+fn pull(pulled: bool) -> Intervention {
+    Intervention::PullCable(v1::PullCable { robot: "robot".into(), pulled })
+}
+
+fn place(x_m: f64, y_m: f64) -> Intervention {
+    Intervention::PlaceRobot(v1::PlaceRobot { robot: "robot".into(), x_m, y_m, heading_rad: 0.0 })
+}
+
+#[tokio::test]
+async fn a_change_within_a_tick_waits_for_its_end() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    let first = robot.turn().await.unwrap().unwrap();
+    let changed = intervene(&server, place(0.1, 0.2));
+    let mut changed = Box::pin(changed);
+    let soon = std::time::Duration::from_millis(50);
+    assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
+    robot.drive(Signals { left: 0.0, right: 0.0 }).await.unwrap();
+    assert_eq!(changed.await.unwrap().tick, first.tick + 1);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn what_cannot_be_is_refused_with_a_reason() {
+    let server = serve(scenario(WANDER, &[]), Pace::Stepped(Lockstep::default())).await;
+    let refused = async |intervention| {
+        let status = intervene(&server, intervention).await.unwrap_err();
+        (status.code(), status.message().to_owned())
+    };
+    let (code, text) = refused(place(1e9, 0.0)).await;
+    assert_eq!(
+        (code, text.as_str()),
+        (Code::InvalidArgument, "intervention: x_m: must be a number from -1000000 to 1000000")
+    );
+    let nobody = v1::PullCable { robot: "nobody".into(), pulled: true };
+    let (code, text) = refused(Intervention::PullCable(nobody)).await;
+    assert_eq!((code, text.as_str()), (Code::NotFound, "intervention: robot: there is no robot `nobody`"));
+    let empty = v1::InterveneRequest { world: "w".into(), intervention: None };
+    let status = operator(&server).await.intervene(empty).await.unwrap_err();
+    assert_eq!((status.code(), status.message()), (Code::InvalidArgument, "intervention: must be set"));
+    let robot = || "robot".to_owned();
+    let (code, text) = refused(Intervention::DetachBrain(v1::DetachBrain { robot: robot() })).await;
+    assert_eq!(
+        (code, text.as_str()),
+        (Code::FailedPrecondition, "detach_brain.robot: robot `robot` has no brain")
+    );
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_pulled_cable_shows_in_the_losses_and_a_reset_plugs_it_in() {
+    let server = serve(
+        scenario(WANDER, &["robots.robot.link.kind=\"uart\"", "robots.robot.link.baud=115200"]),
+        Pace::Free,
+    )
+    .await;
+    intervene(&server, pull(true)).await.unwrap();
+    let mut operator = operator(&server).await;
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    let lost = async || status(&server).await.robots[0].uplink.unwrap().lost_bytes;
+    while lost().await < 100 {
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    while status(&server).await.tick < 200 {
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    assert_eq!(lost().await, 0);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_brain_that_is_thrown_off_learns_it_and_may_come_again() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    let client = client(&server).await;
+    let mut robot = client.attach("w", "robot").await.unwrap();
+    robot.turn().await.unwrap().unwrap();
+    let detach = Intervention::DetachBrain(v1::DetachBrain { robot: "robot".into() });
+    assert!(!intervene(&server, detach).await.unwrap().robots[0].attached);
+    let error = loop {
+        match robot.turn().await {
+            Ok(Some(_)) => {}
+            Ok(None) => panic!("no reason"),
+            Err(error) => break error.to_string(),
+        }
+    };
+    assert!(error.contains("the operator has detached this brain"), "{error}");
+    let mut again = client.attach("w", "robot").await.unwrap();
+    again.turn().await.unwrap().unwrap();
+    server.shutdown().await;
+}

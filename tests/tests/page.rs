@@ -1,0 +1,266 @@
+//! The viewer's listener as a browser meets it: its files, its socket, and whom it turns away.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::page_request::Request as Asked;
+use baudbot_proto::v1::page_response::Response as Answer;
+use baudbot_server::{Pace, Server, WorldConfig};
+use baudbot_tests::system::{lockstep, operator};
+use baudbot_tests::{WANDER, scenario};
+use futures_util::{SinkExt, StreamExt};
+use prost::Message as _;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest;
+use tokio_tungstenite::tungstenite::{Error, Message};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async, connect_async_with_config};
+
+async fn serve(pace: Pace) -> Server {
+    let world = WorldConfig::new("w", scenario(WANDER, &[])).pace(pace);
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    Server::builder().world(world).viewer(free).serve().await.unwrap()
+}
+
+/// A page without a browser.
+struct Page {
+    socket: WebSocketStream<MaybeTlsStream<TcpStream>>,
+    /// What came while something else was waited for.
+    kept: VecDeque<v1::PageResponse>,
+}
+
+impl Page {
+    async fn open(server: &Server) -> Self {
+        // As browsers do: small messages do not wait for acknowledgements.
+        let (url, no_delay) = (format!("ws://{}/page", server.viewers()[0]), true);
+        let (socket, _) = connect_async_with_config(url, None, no_delay).await.unwrap();
+        Self { socket, kept: VecDeque::new() }
+    }
+
+    async fn ask(&mut self, call: u32, request: Asked) {
+        let request = v1::PageRequest { call, request: Some(request) };
+        self.socket.send(Message::Binary(request.encode_to_vec().into())).await.unwrap();
+    }
+
+    /// The next answer to a call.
+    async fn answer(&mut self, call: u32) -> Answer {
+        if let Some(at) = self.kept.iter().position(|response| response.call == call) {
+            return self.kept.remove(at).unwrap().response.unwrap();
+        }
+        loop {
+            let message = tokio::time::timeout(Duration::from_secs(20), self.socket.next()).await;
+            let Message::Binary(bytes) = message.unwrap().unwrap().unwrap() else { continue };
+            let response = v1::PageResponse::decode(bytes).unwrap();
+            if response.call == call {
+                return response.response.unwrap();
+            }
+            self.kept.push_back(response);
+        }
+    }
+
+    async fn frame(&mut self, call: u32) -> v1::WatchResponse {
+        match self.answer(call).await {
+            Answer::Watch(frame) => frame,
+            other => panic!("no frame but {other:?}"),
+        }
+    }
+
+    async fn failure(&mut self, call: u32, request: Asked) -> (String, String) {
+        self.ask(call, request).await;
+        match self.answer(call).await {
+            Answer::Failure(v1::Failure { code, message }) => (code, message),
+            other => panic!("no failure but {other:?}"),
+        }
+    }
+}
+
+fn get_world(world: &str) -> Asked {
+    Asked::GetWorld(v1::GetWorldRequest { world: world.into() })
+}
+
+fn watch(details: &[&str]) -> Asked {
+    let details = details.iter().map(ToString::to_string).collect();
+    Asked::Watch(v1::WatchRequest { world: "w".into(), every_ticks: 2, details })
+}
+
+/// A request as a browser would write it; the answer with its headers.
+async fn get(server: &Server, request: &str) -> String {
+    let mut stream = TcpStream::connect(server.viewers()[0]).await.unwrap();
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = Vec::new();
+    let _ = tokio::time::timeout(Duration::from_secs(20), stream.read_to_end(&mut answer)).await.unwrap();
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+#[tokio::test]
+async fn the_page_comes_with_the_program_and_takes_no_script_from_elsewhere() {
+    let server = serve(lockstep()).await;
+    for (path, kind) in [("/", "text/html"), ("/viewer.js", "text/javascript"), ("/viewer.css", "text/css")] {
+        let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+        let answer = get(&server, &request).await;
+        assert!(answer.starts_with("HTTP/1.1 200 OK"), "{path}: {answer:.200}");
+        assert!(answer.contains(&format!("content-type: {kind}")), "{path}");
+        assert!(answer.contains("content-security-policy: default-src 'none'; script-src 'self'"), "{path}");
+    }
+    let nothing = "GET /etc/passwd HTTP/1.1\r\nHost: 127.0.0.1:1\r\nConnection: close\r\n\r\n";
+    assert!(get(&server, nothing).await.starts_with("HTTP/1.1 404"));
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn strangers_are_turned_away() {
+    let server = serve(lockstep()).await;
+    let rebound = "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n";
+    assert!(get(&server, rebound).await.starts_with("HTTP/1.1 403"));
+    let url = format!("ws://{}/page", server.viewers()[0]);
+    let mut request = url.as_str().into_client_request().unwrap();
+    request.headers_mut().insert("origin", "http://evil.example".parse().unwrap());
+    match connect_async(request).await {
+        Err(Error::Http(response)) => assert_eq!(response.status(), 403),
+        other => panic!("{other:?}"),
+    }
+    let mut request = url.as_str().into_client_request().unwrap();
+    let own = format!("http://{}", server.viewers()[0]);
+    request.headers_mut().insert("origin", own.parse().unwrap());
+    connect_async(request).await.unwrap();
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_page_operates_a_world_and_sees_it_move() {
+    let server = serve(Pace::REAL_TIME).await;
+    let mut page = Page::open(&server).await;
+    page.ask(1, Asked::DescribeWorld(v1::DescribeWorldRequest { world: "w".into() })).await;
+    let Answer::DescribeWorld(description) = page.answer(1).await else { panic!() };
+    let sheet = description.robots[0].description.as_ref().unwrap();
+    assert!(sheet.sensors.len() > 2 && description.robots[0].deadline_ns == description.step_ns);
+    page.ask(2, watch(&["robot"])).await;
+    let first = page.frame(2).await;
+    let mut frame = page.frame(2).await;
+    while frame.tick < first.tick + 20 {
+        frame = page.frame(2).await;
+    }
+    let detail = &frame.details[0];
+    assert_eq!(detail.sensors.len(), sheet.sensors.len());
+    assert!(
+        detail.sensors.iter().any(|sensor| sensor.rays.as_ref().is_some_and(|r| !r.lengths_m.is_empty()))
+    );
+    assert!(detail.sensors.iter().all(|sensor| sensor.samples > 0));
+    let acquired = |event: &v1::TimelineEvent| event.kind() == v1::TimelineKind::Acquire;
+    assert!(detail.events.iter().any(acquired), "{:?}", detail.events);
+    // Events come once.
+    let ends = page.frame(2).await.details[0].events.iter().map(|event| event.end_ns).min();
+    assert!(ends.unwrap() >= first.time_ns);
+
+    page.ask(3, Asked::PauseWorld(v1::PauseWorldRequest { world: "w".into() })).await;
+    let Answer::PauseWorld(paused) = page.answer(3).await else { panic!() };
+    assert_eq!(paused.status.unwrap().state(), v1::WorldState::Paused);
+    let place = v1::PlaceRobot { robot: "robot".into(), x_m: 0.0, y_m: 0.0, heading_rad: 1.0 };
+    let intervention = v1::intervene_request::Intervention::PlaceRobot(place);
+    let request = v1::InterveneRequest { world: "w".into(), intervention: Some(intervention) };
+    page.ask(4, Asked::Intervene(request)).await;
+    let Answer::Intervene(_) = page.answer(4).await else { panic!() };
+    // A world that stands shows it all the same.
+    while page.frame(2).await.robots[0].heading_rad != 1.0 {}
+
+    page.ask(2, Asked::Close(v1::CloseCall {})).await;
+    while !matches!(page.answer(2).await, Answer::Closed(_)) {}
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn calls_that_fail_say_why_and_the_page_goes_on() {
+    let server = serve(lockstep()).await;
+    let mut page = Page::open(&server).await;
+    let (code, message) = page.failure(1, get_world("nowhere")).await;
+    assert_eq!(code, "NOT_FOUND");
+    assert!(message.contains("there is no world `nowhere`"), "{message}");
+    let wrong = v1::CreateWorldRequest { scenario_toml: "step_ms = -1".into(), ..Default::default() };
+    let (code, message) = page.failure(2, Asked::CreateWorld(wrong)).await;
+    assert_eq!((code.as_str(), message.contains("step_ms")), ("INVALID_ARGUMENT", true), "{message}");
+    let (code, message) = page.failure(3, watch(&["robot", "nobody"])).await;
+    assert_eq!((code.as_str(), message.as_str()), ("NOT_FOUND", "details[1]: there is no robot `nobody`"));
+    page.ask(4, watch(&[])).await;
+    page.frame(4).await;
+    let (code, _) = page.failure(4, get_world("w")).await;
+    assert_eq!(code, "ALREADY_EXISTS");
+    page.ask(5, get_world("w")).await;
+    assert!(matches!(page.answer(5).await, Answer::GetWorld(_)));
+    // What is no request ends the socket, and nothing else.
+    page.socket.send(Message::Binary(vec![0xff; 100].into())).await.unwrap();
+    while let Some(Ok(_)) = page.socket.next().await {}
+    let mut other = Page::open(&server).await;
+    other.ask(1, get_world("w")).await;
+    assert!(matches!(other.answer(1).await, Answer::GetWorld(_)));
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_page_drives_a_robot_through_its_link_and_shows_what_it_believes() {
+    let server = serve(lockstep()).await;
+    let (mut page, mut other) = (Page::open(&server).await, Page::open(&server).await);
+    let attach = |request| Asked::Attach(v1::AttachRequest { request: Some(request) });
+    let hello = v1::Hello { world: "w".into(), robots: vec!["robot".into()], ..Default::default() };
+    page.ask(7, attach(v1::attach_request::Request::Hello(hello))).await;
+    let Answer::Attach(welcome) = page.answer(7).await else { panic!() };
+    assert!(matches!(welcome.response, Some(v1::attach_response::Response::Welcome(_))));
+    other.ask(1, watch(&["robot"])).await;
+    let mut believed = None;
+    for _ in 0..100 {
+        let Answer::Attach(response) = page.answer(7).await else { panic!() };
+        let Some(v1::attach_response::Response::Turn(turn)) = response.response else { panic!() };
+        let command = v1::Command { left_signal: 0.2, right_signal: 0.2, other_signals: vec![] };
+        let output = Some(v1::robot_step::Output::Command(command));
+        let robots = vec![v1::RobotStep { robot: 0, output, ..Default::default() }];
+        let belief = v1::Belief { state: format!("turn {}", turn.turn), ..Default::default() };
+        let annotate = v1::Annotate { robot: 0, belief: Some(belief) };
+        page.ask(7, attach(v1::attach_request::Request::Annotate(annotate))).await;
+        let step = v1::Step { turn: turn.turn, robots };
+        page.ask(7, attach(v1::attach_request::Request::Step(step))).await;
+    }
+    while believed.is_none() {
+        let frame = other.frame(1).await;
+        assert!(frame.details[0].attached);
+        believed = frame.annotations.into_iter().next();
+    }
+    let believed = believed.unwrap();
+    assert!(believed.robot == 0 && believed.belief.unwrap().state.starts_with("turn "));
+    // The page is closed, and with it the brain is gone.
+    drop(page);
+    let request = || v1::GetWorldRequest { world: "w".into() };
+    let mut operator = operator(&server).await;
+    loop {
+        let status = operator.get_world(request()).await.unwrap().into_inner().status.unwrap();
+        if !status.robots[0].attached {
+            assert!(status.robots[0].distance_m > 0.01);
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_page_that_does_not_read_misses_frames_and_slows_nobody() {
+    let server = serve(Pace::Free).await;
+    let mut stalled = Page::open(&server).await;
+    stalled.ask(1, watch(&["robot"])).await;
+    let mut operator = operator(&server).await;
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    let mut ticks = async || {
+        let request = v1::GetWorldRequest { world: "w".into() };
+        operator.get_world(request).await.unwrap().into_inner().status.unwrap().tick
+    };
+    let begun = ticks().await;
+    while ticks().await < begun + 20_000 {
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+    // It reads again: of what it missed only the number is left.
+    let mut frame = stalled.frame(1).await;
+    while frame.missed_frames == 0 {
+        frame = stalled.frame(1).await;
+    }
+    server.shutdown().await;
+}
