@@ -44,7 +44,7 @@ impl BrainLinkService for BrainLink {
         let hello = match requests.message().await?.and_then(|request| request.request) {
             Some(Content::Hello(hello)) => check(hello)?,
             Some(Content::Step(_) | Content::Annotate(_)) => {
-                return Err(Status::failed_precondition("request: the first one must be a Hello"));
+                return Err(Status::failed_precondition("request: the first request must be a Hello"));
             }
             None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
         };
