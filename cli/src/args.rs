@@ -2,12 +2,13 @@
 
 mod bench;
 mod help;
+mod places;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use baudbot_server::{Address, Lockstep, Pace, Watchdog, WatchdogPolicy};
+use baudbot_server::{Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
@@ -16,8 +17,8 @@ use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
 };
+pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 use crate::error::Refused;
-use crate::viewer::Viewer;
 
 /// A simulation server for mobile robots whose brains are elsewhere.
 ///
@@ -270,29 +271,6 @@ pub(crate) struct ChangeArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct ListenArgs {
-    /// Take brains, observers and operators here: IP:PORT (port 0 takes a free one) or unix:/PATH
-    #[arg(long, value_name = "ADDR")]
-    pub(crate) listen: Vec<Address>,
-    /// Show the worlds in a browser at http://IP:PORT (port 0 takes a free one), or not: off
-    #[arg(long, value_name = "IP:PORT|off")]
-    pub(crate) viewer: Option<Viewer>,
-    /// Allow addresses that other machines reach; whoever reaches them may do anything here
-    #[arg(long)]
-    pub(crate) insecure: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ConnectArgs {
-    /// The server: HOST:PORT or unix:/PATH
-    #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS)]
-    pub(crate) connect: String,
-    /// Name of the world [default: the server's only world]
-    #[arg(long)]
-    pub(crate) world: Option<String>,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct WatchdogArgs {
     /// In lockstep: how long a brain may take to answer, by the wall clock [default: 10000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -404,9 +382,6 @@ impl Cli {
         })
     }
 }
-
-/// Where a server listens, and where one is looked for.
-pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:7400";
 
 /// Longer than any run that is waited for.
 const MOST_S: f64 = 1e6;

@@ -130,11 +130,11 @@ impl World {
     /// # Errors
     /// Says why not; then nothing has changed.
     pub fn intervene(&mut self, intervention: &Intervention) -> Result<()> {
-        if self.is_begun() {
-            return Err(InterventionError::WithinTick);
-        }
         if self.ending().is_some() {
             return Err(InterventionError::Ended);
+        }
+        if self.is_begun() {
+            return Err(InterventionError::WithinTick);
         }
         match intervention {
             Intervention::PlaceRobot { robot, pose } => return self.place_robot(robot, pose),

@@ -97,6 +97,16 @@ fn a_robot_is_put_where_there_is_room() {
 }
 
 #[test]
+fn what_is_over_is_not_changed() {
+    let toml = format!("end = {{ after_s = 0.1 }}\n{SCENARIO}");
+    let mut world = World::new(Scenario::parse(&toml).unwrap().into());
+    run(&mut world, 10);
+    assert_eq!(refusal(&mut world, &place("alice", 0.0, 0.0)), "the run has ended");
+    world.begin();
+    assert_eq!(refusal(&mut world, &place("alice", 0.0, 0.0)), "the run has ended");
+}
+
+#[test]
 fn a_thing_is_put_where_there_is_room() {
     let mut world = world();
     let place = |x, y| Intervention::PlaceThing { thing: "ball".into(), pose: Pose::new(x, y, 0.0) };

@@ -1,0 +1,32 @@
+//! Where servers listen, and where they are looked for.
+
+use baudbot_server::Address;
+use clap::Args;
+
+use crate::viewer::Viewer;
+
+#[derive(Debug, Args)]
+pub(crate) struct ListenArgs {
+    /// Take brains, observers and operators here: IP:PORT (port 0 takes a free one) or unix:/PATH
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) listen: Vec<Address>,
+    /// Show the worlds in a browser at http://IP:PORT (port 0 takes a free one), or not: off
+    #[arg(long, value_name = "IP:PORT|off")]
+    pub(crate) viewer: Option<Viewer>,
+    /// Allow addresses that other machines reach; whoever reaches them may do anything here
+    #[arg(long)]
+    pub(crate) insecure: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConnectArgs {
+    /// The server: HOST:PORT or unix:/PATH
+    #[arg(long, value_name = "ADDR", default_value = DEFAULT_ADDRESS)]
+    pub(crate) connect: String,
+    /// Name of the world [default: the server's only world]
+    #[arg(long)]
+    pub(crate) world: Option<String>,
+}
+
+/// Where a server listens, and where one is looked for.
+pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:7400";
