@@ -1,0 +1,65 @@
+/** Draws the arena: the ground from a picture that is kept as long as the view stays, and all that moves over it. */
+import type { DescribeWorldResponse } from "../gen/baudbot/v1/observe_pb";
+import { surface } from "../dom";
+import { poseOf } from "../model/motion";
+import { drawAxes, drawScaleBar } from "./axes";
+import { drawBelief, drawBeliefMap } from "./belief";
+import { Ground } from "./ground";
+import type { Theme } from "./palette";
+import { drawRobots, drawTrails } from "./robots";
+import { worldBounds, type Scene } from "./scene";
+import { drawSenses } from "./senses";
+import { drawGhost, drawHeld, drawThings } from "./things";
+
+export class Painter {
+  private readonly kept = document.createElement("canvas");
+  private keptKey = "";
+  private ground: { of: DescribeWorldResponse; theme: Theme; ground: Ground } | undefined;
+
+  /** One picture. */
+  paint(scene: Scene): void {
+    const { context, view, store, layers, poses } = scene;
+    context.setLineDash([]);
+    this.paintGround(scene);
+    if (!store.description) return;
+    const belief = layers.belief ? store.beliefs.get(store.robotIndex) : undefined;
+    if (belief) drawBeliefMap(scene, belief);
+    drawThings(scene);
+    if (layers.trails) drawTrails(scene);
+    const pose = poses && poseOf(poses, store.robotIndex);
+    if (layers.rays && pose) drawSenses(scene, pose);
+    drawRobots(scene);
+    if (layers.ghost) drawGhost(scene);
+    if (belief) drawBelief(scene, belief);
+    drawHeld(scene);
+    drawAxes(scene);
+    if (view.width > 200) drawScaleBar(scene);
+  }
+
+  private paintGround(scene: Scene): void {
+    const { context, view, store, theme } = scene;
+    if (!store.description) {
+      context.fillStyle = theme.floor;
+      context.fillRect(0, 0, view.width, view.height);
+      return;
+    }
+    const ground = this.groundOf(scene, store.description);
+    const { x_m, y_m, scale, width, height } = view;
+    const key = [x_m, y_m, scale, width, height, window.devicePixelRatio, scene.layers.fields].join(" ");
+    if (key !== this.keptKey) {
+      ground.draw(surface(this.kept, width, height), view, scene.layers.fields);
+      this.keptKey = key;
+    }
+    context.drawImage(this.kept, 0, 0, width, height);
+  }
+
+  private groundOf(scene: Scene, description: DescribeWorldResponse): Ground {
+    const known = this.ground;
+    if (known && known.of === description && known.theme === scene.theme) return known.ground;
+    const ground = new Ground(description, scene.theme, worldBounds(scene.store));
+    this.ground = { of: description, theme: scene.theme, ground };
+    this.keptKey = "";
+    return ground;
+  }
+}
+

@@ -1,0 +1,110 @@
+/** What is kept of the chosen robot: its values over time, its freshness, its timeline, where it was, its dead reckoning. */
+import type { Belief, RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
+import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
+import type { Frame } from "../net/frames";
+import { DeadReckoning, wheelSensor } from "./odometry";
+import type { Pose } from "./pose";
+import { quantities, sentBy, type Sent, type Snapshot, type Values } from "./quantities";
+import { Ring, SeriesTable } from "./ring";
+import { Timeline } from "./timeline";
+import { Trail } from "./trail";
+import { numberOf, secondsOf } from "./units";
+
+/** Frames that are kept: over two minutes at 25 a second. */
+const FRAMES = 4096;
+const COLUMNS = 200;
+/** Frames that a strip of freshness shows. */
+export const STRIP = 96;
+/** Sensors that have a strip. */
+export const MOST_STRIPS = 64;
+/** True poses that are kept, to know where the robot was when an old reading was taken. */
+const POSES = 256;
+/** Rates are those over so long: bytes come in bursts, and a shorter time would show nothing else. */
+const RATE_SPAN_NS = 1_000_000_000n;
+const MOST_SENT = 128;
+
+export class RobotRecord {
+  readonly series = new SeriesTable(FRAMES, COLUMNS);
+  readonly timeline = new Timeline();
+  readonly strips: Ring[];
+  readonly ghostTrail = new Trail(900);
+  readonly ghost: DeadReckoning | undefined;
+  now: Snapshot | undefined;
+  values: Values = new Map();
+  private readonly history = [new Ring(POSES), new Ring(POSES), new Ring(POSES), new Ring(POSES)] as const;
+  private ghostSampledAt: bigint | undefined;
+  private sent: Sent[] = [];
+
+  constructor(
+    /** Its place in DescribeWorld. */
+    readonly robot: number,
+    readonly description: RobotDescription,
+    readonly radius_m: number,
+  ) {
+    this.strips = description.sensors.slice(0, MOST_STRIPS).map(() => new Ring(STRIP));
+    const source = wheelSensor(description);
+    this.ghost = source && new DeadReckoning(source);
+  }
+
+  /** A frame has come; `first` of its Watch, it may be one that is here already. */
+  take(frame: Frame, belief: Belief | undefined, first: boolean): void {
+    const detail = frame.rest.details.find((detail) => detail.robot === this.robot);
+    const now: Snapshot = { time_ns: frame.timeNs, truth: frame.truth(this.robot), detail, belief };
+    const before = this.now;
+    const isNew = before === undefined || before.time_ns !== now.time_ns;
+    this.values = quantities(this.description, now, this.sent[0]);
+    this.now = now;
+    if (detail) this.timeline.take(detail.events, first);
+    if (isNew) {
+      this.series.push(secondsOf(now.time_ns), this.values);
+      if (now.truth) this.remember(now.time_ns, now.truth);
+      if (detail) this.freshness(detail, before?.detail);
+      this.rememberSent(now);
+    }
+    if (detail && now.truth) this.reckon(detail, now.truth);
+  }
+
+  /** Where it truly was at an instant, as far as that is remembered. */
+  poseAt(time_ns: bigint): Pose | undefined {
+    const [times, xs, ys, headings] = this.history;
+    const wanted = numberOf(time_ns);
+    let i = times.length - 1;
+    while (i > 0 && times.at(i) > wanted) i--;
+    return i < 0 ? undefined : { x_m: xs.at(i), y_m: ys.at(i), heading_rad: headings.at(i) };
+  }
+
+  private remember(time_ns: bigint, truth: RobotTruth): void {
+    const values = [numberOf(time_ns), truth.xM, truth.yM, truth.headingRad];
+    this.history.forEach((ring, i) => ring.push(values[i] ?? NaN));
+  }
+
+  private rememberSent(now: Snapshot): void {
+    const sent = sentBy(now);
+    if (!sent) return;
+    this.sent.push(sent);
+    const isOld = ({ time_ns }: Sent) => now.time_ns - time_ns > RATE_SPAN_NS;
+    while (this.sent.length > MOST_SENT || (this.sent[1] && isOld(this.sent[1]))) this.sent.shift();
+  }
+
+  /** 1 if a sensor was readable since the last frame, 0 if not, NaN if nothing of it has come yet. */
+  private freshness(detail: RobotDetail, before: RobotDetail | undefined): void {
+    this.strips.forEach((strip, i) => {
+      const [sensor, last] = [detail.sensors[i], before?.sensors[i]];
+      const came = sensor !== undefined && last !== undefined && sensor.readableSteps > last.readableSteps;
+      const known = sensor !== undefined && sensor.values.length > 0;
+      strip.push(known ? Number(sensor.readable || came) : NaN);
+    });
+  }
+
+  private reckon(detail: RobotDetail, truth: RobotTruth): void {
+    const sensor = this.ghost && detail.sensors[this.ghost.source.sensor];
+    if (!this.ghost || !sensor || sensor.values.length === 0) return;
+    const at_ns = sensor.sampledAtNs;
+    if (at_ns !== undefined && at_ns === this.ghostSampledAt) return;
+    this.ghostSampledAt = at_ns;
+    const here = { x_m: truth.xM, y_m: truth.yM, heading_rad: truth.headingRad };
+    this.ghost.take(sensor.values, (at_ns !== undefined && this.poseAt(at_ns)) || here);
+    const pose = this.ghost.pose;
+    if (pose) this.ghostTrail.add(pose.x_m, pose.y_m, 0.15 * this.radius_m);
+  }
+}

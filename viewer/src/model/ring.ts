@@ -1,0 +1,82 @@
+/** The newest values, and no more of them than there are places: a page that is open for a night does not grow. */
+export class Ring {
+  private readonly values: Float64Array;
+  private head = 0;
+  /** How many there are. */
+  length = 0;
+
+  constructor(readonly capacity: number) {
+    this.values = new Float64Array(capacity);
+  }
+
+  push(value: number): void {
+    this.values[this.head] = value;
+    this.head = (this.head + 1) % this.capacity;
+    this.length = Math.min(this.length + 1, this.capacity);
+  }
+
+  /** The i-th, 0 being the oldest; NaN if there is none. */
+  at(i: number): number {
+    if (i < 0 || i >= this.length) return NaN;
+    return this.values[(this.head - this.length + i + this.capacity) % this.capacity] ?? NaN;
+  }
+
+  /** The newest; NaN if there is none. */
+  last(): number {
+    return this.at(this.length - 1);
+  }
+
+  clear(): void {
+    this.head = 0;
+    this.length = 0;
+  }
+}
+
+/** Time series that share their instants. A series that appears later has NaN for what was before it. */
+export class SeriesTable {
+  private readonly columns = new Map<string, Float64Array>();
+  private readonly times: Float64Array;
+  private head = 0;
+  length = 0;
+
+  constructor(
+    readonly capacity: number,
+    readonly mostColumns: number,
+  ) {
+    this.times = new Float64Array(capacity);
+  }
+
+  /** A row of values. Beyond the most columns that are kept, new ones are left out. */
+  push(time_s: number, values: Iterable<readonly [string, number]>): void {
+    this.times[this.head] = time_s;
+    for (const column of this.columns.values()) column[this.head] = NaN;
+    for (const [key, value] of values) this.column(key)?.fill(value, this.head, this.head + 1);
+    this.head = (this.head + 1) % this.capacity;
+    this.length = Math.min(this.length + 1, this.capacity);
+  }
+
+  /** The newest rows of some series, the oldest first: instants, then values. */
+  rows(keys: string[], most: number): Float64Array[] {
+    const length = Math.min(most, this.length);
+    return [this.times, ...keys.map((key) => this.columns.get(key))].map((column) => {
+      const row = new Float64Array(length).fill(NaN);
+      const start = this.head - length + this.capacity;
+      if (column) for (let i = 0; i < length; i++) row[i] = column[(start + i) % this.capacity] ?? NaN;
+      return row;
+    });
+  }
+
+  clear(): void {
+    this.columns.clear();
+    this.head = 0;
+    this.length = 0;
+  }
+
+  private column(key: string): Float64Array | undefined {
+    const known = this.columns.get(key);
+    if (known || this.columns.size >= this.mostColumns) return known;
+    const made = new Float64Array(this.capacity).fill(NaN);
+    this.columns.set(key, made);
+    return made;
+  }
+}

@@ -1,0 +1,165 @@
+/**
+ * Drives the chosen robot: this page is its brain, at the end of its cable like any other. Each Turn is answered at once
+ * with what keys, gamepad or pad say at that moment, so that a world in lockstep is not held up.
+ */
+import { create } from "@bufbuild/protobuf";
+import {
+  AttachRequestSchema, CommandSchema, HelloSchema, PortMode, RobotStepSchema, StepSchema, UntilMessageSchema,
+  type AttachResponse, type RobotDescription, type RobotTurn, type Turn,
+} from "../gen/baudbot/v1/brain_link_pb";
+import { Emitter } from "../emitter";
+import { CENTRED, signals, stickOfAxes, stickOfKeys, type Stick } from "../model/stick";
+import type { Store } from "../model/store";
+import type { CallError, Connection, Response } from "./connection";
+
+/** Without news the brain wants to be asked after so long all the same: hands move. */
+const ASK_AGAIN_NS = 50_000_000n;
+/** A command is repeated after so long even if no reading asks for it: robots may stop without one. */
+const REPEAT_NS = 200_000_000n;
+/** Bytes of a command with all that is around it, at most; commands must not queue on a slow cable. */
+const COMMAND_BYTES = 16;
+/** How long a world that stands may take to ask for the last command. */
+const LAST_TURN_MS = 400;
+
+export class Drive extends Emitter<{ changed: void }> {
+  state: "off" | "asking" | "driving" | "stopping" = "off";
+  /** Share of the largest signal that full stick means. */
+  gain = 0.6;
+  /** What the pad on the page says. */
+  pad: Stick = CENTRED;
+  readonly keys = new Set<string>();
+  private call = 0;
+  private driven = { world: "", robot: "" };
+  private description: RobotDescription | undefined;
+  private last = { left: NaN, right: NaN, at_ns: 0n };
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly store: Store,
+  ) {
+    super();
+    store.on("robot", () => {
+      const { world, robot } = this.driven;
+      if (this.state !== "off" && (world !== store.world || robot !== store.robot)) this.stop();
+    });
+  }
+
+  toggle(): void {
+    if (this.state === "off") this.start();
+    else this.stop();
+  }
+
+  start(): void {
+    const { world, robot } = this.store;
+    if (this.state !== "off" || robot === "") return;
+    this.driven = { world, robot };
+    this.last = { left: NaN, right: NaN, at_ns: 0n };
+    const hello = create(HelloSchema, { world, robots: [robot], mode: PortMode.MESSAGES, brain: "page" });
+    const call = this.connection.begin(
+      { case: "attach", value: create(AttachRequestSchema, { request: { case: "hello", value: hello } }) },
+      { response: (response) => this.hear(response), over: (error) => call === this.call && this.over(error) },
+    );
+    this.call = call;
+    this.set("asking");
+  }
+
+  /** Stops the motors, and lets the robot go. */
+  stop(): void {
+    if (this.state === "off" || this.state === "stopping") return;
+    const wasDriving = this.state === "driving";
+    this.set("stopping");
+    this.tellWaiting();
+    const kind = this.store.status?.pace?.kind.case;
+    if (!wasDriving) return this.end();
+    if (kind === "lockstep" || kind === "stepped") {
+      // There a Step may only answer a Turn: the next one gets the zeros.
+      const call = this.call;
+      setTimeout(() => call === this.call && this.end(), LAST_TURN_MS);
+      return;
+    }
+    this.send(0n, [this.part(true)]);
+    this.end();
+  }
+
+  /** In lockstep the world waits for a brain that has gone. */
+  private tellWaiting(): void {
+    const kind = this.store.status?.pace?.kind.case;
+    if (kind === "lockstep") this.store.note("In lockstep the world waits for a brain now; Run goes on without one.");
+  }
+
+  /** What is wanted now: the first of pad, keys and gamepad that is not at rest. */
+  stick(): Stick {
+    const pads = navigator.getGamepads?.() ?? [];
+    const axes = pads.find((pad) => pad?.connected)?.axes ?? [];
+    const all = [this.pad, stickOfKeys(this.keys), stickOfAxes(axes)];
+    return all.find((stick) => stick.forward !== 0 || stick.left !== 0) ?? CENTRED;
+  }
+
+  private hear(response: Response): void {
+    if (response.case !== "attach") return;
+    const inner: AttachResponse["response"] = response.value.response;
+    if (inner.case === "welcome") {
+      this.description = inner.value.robots[0];
+      if (this.state === "asking") this.set("driving");
+    } else if (inner.case === "turn") {
+      this.answer(inner.value);
+    } else if (inner.case === "ended") {
+      this.store.note("The run is over; Reset brings the world back.");
+    }
+  }
+
+  private answer(turn: Turn): void {
+    const own = turn.robots.find((robot) => robot.robot === 0);
+    if (this.state === "stopping") {
+      this.send(turn.turn, own ? [this.part(true)] : []);
+      return this.end();
+    }
+    this.send(turn.turn, own ? [this.part(false, own)] : []);
+  }
+
+  /** The robot's part of a Step: a command if there is something to say, and the wish to be asked when there is news. */
+  private part(isLast: boolean, turn?: RobotTurn) {
+    const at_ns = turn?.atNs ?? 0n;
+    const untilMessage = create(UntilMessageSchema, { atLatestNs: at_ns + ASK_AGAIN_NS });
+    const limit = this.description?.signalLimit ?? 1;
+    const wanted = isLast ? { left: 0, right: 0 } : signals(this.stick(), this.gain, limit);
+    if (!isLast && turn && !this.isDue(turn, wanted)) return create(RobotStepSchema, { robot: 0, untilMessage });
+    this.last = { ...wanted, at_ns };
+    const command = create(CommandSchema, { leftSignal: wanted.left, rightSignal: wanted.right });
+    return create(RobotStepSchema, { robot: 0, output: { case: "command", value: command }, untilMessage });
+  }
+
+  private isDue(turn: RobotTurn, wanted: { left: number; right: number }): boolean {
+    const since_ns = turn.atNs - this.last.at_ns;
+    if (since_ns < 0n || Number.isNaN(this.last.left)) return true;
+    const { baud, bitsPerCharacter } = this.description ?? {};
+    const wire_ns = baud ? BigInt(Math.ceil((COMMAND_BYTES * (bitsPerCharacter ?? 10) * 1e9) / baud)) : 0n;
+    if (since_ns < wire_ns) return false;
+    const isChanged = wanted.left !== this.last.left || wanted.right !== this.last.right;
+    return isChanged || since_ns >= REPEAT_NS || turn.readings.some((reading) => reading.readable);
+  }
+
+  private send(turn: bigint, robots: ReturnType<Drive["part"]>[]): void {
+    const step = create(StepSchema, { turn, robots });
+    const request = create(AttachRequestSchema, { request: { case: "step", value: step } });
+    this.connection.send(this.call, { case: "attach", value: request });
+  }
+
+  private end(): void {
+    this.connection.end(this.call);
+    this.over();
+  }
+
+  private over(error?: CallError): void {
+    this.call = 0;
+    if (error) this.store.note(error.message, "error");
+    this.keys.clear();
+    this.pad = CENTRED;
+    this.set("off");
+  }
+
+  private set(state: Drive["state"]): void {
+    this.state = state;
+    this.emit("changed", undefined);
+  }
+}

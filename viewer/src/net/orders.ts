@@ -1,0 +1,191 @@
+/** What an operator can order, in the order in which it has to be asked for. What goes wrong is told to people. */
+import { create } from "@bufbuild/protobuf";
+import {
+  CreateWorldRequestSchema, DeleteWorldRequestSchema, InterveneRequestSchema, ListWorldsRequestSchema,
+  PauseWorldRequestSchema, ResetWorldRequestSchema, RestoreWorldRequestSchema, SetPaceRequestSchema,
+  SnapshotWorldRequestSchema, StartWorldRequestSchema, StepWorldRequestSchema, type InterveneRequest,
+} from "../gen/baudbot/v1/control_pb";
+import { PaceSchema, WorldState, type Pace, type WorldStatus } from "../gen/baudbot/v1/world_pb";
+import type { Store } from "../model/store";
+import { secondsOf } from "../model/units";
+import { ask, type Connection, type Request } from "./connection";
+import type { Watcher } from "./watcher";
+
+export type PaceKind = NonNullable<Pace["kind"]["case"]>;
+export type Intervention = InterveneRequest["intervention"];
+
+/** A state that the server keeps, as far as this page knows of it. */
+export interface Kept {
+  snapshot: bigint;
+  tick: bigint;
+  time_s: number;
+}
+
+/** As many as the server keeps. */
+const MOST_SNAPSHOTS = 64;
+
+export class Orders {
+  /** Snapshots that this page took, by world. */
+  readonly kept = new Map<string, Kept[]>();
+  /** The pace to go back to from single steps, by world. */
+  private readonly paceBefore = new Map<string, Pace>();
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly store: Store,
+    private readonly watcher: Watcher,
+  ) {}
+
+  /** Asks for all worlds; quiet if it fails, for it is asked again and again. */
+  async list(): Promise<boolean> {
+    try {
+      const { worlds } = await ask(this.connection, "listWorlds", create(ListWorldsRequestSchema));
+      this.store.setWorlds(worlds);
+      return true;
+    } catch {
+      return false;
+    }
+  }
+
+  /** Lets the chosen world go on; one that is stepped goes back to the pace that it had. */
+  run(): Promise<void> {
+    return this.told(async (world) => {
+      if (this.store.status?.pace?.kind.case === "stepped") {
+        const pace = this.paceBefore.get(world) ?? paceOf("realTime");
+        this.store.note(`The pace is ${paceWords(pace)} again.`);
+        await this.ask("setPace", create(SetPaceRequestSchema, { world, pace }));
+      }
+      await this.ask("startWorld", create(StartWorldRequestSchema, { world }));
+    });
+  }
+
+  pause(): Promise<void> {
+    return this.told((world) => this.ask("pauseWorld", create(PauseWorldRequestSchema, { world })));
+  }
+
+  /** Runs a world that stands, and stops one that goes. */
+  toggle(): Promise<void> {
+    return this.store.status?.state === WorldState.RUNNING ? this.pause() : this.run();
+  }
+
+  /** Single ticks. Only a stepped world does them, so it becomes one first. */
+  step(ticks: number): Promise<void> {
+    return this.told(async (world) => {
+      const pace = this.store.status?.pace;
+      if (pace?.kind.case !== "stepped") {
+        if (pace) this.paceBefore.set(world, pace);
+        await this.ask("setPace", create(SetPaceRequestSchema, { world, pace: paceOf("stepped") }));
+        this.store.note("The pace is stepped now; Run goes back to the one before.");
+      }
+      await this.stepNow(world, ticks);
+    });
+  }
+
+  setPace(pace: Pace): Promise<void> {
+    return this.told((world) => this.ask("setPace", create(SetPaceRequestSchema, { world, pace })));
+  }
+
+  reset(): Promise<void> {
+    return this.told((world) => this.ask("resetWorld", create(ResetWorldRequestSchema, { world })));
+  }
+
+  snapshot(): Promise<void> {
+    return this.told(async (world) => {
+      const { snapshot, status } = await ask(this.connection, "snapshotWorld", create(SnapshotWorldRequestSchema, { world }));
+      const kept = { snapshot, tick: status?.tick ?? 0n, time_s: secondsOf(status?.timeNs ?? 0n) };
+      this.kept.set(world, [...(this.kept.get(world) ?? []), kept].slice(-MOST_SNAPSHOTS));
+      this.store.setStatus(status);
+    });
+  }
+
+  restore(snapshot: bigint): Promise<void> {
+    return this.told((world) => this.ask("restoreWorld", create(RestoreWorldRequestSchema, { world, snapshot })));
+  }
+
+  /** Makes a world and chooses it. What is wrong with the scenario is thrown. */
+  async create(world: string, scenarioToml: string, paused: boolean): Promise<void> {
+    const request = create(CreateWorldRequestSchema, { world, scenarioToml, paused });
+    const { status } = await ask(this.connection, "createWorld", request);
+    this.store.setStatus(status);
+    if (status) this.choose(status.world);
+  }
+
+  delete(world: string): Promise<void> {
+    return this.told(async () => {
+      if (world === this.store.world) this.watcher.stop();
+      await ask(this.connection, "deleteWorld", create(DeleteWorldRequestSchema, { world }));
+      this.kept.delete(world);
+      this.paceBefore.delete(world);
+      await this.list();
+      if (world === this.store.world) this.choose(this.store.worlds[0]?.world ?? "");
+    });
+  }
+
+  /** Looks at another world. */
+  choose(world: string, robot = ""): void {
+    this.store.chooseWorld(world, robot);
+    void this.watcher.begin();
+  }
+
+  /** Changes something by hand; whether the server did it. */
+  async intervene(intervention: Intervention): Promise<boolean> {
+    let done = false;
+    await this.told(async (world) => {
+      await this.ask("intervene", create(InterveneRequestSchema, { world, intervention }));
+      done = true;
+    });
+    return done;
+  }
+
+  private async stepNow(world: string, ticks: number): Promise<void> {
+    const request = create(StepWorldRequestSchema, { world, ticks: BigInt(ticks) });
+    // A stepped world waits for robots that have no brain, for ever if need be, unless it is told to go on without.
+    if (this.store.status?.robots.some((robot) => !robot.attached)) {
+      await this.ask("startWorld", create(StartWorldRequestSchema, { world }));
+    }
+    await this.ask("stepWorld", request);
+  }
+
+  /** Asks for something that is answered by the world's status, and looks at a world that stands. */
+  private async ask<C extends StatusCall>(kind: C, request: Extract<Request, { case: C }>["value"]): Promise<void> {
+    const answer = (await ask(this.connection, kind, request as never)) as { status?: WorldStatus };
+    this.store.setStatus(answer.status);
+    if (answer.status?.state !== WorldState.RUNNING) this.watcher.again();
+  }
+
+  private async told(order: (world: string) => Promise<void>): Promise<void> {
+    const { world } = this.store;
+    if (world === "") return this.store.note("No world is chosen.", "error");
+    try {
+      await order(world);
+    } catch (error) {
+      const text = error instanceof Error ? error.message : String(error);
+      this.store.note(text, "error");
+    }
+  }
+}
+
+type StatusCall = "startWorld" | "pauseWorld" | "stepWorld" | "setPace" | "resetWorld" | "restoreWorld" | "intervene";
+
+/** A pace of a kind. */
+export function paceOf(kind: PaceKind, factor = 1): Pace {
+  const value = kind === "scaled" ? { factor } : {};
+  return create(PaceSchema, { kind: { case: kind, value } as never });
+}
+
+/** A pace in words. */
+export function paceWords(pace: Pace | undefined): string {
+  const kind = pace?.kind;
+  switch (kind?.case) {
+    case "realTime":
+      return "real time";
+    case "scaled":
+      return `× ${kind.value.factor}`;
+    case "lockstep":
+    case "stepped":
+    case "free":
+      return kind.case;
+    default:
+      return "";
+  }
+}

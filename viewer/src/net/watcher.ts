@@ -1,0 +1,123 @@
+/** Keeps a Watch open on the chosen world, with details of the chosen robot, and asks for about as much as is looked at. */
+import { create } from "@bufbuild/protobuf";
+import { DescribeWorldRequestSchema, WatchRequestSchema } from "../gen/baudbot/v1/observe_pb";
+import { WorldState, type Pace } from "../gen/baudbot/v1/world_pb";
+import type { Store } from "../model/store";
+import { secondsOf } from "../model/units";
+import { ask, CallError, type Connection } from "./connection";
+import type { Frame } from "./frames";
+import { firstEvery, nextEvery } from "./rate";
+
+const MEASURE_MS = 1000;
+/** A Watch that fails is tried again after this, unless the world is gone. */
+const RETRY_MS = 1000;
+
+export class Watcher {
+  /** Frames that came in the last second. */
+  frames_per_s = 0;
+  /** Simulated seconds that went by in the last second of wall-clock time. */
+  speed = 0;
+  private call = 0;
+  private every = 1;
+  private isFirst = true;
+  /** The second in which a Watch begins is not measured. */
+  private isSettling = true;
+  private frames = 0;
+  private measured = { at_ms: performance.now(), tick: 0n, time_ns: 0n };
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly store: Store,
+  ) {
+    store.on("robot", () => store.description && this.watch());
+    setInterval(() => this.measure(), MEASURE_MS);
+  }
+
+  /** Begins with the chosen world: what it is, then its frames. */
+  async begin(): Promise<void> {
+    this.stop();
+    const { world } = this.store;
+    if (world === "") return;
+    try {
+      const request = create(DescribeWorldRequestSchema, { world });
+      const description = await ask(this.connection, "describeWorld", request);
+      if (world !== this.store.world) return;
+      this.every = firstEvery(this.pace, secondsOf(description.stepNs));
+      this.store.describe(description);
+    } catch (error) {
+      if (world === this.store.world) this.failed(error);
+    }
+  }
+
+  /** Looks anew, so that a world that stands shows what was changed in it. */
+  again(): void {
+    if (this.call !== 0) this.watch();
+  }
+
+  stop(): void {
+    if (this.call !== 0) this.connection.end(this.call);
+    this.call = 0;
+  }
+
+  private get pace(): Pace | undefined {
+    return this.store.status?.pace;
+  }
+
+  private watch(): void {
+    this.stop();
+    const { world, robot } = this.store;
+    this.isFirst = this.isSettling = true;
+    const details = robot === "" ? [] : [robot];
+    const request = create(WatchRequestSchema, { world, everyTicks: BigInt(this.every), details });
+    const call = this.connection.begin(
+      { case: "watch", value: request },
+      { frame: (frame) => this.take(frame), over: (error) => this.over(call, error) },
+    );
+    this.call = call;
+  }
+
+  private take(frame: Frame): void {
+    this.frames++;
+    const first = this.isFirst;
+    this.isFirst = false;
+    // What went by before this page looked is no speed.
+    if (first) this.measured = { ...this.measured, tick: frame.tick, time_ns: frame.timeNs };
+    this.store.take(frame, first);
+  }
+
+  private over(call: number, error?: CallError): void {
+    if (call !== this.call) return;
+    this.call = 0;
+    if (error && error.code !== "UNAVAILABLE") this.failed(error);
+  }
+
+  private failed(error: unknown): void {
+    if (error instanceof CallError && error.code === "UNAVAILABLE") return; // the status line says so
+    this.store.note(String(error instanceof Error ? error.message : error), "error");
+    const isGone = error instanceof CallError && error.code === "NOT_FOUND";
+    if (!isGone) setTimeout(() => this.call === 0 && void this.begin(), RETRY_MS);
+  }
+
+  /** Once a second: how fast it goes, and whether another rate would be better. */
+  private measure(): void {
+    const now_ms = performance.now();
+    const [span_s, frame] = [(now_ms - this.measured.at_ms) / 1000, this.store.frame];
+    const load = this.connection.busy_ms / 1000 / span_s;
+    const ticks = Number((frame?.tick ?? 0n) - this.measured.tick);
+    this.frames_per_s = this.frames / span_s;
+    this.speed = Math.max(0, secondsOf((frame?.timeNs ?? 0n) - this.measured.time_ns) / span_s);
+    this.connection.busy_ms = 0;
+    this.frames = 0;
+    this.measured = { at_ms: now_ms, tick: frame?.tick ?? 0n, time_ns: frame?.timeNs ?? 0n };
+    if (this.call === 0 || !frame) return;
+    const ticks_per_s = this.isSettling ? 0 : Math.max(0, ticks) / span_s;
+    this.isSettling = false;
+    const next = nextEvery(this.every, this.pace, { ticks_per_s, load });
+    const stands = this.store.status?.state === WorldState.PAUSED;
+    const isBehind = stands && this.store.status !== undefined && this.store.status.tick !== frame.tick;
+    if (next !== this.every || isBehind) {
+      this.every = next;
+      this.watch();
+    }
+  }
+}

@@ -1,0 +1,80 @@
+/** What people can do to the chosen robot by hand: its cable, its baud rate, its brain. */
+import { create } from "@bufbuild/protobuf";
+import { button, el, setPressed, setText } from "../dom";
+import { DetachBrainSchema, PullCableSchema, SetBaudSchema } from "../gen/baudbot/v1/control_pb";
+import type { Store } from "../model/store";
+import type { Drive } from "../net/drive";
+import type { Orders } from "../net/orders";
+
+export class HandSection {
+  readonly element: HTMLElement;
+  private readonly cable: HTMLButtonElement;
+  private readonly baud = el("input", { type: "number", label: "Baud rate", title: "Baud rate of the cable", attributes: { min: "50", step: "1", list: "bauds" } });
+  private readonly detach: HTMLButtonElement;
+  private readonly drive: HTMLButtonElement;
+  /** Robots whose cables this page has pulled: the server does not tell. */
+  private readonly pulled = new Set<string>();
+
+  constructor(
+    private readonly store: Store,
+    private readonly orders: Orders,
+    private readonly driver: Drive,
+  ) {
+    this.cable = button("Pull cable", "Pull the cable between the robot and its brain, or plug it in", () => void this.pull(), { test: "cable" });
+    this.detach = button("Detach brain", "Throw the robot's brain off", () => void this.throwOff(), { test: "detach" });
+    this.drive = button("Drive", "Be its brain: WASD, arrows, a gamepad's left stick, or the pad (d)", () => this.driver.toggle(), { test: "drive", class: "primary" });
+    const bauds = el("datalist", { id: "bauds" });
+    for (const rate of [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200]) bauds.append(el("option", { value: String(rate) }));
+    const set = button("Set", "Give both ends of the cable this baud rate", () => void this.setBaud());
+    this.element = el("div", { class: "hand" }, this.drive, this.cable, this.detach, el("span", { class: "joined" }, this.baud, set), bauds);
+    this.baud.addEventListener("keydown", (event) => event.key === "Enter" && void this.setBaud());
+    driver.on("changed", () => this.refresh());
+  }
+
+  /** Another robot. */
+  reset(): void {
+    this.baud.value = String(this.store.record?.description.baud ?? "");
+    this.baud.disabled = this.store.record?.description.baud === undefined;
+    this.refresh();
+  }
+
+  refresh(): void {
+    const isPulled = this.pulled.has(this.key);
+    setText(this.cable, isPulled ? "Plug cable in" : "Pull cable");
+    setPressed(this.cable, isPulled);
+    const drives = this.driver.state !== "off";
+    setText(this.drive, drives ? "Stop driving" : "Drive");
+    setPressed(this.drive, drives);
+    this.detach.disabled = !(this.store.record?.now?.detail?.attached ?? false);
+  }
+
+  private get key(): string {
+    return `${this.store.world}/${this.store.robot}`;
+  }
+
+  private async pull(): Promise<void> {
+    const [{ robot }, key] = [this.store, this.key];
+    const pulled = !this.pulled.has(key);
+    if (!(await this.orders.intervene({ case: "pullCable", value: create(PullCableSchema, { robot, pulled }) }))) return;
+    if (pulled) this.pulled.add(key);
+    else this.pulled.delete(key);
+    this.refresh();
+  }
+
+  private async setBaud(): Promise<void> {
+    const [{ robot }, baud] = [this.store, Number(this.baud.value)];
+    if (!Number.isInteger(baud) || baud <= 0) return this.store.note("The baud rate must be a positive whole number.", "error");
+    const done = await this.orders.intervene({ case: "setBaud", value: create(SetBaudSchema, { robot, baud }) });
+    if (!done) return;
+    // Shares of the baud rate are of the new one from now on.
+    const { record } = this.store;
+    if (record && this.store.robot === robot) record.description.baud = baud;
+    this.store.emit("robot", undefined);
+    this.store.note(`${robot}'s cable has ${baud} baud now.`);
+  }
+
+  private async throwOff(): Promise<void> {
+    const { robot } = this.store;
+    await this.orders.intervene({ case: "detachBrain", value: create(DetachBrainSchema, { robot }) });
+  }
+}

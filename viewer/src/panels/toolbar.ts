@@ -1,0 +1,64 @@
+/** Buttons on the arena: what it shows of the world, and which layers. */
+import { button, el, setPressed } from "../dom";
+import type { Arena } from "../arena/arena";
+import type { Hands } from "../arena/hands";
+import type { Layers } from "../arena/scene";
+
+const LAYERS: [keyof Layers, string, string][] = [
+  ["rays", "Rays", "Rays and readings of the chosen robot's sensors (r)"],
+  ["ghost", "Ghost", "Dead reckoning from the chosen robot's wheel sensors (g)"],
+  ["belief", "Belief", "What the chosen robot's brain publishes (b)"],
+  ["trails", "Trails", "Ways that robots have come"],
+  ["names", "Names", "Names of robots"],
+  ["fields", "Fields", "Scalar fields, such as a scent"],
+];
+
+export class Toolbar {
+  readonly element: HTMLElement;
+  private readonly layers = new Map<keyof Layers, HTMLElement>();
+  private readonly follow: HTMLButtonElement;
+  private readonly move: HTMLButtonElement;
+
+  constructor(
+    private readonly arena: Arena,
+    private readonly hands: Hands,
+    help: () => void,
+    theme: () => void,
+  ) {
+    this.follow = button("Follow", "Keep the chosen robot in the middle (f)", () => arena.setFollows(!arena.follows), { test: "follow" });
+    this.move = button("Move", "Drag robots and movable things; the wheel turns what is held (m)", () => this.toggleMove(), { test: "move" });
+    const layers = LAYERS.map(([layer, text, title]) => {
+      const made = button(text, title, () => arena.toggle(layer), { test: `layer-${layer}` });
+      this.layers.set(layer, made);
+      return made;
+    });
+    const group = (...children: Node[]) => el("div", { class: "group" }, ...children);
+    this.element = el(
+      "div",
+      { class: "toolbar", role: "toolbar", label: "View" },
+      group(
+        button("−", "Smaller (−)", () => arena.zoom(1 / 1.4), { label: "Zoom out" }),
+        button("+", "Larger (+)", () => arena.zoom(1.4), { label: "Zoom in" }),
+        button("Fit", "Show all there is (0)", () => arena.fit(), { test: "fit" }),
+        this.follow,
+      ),
+      group(...layers),
+      group(this.move),
+      group(button("◐", "Dark or light (t)", theme, { test: "theme", label: "Theme" }), button("?", "Keys (?)", help, { label: "Help" })),
+    );
+    this.refresh();
+  }
+
+  toggleMove(): void {
+    this.hands.moves = !this.hands.moves;
+    if (!this.hands.moves) this.hands.drop();
+    this.refresh();
+  }
+
+  refresh(): void {
+    for (const [layer, element] of this.layers) setPressed(element, this.arena.layers[layer]);
+    setPressed(this.follow, this.arena.follows);
+    setPressed(this.move, this.hands.moves);
+    this.arena.canvas.classList.toggle("moving", this.hands.moves);
+  }
+}

@@ -1,0 +1,286 @@
+/** The picture of a timing diagram: lanes of bars over one axis of time. */
+import type { Theme } from "../arena/palette";
+import { withAlpha } from "../arena/palette";
+import { duration, roundStep } from "../model/units";
+import type { Cycle } from "./cycle";
+import { kindOf } from "./kinds";
+import type { Bar, Lane, Window } from "./layout";
+
+export interface Picture {
+  context: CanvasRenderingContext2D;
+  width: number;
+  height: number;
+  theme: Theme;
+  window: Window;
+  lanes: Lane[];
+  cycle: Cycle | undefined;
+  step_ns: number;
+  deadline_ns: number;
+  /** Height of a row of bars. */
+  row: number;
+}
+
+/** Where a bar is, for the mouse. */
+export interface Spot {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+  bar: Bar;
+}
+
+const TOP = 28;
+const BOTTOM = 20;
+const RIGHT = 12;
+const LOWEST = 14;
+const HIGHEST = 20;
+const GAP = 3;
+const GROUP_GAP = 5;
+const FONT = "11px system-ui, sans-serif";
+
+/** How high a picture of these lanes is, with rows of this height. */
+export function heightOf(lanes: Lane[], row = LOWEST): number {
+  return TOP + rowsOf(lanes) * row + gapsOf(lanes) + BOTTOM;
+}
+
+/** How high rows are so that lanes fill so much room, within what looks well. */
+export function rowFor(lanes: Lane[], room: number): number {
+  const row = Math.floor((room - TOP - BOTTOM - gapsOf(lanes)) / Math.max(1, rowsOf(lanes)));
+  return Math.min(HIGHEST, Math.max(LOWEST, row));
+}
+
+function rowsOf(lanes: Lane[]): number {
+  return lanes.reduce((sum, lane) => sum + lane.rows, 0);
+}
+
+function gapsOf(lanes: Lane[]): number {
+  return lanes.length * GAP + new Set(lanes.map((lane) => lane.group)).size * GROUP_GAP;
+}
+
+function leftOf(picture: Picture): number {
+  return picture.width < 480 ? 78 : 104;
+}
+
+/** Where an instant is. */
+function xOf(picture: Picture, at_ns: number): number {
+  const { from_ns, until_ns } = picture.window;
+  const left = leftOf(picture);
+  return left + ((at_ns - from_ns) / (until_ns - from_ns)) * (picture.width - left - RIGHT);
+}
+
+/** Draws it; returns where its bars are. */
+export function draw(picture: Picture): Spot[] {
+  const { context, width, height, theme } = picture;
+  context.fillStyle = theme.ground;
+  context.fillRect(0, 0, width, height);
+  context.font = FONT;
+  drawGroups(picture);
+  drawLateTime(picture);
+  drawSteps(picture);
+  const spots = drawLanes(picture);
+  drawAxis(picture);
+  return spots;
+}
+
+/** Where each lane begins. */
+function tops({ lanes, row }: Picture): number[] {
+  let y = TOP;
+  return lanes.map((lane, i) => {
+    if (i > 0 && lanes[i - 1]?.group !== lane.group) y += GROUP_GAP;
+    const top = y;
+    y += lane.rows * row + GAP;
+    return top;
+  });
+}
+
+function drawGroups(picture: Picture): void {
+  const { context, lanes, theme, width } = picture;
+  const starts = tops(picture);
+  lanes.forEach((lane, i) => {
+    const [top, high] = [starts[i] ?? 0, lane.rows * picture.row + GAP];
+    context.fillStyle = theme.floor;
+    context.fillRect(0, top, width, high);
+    context.fillStyle = theme.ink;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    context.fillText(clipped(context, lane.label, leftOf(picture) - 12), leftOf(picture) - 8, top + high / 2);
+  });
+  context.textBaseline = "alphabetic";
+}
+
+/** What is later than the deadline after the cycle began is on red ground. */
+function drawLateTime(picture: Picture): void {
+  const { context, cycle, deadline_ns, theme, width, height } = picture;
+  if (!cycle) return;
+  const late_ns = cycle.begun_ns + deadline_ns;
+  const [from, until] = [xOf(picture, late_ns), Math.min(width - RIGHT, xOf(picture, cycle.end_ns))];
+  if (cycle.obeyed_ns > late_ns) {
+    context.fillStyle = withAlpha(theme.late, theme.dark ? 0.16 : 0.09);
+    context.fillRect(from, TOP, until - from, height - TOP - BOTTOM);
+  }
+  const lines: [number, string, string][] = [
+    [cycle.begun_ns, "cycle begins", theme.ink],
+    [late_ns, `deadline ${duration(deadline_ns)}`, theme.late],
+    [cycle.obeyed_ns, "obeyed", theme.ink],
+  ];
+  let free = -Infinity;
+  for (const [at_ns, text, color] of lines.sort((a, b) => a[0] - b[0])) {
+    const x = xOf(picture, at_ns);
+    if (x > width) continue;
+    dashed(context, x, TOP - 4, height - BOTTOM, color, [2, 2]);
+    const wide = context.measureText(text).width;
+    const left = Math.min(Math.max(x - wide / 2, free), width - wide - 2);
+    context.fillStyle = color;
+    context.textAlign = "left";
+    if (left >= free) context.fillText(text, left, TOP - 15);
+    free = left + wide + 8;
+  }
+}
+
+/** Steps: from the cycle's beginning if there is one, or else multiples of Δt. */
+function drawSteps(picture: Picture): void {
+  const { context, window, cycle, step_ns, theme, height } = picture;
+  const origin = cycle?.begun_ns ?? 0;
+  const first = Math.ceil((window.from_ns - origin) / step_ns);
+  const count = Math.floor((window.until_ns - origin) / step_ns) - first;
+  if (count > 40) return;
+  context.textAlign = "center";
+  for (let i = first; i <= first + count; i++) {
+    const at_ns = origin + i * step_ns;
+    const x = xOf(picture, at_ns);
+    dashed(context, x, TOP - 10, height - BOTTOM, theme.frame, [5, 4]);
+    const wide = xOf(picture, at_ns + step_ns) - x;
+    if (i === first + count || wide < 26) continue;
+    context.fillStyle = theme.paleInk;
+    context.fillText(i === Math.max(0, first) && wide > 80 ? `Δt = ${duration(step_ns)}` : "Δt", x + wide / 2, TOP - 3);
+  }
+}
+
+function dashed(context: CanvasRenderingContext2D, x: number, top: number, bottom: number, color: string, dash: number[]): void {
+  context.beginPath();
+  context.moveTo(Math.round(x) + 0.5, top);
+  context.lineTo(Math.round(x) + 0.5, bottom);
+  context.setLineDash(dash);
+  context.lineWidth = 1;
+  context.strokeStyle = color;
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function drawLanes(picture: Picture): Spot[] {
+  const { context, lanes, width } = picture;
+  const left = leftOf(picture);
+  const starts = tops(picture);
+  const spots: Spot[] = [];
+  context.save();
+  context.beginPath();
+  context.rect(left, 0, width - left - RIGHT + 6, picture.height);
+  context.clip();
+  lanes.forEach((lane, i) => {
+    const reach = lane.bars.map((bar) => drawBar(picture, bar, (starts[i] ?? 0) + GAP / 2 + bar.row * picture.row));
+    spots.push(...reach);
+  });
+  context.restore();
+  return spots;
+}
+
+function drawBar(picture: Picture, bar: Bar, top: number): Spot {
+  const { context, row } = picture;
+  const { event } = bar;
+  const kind = kindOf(event.kind);
+  const [from, until] = [xOf(picture, event.start_ns), xOf(picture, event.end_ns)];
+  context.globalAlpha = bar.pale ? 0.32 : 1;
+  if (event.end_ns === event.start_ns) {
+    mark(picture, from, top + row / 2, colorOf(picture, bar, event.start_ns));
+    write(picture, bar, from + 8, picture.width, top, false);
+    context.globalAlpha = 1;
+    return { x: from - 6, y: top, width: 12, height: row, bar };
+  }
+  const wide = Math.max(1.5, until - from);
+  const late_ns = lateFrom(picture, bar);
+  const split = Math.min(until, Math.max(from, late_ns === undefined ? until : xOf(picture, late_ns)));
+  context.fillStyle = kind.color;
+  context.fillRect(from, top + 1.5, Math.max(split - from, split < until ? 0 : wide), row - 3);
+  if (split < until) {
+    context.fillStyle = picture.theme.late;
+    context.fillRect(split, top + 1.5, Math.max(1.5, until - split), row - 3);
+  }
+  write(picture, bar, from, until, top, true);
+  context.globalAlpha = 1;
+  return { x: from - 2, y: top, width: wide + 4, height: row, bar };
+}
+
+/** From when on a bar is red: its cycle's deadline. */
+function lateFrom(picture: Picture, bar: Bar): number | undefined {
+  const { cycle, deadline_ns } = picture;
+  return cycle && cycle.events.has(bar.event) ? cycle.begun_ns + deadline_ns : undefined;
+}
+
+function colorOf(picture: Picture, bar: Bar, at_ns: number): string {
+  const late_ns = lateFrom(picture, bar);
+  return late_ns !== undefined && at_ns > late_ns ? picture.theme.late : kindOf(bar.event.kind).color;
+}
+
+/** What takes no time is a diamond. */
+function mark({ context }: Picture, x: number, y: number, color: string): void {
+  context.beginPath();
+  context.moveTo(x, y - 5);
+  context.lineTo(x + 5, y);
+  context.lineTo(x, y + 5);
+  context.lineTo(x - 5, y);
+  context.closePath();
+  context.fillStyle = color;
+  context.fill();
+}
+
+/** A bar's label: on it if there is room, and beside a mark. */
+function write(picture: Picture, bar: Bar, from: number, until: number, top: number, isOn: boolean): void {
+  const { context, theme } = picture;
+  if (bar.label === "") return;
+  const [left, right] = [Math.max(from, leftOf(picture)), Math.min(until, picture.width - RIGHT)];
+  if (isOn && context.measureText(bar.label).width + 6 > right - left) return;
+  const y = top + picture.row / 2 + 4;
+  context.textAlign = isOn ? "center" : "left";
+  context.fillStyle = isOn ? inkOf(picture, bar) : theme.ink;
+  context.fillText(bar.label, isOn ? (left + right) / 2 : from, y);
+}
+
+/** The colour of text on a bar. */
+function inkOf(picture: Picture, bar: Bar): string {
+  const { theme } = picture;
+  if (bar.pale && theme.dark) return theme.ink;
+  const late_ns = lateFrom(picture, bar) ?? Infinity;
+  const isRed = late_ns < (bar.event.start_ns + bar.event.end_ns) / 2;
+  return isRed ? (theme.dark ? "#10151f" : "#ffffff") : kindOf(bar.event.kind).ink;
+}
+
+function drawAxis(picture: Picture): void {
+  const { context, window, theme, width, height } = picture;
+  const left = leftOf(picture);
+  const y = height - BOTTOM + 0.5;
+  context.beginPath();
+  context.moveTo(left, y);
+  context.lineTo(width - RIGHT, y);
+  const step_ns = roundStep(((window.until_ns - window.from_ns) / (width - left - RIGHT)) * 80);
+  const decimals = Math.max(0, Math.min(6, 6 - Math.floor(Math.log10(step_ns) + 1e-9)));
+  context.fillStyle = theme.paleInk;
+  context.textAlign = "center";
+  for (let i = Math.ceil(window.from_ns / step_ns); i * step_ns <= window.until_ns; i++) {
+    const x = xOf(picture, i * step_ns);
+    context.moveTo(Math.round(x) + 0.5, y);
+    context.lineTo(Math.round(x) + 0.5, y + 4);
+    if (x < width - RIGHT - 16) context.fillText(((i * step_ns) / 1e6).toFixed(decimals), x, height - 4);
+  }
+  context.strokeStyle = theme.frame;
+  context.lineWidth = 1;
+  context.stroke();
+  context.textAlign = "left";
+  context.fillText("time in ms", 6, height - 4);
+}
+
+function clipped(context: CanvasRenderingContext2D, text: string, most: number): string {
+  if (context.measureText(text).width <= most) return text;
+  let short = text;
+  while (short.length > 1 && context.measureText(`${short}…`).width > most) short = short.slice(0, -1);
+  return `${short}…`;
+}

@@ -1,0 +1,37 @@
+/** What a bar of the timing diagram stands for, and its colours: those of `baudbot diagram` (cli/src/diagram/class.rs). */
+import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
+
+export interface Kind {
+  color: string;
+  /** The colour of text on it. */
+  ink: string;
+  words: string;
+  /** Something went wrong. */
+  trouble?: boolean;
+}
+
+const DARK_INK = "#10151f";
+const WHITE = "#ffffff";
+
+const KINDS: Record<TimelineKind, Kind> = {
+  [TimelineKind.UNSPECIFIED]: { color: "#8a93a3", ink: WHITE, words: "something" },
+  [TimelineKind.ACQUIRE]: { color: "#56b4e9", ink: DARK_INK, words: "a sensor is read" },
+  [TimelineKind.MEASURE]: { color: "#b5d9ee", ink: DARK_INK, words: "a device measures" },
+  [TimelineKind.FRAME]: { color: "#0072b2", ink: WHITE, words: "readings are framed" },
+  [TimelineKind.BLOCK]: { color: "#bcc3cf", ink: DARK_INK, words: "waiting" },
+  [TimelineKind.UP]: { color: "#009e73", ink: WHITE, words: "readings on the wire" },
+  [TimelineKind.ADAPTER]: { color: "#8fcfb8", ink: DARK_INK, words: "in the adapter" },
+  [TimelineKind.PORT]: { color: "#66b8ad", ink: DARK_INK, words: "on a cable of its own" },
+  [TimelineKind.THINK]: { color: "#e69f00", ink: DARK_INK, words: "the brain thinks" },
+  [TimelineKind.DOWN]: { color: "#cc79a7", ink: DARK_INK, words: "a command on its way" },
+  [TimelineKind.OBEY]: { color: "#8f4a86", ink: WHITE, words: "a command is taken" },
+  [TimelineKind.ACT]: { color: "#5a49b8", ink: WHITE, words: "the motors obey" },
+  [TimelineKind.LATE]: { color: "#d0312d", ink: WHITE, words: "not in time", trouble: true },
+  [TimelineKind.MISSED]: { color: "#882255", ink: WHITE, words: "left out", trouble: true },
+  [TimelineKind.LOST]: { color: "#b5651d", ink: WHITE, words: "bytes lost", trouble: true },
+  [TimelineKind.FAULT]: { color: "#999933", ink: WHITE, words: "a fault", trouble: true },
+};
+
+export function kindOf(kind: TimelineKind): Kind {
+  return KINDS[kind] ?? KINDS[TimelineKind.UNSPECIFIED];
+}

@@ -1,0 +1,20 @@
+import { defineConfig } from "vite";
+
+// Fixed names and no hashes: dist/ is committed, and a build of the same sources must give the same bytes.
+export default defineConfig({
+  base: "./",
+  build: {
+    target: "es2022",
+    modulePreload: false,
+    sourcemap: false,
+    cssCodeSplit: false,
+    reportCompressedSize: false,
+    rolldownOptions: {
+      output: {
+        entryFileNames: "viewer.js",
+        assetFileNames: "viewer[extname]",
+        codeSplitting: false,
+      },
+    },
+  },
+});
