@@ -10,7 +10,7 @@ import { Ring, SeriesTable } from "../src/model/ring";
 import { columnsOf, partsOf } from "../src/model/sensors";
 import { isDriveKey, signals, stickOfAxes, stickOfKeys } from "../src/model/stick";
 import { Trail } from "../src/model/trail";
-import { clock, count, duration, exactMs, roundStep, short } from "../src/model/units";
+import { clock, count, duration, exactMs, lengthText, roundStep, short } from "../src/model/units";
 import { Motion } from "../src/model/motion";
 import { Frame } from "../src/net/frames";
 import { firstEvery, nextEvery } from "../src/net/rate";
@@ -174,6 +174,8 @@ test("frames are asked for as often as is looked at", () => {
 test("numbers are short and have their units", () => {
   assert.deepEqual([short(0), short(-0.1234), short(12.345), short(1234), short(NaN)], ["0.00", "−0.12", "12.3", "1234", "–"]);
   assert.deepEqual([duration(20_039_000), duration(112_000), duration(2.5e9)], ["20.0 ms", "112 µs", "2.50 s"]);
+  assert.deepEqual([short(-2.6e-21), duration(0)], ["0.00", "0 ms"]);
+  assert.deepEqual([0.005, 0.2, 5, 20_000].map(lengthText), ["5 mm", "0.2 m", "5 m", "20 km"]);
   assert.equal(exactMs(20_487_001), "20.487001");
   assert.equal(count(1234567n), "1\u202f234\u202f567");
   assert.deepEqual([clock(1.5), clock(75.25), clock(3725)], ["1.500 s", "1:15.25", "1:02:05.00"]);

@@ -2,7 +2,7 @@
 import { gridStep } from "./ground";
 import { FONT, type Scene } from "./scene";
 import { toPixel, toWorld } from "./view";
-import { short } from "../model/units";
+import { lengthText } from "../model/units";
 
 const LEFT = 38;
 const BOTTOM = 22;
@@ -61,7 +61,7 @@ export function drawScaleBar(scene: Scene): void {
   context.stroke();
   context.font = FONT;
   context.textAlign = "center";
-  const text = length_m >= 1000 ? `${length_m / 1000} km` : length_m < 0.01 ? `${short(1000 * length_m)} mm` : `${short(length_m, 1)} m`;
+  const text = lengthText(length_m);
   context.fillStyle = theme.ink;
   context.fillText(text, right - length / 2, y - 6);
 }

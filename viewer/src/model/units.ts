@@ -17,7 +17,8 @@ export function secondsOf(ns: bigint): number {
 export function short(value: number, digits = 3): string {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size !== 0 && (size >= 1e7 || size < 1e-4)) return minus(value.toExponential(digits - 1));
+  if (size < 1e-9) return (0).toFixed(digits - 1);
+  if (size >= 1e7 || size < 1e-4) return minus(value.toExponential(digits - 1));
   const whole = size < 1 ? 1 : Math.floor(Math.log10(size)) + 1;
   return minus(value.toFixed(Math.max(0, digits - whole)));
 }
@@ -35,6 +36,7 @@ function minus(text: string): string {
 /** A duration. */
 export function duration(ns: number): string {
   const size = Math.abs(ns);
+  if (size === 0) return "0 ms";
   if (size < 1e3) return `${short(ns)} ns`;
   if (size < 1e6) return `${short(ns / 1e3)} µs`;
   if (size < 1e9) return `${short(ns / 1e6)} ms`;
@@ -69,6 +71,13 @@ export function count(value: number | bigint): string {
 export function withUnit(value: number, unit: string): string {
   const text = short(value);
   return unit === "" || unit === "1" ? text : `${text} ${unit}`;
+}
+
+/** A round length in the unit that suits it. */
+export function lengthText(length_m: number): string {
+  const round = (value: number) => String(Number(value.toPrecision(3)));
+  if (length_m >= 1000) return `${round(length_m / 1000)} km`;
+  return length_m < 0.01 ? `${round(1000 * length_m)} mm` : `${round(length_m)} m`;
 }
 
 /** The smallest of 1, 2, 5, 10, 20 and so on (or their tenths) that is not below. */

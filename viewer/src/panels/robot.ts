@@ -157,6 +157,8 @@ function motorRows(record: RobotRecord, chart: (key: string) => void): ValueRow[
 function bodyText(key: string, value: number): string {
   if (key === "battery:charge") return `${fixed(100 * value, 1)} %`;
   if (key === "pose:heading") return degrees(value);
-  const units: Record<string, string> = { speed: "m/s", turn: "rad/s", "pose:x": "m", "pose:y": "m", "battery:voltage": "V", "battery:current": "A" };
+  if (key === "speed") return `${fixed(value, 3)} m/s`;
+  if (key === "turn") return `${fixed(value, 3)} rad/s`;
+  const units: Record<string, string> = { "pose:x": "m", "pose:y": "m", "battery:voltage": "V", "battery:current": "A" };
   return withUnit(value, units[key] ?? "");
 }

@@ -74,7 +74,8 @@ function makeLane(robot: RobotDescription, label: string, group: number, events:
   const sorted = [...events].sort((a, b) => a.start_ns - b.start_ns || a.end_ns - b.end_ns);
   const bars = sorted.map((event) => {
     const pale = cycle !== undefined && !cycle.events.has(event) && !kindOf(event.kind).trouble;
-    return { event, row: rowFor(ends, event), label: barLabel(robot, event), pale };
+    const text = barLabel(robot, event);
+    return { event, row: rowFor(ends, event), label: text === label ? "" : text, pale };
   });
   return { label, group, rows: Math.max(1, ends.length), bars };
 }

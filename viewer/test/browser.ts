@@ -1,0 +1,142 @@
+/**
+ * The page that was built, in a browser, before the mock server: `npm run build && npm run test:browser`. Needs a
+ * Chromium: in CHROMIUM, or where Debian has it. With SHOTS it leaves pictures in that folder.
+ */
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { chromium, type Browser, type Page } from "playwright-core";
+import { serve } from "./mock";
+
+const PORT = 7419;
+const PROGRAM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const options = { skip: existsSync(PROGRAM) ? false : `there is no browser at ${PROGRAM}`, timeout: 60_000 };
+const shots = process.env.SHOTS;
+
+let browser: Browser;
+let stop: () => void;
+
+before(async () => {
+  if (options.skip) return;
+  stop = serve(PORT, 3);
+  browser = await chromium.launch({ executablePath: PROGRAM, args: ["--no-sandbox"] });
+});
+
+after(async () => {
+  await browser?.close();
+  stop?.();
+});
+
+/** A page that fails the test if anything is refused by its policy or thrown in it. */
+async function open(hash: string, size = { width: 1280, height: 800 }, colorScheme: "light" | "dark" = "light"): Promise<Page> {
+  const page = await (await browser.newContext({ viewport: size, colorScheme })).newPage();
+  page.on("console", (message) => message.type() === "error" && assert.fail(message.text()));
+  page.on("pageerror", (error) => assert.fail(error));
+  await page.goto(`http://127.0.0.1:${PORT}/${hash}`);
+  await page.waitForFunction(() => window.baudbotViewer?.frames > 5);
+  return page;
+}
+
+const state = (page: Page) =>
+  page.evaluate(() => {
+    const { tick, robot, world, pose, pixel, lastError, frames } = window.baudbotViewer;
+    return { tick, robot, world, pose, pixel, lastError, frames, title: document.title };
+  });
+
+const pixels = async (page: Page) => (await state(page)).pixel ?? [NaN, NaN];
+
+async function drag(page: Page, by: [number, number]): Promise<void> {
+  const box = await page.getByTestId("arena-canvas").boundingBox();
+  const [x, y] = await pixels(page);
+  assert.ok(box);
+  await page.mouse.move(box.x + x, box.y + y);
+  await page.mouse.down();
+  await page.mouse.move(box.x + x + by[0], box.y + y + by[1], { steps: 4 });
+  await page.mouse.up();
+}
+
+test("what the address chooses is shown, and its readings have ages", options, async () => {
+  const page = await open("#world=second&robot=bob");
+  const { world, robot, title } = await state(page);
+  assert.deepEqual([world, robot, title], ["second", "bob", "second: running – baudbot"]);
+  await page.waitForFunction(() => /ms/.test(document.querySelector("[data-testid=sensor-age-laser]")?.textContent ?? ""));
+  if (shots) await page.screenshot({ path: `${shots}/bob-light.png` });
+  await page.close();
+});
+
+test("a world is paused, stepped and run", options, async () => {
+  const page = await open("#world=arena&robot=carol");
+  await page.getByTestId("pause").click();
+  await page.waitForFunction(() => document.title.includes("paused"));
+  await page.waitForTimeout(1500);
+  const before = await state(page);
+  await page.getByTestId("step-10").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick === tick + 10, before.tick);
+  await page.keyboard.press(".");
+  await page.waitForFunction((tick) => window.baudbotViewer.tick === tick + 11, before.tick);
+  await page.getByTestId("run").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick > tick + 30, before.tick);
+  await page.close();
+});
+
+test("a robot is carried elsewhere, but not into a wall", options, async () => {
+  const page = await open("#world=arena&robot=carol");
+  await page.getByTestId("move").click();
+  const [x, y] = await pixels(page);
+  await drag(page, [40, -30]);
+  await page.waitForFunction(([x, y]) => Math.hypot((window.baudbotViewer.pixel?.[0] ?? 0) - x! - 40, (window.baudbotViewer.pixel?.[1] ?? 0) - y! + 30) < 2, [x, y]);
+  await drag(page, [-600, 0]);
+  await page.waitForFunction(() => window.baudbotViewer.lastError.includes("touch a wall"));
+  assert.ok(Math.abs((await pixels(page))[0] - x - 40) < 2, "it is where it was");
+  await page.close();
+});
+
+test("a robot is driven, and stands when it is let go", options, async () => {
+  const page = await open("#world=second&robot=carol");
+  const from = (await state(page)).pose;
+  await page.getByTestId("drive").click();
+  await page.getByTestId("arena-canvas").focus();
+  await page.keyboard.down("w");
+  await page.waitForTimeout(700);
+  const to = (await state(page)).pose;
+  assert.ok(from && to && Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m) > 0.05, "it has moved");
+  await page.keyboard.up("w");
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(() => document.querySelector<HTMLElement>("[data-testid=pad]")?.hidden);
+  const rest = (await state(page)).pose;
+  await page.waitForTimeout(300);
+  assert.deepEqual((await state(page)).pose, rest);
+  await page.close();
+});
+
+test("who holds a robot is told", options, async () => {
+  const page = await open("#world=second&robot=alice");
+  await page.getByTestId("drive").click();
+  await page.waitForFunction(() => window.baudbotViewer.lastError.includes("holds `alice`"));
+  await page.close();
+});
+
+test("what is wrong with a scenario is marked in its line, and what a brain says is no markup", options, async () => {
+  const page = await open("#world=arena&robot=alice", undefined, "dark");
+  await page.waitForFunction(() => document.querySelector("[data-testid=robot-panel]")?.textContent?.includes("explore"));
+  assert.equal(await page.locator("[data-testid=robot-panel] b").count(), 0);
+  await page.getByTestId("new-world").click();
+  await page.getByTestId("scenario").fill("name = 'x'\n# so far so good\nWRONG = 1\n");
+  await page.getByTestId("create").click();
+  await page.waitForSelector(".gutter .marked");
+  assert.equal(await page.locator(".gutter .marked").textContent(), "3");
+  assert.match((await page.locator("dialog [data-testid=error]").textContent()) ?? "", /line 3/);
+  await page.close();
+});
+
+test("on a telephone panels are shown one at a time", options, async () => {
+  const page = await open("#world=second&robot=bob", { width: 390, height: 844 }, "dark");
+  assert.ok(await page.getByTestId("robot-panel").isVisible());
+  assert.ok(!(await page.getByTestId("timing-canvas").isVisible()));
+  await page.click("#tabs [data-sheet=timing]");
+  assert.ok(await page.getByTestId("timing-canvas").isVisible());
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.equal(wide, 390, "nothing is wider than the screen");
+  if (shots) await page.screenshot({ path: `${shots}/phone-dark.png` });
+  await page.close();
+});
