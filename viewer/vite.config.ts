@@ -11,6 +11,8 @@ export default defineConfig({
     reportCompressedSize: false,
     rolldownOptions: {
       output: {
+        postBanner:
+          "/* With uPlot, (c) Leon Sorokin, MIT, and @bufbuild/protobuf, Apache-2.0 and BSD-3-Clause: see viewer/LICENSES.md */",
         entryFileNames: "viewer.js",
         assetFileNames: "viewer[extname]",
         codeSplitting: false,

@@ -42,11 +42,22 @@ const watcher = new Watcher(connection, store);
 const orders = new Orders(connection, store, watcher);
 const drive = new Drive(connection, store);
 
-const canvas = el("canvas", { class: "arena-canvas", test: "arena-canvas", role: "application", label: "Arena", attributes: { tabindex: "0" } });
+const canvas = el("canvas", {
+  class: "arena-canvas",
+  test: "arena-canvas",
+  role: "application",
+  label: "Arena",
+  attributes: { tabindex: "0" },
+});
 const arena = new Arena(canvas, store, themes.theme);
 const hands = new Hands(arena, (held) => void putDown(held));
 const help = helpDialog();
-const toolbar = new Toolbar(arena, hands, () => help.showModal(), () => themes.toggle());
+const toolbar = new Toolbar(
+  arena,
+  hands,
+  () => help.showModal(),
+  () => themes.toggle(),
+);
 const create_dialog = new CreateDialog(orders);
 const worlds = new WorldsPanel(store, orders, () => create_dialog.show());
 const chart = new ChartPanel(store, themes.theme);
@@ -83,7 +94,13 @@ function lay(): void {
   const sheets = ["robot", "timing", "chart", "worlds"];
   const tabs = sheets.map((name) => {
     const click = () => showSheet(name);
-    return el("button", { type: "button", text: name, title: `Show ${name}`, click, attributes: { "data-sheet": name } });
+    return el("button", {
+      type: "button",
+      text: name,
+      title: `Show ${name}`,
+      click,
+      attributes: { "data-sheet": name },
+    });
   });
   find("tabs").append(...tabs);
   showSheet("robot");
@@ -94,7 +111,8 @@ function showSheet(name: string): void {
   const { dataset } = document.body;
   dataset.sheet = dataset.sheet === name && dataset.ready ? "" : name;
   dataset.ready = "yes";
-  for (const tab of find("tabs").children) setPressed(tab as HTMLElement, (tab as HTMLElement).dataset.sheet === dataset.sheet);
+  for (const tab of find("tabs").children)
+    setPressed(tab as HTMLElement, (tab as HTMLElement).dataset.sheet === dataset.sheet);
 }
 
 /** The connection is there, perhaps again: what the address says is looked at, or else the first world. */
@@ -137,7 +155,10 @@ async function putDown({ kind, index, pose }: Held): Promise<void> {
   const named = kind === "robot" ? store.description?.robots[index]?.robot : store.description?.things[index]?.thing;
   if (named === undefined) return;
   if (kind === "robot") {
-    const done = await orders.intervene({ case: "placeRobot", value: create(PlaceRobotSchema, { robot: named, ...place }) });
+    const done = await orders.intervene({
+      case: "placeRobot",
+      value: create(PlaceRobotSchema, { robot: named, ...place }),
+    });
     // It did not come there on its wheels.
     if (done) store.trails.all[index]?.clear();
   } else await orders.intervene({ case: "placeThing", value: create(PlaceThingSchema, { thing: named, ...place }) });

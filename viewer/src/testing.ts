@@ -33,19 +33,37 @@ declare global {
 export function exposeForTests(store: Store, arena: Arena, watcher: Watcher): void {
   const pose = () => store.frame && poseOf(store.frame.poses, store.robotIndex);
   const exposed: ViewerForTests = {
-    get frames() { return store.frames; },
-    get drawn() { return arena.drawn; },
-    get tick() { return Number(store.frame?.tick ?? 0n); },
-    get world() { return store.world; },
-    get robot() { return store.robot; },
-    get pose() { return pose(); },
+    get frames() {
+      return store.frames;
+    },
+    get drawn() {
+      return arena.drawn;
+    },
+    get tick() {
+      return Number(store.frame?.tick ?? 0n);
+    },
+    get world() {
+      return store.world;
+    },
+    get robot() {
+      return store.robot;
+    },
+    get pose() {
+      return pose();
+    },
     get pixel() {
       const at = pose();
       return at && toPixel(arena.view, at.x_m, at.y_m);
     },
-    get ghost() { return store.record?.ghost?.pose; },
-    get framesPerSecond() { return watcher.frames_per_s; },
-    get lastError() { return store.lastError; },
+    get ghost() {
+      return store.record?.ghost?.pose;
+    },
+    get framesPerSecond() {
+      return watcher.frames_per_s;
+    },
+    get lastError() {
+      return store.lastError;
+    },
   };
   window.baudbotViewer = Object.freeze(exposed);
 }

@@ -28,7 +28,11 @@ after(async () => {
 });
 
 /** A page that fails the test if anything is refused by its policy or thrown in it. */
-async function open(hash: string, size = { width: 1280, height: 800 }, colorScheme: "light" | "dark" = "light"): Promise<Page> {
+async function open(
+  hash: string,
+  size = { width: 1280, height: 800 },
+  colorScheme: "light" | "dark" = "light",
+): Promise<Page> {
   const page = await (await browser.newContext({ viewport: size, colorScheme })).newPage();
   page.on("console", (message) => message.type() === "error" && assert.fail(message.text()));
   page.on("pageerror", (error) => assert.fail(error));
@@ -59,7 +63,9 @@ test("what the address chooses is shown, and its readings have ages", options, a
   const page = await open("#world=second&robot=bob");
   const { world, robot, title } = await state(page);
   assert.deepEqual([world, robot, title], ["second", "bob", "second: running – baudbot"]);
-  await page.waitForFunction(() => /ms/.test(document.querySelector("[data-testid=sensor-age-laser]")?.textContent ?? ""));
+  await page.waitForFunction(() =>
+    /ms/.test(document.querySelector("[data-testid=sensor-age-laser]")?.textContent ?? ""),
+  );
   if (shots) await page.screenshot({ path: `${shots}/bob-light.png` });
   await page.close();
 });
@@ -84,7 +90,12 @@ test("a robot is carried elsewhere, but not into a wall", options, async () => {
   await page.getByTestId("move").click();
   const [x, y] = await pixels(page);
   await drag(page, [40, -30]);
-  await page.waitForFunction(([x, y]) => Math.hypot((window.baudbotViewer.pixel?.[0] ?? 0) - x! - 40, (window.baudbotViewer.pixel?.[1] ?? 0) - y! + 30) < 2, [x, y]);
+  await page.waitForFunction(
+    ([x, y]) =>
+      Math.hypot((window.baudbotViewer.pixel?.[0] ?? 0) - x! - 40, (window.baudbotViewer.pixel?.[1] ?? 0) - y! + 30) <
+      2,
+    [x, y],
+  );
   await drag(page, [-600, 0]);
   await page.waitForFunction(() => window.baudbotViewer.lastError.includes("touch a wall"));
   assert.ok(Math.abs((await pixels(page))[0] - x - 40) < 2, "it is where it was");
@@ -118,7 +129,9 @@ test("who holds a robot is told", options, async () => {
 
 test("what is wrong with a scenario is marked in its line, and what a brain says is no markup", options, async () => {
   const page = await open("#world=arena&robot=alice", undefined, "dark");
-  await page.waitForFunction(() => document.querySelector("[data-testid=robot-panel]")?.textContent?.includes("explore"));
+  await page.waitForFunction(() =>
+    document.querySelector("[data-testid=robot-panel]")?.textContent?.includes("explore"),
+  );
   assert.equal(await page.locator("[data-testid=robot-panel] b").count(), 0);
   await page.getByTestId("new-world").click();
   await page.getByTestId("scenario").fill("name = 'x'\n# so far so good\nWRONG = 1\n");

@@ -1,25 +1,34 @@
 /**
- * A server of a made-up world, to try the page without baudbot: `npm run mock -- --port 7410 --robots 3`. It serves dist/
- * with the headers of the real one, and speaks PageRequest and PageResponse on /page.
+ * A server of a made-up world, to try the page without baudbot: `npm run mock -- --port 7410 --robots 3`. It serves
+ * dist/ with the headers of the real one, and speaks PageRequest and PageResponse on /page.
  */
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { WebSocketServer, type WebSocket } from "ws";
 import type { AttachRequest } from "../src/gen/baudbot/v1/brain_link_pb";
-import { PageRequestSchema, PageResponseSchema, type PageRequest, type PageResponse } from "../src/gen/baudbot/v1/page_pb";
+import {
+  PageRequestSchema,
+  PageResponseSchema,
+  type PageRequest,
+  type PageResponse,
+} from "../src/gen/baudbot/v1/page_pb";
 import { WorldState } from "../src/gen/baudbot/v1/world_pb";
 import { STEP_NS } from "./mock_scene";
 import { MockWorld } from "./mock_world";
 
 /** As strict as that of the real server. */
-const CSP = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const CSP =
+  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 const TYPES: Record<string, string> = { html: "text/html", js: "text/javascript", css: "text/css" };
 
 type Reply = PageResponse["response"];
 
 class Refusal extends Error {
-  constructor(readonly code: string, message: string) {
+  constructor(
+    readonly code: string,
+    message: string,
+  ) {
     super(message);
   }
 }
@@ -62,7 +71,10 @@ class Session {
       if (reply) this.reply(request.call, reply);
     } catch (error) {
       const code = error instanceof Refusal ? error.code : "INTERNAL";
-      this.reply(request.call, { case: "failure", value: { code, message: String((error as Error).message) } } as Reply);
+      this.reply(request.call, {
+        case: "failure",
+        value: { code, message: String((error as Error).message) },
+      } as Reply);
     }
   }
 
@@ -73,10 +85,14 @@ class Session {
   }
 
   private obey({ call, request }: PageRequest): Reply | undefined {
-    const answer = (kind: string, world?: MockWorld, more = {}) => ({ case: kind, value: { status: world?.status(), ...more } }) as unknown as Reply;
+    const answer = (kind: string, world?: MockWorld, more = {}) =>
+      ({ case: kind, value: { status: world?.status(), ...more } }) as unknown as Reply;
     switch (request.case) {
       case "listWorlds":
-        return { case: "listWorlds", value: { worlds: [...this.worlds.values()].map((world) => world.status()) } } as Reply;
+        return {
+          case: "listWorlds",
+          value: { worlds: [...this.worlds.values()].map((world) => world.status()) },
+        } as Reply;
       case "createWorld":
         return this.create(request.value.world, request.value.scenarioToml);
       case "describeWorld":
@@ -115,7 +131,8 @@ class Session {
         world.state = request.value.pace?.kind.case === "stepped" ? WorldState.PAUSED : world.state;
         break;
       case "stepWorld":
-        if (world.pace.kind.case !== "stepped") throw new Refusal("FAILED_PRECONDITION", "the world's pace is not stepped; set it with SetPace");
+        if (world.pace.kind.case !== "stepped")
+          throw new Refusal("FAILED_PRECONDITION", "the world's pace is not stepped; set it with SetPace");
         for (let i = 0n; i < (request.value.ticks || 1n); i++) advance(world);
         break;
       case "resetWorld":
@@ -138,14 +155,19 @@ class Session {
     return {};
   }
 
-  private intervene(world: MockWorld, what: Extract<PageRequest["request"], { case: "intervene" }>["value"]["intervention"]): void {
-    if (what.case === "placeThing") Object.assign(world.box, { xM: what.value.xM, yM: what.value.yM, headingRad: what.value.headingRad });
+  private intervene(
+    world: MockWorld,
+    what: Extract<PageRequest["request"], { case: "intervene" }>["value"]["intervention"],
+  ): void {
+    if (what.case === "placeThing")
+      Object.assign(world.box, { xM: what.value.xM, yM: what.value.yM, headingRad: what.value.headingRad });
     if (what.case === undefined || what.case === "placeThing") return;
     const index = world.description.robots.findIndex(({ robot }) => robot === what.value.robot);
     const body = world.bodies[index];
     if (!body) throw new Refusal("NOT_FOUND", `robot: there is no robot \`${what.value.robot}\``);
     if (what.case === "placeRobot") {
-      if (world.hits(what.value.xM, what.value.yM, 0.2)) throw new Refusal("FAILED_PRECONDITION", `robot \`${what.value.robot}\` would touch a wall there`);
+      if (world.hits(what.value.xM, what.value.yM, 0.2))
+        throw new Refusal("FAILED_PRECONDITION", `robot \`${what.value.robot}\` would touch a wall there`);
       Object.assign(body, { x_m: what.value.xM, y_m: what.value.yM, heading_rad: what.value.headingRad });
     }
     if (what.case === "pullCable") body.cable = !what.value.pulled;
@@ -154,15 +176,19 @@ class Session {
 
   private create(name: string, toml: string): Reply {
     const wrong = toml.split("\n").findIndex((line) => line.includes("WRONG"));
-    if (wrong >= 0) throw new Refusal("INVALID_ARGUMENT", `TOML parse error at line ${wrong + 1}, column 1\nWRONG is no key`);
+    if (wrong >= 0)
+      throw new Refusal("INVALID_ARGUMENT", `TOML parse error at line ${wrong + 1}, column 1\nWRONG is no key`);
     const world = new MockWorld(name || "mock", 3);
-    if (this.worlds.has(world.name)) throw new Refusal("ALREADY_EXISTS", `world: there is a world \`${world.name}\` already`);
+    if (this.worlds.has(world.name))
+      throw new Refusal("ALREADY_EXISTS", `world: there is a world \`${world.name}\` already`);
     this.worlds.set(world.name, world);
     return { case: "createWorld", value: { status: world.status() } } as Reply;
   }
 
   private watch(call: number, world: MockWorld, every: bigint, names: string[]): undefined {
-    const details = names.map((name) => world.description.robots.findIndex(({ robot }) => robot === name)).filter((i) => i >= 0);
+    const details = names
+      .map((name) => world.description.robots.findIndex(({ robot }) => robot === name))
+      .filter((i) => i >= 0);
     const since = world.tick > 200n ? world.tick - 200n : 0n;
     this.reply(call, { case: "watch", value: world.frame(details, since) });
     this.watches.push({ call, world, every: every || 5n, details, shown: world.tick });
@@ -175,17 +201,25 @@ class Session {
       const body = world.bodies[robot];
       const description = world.description.robots[robot]?.description;
       if (!body || !description) throw new Refusal("NOT_FOUND", "robots: no such robot");
-      if (body.brain !== "") throw new Refusal("ALREADY_EXISTS", `robots[0]: the brain \`${body.brain}\` holds \`${request.value.robots[0]}\``);
+      if (body.brain !== "")
+        throw new Refusal(
+          "ALREADY_EXISTS",
+          `robots[0]: the brain \`${body.brain}\` holds \`${request.value.robots[0]}\``,
+        );
       body.brain = request.value.brain;
       this.attachments.push({ call, world, robot, turn: 0n });
       const lockstep = world.pace.kind.case === "lockstep" || world.pace.kind.case === "stepped";
-      this.reply(call, { case: "attach", value: { response: { case: "welcome", value: { stepNs: STEP_NS, lockstep, robots: [description] } } } } as unknown as Reply);
+      this.reply(call, {
+        case: "attach",
+        value: { response: { case: "welcome", value: { stepNs: STEP_NS, lockstep, robots: [description] } } },
+      } as unknown as Reply);
     }
     const attachment = this.attachments.find((one) => one.call === call);
     const body = attachment?.world.bodies[attachment.robot];
     if (request.case !== "step" || !body) return;
     for (const { output } of request.value.robots) {
-      if (output.case === "command" && body.cable) [body.left, body.right] = [output.value.leftSignal, output.value.rightSignal];
+      if (output.case === "command" && body.cable)
+        [body.left, body.right] = [output.value.leftSignal, output.value.rightSignal];
     }
   }
 
@@ -205,13 +239,23 @@ class Session {
   ticked(world: MockWorld): void {
     for (const watch of this.watches) {
       if (watch.world !== world || (world.tick % watch.every !== 0n && world.tick > watch.shown)) continue;
-      this.reply(watch.call, { case: "watch", value: world.frame(watch.details, watch.shown < world.tick ? watch.shown : 0n) });
+      this.reply(watch.call, {
+        case: "watch",
+        value: world.frame(watch.details, watch.shown < world.tick ? watch.shown : 0n),
+      });
       watch.shown = world.tick;
     }
     for (const attachment of this.attachments.filter((one) => one.world === world)) {
       attachment.turn++;
-      const turn = { tick: world.tick, turn: attachment.turn, robots: [{ robot: 0, atNs: world.tick * STEP_NS, readings: [] }] };
-      this.reply(attachment.call, { case: "attach", value: { response: { case: "turn", value: turn } } } as unknown as Reply);
+      const turn = {
+        tick: world.tick,
+        turn: attachment.turn,
+        robots: [{ robot: 0, atNs: world.tick * STEP_NS, readings: [] }],
+      };
+      this.reply(attachment.call, {
+        case: "attach",
+        value: { response: { case: "turn", value: turn } },
+      } as unknown as Reply);
     }
   }
 }
@@ -225,12 +269,17 @@ function advance(world: MockWorld): void {
 
 /** Begins to serve; returns how to stop. */
 export function serve(port: number, robots: number, dist = new URL("../dist/", import.meta.url)): () => void {
-  const worlds = new Map([["arena", new MockWorld("arena", robots)], ["second", new MockWorld("second", 3)]]);
+  const worlds = new Map([
+    ["arena", new MockWorld("arena", robots)],
+    ["second", new MockWorld("second", 3)],
+  ]);
   const http = createServer((request, response) => {
     const path = (request.url ?? "/").split("?")[0] === "/" ? "index.html" : (request.url ?? "").slice(1);
     if (!/^(index\.html|viewer\.(js|css))$/.test(path)) return void response.writeHead(404).end();
     const type = TYPES[path.split(".").pop() ?? ""] ?? "";
-    response.writeHead(200, { "content-type": `${type}; charset=utf-8`, "content-security-policy": CSP }).end(readFileSync(new URL(path, dist)));
+    response
+      .writeHead(200, { "content-type": `${type}; charset=utf-8`, "content-security-policy": CSP })
+      .end(readFileSync(new URL(path, dist)));
   });
   new WebSocketServer({ server: http, path: "/page" }).on("connection", (socket) => {
     const session = new Session(socket, worlds);
@@ -238,7 +287,8 @@ export function serve(port: number, robots: number, dist = new URL("../dist/", i
     socket.on("close", () => sessions.delete(session));
   });
   const timer = setInterval(() => {
-    for (const world of worlds.values()) if (world.state === WorldState.RUNNING && world.pace.kind.case !== "stepped") advance(world);
+    for (const world of worlds.values())
+      if (world.state === WorldState.RUNNING && world.pace.kind.case !== "stepped") advance(world);
   }, 10);
   http.listen(port, "127.0.0.1");
   return () => {
@@ -249,7 +299,8 @@ export function serve(port: number, robots: number, dist = new URL("../dist/", i
 }
 
 if (process.argv[1] === new URL(import.meta.url).pathname) {
-  const option = (name: string, otherwise: number) => Number(process.argv[process.argv.indexOf(`--${name}`) + 1] ?? 0) || otherwise;
+  const option = (name: string, otherwise: number) =>
+    Number(process.argv[process.argv.indexOf(`--${name}`) + 1] ?? 0) || otherwise;
   const port = process.argv.includes("--port") ? option("port", 7410) : 7410;
   serve(port, process.argv.includes("--robots") ? option("robots", 3) : 3);
   console.log(`http://127.0.0.1:${port}/`);

@@ -46,14 +46,23 @@ const SCANNER: Sensor = {
 };
 
 const GPS: Sensor = {
-  sensor: "compass", kind: "compass", periodNs: 5n * STEP_NS,
+  sensor: "compass",
+  kind: "compass",
+  periodNs: 5n * STEP_NS,
   components: [{ name: "", unit: "rad", encoding: level(-Math.PI, Math.PI) }],
 };
 
 function description(robot: string, sensors: Sensor[], baud: number): MessageInitShape<typeof RobotDescriptionSchema> {
   return {
-    robot, radiusM: 0.2, halfTrackM: WHEELS.half_track_m, wheelRadiusM: WHEELS.radius_m, signalLimit: 1, sensors,
-    baud, bitsPerCharacter: 10, motorKind: "dc",
+    robot,
+    radiusM: 0.2,
+    halfTrackM: WHEELS.half_track_m,
+    wheelRadiusM: WHEELS.radius_m,
+    signalLimit: 1,
+    sensors,
+    baud,
+    bitsPerCharacter: 10,
+    motorKind: "dc",
     firmware: { protocol: { case: "framed", value: { ages: false } }, periodNs: 20_000_000n },
     actuators: robot === "alice" ? [{ actuator: "turret", kind: "turret", minRad: -1, maxRad: 1 }] : [],
   };
@@ -61,20 +70,52 @@ function description(robot: string, sensors: Sensor[], baud: number): MessageIni
 
 const WALL = { red: 128, green: 128, blue: 128 };
 const corners = (x: number, y: number, w: number, h: number) =>
-  [[x, y], [x + w, y], [x + w, y + h], [x, y + h]].map(([xM, yM]) => ({ xM, yM }));
+  [
+    [x, y],
+    [x + w, y],
+    [x + w, y + h],
+    [x, y + h],
+  ].map(([xM, yM]) => ({ xM, yM }));
 
 /** A robot of the crowd has two sensors only. */
 function plain(i: number) {
   const name = `robot_${String(i).padStart(4, "0")}`;
-  const look = i % 3 === 0 ? WALL : i % 3 === 1 ? { red: 40, green: 150, blue: 110 } : { red: 200, green: 120, blue: 40 };
-  return { robot: name, radiusM: 0.06, look, deadlineNs: STEP_NS, description: { ...description(name, [ENCODERS], 9600), radiusM: 0.06 } };
+  const look =
+    i % 3 === 0 ? WALL : i % 3 === 1 ? { red: 40, green: 150, blue: 110 } : { red: 200, green: 120, blue: 40 };
+  return {
+    robot: name,
+    radiusM: 0.06,
+    look,
+    deadlineNs: STEP_NS,
+    description: { ...description(name, [ENCODERS], 9600), radiusM: 0.06 },
+  };
 }
 
 export function describe(robots: number): DescribeWorldResponse {
   const named = [
-    { robot: "alice", radiusM: 0.2, look: WALL, deadlineNs: STEP_NS, actuators: ["turret"], description: description("alice", [...irs(), ENCODERS], 9600) },
-    { robot: "bob", radiusM: 0.2, look: { red: 40, green: 150, blue: 110 }, deadlineNs: 2n * STEP_NS, description: description("bob", [...irs().slice(1, 4), SCANNER, ENCODERS, GPS], 38400) },
-    { robot: "carol", radiusM: 0.18, outline: corners(-0.16, -0.13, 0.32, 0.26), look: { red: 200, green: 90, blue: 40 }, deadlineNs: STEP_NS, description: description("carol", [ENCODERS, GPS], 115200) },
+    {
+      robot: "alice",
+      radiusM: 0.2,
+      look: WALL,
+      deadlineNs: STEP_NS,
+      actuators: ["turret"],
+      description: description("alice", [...irs(), ENCODERS], 9600),
+    },
+    {
+      robot: "bob",
+      radiusM: 0.2,
+      look: { red: 40, green: 150, blue: 110 },
+      deadlineNs: 2n * STEP_NS,
+      description: description("bob", [...irs().slice(1, 4), SCANNER, ENCODERS, GPS], 38400),
+    },
+    {
+      robot: "carol",
+      radiusM: 0.18,
+      outline: corners(-0.16, -0.13, 0.32, 0.26),
+      look: { red: 200, green: 90, blue: 40 },
+      deadlineNs: STEP_NS,
+      description: description("carol", [ENCODERS, GPS], 115200),
+    },
   ];
   const { x_m, y_m } = ROOM;
   return create(DescribeWorldResponseSchema, {
@@ -84,15 +125,45 @@ export function describe(robots: number): DescribeWorldResponse {
     polygons: [
       { name: "wall", points: corners(-x_m, -y_m, 2 * x_m, 2 * y_m), solid: false, closed: true, look: WALL },
       { name: "box_1", points: corners(-2.2, 1.0, 0.4, 0.4), solid: true, closed: true, look: WALL },
-      { name: "box_2", points: corners(1.8, -1.4, 0.5, 0.3), solid: true, closed: true, look: { red: 30, green: 60, blue: 140 } },
-      { name: "kerb", points: corners(-0.4, -1.9, 0.8, 0.25), solid: true, closed: true, look: { ...WALL, heightM: 0.05 } },
-      { name: "white", points: corners(-2.8, -1.85, 0.3, 0.3), solid: true, closed: true, look: { red: 250, green: 250, blue: 245 } },
+      {
+        name: "box_2",
+        points: corners(1.8, -1.4, 0.5, 0.3),
+        solid: true,
+        closed: true,
+        look: { red: 30, green: 60, blue: 140 },
+      },
+      {
+        name: "kerb",
+        points: corners(-0.4, -1.9, 0.8, 0.25),
+        solid: true,
+        closed: true,
+        look: { ...WALL, heightM: 0.05 },
+      },
+      {
+        name: "white",
+        points: corners(-2.8, -1.85, 0.3, 0.3),
+        solid: true,
+        closed: true,
+        look: { red: 250, green: 250, blue: 245 },
+      },
     ],
-    circles: [{ name: "pillar", center: { xM: PILLAR.x_m, yM: PILLAR.y_m }, radiusM: PILLAR.radius_m, look: { red: 20, green: 22, blue: 30 } }],
+    circles: [
+      {
+        name: "pillar",
+        center: { xM: PILLAR.x_m, yM: PILLAR.y_m },
+        radiusM: PILLAR.radius_m,
+        look: { red: 20, green: 22, blue: 30 },
+      },
+    ],
     robots: robots === 3 ? named : Array.from({ length: robots }, (_, i) => plain(i)),
     things: [
       { thing: "box", movable: true, outline: { points: corners(-0.12, -0.12, 0.24, 0.24) }, look: WALL },
-      { thing: "door", movable: false, outline: { points: corners(0, -0.03, 0.7, 0.06) }, look: { red: 150, green: 150, blue: 160 } },
+      {
+        thing: "door",
+        movable: false,
+        outline: { points: corners(0, -0.03, 0.7, 0.06) },
+        look: { red: 150, green: 150, blue: 160 },
+      },
     ],
     zones: [
       { zone: "goal", goal: true, outline: { center: { xM: 2.3, yM: 1.3 }, radiusM: 0.45 } },

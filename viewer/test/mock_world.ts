@@ -2,8 +2,13 @@
 import { create } from "@bufbuild/protobuf";
 import { BeliefSchema, type Belief } from "../src/gen/baudbot/v1/brain_link_pb";
 import {
-  RobotDetailSchema, RobotTruthSchema, TimelineKind as K, WatchResponseSchema,
-  type RobotDetail, type RobotTruth, type WatchResponse,
+  RobotDetailSchema,
+  RobotTruthSchema,
+  TimelineKind as K,
+  WatchResponseSchema,
+  type RobotDetail,
+  type RobotTruth,
+  type WatchResponse,
 } from "../src/gen/baudbot/v1/observe_pb";
 import { PaceSchema, WorldState, WorldStatusSchema, type Pace, type WorldStatus } from "../src/gen/baudbot/v1/world_pb";
 import { describe, IRS, LASER, PILLAR, ROOM, STEP_NS, WHEELS } from "./mock_scene";
@@ -42,9 +47,14 @@ export class MockWorld {
   reset(): void {
     this.tick = 0n;
     this.bodies = this.description.robots.map((robot, i) => ({
-      x_m: this.robots === 3 ? [-1, 0.3, -0.5][i] ?? 0 : -2.6 + 5.2 * frac(i * 0.61803),
-      y_m: this.robots === 3 ? [0, 0.5, -0.9][i] ?? 0 : -1.7 + 3.4 * frac(i * 0.7548),
-      heading_rad: i * 1.3, left: 0, right: 0, counts: [0, 0], collided: false, cable: true,
+      x_m: this.robots === 3 ? ([-1, 0.3, -0.5][i] ?? 0) : -2.6 + 5.2 * frac(i * 0.61803),
+      y_m: this.robots === 3 ? ([0, 0.5, -0.9][i] ?? 0) : -1.7 + 3.4 * frac(i * 0.7548),
+      heading_rad: i * 1.3,
+      left: 0,
+      right: 0,
+      counts: [0, 0],
+      collided: false,
+      cable: true,
       brain: robot.robot === "carol" ? "" : "avoid",
     }));
   }
@@ -73,7 +83,10 @@ export class MockWorld {
     const dt = 0.01;
     const [left_m, right_m] = [body.left * 0.6 * dt, body.right * 0.6 * dt];
     body.heading_rad += (right_m - left_m) / (2 * WHEELS.half_track_m);
-    const [x_m, y_m] = [body.x_m + ((left_m + right_m) / 2) * Math.cos(body.heading_rad), body.y_m + ((left_m + right_m) / 2) * Math.sin(body.heading_rad)];
+    const [x_m, y_m] = [
+      body.x_m + ((left_m + right_m) / 2) * Math.cos(body.heading_rad),
+      body.y_m + ((left_m + right_m) / 2) * Math.sin(body.heading_rad),
+    ];
     body.collided = this.hits(x_m, y_m, radius_m);
     if (body.collided) body.heading_rad += 0.7;
     else [body.x_m, body.y_m] = [x_m, y_m];
@@ -91,7 +104,10 @@ export class MockWorld {
   /** How far a ray runs. */
   cast(x_m: number, y_m: number, angle: number, range_m: number): number {
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-    const wall = Math.min(((cos > 0 ? ROOM.x_m : -ROOM.x_m) - x_m) / (cos || 1e-9), ((sin > 0 ? ROOM.y_m : -ROOM.y_m) - y_m) / (sin || 1e-9));
+    const wall = Math.min(
+      ((cos > 0 ? ROOM.x_m : -ROOM.x_m) - x_m) / (cos || 1e-9),
+      ((sin > 0 ? ROOM.y_m : -ROOM.y_m) - y_m) / (sin || 1e-9),
+    );
     const [dx, dy] = [PILLAR.x_m - x_m, PILLAR.y_m - y_m];
     const along = dx * cos + dy * sin;
     const off2 = PILLAR.radius_m ** 2 - (dx * dx + dy * dy - along * along);
@@ -103,10 +119,18 @@ export class MockWorld {
     const body = this.bodies[i] as Body;
     const samples = this.robots === 3 ? this.sample(i).flat() : body.counts;
     return create(RobotTruthSchema, {
-      xM: body.x_m, yM: body.y_m, headingRad: wrap(body.heading_rad), speedMS: 0.3 * (body.left + body.right),
-      turnRateRadS: body.right - body.left, leftSignal: body.left, rightSignal: body.right, collided: body.collided, samples,
+      xM: body.x_m,
+      yM: body.y_m,
+      headingRad: wrap(body.heading_rad),
+      speedMS: 0.3 * (body.left + body.right),
+      turnRateRadS: body.right - body.left,
+      leftSignal: body.left,
+      rightSignal: body.right,
+      collided: body.collided,
+      samples,
       battery: i === 1 ? { charge: Math.max(0, 1 - this.time_s / 600), voltageV: 11.8, currentA: 0.4 } : undefined,
-      actuators: i === 0 && this.robots === 3 ? [{ signal: Math.sin(this.time_s), angleRad: Math.sin(this.time_s) }] : [],
+      actuators:
+        i === 0 && this.robots === 3 ? [{ signal: Math.sin(this.time_s), angleRad: Math.sin(this.time_s) }] : [],
     });
   }
 
@@ -117,10 +141,11 @@ export class MockWorld {
     return (this.description.robots[i]?.description?.sensors ?? []).map((sensor) => {
       if (sensor.kind === "encoders") return body.counts.map((count) => ((Math.round(count) % 65536) + 65536) % 65536);
       if (sensor.kind === "compass") return [wrap(body.heading_rad)];
-      if (sensor.kind === "laser") return Array.from({ length: LASER.rays }, (_, k) => {
-        const length_m = this.cast(body.x_m, body.y_m, ray(k), LASER.range_m);
-        return length_m < LASER.range_m ? length_m : -1;
-      });
+      if (sensor.kind === "laser")
+        return Array.from({ length: LASER.rays }, (_, k) => {
+          const length_m = this.cast(body.x_m, body.y_m, ray(k), LASER.range_m);
+          return length_m < LASER.range_m ? length_m : -1;
+        });
       const length_m = this.cast(body.x_m, body.y_m, body.heading_rad + (sensor.mount?.headingRad ?? 0), 1.2) - 0.2;
       return [Math.max(0, 1 - length_m)];
     });
@@ -133,19 +158,33 @@ export class MockWorld {
     const samples = this.sample(i);
     const line = { bytes: cycles * 19n, messages: cycles, lostBytes: this.lost };
     return create(RobotDetailSchema, {
-      robot: i, attached: body.brain !== "", brain: body.brain,
+      robot: i,
+      attached: body.brain !== "",
+      brain: body.brain,
       sensors: sensors.map((sensor, s) => {
         const period = sensor.periodNs / STEP_NS;
         const at = this.tick - (this.tick % period) - 1n;
         const known = at >= 0n && body.brain !== "" && this.tick > 20n;
         return {
-          values: known ? samples[s] : [], sampledAtNs: known ? at * STEP_NS : undefined, readable: known && this.tick % period < 1n,
-          samples: this.tick / period, readableSteps: this.tick / period, rays: this.rays(body, sensor.kind, s, sensors.length),
+          values: known ? samples[s] : [],
+          sampledAtNs: known ? at * STEP_NS : undefined,
+          readable: known && this.tick % period < 1n,
+          samples: this.tick / period,
+          readableSteps: this.tick / period,
+          rays: this.rays(body, sensor.kind, s, sensors.length),
         };
       }),
-      uplink: line, downlink: { bytes: cycles * 8n, messages: cycles, badFrames: 0n },
-      uplinkWaitingBytes: BigInt(Number(this.tick) % 20), downlinkWaitingBytes: 0n,
-      cycles: { deadlineNs: STEP_NS, kept: 0n, late: cycles, unanswered: 2n, durations: { count: cycles, p50Ns: 28_805_000n, p95Ns: 28_805_000n } },
+      uplink: line,
+      downlink: { bytes: cycles * 8n, messages: cycles, badFrames: 0n },
+      uplinkWaitingBytes: BigInt(Number(this.tick) % 20),
+      downlinkWaitingBytes: 0n,
+      cycles: {
+        deadlineNs: STEP_NS,
+        kept: 0n,
+        late: cycles,
+        unanswered: 2n,
+        durations: { count: cycles, p50Ns: 28_805_000n, p95Ns: 28_805_000n },
+      },
       events: body.brain === "" ? [] : this.events(since, sensors.length),
     });
   }
@@ -153,12 +192,19 @@ export class MockWorld {
   private rays(body: Body, kind: string, s: number, sensors: number) {
     if (kind !== "ir" && kind !== "laser") return undefined;
     const isLaser = kind === "laser";
-    const bearing = isLaser ? 0 : (IRS[sensors === 6 && IRS.length === 5 && s < 5 && !this.isBob(body) ? s : s + 1] ?? 0);
+    const bearing = isLaser
+      ? 0
+      : (IRS[sensors === 6 && IRS.length === 5 && s < 5 && !this.isBob(body) ? s : s + 1] ?? 0);
     const from = isLaser ? 0.05 : 0.2;
-    const [x_m, y_m] = [body.x_m + from * Math.cos(body.heading_rad + bearing), body.y_m + from * Math.sin(body.heading_rad + bearing)];
+    const [x_m, y_m] = [
+      body.x_m + from * Math.cos(body.heading_rad + bearing),
+      body.y_m + from * Math.sin(body.heading_rad + bearing),
+    ];
     const [count, opening_rad, range_m] = isLaser ? [LASER.rays, LASER.opening_rad, LASER.range_m] : [5, 0.5, 1];
     const heading_rad = body.heading_rad + bearing;
-    const lengthsM = Array.from({ length: count }, (_, k) => this.cast(x_m, y_m, heading_rad + opening_rad * (k / (count - 1) - 0.5), range_m));
+    const lengthsM = Array.from({ length: count }, (_, k) =>
+      this.cast(x_m, y_m, heading_rad + opening_rad * (k / (count - 1) - 0.5), range_m),
+    );
     return { xM: x_m, yM: y_m, headingRad: heading_rad, openingRad: opening_rad, lengthsM };
   }
 
@@ -171,7 +217,8 @@ export class MockWorld {
     const events: { startNs: bigint; endNs: bigint; kind: K; part?: number; bytes?: number }[] = [];
     for (let cycle = since / 2n; cycle < this.tick / 2n; cycle++) {
       const at = (us: number) => BigInt(Math.max(0, Math.round(us * 1000))) + (cycle - 1n) * 20_000_000n;
-      const add = (from: number, until: number, kind: K, part?: number, bytes = 0) => events.push({ startNs: at(from), endNs: at(until), kind, part, bytes });
+      const add = (from: number, until: number, kind: K, part?: number, bytes = 0) =>
+        events.push({ startNs: at(from), endNs: at(until), kind, part, bytes });
       if (cycle < 2n) continue;
       for (let s = 0; s < Math.min(5, sensors); s++) add(112 * s, 112 * (s + 1), K.ACQUIRE, s);
       add(600, 695, K.FRAME, undefined, 19);
@@ -199,8 +246,18 @@ export class MockWorld {
         { name: "charge", value: 0.2 },
       ],
       pose: { xM: x, yM: y, headingRad: body.heading_rad + 0.05, covarianceM2: [0.012, 0.006, 0.008] },
-      particles: Array.from({ length: 60 }, (_, i) => ({ xM: x + 0.3 * (frac(i * 0.618) - 0.5), yM: y + 0.3 * (frac(i * 0.754) - 0.5), headingRad: body.heading_rad + frac(i * 0.31) - 0.5, weight: frac(i * 0.77) })),
-      path: [{ xM: x, yM: y }, { xM: 0.2, yM: 0.2 }, { xM: 1.0, yM: 0.2 }, { xM: 2.3, yM: 1.3 }],
+      particles: Array.from({ length: 60 }, (_, i) => ({
+        xM: x + 0.3 * (frac(i * 0.618) - 0.5),
+        yM: y + 0.3 * (frac(i * 0.754) - 0.5),
+        headingRad: body.heading_rad + frac(i * 0.31) - 0.5,
+        weight: frac(i * 0.77),
+      })),
+      path: [
+        { xM: x, yM: y },
+        { xM: 0.2, yM: 0.2 },
+        { xM: 1.0, yM: 0.2 },
+        { xM: 2.3, yM: 1.3 },
+      ],
       map: { xM: -3, yM: -2, cellM: 0.2, columns: 30, cells: this.map() },
     });
   }
@@ -214,11 +271,24 @@ export class MockWorld {
   }
 
   frame(details: number[], since: bigint): WatchResponse {
-    const collisions = this.bodies.flatMap((body, i) => (body.collided ? [{ robot: this.description.robots[i]?.robot ?? "", with: "wall" }] : []));
+    const collisions = this.bodies.flatMap((body, i) =>
+      body.collided ? [{ robot: this.description.robots[i]?.robot ?? "", with: "wall" }] : [],
+    );
     return create(WatchResponseSchema, {
-      tick: this.tick, timeNs: this.tick * STEP_NS, robots: this.bodies.map((_, i) => this.truth(i)), collisions,
-      things: [{ thing: "box", ...this.box }, { thing: "door", xM: -0.2, yM: 1.3, headingRad: 0.8 * Math.sin(this.time_s / 2) }],
-      score: { covered: Math.min(1, this.time_s / 300), goals: 1, goalsReached: 0, zones: [{ zone: "goal", goal: true }, { zone: "dock" }] },
+      tick: this.tick,
+      timeNs: this.tick * STEP_NS,
+      robots: this.bodies.map((_, i) => this.truth(i)),
+      collisions,
+      things: [
+        { thing: "box", ...this.box },
+        { thing: "door", xM: -0.2, yM: 1.3, headingRad: 0.8 * Math.sin(this.time_s / 2) },
+      ],
+      score: {
+        covered: Math.min(1, this.time_s / 300),
+        goals: 1,
+        goalsReached: 0,
+        zones: [{ zone: "goal", goal: true }, { zone: "dock" }],
+      },
       details: details.map((i) => this.detail(i, since)),
       annotations: this.robots === 3 ? [{ robot: 0, belief: this.belief() }] : [],
     });
@@ -226,8 +296,18 @@ export class MockWorld {
 
   status(): WorldStatus {
     return create(WorldStatusSchema, {
-      world: this.name, scenario: "mock", state: this.state, pace: this.pace, tick: this.tick, timeNs: this.tick * STEP_NS, stepNs: STEP_NS,
-      robots: this.description.robots.map(({ robot }, i) => ({ robot, brain: this.bodies[i]?.brain ?? "", attached: this.bodies[i]?.brain !== "" })),
+      world: this.name,
+      scenario: "mock",
+      state: this.state,
+      pace: this.pace,
+      tick: this.tick,
+      timeNs: this.tick * STEP_NS,
+      stepNs: STEP_NS,
+      robots: this.description.robots.map(({ robot }, i) => ({
+        robot,
+        brain: this.bodies[i]?.brain ?? "",
+        attached: this.bodies[i]?.brain !== "",
+      })),
     });
   }
 }

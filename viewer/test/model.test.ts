@@ -61,14 +61,29 @@ test("dead reckoning begins at the first true pose, and an odometer says its pos
 const WRAPS = { kind: { case: "counter" as const, value: { bits: 16 } } };
 const SENSORS: MessageInitShape<typeof SensorDescriptionSchema>[] = [
   { sensor: "laser", kind: "laser", rangeM: 4, components: [{ unit: "m", count: 5 }] },
-  { sensor: "wheels", kind: "encoders", countsPerTurn: 8, components: ["left", "right"].map((name) => ({ name, unit: "1", encoding: WRAPS })) },
+  {
+    sensor: "wheels",
+    kind: "encoders",
+    countsPerTurn: 8,
+    components: ["left", "right"].map((name) => ({ name, unit: "1", encoding: WRAPS })),
+  },
 ];
 const ROBOT = create(RobotDescriptionSchema, { wheelRadiusM: 0.05, halfTrackM: 0.1, sensors: SENSORS });
 
 test("the data sheet says which sensor counts, and where its values are", () => {
-  assert.deepEqual(wheelSensor(ROBOT), { kind: "encoders", sensor: 1, wheels: { wheel_radius_m: 0.05, half_track_m: 0.1, counts_per_turn: 8, wraps_at: 65536 } });
-  assert.deepEqual(columnsOf(ROBOT), [[0, 5], [5, 2]]);
-  assert.deepEqual(partsOf(ROBOT.sensors[1]!).map((part) => part.name), ["wheels.left", "wheels.right"]);
+  assert.deepEqual(wheelSensor(ROBOT), {
+    kind: "encoders",
+    sensor: 1,
+    wheels: { wheel_radius_m: 0.05, half_track_m: 0.1, counts_per_turn: 8, wraps_at: 65536 },
+  });
+  assert.deepEqual(columnsOf(ROBOT), [
+    [0, 5],
+    [5, 2],
+  ]);
+  assert.deepEqual(
+    partsOf(ROBOT.sensors[1]!).map((part) => part.name),
+    ["wheels.left", "wheels.right"],
+  );
   assert.deepEqual(partsOf(ROBOT.sensors[0]!)[0]?.range, [0, 4]);
 });
 
@@ -98,8 +113,14 @@ test("a ring keeps the newest values", () => {
 test("a series that comes later has no values before, and one that stays away has gaps", () => {
   const table = new SeriesTable(4, 2);
   table.push(0, [["a", 1]]);
-  table.push(1, [["a", 2], ["b", 20]]);
-  table.push(2, [["b", 30], ["c", 99]]);
+  table.push(1, [
+    ["a", 2],
+    ["b", 20],
+  ]);
+  table.push(2, [
+    ["b", 30],
+    ["c", 99],
+  ]);
   const [times, a, b, c] = table.rows(["a", "b", "c"], 10).map((row) => [...row]);
   assert.deepEqual(times, [0, 1, 2]);
   assert.deepEqual(a, [1, 2, NaN]);
@@ -110,7 +131,13 @@ test("a series that comes later has no values before, and one that stays away ha
 test("a table that is full goes round", () => {
   const table = new SeriesTable(3, 1);
   for (let i = 0; i < 8; i++) table.push(i, [["a", 10 * i]]);
-  assert.deepEqual(table.rows(["a"], 2).map((row) => [...row]), [[6, 7], [60, 70]]);
+  assert.deepEqual(
+    table.rows(["a"], 2).map((row) => [...row]),
+    [
+      [6, 7],
+      [60, 70],
+    ],
+  );
   assert.equal(table.length, 3);
 });
 
@@ -122,7 +149,11 @@ test("a trail leaves out what is hardly away, and forgets its beginning", () => 
 
 function frame(x_m: number, heading_rad: number): Frame {
   const one = (value: number) => Float64Array.of(value);
-  return new Frame(create(WatchResponseSchema), { count: 1, x_m: one(x_m), y_m: one(0), heading_rad: one(heading_rad), collided: Uint8Array.of(0) }, []);
+  return new Frame(
+    create(WatchResponseSchema),
+    { count: 1, x_m: one(x_m), y_m: one(0), heading_rad: one(heading_rad), collided: Uint8Array.of(0) },
+    [],
+  );
 }
 
 test("between two frames a robot is on its way, turning the shorter way", () => {
@@ -172,7 +203,10 @@ test("frames are asked for as often as is looked at", () => {
 });
 
 test("numbers are short and have their units", () => {
-  assert.deepEqual([short(0), short(-0.1234), short(12.345), short(1234), short(NaN)], ["0.00", "−0.12", "12.3", "1234", "–"]);
+  assert.deepEqual(
+    [short(0), short(-0.1234), short(12.345), short(1234), short(NaN)],
+    ["0.00", "−0.12", "12.3", "1234", "–"],
+  );
   assert.deepEqual([duration(20_039_000), duration(112_000), duration(2.5e9)], ["20.0 ms", "112 µs", "2.50 s"]);
   assert.deepEqual([short(-2.6e-21), duration(0)], ["0.00", "0 ms"]);
   assert.deepEqual([0.005, 0.2, 5, 20_000].map(lengthText), ["5 mm", "0.2 m", "5 m", "20 km"]);

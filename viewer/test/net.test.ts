@@ -38,7 +38,10 @@ test("a frame has the same in it however it is decoded", () => {
   for (let i = 0; i < 300; i++) world.step();
   const made = toBinary(WatchResponseSchema, world.frame([0, 1], 200n));
   const whole = fromBinary(WatchResponseSchema, made);
-  const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { call: 7, response: { case: "watch", value: whole } }));
+  const bytes = toBinary(
+    PageResponseSchema,
+    create(PageResponseSchema, { call: 7, response: { case: "watch", value: whole } }),
+  );
   const incoming = decode(bytes);
   assert.ok("watch" in incoming);
   assert.equal(incoming.call, 7);
@@ -46,7 +49,10 @@ test("a frame has the same in it however it is decoded", () => {
   assert.deepEqual(watch.rest, { ...whole, robots: [] });
   whole.robots.forEach((robot, i) => {
     assert.deepEqual(watch.truth(i), robot);
-    assert.deepEqual([watch.poses.x_m[i], watch.poses.y_m[i], watch.poses.heading_rad[i]], [robot.xM, robot.yM, robot.headingRad]);
+    assert.deepEqual(
+      [watch.poses.x_m[i], watch.poses.y_m[i], watch.poses.heading_rad[i]],
+      [robot.xM, robot.yM, robot.headingRad],
+    );
     assert.equal(watch.poses.collided[i] === 1, robot.collided);
   });
   assert.equal(watch.truth(3), undefined);
@@ -73,7 +79,10 @@ test("a stream goes on until it is closed, and then nothing more is heard of it"
   const { connection, socket } = connected();
   const frames: Frame[] = [];
   const value = create(WatchRequestSchema, { world: "w" });
-  const call = connection.begin({ case: "watch", value }, { frame: (frame) => frames.push(frame), over: () => assert.fail("it is not over") });
+  const call = connection.begin(
+    { case: "watch", value },
+    { frame: (frame) => frames.push(frame), over: () => assert.fail("it is not over") },
+  );
   const world = new MockWorld("w", 3);
   socket.hear(call, { case: "watch", value: world.frame([], 0n) });
   socket.hear(call, { case: "watch", value: world.frame([], 0n) });
@@ -104,5 +113,8 @@ test("what is under way fails with the connection, and it is opened again", asyn
 
 test("without a connection a call fails at once", async () => {
   const connection = new Connection(() => new FakeSocket() as unknown as Socket);
-  await assert.rejects(ask(connection, "listWorlds", create(ListWorldsRequestSchema)), (error: CallError) => error.code === "UNAVAILABLE");
+  await assert.rejects(
+    ask(connection, "listWorlds", create(ListWorldsRequestSchema)),
+    (error: CallError) => error.code === "UNAVAILABLE",
+  );
 });

@@ -7,15 +7,28 @@ import { Timeline, type Happening } from "../src/model/timeline";
 import { lastCycle } from "../src/timing/cycle";
 import { lanes, what, windowFor } from "../src/timing/layout";
 
-const us = (from: number, until: number, kind: K, bytes = 0, part?: number): Happening => ({ start_ns: from * 1000, end_ns: until * 1000, kind, bytes, part });
+const us = (from: number, until: number, kind: K, bytes = 0, part?: number): Happening => ({
+  start_ns: from * 1000,
+  end_ns: until * 1000,
+  kind,
+  bytes,
+  part,
+});
 const ROBOT = create(RobotDescriptionSchema, { sensors: [{ sensor: "left" }, { sensor: "right" }] });
 
 /** A cycle as in `wander`, in the order in which its events become known. */
 function cycle(start_us: number): Happening[] {
-  const at = (from: number, until: number, kind: K, bytes = 0, part?: number) => us(start_us + from, start_us + until, kind, bytes, part);
+  const at = (from: number, until: number, kind: K, bytes = 0, part?: number) =>
+    us(start_us + from, start_us + until, kind, bytes, part);
   return [
-    at(0, 112, K.ACQUIRE, 0, 0), at(112, 224, K.ACQUIRE, 0, 1), at(600, 695, K.FRAME, 19), at(695, 20_487, K.UP, 19),
-    at(20_487, 20_487, K.THINK, 0, 1), at(20_487, 28_785, K.DOWN, 8), at(21_528, 28_805, K.OBEY), at(29_000, 29_000, K.ACT),
+    at(0, 112, K.ACQUIRE, 0, 0),
+    at(112, 224, K.ACQUIRE, 0, 1),
+    at(600, 695, K.FRAME, 19),
+    at(695, 20_487, K.UP, 19),
+    at(20_487, 20_487, K.THINK, 0, 1),
+    at(20_487, 28_785, K.DOWN, 8),
+    at(21_528, 28_805, K.OBEY),
+    at(29_000, 29_000, K.ACT),
   ];
 }
 
@@ -47,16 +60,27 @@ test("lanes go from the sensors to the motors, and other cycles are pale", () =>
   const all = [...cycle(0), ...cycle(20_000), us(30_000, 30_000, K.LATE)];
   const found = lastCycle(all);
   const made = lanes(ROBOT, all, { from_ns: 0, until_ns: 60_000_000 }, found);
-  assert.deepEqual(made.map((lane) => lane.label), ["left", "right", "framing", "transfer up", "thinking", "transfer down", "obeying", "actuation", "trouble"]);
+  assert.deepEqual(
+    made.map((lane) => lane.label),
+    ["left", "right", "framing", "transfer up", "thinking", "transfer down", "obeying", "actuation", "trouble"],
+  );
   const up = made.find((lane) => lane.label === "transfer up");
-  assert.deepEqual(up?.bars.map((bar) => [bar.pale, bar.label, bar.row]), [[true, "19 bytes", 0], [false, "19 bytes", 0]]);
+  assert.deepEqual(
+    up?.bars.map((bar) => [bar.pale, bar.label, bar.row]),
+    [
+      [true, "19 bytes", 0],
+      [false, "19 bytes", 0],
+    ],
+  );
   assert.equal(made.at(-1)?.bars[0]?.pale, false, "trouble is never pale");
   assert.deepEqual(lanes(ROBOT, all, { from_ns: 0, until_ns: 60_000_000 }, found, 1)[0]?.label, "acquisition");
 });
 
 test("what overlaps is in rows below each other, and rows are few", () => {
   const downs = Array.from({ length: 9 }, (_, i) => us(i, 1000, K.DOWN, 8));
-  const lane = lanes(ROBOT, downs, { from_ns: 0, until_ns: 1e7 }, undefined).find((lane) => lane.label === "transfer down");
+  const lane = lanes(ROBOT, downs, { from_ns: 0, until_ns: 1e7 }, undefined).find(
+    (lane) => lane.label === "transfer down",
+  );
   assert.equal(lane?.rows, 4);
   assert.equal(lane?.bars.length, 9);
 });

@@ -34,10 +34,16 @@ test("a place moves with the hand", () => {
 });
 
 test("all of a box is shown", () => {
-  const bounds = boundsOf([{ x_m: -2, y_m: -1 }, { x_m: 3, y_m: 4, radius_m: 0.5 }]);
+  const bounds = boundsOf([
+    { x_m: -2, y_m: -1 },
+    { x_m: 3, y_m: 4, radius_m: 0.5 },
+  ]);
   assert.deepEqual(bounds, { min_x_m: -2, min_y_m: -1, max_x_m: 3.5, max_y_m: 4.5 });
   const shown = fitted(view, bounds!);
-  for (const [x_m, y_m] of [[-2, -1], [3.5, 4.5]] as const) {
+  for (const [x_m, y_m] of [
+    [-2, -1],
+    [3.5, 4.5],
+  ] as const) {
     const [x, y] = toPixel(shown, x_m, y_m);
     assert.ok(x >= 0 && x <= 800 && y >= 0 && y <= 600, `it is at ${x}, ${y}`);
   }

@@ -83,7 +83,17 @@ export class Arena {
     const { view, store, theme, layers, held } = this;
     const context = surface(this.canvas, view.width, view.height);
     const { motion } = store;
-    return { context, view, theme, store, layers, poses: motion.poses(now_ms), things: motion.things(now_ms), now_ms, held };
+    return {
+      context,
+      view,
+      theme,
+      store,
+      layers,
+      poses: motion.poses(now_ms),
+      things: motion.things(now_ms),
+      now_ms,
+      held,
+    };
   }
 
   /** Chooses the robot at a place of the picture. */

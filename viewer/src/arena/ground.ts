@@ -210,13 +210,20 @@ function shade(field: ScalarField, index: number, bounds: Bounds): HTMLCanvasEle
 
 /** A field's value over its background. */
 function strength(field: ScalarField, x_m: number, y_m: number): number {
-  return field.sources.reduce((sum, { position, strength, widthM }) => {
-    const distance_m = Math.hypot(x_m - (position?.xM ?? 0), y_m - (position?.yM ?? 0)) / widthM;
-    return sum + strength * Math.exp(-0.5 * distance_m * distance_m);
-  }, field.slopeXPerM * x_m + field.slopeYPerM * y_m);
+  return field.sources.reduce(
+    (sum, { position, strength, widthM }) => {
+      const distance_m = Math.hypot(x_m - (position?.xM ?? 0), y_m - (position?.yM ?? 0)) / widthM;
+      return sum + strength * Math.exp(-0.5 * distance_m * distance_m);
+    },
+    field.slopeXPerM * x_m + field.slopeYPerM * y_m,
+  );
 }
 
-function drawShade(context: Context, view: View, { image, bounds }: { image: HTMLCanvasElement; bounds: Bounds }): void {
+function drawShade(
+  context: Context,
+  view: View,
+  { image, bounds }: { image: HTMLCanvasElement; bounds: Bounds },
+): void {
   const [left, top] = toPixel(view, bounds.min_x_m, bounds.max_y_m);
   const [right, bottom] = toPixel(view, bounds.max_x_m, bounds.min_y_m);
   context.imageSmoothingEnabled = true;

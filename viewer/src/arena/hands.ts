@@ -102,7 +102,8 @@ export class Hands {
   private pinch(moved: number, before: Point, now: Point): void {
     const other = [...this.pointers].find(([id]) => id !== moved)?.[1];
     if (!other) return;
-    const factor = Math.hypot(now.x - other.x, now.y - other.y) / Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
+    const factor =
+      Math.hypot(now.x - other.x, now.y - other.y) / Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
     if (!this.arena.follows) this.arena.pan((now.x - before.x) / 2, (now.y - before.y) / 2);
     this.arena.zoom(factor, (now.x + other.x) / 2, (now.y + other.y) / 2);
   }

@@ -79,9 +79,18 @@ export const HOLLOW = "#0077bb";
 export const INNER = "#5b6678";
 
 const HUES: Record<string, string> = {
-  ir: "#d55e00", "ir-voltage": "#ee8800", sonar: "#0072b2", laser: "#009e73", "line-camera": "#cc79a7",
-  whisker: "#882255", bumper: "#332288", photoresistor: "#b58900", light: "#b58900", field: "#44aa99",
-  microphone: "#aa4499", floor: "#117733",
+  ir: "#d55e00",
+  "ir-voltage": "#ee8800",
+  sonar: "#0072b2",
+  laser: "#009e73",
+  "line-camera": "#cc79a7",
+  whisker: "#882255",
+  bumper: "#332288",
+  photoresistor: "#b58900",
+  light: "#b58900",
+  field: "#44aa99",
+  microphone: "#aa4499",
+  floor: "#117733",
 };
 
 /** A hue for each kind of sensor. */

@@ -36,7 +36,13 @@ export interface Scene {
 }
 
 /** Text that reads on anything. */
-export function label(scene: Pick<Scene, "context" | "theme">, text: string, x: number, y: number, color: string): void {
+export function label(
+  scene: Pick<Scene, "context" | "theme">,
+  text: string,
+  x: number,
+  y: number,
+  color: string,
+): void {
   const { context, theme } = scene;
   context.lineJoin = "round";
   context.lineWidth = 3;

@@ -63,7 +63,13 @@ function drawFan(scene: Scene, sensor: SensorDescription, detail: SensorDetail, 
 }
 
 /** The value that the brain has, at the tip of the middle ray. */
-function writeReading(scene: Scene, detail: SensorDetail, color: string, from: [number, number], tip: [number, number]): void {
+function writeReading(
+  scene: Scene,
+  detail: SensorDetail,
+  color: string,
+  from: [number, number],
+  tip: [number, number],
+): void {
   const [value] = detail.values;
   if (detail.values.length !== 1 || value === undefined) return;
   const [dx, dy] = [tip[0] - from[0], tip[1] - from[1]];
@@ -73,7 +79,13 @@ function writeReading(scene: Scene, detail: SensorDetail, color: string, from: [
   const off = 13 / Math.max(1, length);
   scene.context.font = FONT;
   scene.context.textAlign = "center";
-  label(scene, short(value), tip[0] + off * dx, tip[1] + off * dy + 4, scene.theme.dark ? paled(color) : darkened(color));
+  label(
+    scene,
+    short(value),
+    tip[0] + off * dx,
+    tip[1] + off * dy + 4,
+    scene.theme.dark ? paled(color) : darkened(color),
+  );
 }
 
 /** The scan that the brain has, where it was taken: by now the robot may be elsewhere. */

@@ -89,7 +89,9 @@ export function ageOf(now: Snapshot, sensor: number): number | undefined {
 }
 
 function detailValues(values: Values, detail: RobotDetail): void {
-  values.set("waiting:up", numberOf(detail.uplinkWaitingBytes)).set("waiting:down", numberOf(detail.downlinkWaitingBytes));
+  values
+    .set("waiting:up", numberOf(detail.uplinkWaitingBytes))
+    .set("waiting:down", numberOf(detail.downlinkWaitingBytes));
   const cycles = detail.cycles;
   if (cycles) values.set("cycles:late", numberOf(cycles.late)).set("cycles:kept", numberOf(cycles.kept));
 }
@@ -105,9 +107,16 @@ function rateValues(values: Values, now: Sent, before: Sent): void {
 export function labelOf(key: string): string {
   const [group, name] = split(key);
   const labels: Record<string, string> = {
-    speed: "speed", turn: "turn rate", pose: name === "heading" ? "heading" : name, signal: `${name} signal`,
-    age: `age of ${name}`, rate: `bytes ${name}`, waiting: `waiting ${name}`, cycles: `${name} cycles`,
-    utility: `utility ${name}`, battery: `battery ${name}`,
+    speed: "speed",
+    turn: "turn rate",
+    pose: name === "heading" ? "heading" : name,
+    signal: `${name} signal`,
+    age: `age of ${name}`,
+    rate: `bytes ${name}`,
+    waiting: `waiting ${name}`,
+    cycles: `${name} cycles`,
+    utility: `utility ${name}`,
+    battery: `battery ${name}`,
   };
   return labels[group] ?? name;
 }
@@ -120,8 +129,16 @@ export function unitOf(key: string, robot: RobotDescription | undefined): string
     return parts.find((part) => part.name === name)?.unit ?? "";
   }
   const units: Record<string, string> = {
-    speed: "m/s", turn: "rad/s", pose: name === "heading" ? "rad" : "m", signal: "1", age: "ms", rate: "B/s", waiting: "B",
-    cycles: "cycles", utility: "1", battery: { charge: "1", voltage: "V", current: "A" }[name] ?? "",
+    speed: "m/s",
+    turn: "rad/s",
+    pose: name === "heading" ? "rad" : "m",
+    signal: "1",
+    age: "ms",
+    rate: "B/s",
+    waiting: "B",
+    cycles: "cycles",
+    utility: "1",
+    battery: { charge: "1", voltage: "V", current: "A" }[name] ?? "",
   };
   return units[group] ?? "1";
 }

@@ -1,4 +1,4 @@
-/** What is kept of the chosen robot: its values over time, its freshness, its timeline, where it was, its dead reckoning. */
+/** What is kept of the chosen robot: values over time, freshness, timeline, where it was, dead reckoning. */
 import type { Belief, RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
 import type { Frame } from "../net/frames";

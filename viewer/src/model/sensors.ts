@@ -19,7 +19,13 @@ export function partsOf(sensor: SensorDescription): Part[] {
   return sensor.components.map((component) => {
     const count = Math.max(1, component.count);
     const name = component.name === "" ? sensor.sensor : `${sensor.sensor}.${component.name}`;
-    const part = { name, unit: component.unit, first, count, range: rangeOf(sensor, component.unit, component.encoding) };
+    const part = {
+      name,
+      unit: component.unit,
+      first,
+      count,
+      range: rangeOf(sensor, component.unit, component.encoding),
+    };
     first += count;
     return part;
   });

@@ -22,10 +22,14 @@ export function signals(stick: Stick, gain: number, limit: number): { left: numb
 }
 
 const KEYS: Record<string, Stick> = {
-  w: { forward: 1, left: 0 }, arrowup: { forward: 1, left: 0 },
-  s: { forward: -1, left: 0 }, arrowdown: { forward: -1, left: 0 },
-  a: { forward: 0, left: 1 }, arrowleft: { forward: 0, left: 1 },
-  d: { forward: 0, left: -1 }, arrowright: { forward: 0, left: -1 },
+  w: { forward: 1, left: 0 },
+  arrowup: { forward: 1, left: 0 },
+  s: { forward: -1, left: 0 },
+  arrowdown: { forward: -1, left: 0 },
+  a: { forward: 0, left: 1 },
+  arrowleft: { forward: 0, left: 1 },
+  d: { forward: 0, left: -1 },
+  arrowright: { forward: 0, left: -1 },
 };
 
 /** Whether a key drives. */

@@ -150,7 +150,9 @@ export class Store extends Emitter<Events> {
       if (place !== undefined) bump(place);
     }
     const time_s = secondsOf(frame.timeNs);
-    const bumps = frame.rest.collisions.slice(-MOST_BUMPS).map(({ robot, with: what }) => ({ time_s, robot, with: what }));
+    const bumps = frame.rest.collisions
+      .slice(-MOST_BUMPS)
+      .map(({ robot, with: what }) => ({ time_s, robot, with: what }));
     this.bumps = [...this.bumps, ...bumps].slice(-MOST_BUMPS);
   }
 }

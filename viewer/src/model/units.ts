@@ -54,7 +54,9 @@ export function clock(time_s: number): string {
   if (time_s < 60) return `${time_s.toFixed(3)} s`;
   const minutes = Math.floor(time_s / 60);
   const rest = (time_s - 60 * minutes).toFixed(2).padStart(5, "0");
-  return minutes < 60 ? `${minutes}:${rest}` : `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
+  return minutes < 60
+    ? `${minutes}:${rest}`
+    : `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
 }
 
 /** Degrees, for eyes; inside everything is in radians. */

@@ -1,11 +1,20 @@
 /**
- * Drives the chosen robot: this page is its brain, at the end of its cable like any other. Each Turn is answered at once
- * with what keys, gamepad or pad say at that moment, so that a world in lockstep is not held up.
+ * Drives the chosen robot: this page is its brain, at the end of its cable like any other. Each Turn is answered at
+ * once with what keys, gamepad or pad say at that moment, so that a world in lockstep is not held up.
  */
 import { create } from "@bufbuild/protobuf";
 import {
-  AttachRequestSchema, CommandSchema, HelloSchema, PortMode, RobotStepSchema, StepSchema, UntilMessageSchema,
-  type AttachResponse, type RobotDescription, type RobotTurn, type Turn,
+  AttachRequestSchema,
+  CommandSchema,
+  HelloSchema,
+  PortMode,
+  RobotStepSchema,
+  StepSchema,
+  UntilMessageSchema,
+  type AttachResponse,
+  type RobotDescription,
+  type RobotTurn,
+  type Turn,
 } from "../gen/baudbot/v1/brain_link_pb";
 import { Emitter } from "../emitter";
 import { CENTRED, signals, stickOfAxes, stickOfKeys, type Stick } from "../model/stick";
@@ -117,7 +126,7 @@ export class Drive extends Emitter<{ changed: void }> {
     this.send(turn.turn, own ? [this.part(false, own)] : []);
   }
 
-  /** The robot's part of a Step: a command if there is something to say, and the wish to be asked when there is news. */
+  /** The robot's part of a Step: a command if there is something to say, and the wish to be asked at news. */
   private part(isLast: boolean, turn?: RobotTurn) {
     const at_ns = turn?.atNs ?? 0n;
     const untilMessage = create(UntilMessageSchema, { atLatestNs: at_ns + ASK_AGAIN_NS });

@@ -1,7 +1,12 @@
-/** Frames of a Watch, decoded as far as all of them are looked at: poses. The rest of a robot is decoded when asked for. */
+/** Frames of a Watch, decoded as far as all are looked at: poses. The rest of a robot is decoded when asked for. */
 import { fromBinary } from "@bufbuild/protobuf";
 import { PageResponseSchema, type PageResponse } from "../gen/baudbot/v1/page_pb";
-import { RobotTruthSchema, WatchResponseSchema, type RobotTruth, type WatchResponse } from "../gen/baudbot/v1/observe_pb";
+import {
+  RobotTruthSchema,
+  WatchResponseSchema,
+  type RobotTruth,
+  type WatchResponse,
+} from "../gen/baudbot/v1/observe_pb";
 import { Cursor } from "./cursor";
 
 /** Where all robots are, in the order of DescribeWorld. */

@@ -1,9 +1,18 @@
 /** What an operator can order, in the order in which it has to be asked for. What goes wrong is told to people. */
 import { create } from "@bufbuild/protobuf";
 import {
-  CreateWorldRequestSchema, DeleteWorldRequestSchema, InterveneRequestSchema, ListWorldsRequestSchema,
-  PauseWorldRequestSchema, ResetWorldRequestSchema, RestoreWorldRequestSchema, SetPaceRequestSchema,
-  SnapshotWorldRequestSchema, StartWorldRequestSchema, StepWorldRequestSchema, type InterveneRequest,
+  CreateWorldRequestSchema,
+  DeleteWorldRequestSchema,
+  InterveneRequestSchema,
+  ListWorldsRequestSchema,
+  PauseWorldRequestSchema,
+  ResetWorldRequestSchema,
+  RestoreWorldRequestSchema,
+  SetPaceRequestSchema,
+  SnapshotWorldRequestSchema,
+  StartWorldRequestSchema,
+  StepWorldRequestSchema,
+  type InterveneRequest,
 } from "../gen/baudbot/v1/control_pb";
 import { PaceSchema, WorldState, type Pace, type WorldStatus } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
@@ -91,7 +100,11 @@ export class Orders {
 
   snapshot(): Promise<void> {
     return this.told(async (world) => {
-      const { snapshot, status } = await ask(this.connection, "snapshotWorld", create(SnapshotWorldRequestSchema, { world }));
+      const { snapshot, status } = await ask(
+        this.connection,
+        "snapshotWorld",
+        create(SnapshotWorldRequestSchema, { world }),
+      );
       const kept = { snapshot, tick: status?.tick ?? 0n, time_s: secondsOf(status?.timeNs ?? 0n) };
       this.kept.set(world, [...(this.kept.get(world) ?? []), kept].slice(-MOST_SNAPSHOTS));
       this.store.setStatus(status);

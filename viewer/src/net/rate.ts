@@ -1,4 +1,4 @@
-/** How often a frame is asked for: about so often that eyes are content, whatever the pace and however large the world. */
+/** How often a frame is asked for: as often as eyes want it, whatever the pace and however large the world. */
 import type { Pace } from "../gen/baudbot/v1/world_pb";
 
 /** Frames a second of wall-clock time that look smooth, as poses are interpolated between them. */

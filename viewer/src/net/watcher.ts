@@ -1,4 +1,4 @@
-/** Keeps a Watch open on the chosen world, with details of the chosen robot, and asks for about as much as is looked at. */
+/** Keeps a Watch open on the chosen world, with details of the chosen robot, as often as frames are looked at. */
 import { create } from "@bufbuild/protobuf";
 import { DescribeWorldRequestSchema, WatchRequestSchema } from "../gen/baudbot/v1/observe_pb";
 import { WorldState, type Pace } from "../gen/baudbot/v1/world_pb";

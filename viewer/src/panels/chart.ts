@@ -34,15 +34,28 @@ export class ChartPanel {
     private theme: Theme,
   ) {
     const span = el("select", { title: "How much of the past", label: "Span of the chart" });
-    for (const span_s of SPANS) span.append(el("option", { value: String(span_s), text: span_s ? `${span_s} s` : "all" }));
+    for (const span_s of SPANS)
+      span.append(el("option", { value: String(span_s), text: span_s ? `${span_s} s` : "all" }));
     span.value = String(this.span_s);
     span.addEventListener("change", () => {
       this.span_s = Number(span.value);
       this.refresh(true);
     });
     const clear = button("Clear", "Take all values off the chart", () => this.set([]));
-    const head = el("div", { class: "panel-head" }, el("h2", { text: "Chart" }), el("div", { class: "tools" }, span, clear));
-    this.element = el("section", { class: "panel chart", test: "chart", label: "Chart" }, head, this.legend, this.hint, this.holder);
+    const head = el(
+      "div",
+      { class: "panel-head" },
+      el("h2", { text: "Chart" }),
+      el("div", { class: "tools" }, span, clear),
+    );
+    this.element = el(
+      "section",
+      { class: "panel chart", test: "chart", label: "Chart" },
+      head,
+      this.legend,
+      this.hint,
+      this.holder,
+    );
     new ResizeObserver(() => this.resize()).observe(this.holder);
     store.on("frame", () => this.refresh(false));
     store.on("robot", () => this.rebuild());
@@ -71,7 +84,8 @@ export class ChartPanel {
     this.legend.replaceChildren(...this.keys.map((key, i) => this.legendEntry(key, i)));
     this.hint.hidden = this.keys.length > 0;
     this.holder.hidden = this.keys.length === 0;
-    if (this.keys.length > 0 && this.holder.clientWidth > 0) this.plot = new uPlot(this.options(), this.data(), this.holder);
+    if (this.keys.length > 0 && this.holder.clientWidth > 0)
+      this.plot = new uPlot(this.options(), this.data(), this.holder);
   }
 
   private legendEntry(key: string, i: number): HTMLElement {
@@ -93,36 +107,56 @@ export class ChartPanel {
 
   private options(): uPlot.Options {
     const units = [...new Set(this.keys.map((key) => this.unit(key)))];
-    const axis = { stroke: this.theme.paleInk, font: "11px system-ui, sans-serif", ticks: { stroke: this.theme.gridStrong, size: 4 } };
-    const grid = { stroke: this.theme.gridStrong, width: 1 };
-    const numbers = (_: uPlot, values: number[]) => values.map((value) => (value === null ? "" : axisText(value, values)));
     return {
       width: this.holder.clientWidth,
       height: Math.max(90, this.holder.clientHeight),
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit, { range: range }])) },
-      series: [
-        {},
-        ...this.keys.map((key, i): uPlot.Series => ({ scale: this.unit(key), stroke: this.color(i), width: 1.5, spanGaps: true, points: { show: false } })),
-      ],
-      axes: [
-        { ...axis, grid, values: numbers, size: 24 },
-        ...units.slice(0, 2).map((unit, i): uPlot.Axis => ({
-          ...axis, scale: unit, side: i === 0 ? 3 : 1, grid: i === 0 ? grid : { show: false }, values: numbers, size: 48,
-          label: unit === "1" || unit === "" ? "" : unit, labelSize: unit === "1" || unit === "" ? 0 : 14, labelFont: "11px system-ui, sans-serif", labelGap: 0,
-        })),
-      ],
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit, { range }])) },
+      series: [{}, ...this.keys.map((key, i) => this.line(key, i))],
+      axes: this.axes(units),
     };
+  }
+
+  private line(key: string, i: number): uPlot.Series {
+    return { scale: this.unit(key), stroke: this.color(i), width: 1.5, spanGaps: true, points: { show: false } };
+  }
+
+  /** Time below; the first two units on the left and on the right. */
+  private axes(units: string[]): uPlot.Axis[] {
+    const font = "11px system-ui, sans-serif";
+    const grid = { stroke: this.theme.gridStrong, width: 1 };
+    const values = (_: uPlot, values: number[]) =>
+      values.map((value) => (value === null ? "" : axisText(value, values)));
+    const axis = { stroke: this.theme.paleInk, font, ticks: { stroke: this.theme.gridStrong, size: 4 }, values };
+    const ofUnit = (unit: string, i: number): uPlot.Axis => {
+      const label = unit === "1" ? "" : unit;
+      const [side, own] = i === 0 ? [3 as const, grid] : [1 as const, { show: false }];
+      return {
+        ...axis,
+        scale: unit,
+        side,
+        grid: own,
+        size: 48,
+        label,
+        labelSize: label === "" ? 0 : 14,
+        labelFont: font,
+        labelGap: 0,
+      };
+    };
+    return [{ ...axis, grid, size: 24 }, ...units.slice(0, 2).map(ofUnit)];
   }
 
   private data(): uPlot.AlignedData {
     const series = this.store.record?.series;
-    const rows = series?.rows(this.keys, series.capacity) ?? [new Float64Array(0), ...this.keys.map(() => new Float64Array(0))];
+    const rows = series?.rows(this.keys, series.capacity) ?? [
+      new Float64Array(0),
+      ...this.keys.map(() => new Float64Array(0)),
+    ];
     const times = rows[0] ?? new Float64Array(0);
     const last = times[times.length - 1] ?? 0;
     const first = this.span_s === 0 ? 0 : times.findIndex((time) => time >= last - this.span_s);
-    // A value that was not there is a gap, which is null to uPlot.
+    // A value that was not there is null to uPlot, which draws on to the next.
     return rows.map((row, i) => {
       const part = row.subarray(Math.max(0, first));
       return i === 0 ? part : Array.from(part, (value) => (Number.isNaN(value) ? null : value));

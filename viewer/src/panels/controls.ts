@@ -23,17 +23,37 @@ export class Controls {
   private readonly run: HTMLButtonElement;
   private readonly pause: HTMLButtonElement;
   private readonly pace = el("select", { title: "Pace: how simulated time follows the wall clock", label: "Pace" });
-  private readonly factor = el("input", { type: "number", class: "factor", title: "Simulated seconds a second", label: "Factor", attributes: { min: "0.01", step: "any" } });
-  private readonly snapshots = el("select", { title: "Go back to a state that was kept", label: "Snapshots", test: "snapshots" });
+  private readonly factor = el("input", {
+    type: "number",
+    class: "factor",
+    title: "Simulated seconds a second",
+    label: "Factor",
+    attributes: { min: "0.01", step: "any" },
+  });
+  private readonly snapshots = el("select", {
+    title: "Go back to a state that was kept",
+    label: "Snapshots",
+    test: "snapshots",
+  });
 
   constructor(
     private readonly store: Store,
     private readonly orders: Orders,
   ) {
-    this.run = button("▶ Run", "Let the world go on (space)", () => void orders.run(), { test: "run", class: "primary" });
-    this.pause = button("❚❚ Pause", "Stop the world before its next tick (space)", () => void orders.pause(), { test: "pause" });
+    this.run = button("▶ Run", "Let the world go on (space)", () => void orders.run(), {
+      test: "run",
+      class: "primary",
+    });
+    this.pause = button("❚❚ Pause", "Stop the world before its next tick (space)", () => void orders.pause(), {
+      test: "pause",
+    });
     const steps = [1, 10, 100].map((ticks) =>
-      button(ticks === 1 ? "Step 1" : String(ticks), `Do ${ticks} ${ticks === 1 ? "tick (.)" : "ticks"}; the pace becomes stepped`, () => void orders.step(ticks), { test: ticks === 1 ? "step" : `step-${ticks}`, label: `Step ${ticks}` }),
+      button(
+        ticks === 1 ? "Step 1" : String(ticks),
+        `Do ${ticks} ${ticks === 1 ? "tick (.)" : "ticks"}; the pace becomes stepped`,
+        () => void orders.step(ticks),
+        { test: ticks === 1 ? "step" : `step-${ticks}`, label: `Step ${ticks}` },
+      ),
     );
     for (const [kind, text] of PACES) this.pace.append(el("option", { value: kind, text }));
     this.factor.value = "2";
@@ -48,7 +68,11 @@ export class Controls {
       group(this.run, this.pause),
       group(...steps),
       group(this.pace, this.factor),
-      group(button("Reset", "Take the world back to its start", () => void orders.reset(), { test: "reset" }), button("Snapshot", "Keep the present state", () => void this.keep(), { test: "snapshot" }), this.snapshots),
+      group(
+        button("Reset", "Take the world back to its start", () => void orders.reset(), { test: "reset" }),
+        button("Snapshot", "Keep the present state", () => void this.keep(), { test: "snapshot" }),
+        this.snapshots,
+      ),
     );
     store.on("worlds", () => this.refresh());
     store.on("world", () => this.refresh());
@@ -93,7 +117,8 @@ export class Controls {
     setPressed(this.pause, status?.state === WorldState.PAUSED);
     const kind = status?.pace?.kind;
     if (kind?.case && document.activeElement !== this.pace) this.pace.value = kind.case;
-    if (kind?.case === "scaled" && document.activeElement !== this.factor) this.factor.value = String(kind.value.factor);
+    if (kind?.case === "scaled" && document.activeElement !== this.factor)
+      this.factor.value = String(kind.value.factor);
     this.factor.hidden = this.pace.value !== "scaled";
     this.listSnapshots();
     document.title = world ? `${world}: ${text} – baudbot` : "baudbot";
@@ -101,10 +126,13 @@ export class Controls {
 
   private listSnapshots(): void {
     const kept = this.orders.kept.get(this.store.world) ?? [];
-    if (this.snapshots.childElementCount === kept.length + 1 && this.snapshots.dataset.world === this.store.world) return;
+    if (this.snapshots.childElementCount === kept.length + 1 && this.snapshots.dataset.world === this.store.world)
+      return;
     this.snapshots.dataset.world = this.store.world;
     const title = kept.length > 0 ? `Back to… (${kept.length})` : "no snapshots";
-    const options = kept.map((one) => el("option", { value: String(one.snapshot), text: `#${one.snapshot} at ${clock(one.time_s)}` }));
+    const options = kept.map((one) =>
+      el("option", { value: String(one.snapshot), text: `#${one.snapshot} at ${clock(one.time_s)}` }),
+    );
     this.snapshots.replaceChildren(el("option", { value: "", text: title }), ...options.reverse());
     this.snapshots.disabled = kept.length === 0;
   }

@@ -1,4 +1,4 @@
-/** The dialog that makes a world from a scenario: an editor with line numbers, which marks what the server objects to. */
+/** The dialog that makes a world from a scenario: an editor that marks the line that the server objects to. */
 import { button, el, setText } from "../dom";
 import type { Orders } from "../net/orders";
 import { lineOf } from "./words";
@@ -50,8 +50,16 @@ bits = 16
 
 export class CreateDialog {
   readonly element: HTMLDialogElement;
-  private readonly name = el("input", { type: "text", label: "Name of the world", attributes: { placeholder: "the scenario's", maxlength: "64", pattern: "[A-Za-z0-9_\\-]*" } });
-  private readonly text = el("textarea", { label: "Scenario, as TOML", test: "scenario", attributes: { spellcheck: "false", wrap: "off", autocomplete: "off" } });
+  private readonly name = el("input", {
+    type: "text",
+    label: "Name of the world",
+    attributes: { placeholder: "the scenario's", maxlength: "64", pattern: "[A-Za-z0-9_\\-]*" },
+  });
+  private readonly text = el("textarea", {
+    label: "Scenario, as TOML",
+    test: "scenario",
+    attributes: { spellcheck: "false", wrap: "off", autocomplete: "off" },
+  });
   private readonly gutter = el("div", { class: "gutter", attributes: { "aria-hidden": "true" } });
   private readonly error = el("p", { class: "error", role: "alert", test: "error" });
   private readonly paused = el("input", { type: "checkbox" });
@@ -62,9 +70,28 @@ export class CreateDialog {
     const file = el("input", { type: "file", label: "Scenario file", attributes: { accept: ".toml,text/plain" } });
     file.addEventListener("change", () => void this.open(file));
     this.make = button("Create", "Make this world", () => void this.create(), { class: "primary", test: "create" });
-    const head = el("div", { class: "dialog-row" }, el("label", {}, "Name ", this.name), el("label", {}, this.paused, " paused"), el("label", {}, "Open ", file));
-    const feet = el("div", { class: "dialog-row end" }, button("Cancel", "Close (Escape)", () => this.element.close()), this.make);
-    this.element = el("dialog", { class: "create", label: "New world" }, el("h2", { text: "New world" }), head, el("div", { class: "editor" }, this.gutter, this.text), this.error, feet);
+    const head = el(
+      "div",
+      { class: "dialog-row" },
+      el("label", {}, "Name ", this.name),
+      el("label", {}, this.paused, " paused"),
+      el("label", {}, "Open ", file),
+    );
+    const feet = el(
+      "div",
+      { class: "dialog-row end" },
+      button("Cancel", "Close (Escape)", () => this.element.close()),
+      this.make,
+    );
+    this.element = el(
+      "dialog",
+      { class: "create", label: "New world" },
+      el("h2", { text: "New world" }),
+      head,
+      el("div", { class: "editor" }, this.gutter, this.text),
+      this.error,
+      feet,
+    );
     this.text.value = TEMPLATE;
     this.text.addEventListener("input", () => this.edited());
     this.text.addEventListener("scroll", () => (this.gutter.scrollTop = this.text.scrollTop));
@@ -103,7 +130,10 @@ export class CreateDialog {
     if (!number) return;
     number.classList.add("marked");
     this.text.scrollTop = Math.max(0, line * LINE - this.text.clientHeight / 2);
-    const before = this.text.value.split("\n").slice(0, line - 1).join("\n").length;
+    const before = this.text.value
+      .split("\n")
+      .slice(0, line - 1)
+      .join("\n").length;
     const start = line === 1 ? 0 : before + 1;
     const end = this.text.value.indexOf("\n", start);
     this.text.focus();

@@ -9,7 +9,12 @@ import type { Orders } from "../net/orders";
 export class HandSection {
   readonly element: HTMLElement;
   private readonly cable: HTMLButtonElement;
-  private readonly baud = el("input", { type: "number", label: "Baud rate", title: "Baud rate of the cable", attributes: { min: "50", step: "1", list: "bauds" } });
+  private readonly baud = el("input", {
+    type: "number",
+    label: "Baud rate",
+    title: "Baud rate of the cable",
+    attributes: { min: "50", step: "1", list: "bauds" },
+  });
   private readonly detach: HTMLButtonElement;
   private readonly drive: HTMLButtonElement;
   /** Robots whose cables this page has pulled: the server does not tell. */
@@ -20,13 +25,32 @@ export class HandSection {
     private readonly orders: Orders,
     private readonly driver: Drive,
   ) {
-    this.cable = button("Pull cable", "Pull the cable between the robot and its brain, or plug it in", () => void this.pull(), { test: "cable" });
+    this.cable = button(
+      "Pull cable",
+      "Pull the cable between the robot and its brain, or plug it in",
+      () => void this.pull(),
+      { test: "cable" },
+    );
     this.detach = button("Detach brain", "Throw the robot's brain off", () => void this.throwOff(), { test: "detach" });
-    this.drive = button("Drive", "Be its brain: WASD, arrows, a gamepad's left stick, or the pad (d)", () => this.driver.toggle(), { test: "drive", class: "primary" });
+    this.drive = button(
+      "Drive",
+      "Be its brain: WASD, arrows, a gamepad's left stick, or the pad (d)",
+      () => this.driver.toggle(),
+      { test: "drive", class: "primary" },
+    );
     const bauds = el("datalist", { id: "bauds" });
-    for (const rate of [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200]) bauds.append(el("option", { value: String(rate) }));
+    for (const rate of [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200])
+      bauds.append(el("option", { value: String(rate) }));
     const set = button("Set", "Give both ends of the cable this baud rate", () => void this.setBaud());
-    this.element = el("div", { class: "hand" }, this.drive, this.cable, this.detach, el("span", { class: "joined" }, this.baud, set), bauds);
+    this.element = el(
+      "div",
+      { class: "hand" },
+      this.drive,
+      this.cable,
+      this.detach,
+      el("span", { class: "joined" }, this.baud, set),
+      bauds,
+    );
     this.baud.addEventListener("keydown", (event) => event.key === "Enter" && void this.setBaud());
     driver.on("changed", () => this.refresh());
   }
@@ -55,7 +79,8 @@ export class HandSection {
   private async pull(): Promise<void> {
     const [{ robot }, key] = [this.store, this.key];
     const pulled = !this.pulled.has(key);
-    if (!(await this.orders.intervene({ case: "pullCable", value: create(PullCableSchema, { robot, pulled }) }))) return;
+    if (!(await this.orders.intervene({ case: "pullCable", value: create(PullCableSchema, { robot, pulled }) })))
+      return;
     if (pulled) this.pulled.add(key);
     else this.pulled.delete(key);
     this.refresh();
@@ -63,7 +88,8 @@ export class HandSection {
 
   private async setBaud(): Promise<void> {
     const [{ robot }, baud] = [this.store, Number(this.baud.value)];
-    if (!Number.isInteger(baud) || baud <= 0) return this.store.note("The baud rate must be a positive whole number.", "error");
+    if (!Number.isInteger(baud) || baud <= 0)
+      return this.store.note("The baud rate must be a positive whole number.", "error");
     const done = await this.orders.intervene({ case: "setBaud", value: create(SetBaudSchema, { robot, baud }) });
     if (!done) return;
     // Shares of the baud rate are of the new one from now on.

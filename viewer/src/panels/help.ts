@@ -17,11 +17,29 @@ const KEYS: [string, string][] = [
   ["Escape", "close, let go, stop driving"],
 ];
 
-const COLOURS = "Purple is what a brain believes; a dashed grey outline is dead reckoning, computed by this page from wheel readings that reached the brain. All else is the truth, which no brain gets.";
+const COLOURS =
+  "Purple is what a brain believes. A dashed grey outline is dead reckoning, computed by this page from wheel " +
+  "readings that reached the brain. All else is the truth, which no brain gets.";
 
 export function helpDialog(): HTMLDialogElement {
-  const keys = el("dl", { class: "keys" }, ...KEYS.flatMap(([key, text]) => [el("dt", {}, el("kbd", { text: key })), el("dd", { text })]));
-  const dialog = el("dialog", { class: "help", label: "Help", test: "help" }, el("h2", { text: "Keys" }), keys, el("p", { class: "hint", text: COLOURS }));
-  dialog.append(el("div", { class: "dialog-row end" }, button("Close", "Close (Escape)", () => dialog.close())));
+  const keys = el(
+    "dl",
+    { class: "keys" },
+    ...KEYS.flatMap(([key, text]) => [el("dt", {}, el("kbd", { text: key })), el("dd", { text })]),
+  );
+  const dialog = el(
+    "dialog",
+    { class: "help", label: "Help", test: "help" },
+    el("h2", { text: "Keys" }),
+    keys,
+    el("p", { class: "hint", text: COLOURS }),
+  );
+  dialog.append(
+    el(
+      "div",
+      { class: "dialog-row end" },
+      button("Close", "Close (Escape)", () => dialog.close()),
+    ),
+  );
   return dialog;
 }

@@ -29,20 +29,33 @@ export class LinkSection {
     chart: (key: string) => void,
   ) {
     const most = this.bytesPerSecond ?? 2000;
-    const bar = (key: string, label: string, range: [number, number]) => new ValueRow(key, label, { kind: "bar", range }, chart);
+    const bar = (key: string, label: string, range: [number, number]) =>
+      new ValueRow(key, label, { kind: "bar", range }, chart);
     this.rows = [
       bar("rate:up", "up", [0, most]),
       bar("rate:down", "down", [0, most]),
       bar("waiting:up", "waiting up", [0, 64]),
       bar("waiting:down", "waiting down", [0, 64]),
     ];
-    this.losses.append(el("dt", { text: "losses" }), el("dd", { class: "head", text: "up" }), el("dd", { class: "head", text: "down" }));
+    this.losses.append(
+      el("dt", { text: "losses" }),
+      el("dd", { class: "head", text: "up" }),
+      el("dd", { class: "head", text: "down" }),
+    );
     for (const [field, label] of LOSSES) {
       const [up, down] = [el("dd", { text: "0" }), el("dd", { text: "0" })];
       this.cells.set(`up.${field}`, up).set(`down.${field}`, down);
       this.losses.append(el("dt", { text: label }), up, down);
     }
-    this.element = el("div", {}, ...this.rows.map((row) => row.element), this.messages, this.losses, el("h3", { text: "Control cycles" }), this.cycles);
+    this.element = el(
+      "div",
+      {},
+      ...this.rows.map((row) => row.element),
+      this.messages,
+      this.losses,
+      el("h3", { text: "Control cycles" }),
+      this.cycles,
+    );
   }
 
   /** What the wire carries at most, if it has a baud rate. */
@@ -58,7 +71,10 @@ export class LinkSection {
       row.set(value, this.text(row.key, value));
     }
     if (!detail) return;
-    for (const [name, line] of [["up", detail.uplink], ["down", detail.downlink]] as const) {
+    for (const [name, line] of [
+      ["up", detail.uplink],
+      ["down", detail.downlink],
+    ] as const) {
       for (const [field] of LOSSES) {
         const cell = this.cells.get(`${name}.${field}`);
         const lost = (line?.[field] as bigint | undefined) ?? 0n;
@@ -67,7 +83,10 @@ export class LinkSection {
         setClass(cell, "bad", lost > 0n);
       }
     }
-    setText(this.messages, `${count(detail.uplink?.messages ?? 0n)} messages up, ${count(detail.downlink?.messages ?? 0n)} down`);
+    setText(
+      this.messages,
+      `${count(detail.uplink?.messages ?? 0n)} messages up, ${count(detail.downlink?.messages ?? 0n)} down`,
+    );
     this.refreshCycles();
   }
 
@@ -90,10 +109,19 @@ export class LinkSection {
       ["late", count(late), late > 0n],
       ["unanswered", count(unanswered), false],
     ];
-    if (durations) facts.push(["half within", duration(numberOf(durations.p50Ns)), false], ["95 % within", duration(numberOf(durations.p95Ns)), false]);
+    if (durations)
+      facts.push(
+        ["half within", duration(numberOf(durations.p50Ns)), false],
+        ["95 % within", duration(numberOf(durations.p95Ns)), false],
+      );
     const text = facts.join();
     if (text === this.cycleText) return;
     this.cycleText = text;
-    this.cycles.replaceChildren(...facts.flatMap(([name, value, bad]) => [el("dt", { text: name }), el("dd", { text: value, class: bad ? "bad" : "" })]));
+    this.cycles.replaceChildren(
+      ...facts.flatMap(([name, value, bad]) => [
+        el("dt", { text: name }),
+        el("dd", { text: value, class: bad ? "bad" : "" }),
+      ]),
+    );
   }
 }

@@ -12,12 +12,28 @@ export class Pad {
   private readonly text = el("p", { class: "small" });
 
   constructor(private readonly drive: Drive) {
-    const ring = el("div", { class: "pad-ring", label: "Drive pad", role: "application", title: "Drag to drive" }, this.knob);
-    const gain = el("input", { type: "range", label: "Strength", title: "How strong full stick is", attributes: { min: "0.1", max: "1", step: "0.05" } });
+    const ring = el(
+      "div",
+      { class: "pad-ring", label: "Drive pad", role: "application", title: "Drag to drive" },
+      this.knob,
+    );
+    const gain = el("input", {
+      type: "range",
+      label: "Strength",
+      title: "How strong full stick is",
+      attributes: { min: "0.1", max: "1", step: "0.05" },
+    });
     gain.value = String(drive.gain);
     gain.addEventListener("input", () => (drive.gain = Number(gain.value)));
-    const stop = button("Stop driving", "Stop the motors and let the robot go (Escape)", () => drive.stop(), { test: "drive-stop" });
-    this.element = el("div", { class: "pad", hidden: true, test: "pad" }, ring, el("div", { class: "pad-side" }, this.text, gain, stop));
+    const stop = button("Stop driving", "Stop the motors and let the robot go (Escape)", () => drive.stop(), {
+      test: "drive-stop",
+    });
+    this.element = el(
+      "div",
+      { class: "pad", hidden: true, test: "pad" },
+      ring,
+      el("div", { class: "pad-side" }, this.text, gain, stop),
+    );
     ring.addEventListener("pointerdown", (event) => {
       ring.setPointerCapture(event.pointerId);
       this.push(ring, event);
@@ -44,7 +60,12 @@ export class Pad {
     const { state } = this.drive;
     this.element.hidden = state === "off";
     if (state === "off") this.centre();
-    const words = { off: "", asking: "asking for the robot…", driving: "WASD, arrows, gamepad, or drag", stopping: "stopping…" };
+    const words = {
+      off: "",
+      asking: "asking for the robot…",
+      driving: "WASD, arrows, gamepad, or drag",
+      stopping: "stopping…",
+    };
     setText(this.text, words[state]);
   }
 }

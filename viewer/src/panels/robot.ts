@@ -73,7 +73,8 @@ export class RobotPanel {
     const { baud, onboard } = record.description;
     const wire = onboard ? "on board" : baud === undefined ? "no baud rate" : `${baud} baud`;
     this.body.append(
-      this.hand.element, this.pose,
+      this.hand.element,
+      this.pose,
       section("Sensors", ...this.sensors.map((sensor) => sensor.element)),
       section("Motors and body", ...this.rows.map((row) => row.element)),
       section("Behaviour", this.state, this.utilities),
@@ -101,7 +102,11 @@ export class RobotPanel {
     const truth = record.now?.truth;
     // That it has a battery is known with its first frame.
     if (truth?.battery && !this.rows.some((row) => row.key === "battery:charge")) return this.rebuild();
-    if (truth) setText(this.pose, `x ${fixed(truth.xM, 3)} m   y ${fixed(truth.yM, 3)} m   heading ${degrees(truth.headingRad)}`);
+    if (truth)
+      setText(
+        this.pose,
+        `x ${fixed(truth.xM, 3)} m   y ${fixed(truth.yM, 3)} m   heading ${degrees(truth.headingRad)}`,
+      );
     const detail = record.now?.detail;
     setText(this.brain, detail?.attached ? `brain: ${detail.brain || "without a name"}` : "no brain is attached");
     for (const row of this.rows) {
@@ -140,7 +145,8 @@ function section(title: string, ...children: Node[]): HTMLElement {
 
 function motorRows(record: RobotRecord, chart: (key: string) => void): ValueRow[] {
   const limit = record.description.signalLimit ?? 1;
-  const bar = (key: string, range: [number, number], label = labelOf(key)) => new ValueRow(key, label, { kind: "bar", range }, chart);
+  const bar = (key: string, range: [number, number], label = labelOf(key)) =>
+    new ValueRow(key, label, { kind: "bar", range }, chart);
   const plain = (key: string, label = labelOf(key)) => new ValueRow(key, label, { kind: "none" }, chart);
   const truth = record.now?.truth;
   return [
@@ -149,8 +155,12 @@ function motorRows(record: RobotRecord, chart: (key: string) => void): ValueRow[
     ...record.description.actuators.map(({ actuator }) => bar(`actuator:${actuator}`, [-1, 1], actuator)),
     plain("speed"),
     plain("turn"),
-    plain("pose:x"), plain("pose:y"), plain("pose:heading"),
-    ...(truth?.battery ? [bar("battery:charge", [0, 1], "battery charge"), plain("battery:voltage"), plain("battery:current")] : []),
+    plain("pose:x"),
+    plain("pose:y"),
+    plain("pose:heading"),
+    ...(truth?.battery
+      ? [bar("battery:charge", [0, 1], "battery charge"), plain("battery:voltage"), plain("battery:current")]
+      : []),
   ];
 }
 
@@ -159,6 +169,11 @@ function bodyText(key: string, value: number): string {
   if (key === "pose:heading") return degrees(value);
   if (key === "speed") return `${fixed(value, 3)} m/s`;
   if (key === "turn") return `${fixed(value, 3)} rad/s`;
-  const units: Record<string, string> = { "pose:x": "m", "pose:y": "m", "battery:voltage": "V", "battery:current": "A" };
+  const units: Record<string, string> = {
+    "pose:x": "m",
+    "pose:y": "m",
+    "battery:voltage": "V",
+    "battery:current": "A",
+  };
   return withUnit(value, units[key] ?? "");
 }

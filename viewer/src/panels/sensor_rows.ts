@@ -29,14 +29,28 @@ export class SensorRows {
     const name = sensor?.sensor ?? "";
     this.parts = sensor ? partsOf(sensor) : [];
     this.age = el("span", { class: "age", test: `sensor-age-${name}` });
-    this.ageButton = el("button", { type: "button", class: "age-button", title: `Age of ${name}'s reading: chart it, or take it off`, click: () => chart(`age:${name}`) }, this.age);
+    this.ageButton = el(
+      "button",
+      {
+        type: "button",
+        class: "age-button",
+        title: `Age of ${name}'s reading: chart it, or take it off`,
+        click: () => chart(`age:${name}`),
+      },
+      this.age,
+    );
     const swatch = el("span", { class: "swatch" });
     swatch.style.background = hue(sensor?.kind ?? "");
     const isSingle = this.parts.length === 1 && this.parts[0]?.count === 1;
     const values = this.parts.map((part) => this.makePart(part, isSingle ? name : "", chart));
     const title = el("span", { class: "sensor-name", text: name, title: sensor?.kind });
     const head = isSingle ? values : [title, el("span", { class: "kind", text: sensor?.kind ?? "" })];
-    this.element = el("div", { class: "sensor" }, el("div", { class: "sensor-head" }, swatch, ...head, this.missed, this.ageButton), ...(isSingle ? [] : values));
+    this.element = el(
+      "div",
+      { class: "sensor" },
+      el("div", { class: "sensor-head" }, swatch, ...head, this.missed, this.ageButton),
+      ...(isSingle ? [] : values),
+    );
     if (record.strips[index]) this.element.append(this.strip);
   }
 
@@ -55,7 +69,8 @@ export class SensorRows {
       const part = this.parts.find((part) => `sensor:${part.name}` === row.key);
       row.set(value, value === undefined ? "–" : withUnit(value, part?.unit ?? ""));
     }
-    for (const { part, canvas } of this.scans) drawScan(canvas, part, reading.slice(part.first, part.first + part.count), accent, faint);
+    for (const { part, canvas } of this.scans)
+      drawScan(canvas, part, reading.slice(part.first, part.first + part.count), accent, faint);
     this.refreshAge();
     const strip = this.record.strips[this.index];
     if (strip) drawStrip(this.strip, strip, accent, faint);
@@ -64,7 +79,12 @@ export class SensorRows {
   private makePart(part: Part, name: string, chart: (key: string) => void): Node {
     const own = part.name.includes(".") ? part.name.slice(part.name.indexOf(".") + 1) : "value";
     const key = `sensor:${part.name}`;
-    const row = new ValueRow(key, name || (part.count > 1 ? `least of ${part.count}` : own), part.range ? { kind: "bar", range: part.range } : { kind: "none" }, chart);
+    const row = new ValueRow(
+      key,
+      name || (part.count > 1 ? `least of ${part.count}` : own),
+      part.range ? { kind: "bar", range: part.range } : { kind: "none" },
+      chart,
+    );
     this.rows.push(row);
     if (part.count === 1) return row.element;
     const canvas = el("canvas", { class: "scan", role: "img", label: `${part.count} values of ${part.name}` });
@@ -76,16 +96,26 @@ export class SensorRows {
     const { now } = this.record;
     const detail = now?.detail?.sensors[this.index];
     const age_ns = now && ageOf(now, this.index);
-    setText(this.age, age_ns !== undefined ? duration(age_ns) : detail && detail.values.length > 0 ? "age unknown" : "no reading");
+    setText(
+      this.age,
+      age_ns !== undefined ? duration(age_ns) : detail && detail.values.length > 0 ? "age unknown" : "no reading",
+    );
     setClass(this.age, "fresh", detail?.readable ?? false);
-    this.ageButton.title = detail?.readable ? "Readable: it has come since the brain's last step" : "Not new since the brain's last step";
+    this.ageButton.title = detail?.readable
+      ? "Readable: it has come since the brain's last step"
+      : "Not new since the brain's last step";
     const missed = detail?.missed ?? 0n;
     setText(this.missed, missed > 0n ? `${count(missed)} missed` : "");
   }
 }
 
 /** A tick a frame, filled when it was fresh; the newest is on the right. */
-function drawStrip(canvas: HTMLCanvasElement, strip: { length: number; at(i: number): number }, accent: string, faint: string): void {
+function drawStrip(
+  canvas: HTMLCanvasElement,
+  strip: { length: number; at(i: number): number },
+  accent: string,
+  faint: string,
+): void {
   const width = canvas.clientWidth;
   if (width === 0) return;
   const context = surface(canvas, width, STRIP_HEIGHT);
@@ -101,7 +131,13 @@ function drawStrip(canvas: HTMLCanvasElement, strip: { length: number; at(i: num
 }
 
 /** A scan from left to right: its first value is of the ray on the right of the robot, so it is drawn last. */
-function drawScan(canvas: HTMLCanvasElement, part: Part, values: readonly number[], accent: string, faint: string): void {
+function drawScan(
+  canvas: HTMLCanvasElement,
+  part: Part,
+  values: readonly number[],
+  accent: string,
+  faint: string,
+): void {
   const width = canvas.clientWidth;
   if (width === 0) return;
   const context = surface(canvas, width, SCAN_HEIGHT);

@@ -15,7 +15,9 @@ export class StatusBar {
   readonly notes = el("div", { class: "notes", role: "status", attributes: { "aria-live": "polite" } });
   readonly banner = el("div", { class: "banner", hidden: true, role: "alert", test: "banner" });
   private readonly link = el("span", { class: "link", test: "connection" });
-  private readonly parts = ["frames", "missed", "speed", "robots"].map((name) => el("span", { class: `part ${name}`, test: `status-${name}` }));
+  private readonly parts = ["frames", "missed", "speed", "robots"].map((name) =>
+    el("span", { class: `part ${name}`, test: `status-${name}` }),
+  );
 
   constructor(
     private readonly store: Store,
@@ -35,7 +37,10 @@ export class StatusBar {
     this.link.className = `link ${link.state}`;
     this.banner.hidden = isOpen;
     const wait_s = link.state === "waiting" ? Math.max(0, Math.ceil((link.retryAt - Date.now()) / 1000)) : 0;
-    setText(this.banner, wait_s > 0 ? `No connection to the server. Trying again in ${wait_s} s.` : "Connecting to the server…");
+    setText(
+      this.banner,
+      wait_s > 0 ? `No connection to the server. Trying again in ${wait_s} s.` : "Connecting to the server…",
+    );
     const { frame, description } = this.store;
     const missed = frame?.rest.missedFrames ?? 0n;
     const texts = [
@@ -48,8 +53,19 @@ export class StatusBar {
   }
 
   private note(text: string, isError: boolean): void {
-    const note = el("div", { class: isError ? "note bad" : "note", test: isError ? "error" : "note" }, el("span", { text }));
-    const close = el("button", { type: "button", class: "quiet", text: "×", title: "Close", label: "Close this note", click: () => note.remove() });
+    const note = el(
+      "div",
+      { class: isError ? "note bad" : "note", test: isError ? "error" : "note" },
+      el("span", { text }),
+    );
+    const close = el("button", {
+      type: "button",
+      class: "quiet",
+      text: "×",
+      title: "Close",
+      label: "Close this note",
+      click: () => note.remove(),
+    });
     note.append(close);
     this.notes.append(note);
     while (this.notes.childElementCount > MOST_NOTES) this.notes.firstElementChild?.remove();

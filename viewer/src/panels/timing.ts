@@ -12,7 +12,12 @@ const RATE_HZ = 4;
 
 export class TimingPanel {
   readonly element: HTMLElement;
-  private readonly canvas = el("canvas", { class: "timing-canvas", test: "timing-canvas", role: "img", label: "Timing diagram" });
+  private readonly canvas = el("canvas", {
+    class: "timing-canvas",
+    test: "timing-canvas",
+    role: "img",
+    label: "Timing diagram",
+  });
   private readonly tip = el("div", { class: "tip", hidden: true, role: "tooltip" });
   private readonly verdict = el("span", { class: "verdict" });
   private readonly span = el("span", { class: "span" });
@@ -30,7 +35,9 @@ export class TimingPanel {
     private readonly store: Store,
     private theme: Theme,
   ) {
-    this.hold = button("Hold", "Keep this picture (it also stays while the mouse is on it)", () => this.setHeld(!this.isHeld));
+    this.hold = button("Hold", "Keep this picture (it also stays while the mouse is on it)", () =>
+      this.setHeld(!this.isHeld),
+    );
     const tools = [
       button("−", "Longer: one Δt more", () => this.setSteps(1), { label: "Longer" }),
       this.span,
@@ -38,7 +45,13 @@ export class TimingPanel {
       button("Auto", "As long as the cycle", () => this.setSteps(0)),
       this.hold,
     ];
-    const head = el("div", { class: "panel-head" }, el("h2", { text: "Timing" }), this.verdict, el("div", { class: "tools" }, ...tools));
+    const head = el(
+      "div",
+      { class: "panel-head" },
+      el("h2", { text: "Timing" }),
+      this.verdict,
+      el("div", { class: "tools" }, ...tools),
+    );
     this.scroller = el("div", { class: "timing-scroll" }, this.canvas, this.tip);
     this.element = el("section", { class: "panel timing", label: "Timing diagram" }, head, this.scroller);
     this.canvas.addEventListener("pointermove", (event) => this.hover(event));
@@ -105,14 +118,17 @@ export class TimingPanel {
 
   private judge(cycle: Cycle | undefined, deadline_ns: number): void {
     if (!cycle) {
-      setText(this.verdict, this.store.record?.now?.detail?.attached ? "no answered cycle yet" : "no brain is attached");
+      setText(
+        this.verdict,
+        this.store.record?.now?.detail?.attached ? "no answered cycle yet" : "no brain is attached",
+      );
       this.verdict.className = "verdict";
       return;
     }
     const took_ns = cycle.obeyed_ns - cycle.begun_ns;
     const isLate = took_ns > deadline_ns;
     const words = `last cycle ${duration(took_ns)}, ${isLate ? "late" : "in time"}`;
-    this.verdict.title = `The last cycle that was answered took ${duration(took_ns)}; its deadline is ${duration(deadline_ns)}`;
+    this.verdict.title = `The last answered cycle took ${duration(took_ns)}; its deadline is ${duration(deadline_ns)}`;
     setText(this.verdict, words);
     this.verdict.className = isLate ? "verdict bad" : "verdict good";
   }
@@ -120,12 +136,17 @@ export class TimingPanel {
   private hover(event: PointerEvent): void {
     this.isHovered = event.pointerType === "mouse";
     const [x, y] = [event.offsetX, event.offsetY];
-    const spot = this.spots.findLast((spot) => x >= spot.x && x <= spot.x + spot.width && y >= spot.y && y <= spot.y + spot.height);
+    const spot = this.spots.findLast(
+      (spot) => x >= spot.x && x <= spot.x + spot.width && y >= spot.y && y <= spot.y + spot.height,
+    );
     this.tip.hidden = !spot;
     const robot = this.store.record?.description;
     if (!spot || !robot) return;
     const { start_ns, end_ns } = spot.bar.event;
-    const times = end_ns === start_ns ? `at ${exactMs(start_ns)} ms` : `${exactMs(start_ns)} to ${exactMs(end_ns)} ms, ${duration(end_ns - start_ns)}`;
+    const times =
+      end_ns === start_ns
+        ? `at ${exactMs(start_ns)} ms`
+        : `${exactMs(start_ns)} to ${exactMs(end_ns)} ms, ${duration(end_ns - start_ns)}`;
     setText(this.tip, `${what(robot, spot.bar.event)}: ${times}`);
     const left = Math.min(x + 12, Math.max(0, this.scroller.clientWidth - this.tip.offsetWidth - 4));
     this.tip.style.left = `${left}px`;

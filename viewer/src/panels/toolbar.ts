@@ -25,8 +25,15 @@ export class Toolbar {
     help: () => void,
     theme: () => void,
   ) {
-    this.follow = button("Follow", "Keep the chosen robot in the middle (f)", () => arena.setFollows(!arena.follows), { test: "follow" });
-    this.move = button("Move", "Drag robots and movable things; the wheel turns what is held (m)", () => this.toggleMove(), { test: "move" });
+    this.follow = button("Follow", "Keep the chosen robot in the middle (f)", () => arena.setFollows(!arena.follows), {
+      test: "follow",
+    });
+    this.move = button(
+      "Move",
+      "Drag robots and movable things; the wheel turns what is held (m)",
+      () => this.toggleMove(),
+      { test: "move" },
+    );
     const layers = LAYERS.map(([layer, text, title]) => {
       const made = button(text, title, () => arena.toggle(layer), { test: `layer-${layer}` });
       this.layers.set(layer, made);
@@ -44,7 +51,10 @@ export class Toolbar {
       ),
       group(...layers),
       group(this.move),
-      group(button("◐", "Dark or light (t)", theme, { test: "theme", label: "Theme" }), button("?", "Keys (?)", help, { label: "Help" })),
+      group(
+        button("◐", "Dark or light (t)", theme, { test: "theme", label: "Theme" }),
+        button("?", "Keys (?)", help, { label: "Help" }),
+      ),
     );
     this.refresh();
   }

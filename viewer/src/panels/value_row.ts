@@ -20,7 +20,12 @@ export class ValueRow {
     const track = el("span", { class: this.fill ? "track" : "track none" }, ...(this.fill ? [this.fill] : []));
     this.element = el(
       "button",
-      { type: "button", class: "value", title: `${label}: chart it, or take it off the chart`, click: () => click(key) },
+      {
+        type: "button",
+        class: "value",
+        title: `${label}: chart it, or take it off the chart`,
+        click: () => click(key),
+      },
       el("span", { class: "label", text: label }),
       track,
       this.number,

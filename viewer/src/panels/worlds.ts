@@ -60,10 +60,20 @@ export class WorldsPanel {
   private makeRow(world: string): Row {
     const name = el("strong", { text: world });
     const [pill, line] = [el("span", { class: "pill" }), el("span", { class: "world-line" })];
-    const choose = el("button", { type: "button", class: "world-choose", title: `Look at ${world}`, click: () => this.orders.choose(world) }, el("span", { class: "world-name" }, name, pill), line);
-    const remove = button("×", `Delete ${world}`, () => {
-      if (confirm(`Delete the world “${world}”? Its brains' streams end.`)) void this.orders.delete(world);
-    }, { class: "quiet", label: `Delete ${world}` });
+    const choose = el(
+      "button",
+      { type: "button", class: "world-choose", title: `Look at ${world}`, click: () => this.orders.choose(world) },
+      el("span", { class: "world-name" }, name, pill),
+      line,
+    );
+    const remove = button(
+      "×",
+      `Delete ${world}`,
+      () => {
+        if (confirm(`Delete the world “${world}”? Its brains' streams end.`)) void this.orders.delete(world);
+      },
+      { class: "quiet", label: `Delete ${world}` },
+    );
     const row = { element: el("li", {}, choose, remove), name, pill, line };
     this.rows.set(world, row);
     return row;
@@ -74,7 +84,10 @@ export class WorldsPanel {
     setText(row.pill, text);
     row.pill.className = `pill ${style}`;
     const robots = `${count(status.robots.length)} ${status.robots.length === 1 ? "robot" : "robots"}`;
-    setText(row.line, `${clock(secondsOf(status.timeNs))} · tick ${count(status.tick)} · ${paceWords(status.pace)} · ${robots}`);
+    setText(
+      row.line,
+      `${clock(secondsOf(status.timeNs))} · tick ${count(status.tick)} · ${paceWords(status.pace)} · ${robots}`,
+    );
     const isChosen = status.world === this.store.world;
     row.element.classList.toggle("chosen", isChosen);
     row.element.firstElementChild?.setAttribute("aria-current", String(isChosen));
@@ -91,11 +104,16 @@ export class WorldsPanel {
     if (score?.covered !== undefined) facts.push(["floor covered", `${fixed(100 * score.covered, 1)} %`]);
     if (score?.sensed !== undefined) facts.push(["floor sensed", `${fixed(100 * score.sensed, 1)} %`]);
     if (score && score.goals > 0) facts.push(["goals reached", `${score.goalsReached} of ${score.goals}`]);
-    for (const zone of score?.zones.slice(0, 12) ?? []) facts.push([zone.zone, zone.visited ? "visited" : "not visited"]);
-    this.score.replaceChildren(...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
+    for (const zone of score?.zones.slice(0, 12) ?? [])
+      facts.push([zone.zone, zone.visited ? "visited" : "not visited"]);
+    this.score.replaceChildren(
+      ...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]),
+    );
     if (this.bumpsShown === this.store.bumps) return;
     this.bumpsShown = this.store.bumps;
     const last = this.store.bumps.slice(-8).reverse();
-    this.bumps.replaceChildren(...last.map((bump) => el("li", { text: `${clock(bump.time_s)}  ${bump.robot} × ${bump.with}` })));
+    this.bumps.replaceChildren(
+      ...last.map((bump) => el("li", { text: `${clock(bump.time_s)}  ${bump.robot} × ${bump.with}` })),
+    );
   }
 }

@@ -152,11 +152,19 @@ function drawSteps(picture: Picture): void {
     const wide = xOf(picture, at_ns + step_ns) - x;
     if (i === first + count || wide < 26) continue;
     context.fillStyle = theme.paleInk;
-    context.fillText(i === Math.max(0, first) && wide > 80 ? `Δt = ${duration(step_ns)}` : "Δt", x + wide / 2, TOP - 3);
+    const text = i === Math.max(0, first) && wide > 80 ? `Δt = ${duration(step_ns)}` : "Δt";
+    context.fillText(text, x + wide / 2, TOP - 3);
   }
 }
 
-function dashed(context: CanvasRenderingContext2D, x: number, top: number, bottom: number, color: string, dash: number[]): void {
+function dashed(
+  context: CanvasRenderingContext2D,
+  x: number,
+  top: number,
+  bottom: number,
+  color: string,
+  dash: number[],
+): void {
   context.beginPath();
   context.moveTo(Math.round(x) + 0.5, top);
   context.lineTo(Math.round(x) + 0.5, bottom);

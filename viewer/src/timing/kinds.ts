@@ -1,4 +1,4 @@
-/** What a bar of the timing diagram stands for, and its colours: those of `baudbot diagram` (cli/src/diagram/class.rs). */
+/** What a bar stands for, and its colours: those of `baudbot diagram` (cli/src/diagram/class.rs). */
 import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
 
 export interface Kind {

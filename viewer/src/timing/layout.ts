@@ -29,13 +29,19 @@ export interface Window {
   until_ns: number;
 }
 
-/** A robot with more sensors than this has one lane for all of them; so has one whose lanes do not fit into the page. */
+/** A robot with more sensors than this has one lane for all; so has one whose lanes do not fit into the page. */
 export const MOST_SENSOR_LANES = 6;
 /** More rows than this are no help. */
 const MOST_ROWS = 4;
 
 /** The lanes of a robot, in the order of the way of a reading to the brain and of its answer to the motors. */
-export function lanes(robot: RobotDescription, all: Happening[], window: Window, cycle: Cycle | undefined, most = MOST_SENSOR_LANES): Lane[] {
+export function lanes(
+  robot: RobotDescription,
+  all: Happening[],
+  window: Window,
+  cycle: Cycle | undefined,
+  most = MOST_SENSOR_LANES,
+): Lane[] {
   const shown = all.filter((event) => isIn(event, window));
   const ofKind = (...kinds: TimelineKind[]) => shown.filter((event) => kinds.includes(event.kind));
   const lane = (label: string, group: number, events: Happening[], always = true) =>
@@ -69,7 +75,13 @@ function sensorLanes(robot: RobotDescription, events: Happening[], cycle: Cycle 
   });
 }
 
-function makeLane(robot: RobotDescription, label: string, group: number, events: Happening[], cycle: Cycle | undefined): Lane {
+function makeLane(
+  robot: RobotDescription,
+  label: string,
+  group: number,
+  events: Happening[],
+  cycle: Cycle | undefined,
+): Lane {
   const ends: number[] = [];
   const sorted = [...events].sort((a, b) => a.start_ns - b.start_ns || a.end_ns - b.end_ns);
   const bars = sorted.map((event) => {
@@ -126,8 +138,8 @@ export function what(robot: RobotDescription, event: Happening): string {
 }
 
 /**
- * What part of time is shown: so many Δt from a little before the last cycle began; without a cycle the last ones. With
- * 0 it is as many as that cycle needs.
+ * What part of time is shown: so many Δt from a little before the last cycle began; without a cycle the last ones.
+ * With 0 it is as many as that cycle needs.
  */
 export function windowFor(cycle: Cycle | undefined, now_ns: number, step_ns: number, steps: number): Window {
   if (!cycle) {
