@@ -2,8 +2,10 @@
  * A server of a made-up world, to try the page without baudbot: `npm run mock -- --port 7410 --robots 3`. It serves
  * dist/ with the headers of the real one, and speaks PageRequest and PageResponse on /page.
  */
+import { once } from "node:events";
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
+import type { AddressInfo } from "node:net";
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { WebSocketServer, type WebSocket } from "ws";
 import type { AttachRequest } from "../src/gen/baudbot/v1/brain_link_pb";
@@ -267,8 +269,10 @@ function advance(world: MockWorld): void {
   for (const session of sessions) session.ticked(world);
 }
 
-/** Begins to serve; returns how to stop. */
-export function serve(port: number, robots: number, dist = new URL("../dist/", import.meta.url)): () => void {
+const DIST = new URL("../dist/", import.meta.url);
+
+/** Begins to serve, at port 0 wherever there is room; returns where it is and how to stop. */
+export async function serve(port: number, robots: number): Promise<{ port: number; stop: () => void }> {
   const worlds = new Map([
     ["arena", new MockWorld("arena", robots)],
     ["second", new MockWorld("second", 3)],
@@ -279,7 +283,7 @@ export function serve(port: number, robots: number, dist = new URL("../dist/", i
     const type = TYPES[path.split(".").pop() ?? ""] ?? "";
     response
       .writeHead(200, { "content-type": `${type}; charset=utf-8`, "content-security-policy": CSP })
-      .end(readFileSync(new URL(path, dist)));
+      .end(readFileSync(new URL(path, DIST)));
   });
   new WebSocketServer({ server: http, path: "/page" }).on("connection", (socket) => {
     const session = new Session(socket, worlds);
@@ -291,17 +295,19 @@ export function serve(port: number, robots: number, dist = new URL("../dist/", i
       if (world.state === WorldState.RUNNING && world.pace.kind.case !== "stepped") advance(world);
   }, 10);
   http.listen(port, "127.0.0.1");
-  return () => {
+  await once(http, "listening");
+  const stop = () => {
     clearInterval(timer);
     http.closeAllConnections();
     http.close();
   };
+  return { port: (http.address() as AddressInfo).port, stop };
 }
 
 if (process.argv[1] === new URL(import.meta.url).pathname) {
   const option = (name: string, otherwise: number) =>
     Number(process.argv[process.argv.indexOf(`--${name}`) + 1] ?? 0) || otherwise;
-  const port = process.argv.includes("--port") ? option("port", 7410) : 7410;
-  serve(port, process.argv.includes("--robots") ? option("robots", 3) : 3);
+  const wanted = process.argv.includes("--port") ? option("port", 7410) : 7410;
+  const { port } = await serve(wanted, process.argv.includes("--robots") ? option("robots", 3) : 3);
   console.log(`http://127.0.0.1:${port}/`);
 }
