@@ -1,0 +1,154 @@
+/**
+ * The page that is built into the program, in a browser, before a server with a robot and its brain:
+ * `npm run test:server`. Needs the program, in BAUDBOT or where `cargo build --release` puts it, and a Chromium: in
+ * CHROMIUM, or where Debian has it. With SHOTS it leaves pictures in that folder.
+ */
+import assert from "node:assert/strict";
+import { spawn, type ChildProcess } from "node:child_process";
+import { once } from "node:events";
+import { createInterface } from "node:readline";
+import { after, before, test } from "node:test";
+import { chromium, type Browser, type Page } from "playwright-core";
+
+const PROGRAM = process.env.BAUDBOT ?? new URL("../../target/release/baudbot", import.meta.url).pathname;
+const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const shots = process.env.SHOTS;
+
+let server: ChildProcess;
+let brain: ChildProcess;
+let browser: Browser;
+let link: string;
+
+before(async () => {
+  const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
+  server = spawn(PROGRAM, ["serve", "wander", "khepera", ...free], { stdio: ["ignore", "pipe", "inherit"] });
+  const lines = createInterface({ input: server.stdout! });
+  let address = "";
+  for await (const line of lines) {
+    address ||= /^listening on (\S+)/.exec(line)?.[1] ?? "";
+    link = /^look at it: (\S+)/.exec(line)?.[1] ?? "";
+    if (link) break;
+  }
+  assert.ok(address && link, "the server says where it is");
+  const who = ["--connect", address, "--world", "wander", "--robot", "robot"];
+  brain = spawn(PROGRAM, ["brain", "avoid", ...who], { stdio: ["ignore", "ignore", "inherit"] });
+  browser = await chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
+});
+
+after(async () => {
+  await browser?.close();
+  for (const program of [brain, server]) {
+    if (program?.exitCode === null) {
+      program.kill("SIGINT");
+      await once(program, "exit");
+    }
+  }
+});
+
+/** A page that fails the test if anything is refused by its policy or thrown in it. */
+async function open(hash: string, colorScheme: "light" | "dark" = "light"): Promise<Page> {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme });
+  const page = await context.newPage();
+  page.on("console", (message) => message.type() === "error" && assert.fail(message.text()));
+  page.on("pageerror", (error) => assert.fail(error));
+  await page.goto(link + hash);
+  await page.waitForFunction(() => window.baudbotViewer?.frames > 5);
+  return page;
+}
+
+const text = async (page: Page, id: string) => (await page.getByTestId(id).textContent()) ?? "";
+
+/** What a canvas shows. */
+const picture = (page: Page, id: string) =>
+  page.getByTestId(id).evaluate((canvas) => (canvas as HTMLCanvasElement).toDataURL());
+
+/** How many pixels of a canvas differ from its first one. */
+const inked = (page: Page, id: string) =>
+  page.getByTestId(id).evaluate((element) => {
+    const canvas = element as HTMLCanvasElement;
+    const words = new Uint32Array(canvas.getContext("2d")!.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    return words.filter((word) => word !== words[0]).length;
+  });
+
+const WANDER = "#world=wander&robot=robot";
+
+test("a robot moves, its readings have ages, its cycles are drawn", { timeout: 60_000 }, async () => {
+  const page = await open(WANDER);
+  const [at, arena] = [await page.evaluate(() => window.baudbotViewer.pose), await picture(page, "arena-canvas")];
+  assert.ok(at);
+  await page.waitForFunction((at) => {
+    const now = window.baudbotViewer.pose;
+    return now !== undefined && Math.hypot(now.x_m - at.x_m, now.y_m - at.y_m) > 0.1;
+  }, at);
+  assert.notEqual(await picture(page, "arena-canvas"), arena);
+  assert.ok((await inked(page, "arena-canvas")) > 10_000);
+  assert.match(await text(page, "sensor-age-ir_front"), /^\d+(\.\d+)? ms$/);
+  assert.ok((await inked(page, "timing-canvas")) > 2_000);
+  const timing = await picture(page, "timing-canvas");
+  await page.waitForTimeout(500);
+  assert.notEqual(await picture(page, "timing-canvas"), timing, "the diagram is live");
+  if (shots) await page.screenshot({ path: `${shots}/viewer-light.png` });
+  await page.close();
+});
+
+test("a world is paused and stepped", { timeout: 60_000 }, async () => {
+  const page = await open(WANDER);
+  await page.getByTestId("pause").click();
+  await page.waitForFunction(() => document.title.includes("paused"));
+  await page.waitForTimeout(500);
+  const tick = await page.evaluate(() => window.baudbotViewer.tick);
+  await page.waitForTimeout(300);
+  assert.equal(await page.evaluate(() => window.baudbotViewer.tick), tick, "it stands");
+  await page.getByTestId("step-10").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick === tick + 10, tick);
+  await page.getByTestId("step").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick === tick + 11, tick);
+  await page.getByTestId("run").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick > tick + 50, tick);
+  await page.close();
+});
+
+test(
+  "a cable that is pulled loses bytes while readings grow old, and is plugged in again",
+  { timeout: 60_000 },
+  async () => {
+    const page = await open(WANDER, "dark");
+    const lost = async () => Number(/lost\D*(\d+)/i.exec(await text(page, "losses"))?.[1] ?? NaN);
+    assert.equal(await lost(), 0);
+    await page.getByTestId("cable").click();
+    const begun = Date.now();
+    while ((await lost()) < 20) {
+      assert.ok(Date.now() - begun < 20_000, `losses: ${await text(page, "losses")}`);
+      await page.waitForTimeout(100);
+    }
+    await page.waitForFunction(() => {
+      const age = document.querySelector("[data-testid=sensor-age-ir_front]")?.textContent ?? "";
+      return / s$/.test(age) && parseFloat(age) >= 1;
+    });
+    if (shots) await page.screenshot({ path: `${shots}/viewer-dark.png` });
+    await page.getByTestId("cable").click();
+    await page.waitForFunction(() =>
+      / ms$/.test(document.querySelector("[data-testid=sensor-age-ir_front]")?.textContent ?? ""),
+    );
+    const then = await lost();
+    await page.waitForTimeout(1000);
+    assert.equal(await lost(), then, "none is lost any more");
+    await page.close();
+  },
+);
+
+test("a robot without a brain is driven by the page, through its cable", { timeout: 60_000 }, async () => {
+  const page = await open("#world=khepera&robot=khepera");
+  await page.getByTestId("run").click();
+  const from = await page.evaluate(() => window.baudbotViewer.pose);
+  await page.getByTestId("drive").click();
+  await page.getByTestId("arena-canvas").focus();
+  await page.keyboard.down("w");
+  await page.waitForFunction((from) => {
+    const now = window.baudbotViewer.pose;
+    return now !== undefined && from !== undefined && Math.hypot(now.x_m - from.x_m, now.y_m - from.y_m) > 0.03;
+  }, from);
+  await page.keyboard.up("w");
+  await page.keyboard.press("Escape");
+  await page.close();
+});
