@@ -35,10 +35,13 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
         scenarios::warn(&scenario);
         builder = builder.world(WorldConfig::new(world, scenario).pace(pace).paused(args.paused));
     }
-    for address in addresses(args)? {
+    let listening = addresses(args)?;
+    for address in listening.clone() {
         builder = builder.listen(address);
     }
-    builder = viewer::add(builder, args.listen.viewer, true);
+    // Who keeps a server to a socket's file wants nobody else to reach it.
+    let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
+    builder = viewer::add(builder, args.listen.viewer, open);
     // Scenarios may have come through FIFOs; there a single signal is to end the program.
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let server = builder.serve().await.map_err(from_builder)?;

@@ -91,7 +91,7 @@ async fn listen(
     let endpoint = Endpoint::new(scenario, robots.clone(), raw);
     let publish = |annotate: v1::Annotate| {
         let (robot, belief) = checked(annotate, &robots)?;
-        beliefs.publish(robot, belief);
+        beliefs.publish(lease.session, robot, belief);
         Ok(())
     };
     let room = Arc::new(Semaphore::new(STEPS_A_TICK));
@@ -138,8 +138,34 @@ fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize, v1::Belie
         let text = format!("annotate.belief: has {bytes} bytes, the limit is {}", beliefs::MAX_BYTES);
         return Err(Status::invalid_argument(text));
     }
+    check_lists(&belief)?;
     Ok((robot, belief))
 }
+
+/// Whether a page can show it: what is short on the wire may be long in memory.
+fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
+    let too_many = |field: &str, n: usize, most: usize| {
+        Status::invalid_argument(format!("annotate.belief.{field}: there are {n}, the limit is {most}"))
+    };
+    let lists = [("utilities", belief.utilities.len(), 256), ("path", belief.path.len(), 10_000)];
+    if let Some((field, n, most)) = lists.into_iter().find(|(_, n, most)| n > most) {
+        return Err(too_many(field, n, most));
+    }
+    let Some(map) = &belief.map else { return Ok(()) };
+    let columns = map.columns as usize;
+    let rows = map.cells.len().checked_div(columns).unwrap_or(0);
+    if columns > MAX_MAP_SIDE || rows > MAX_MAP_SIDE || rows * columns != map.cells.len() {
+        let cells = map.cells.len();
+        let text = format!(
+            "annotate.belief.map: {cells} cells in {columns} columns are no grid of at most {MAX_MAP_SIDE} a side"
+        );
+        return Err(Status::invalid_argument(text));
+    }
+    Ok(())
+}
+
+/// Most columns and rows of a map.
+const MAX_MAP_SIDE: usize = 4096;
 
 fn step_of(request: Option<Content>, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
     match request {
@@ -151,6 +177,8 @@ fn step_of(request: Option<Content>, endpoint: &Endpoint) -> Result<(u64, Vec<Wr
         Some(Content::Hello(_)) => {
             Err(Status::failed_precondition("hello: this stream is attached already; open another one"))
         }
-        Some(Content::Annotate(_)) | None => Err(Status::invalid_argument("request: must be a Step")),
+        Some(Content::Annotate(_)) | None => {
+            Err(Status::invalid_argument("request: must be a Step or an Annotate"))
+        }
     }
 }

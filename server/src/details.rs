@@ -31,6 +31,8 @@ pub(crate) struct Detail {
     pub(crate) events: Vec<Event>,
     pub(crate) missed_events: u64,
     pub(crate) brain: Option<String>,
+    pub(crate) cable_pulled: bool,
+    pub(crate) baud: Option<u32>,
 }
 
 /// How its control cycles went.
@@ -64,6 +66,11 @@ pub(crate) struct RayFan {
 impl Detailed {
     pub(crate) fn new(robot: usize, world: &World) -> Self {
         Self { robot, events: 0, sampled: vec![None; world.robot(robot).spec().sensors.len()] }
+    }
+
+    /// The world is at another time.
+    pub(crate) fn begin_anew(&mut self, world: &World) {
+        *self = Self::new(self.robot, world);
     }
 
     /// At the start of each tick: what has come is known only until the brain has been given it.
@@ -101,6 +108,8 @@ impl Detailed {
             events,
             missed_events,
             brain: sessions.brain(self.robot).map(str::to_owned),
+            cable_pulled: spec.link.is_pulled(),
+            baud: spec.link.baud(),
         }
     }
 

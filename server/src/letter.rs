@@ -1,5 +1,5 @@
-//! What services write to a world's thread, and what it writes back. Domain types only; `convert` turns
-//! them into the contract's.
+//! What services write to a world's thread, and what it writes back. Domain types only, which `convert` turns into the
+//! contract's, but for what brains publish: that passes the world by, and nothing here looks into it.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -72,6 +72,13 @@ impl Observers {
         });
     }
 
+    /// The world is at another time: what observers were told of is over.
+    pub(crate) fn begin_anew(&mut self, world: &World) {
+        for detailed in self.0.iter_mut().flat_map(|observer| &mut observer.detailed) {
+            detailed.begin_anew(world);
+        }
+    }
+
     /// Sends everybody the truth between two ticks: something has been changed by hand.
     pub(crate) fn show_now(&mut self, view: View<'_>) {
         self.0.retain_mut(|observer| observer.show(view));

@@ -198,6 +198,11 @@ impl Sessions {
         }
     }
 
+    /// The robots of a stream; none once it is gone.
+    pub(crate) fn robots(&self, number: u64) -> &[usize] {
+        self.by_number.get(&number).map_or(&[], |session| &session.robots)
+    }
+
     /// The robot behind a slot of a stream.
     pub(crate) fn robot(&self, number: u64, slot: usize) -> Option<usize> {
         self.by_number.get(&number)?.robots.get(slot).copied()

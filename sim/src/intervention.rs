@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::fault::When;
-use crate::link::Link;
+use crate::link::{Link, Uart, Usb};
 use crate::movable::{Body, MovableState};
 use crate::time::SimTime;
 use crate::world::World;
@@ -105,11 +105,20 @@ pub enum InterventionError {
         most: u64,
     },
     /// It has been done too often.
-    #[error("robot: the cable of `{robot}` has been pulled too often")]
+    #[error(
+        "robot: the cables of this world have been changed {MOST_ALTERED} times, which is the limit: `{robot}` keeps its own"
+    )]
     TooOften {
         /// The robot's name.
         robot: String,
     },
+}
+
+/// What is put somewhere else.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Placed {
+    Robot(usize),
+    Thing(usize),
 }
 
 type Result<T> = core::result::Result<T, InterventionError>;
@@ -136,22 +145,23 @@ impl World {
         if self.is_begun() {
             return Err(InterventionError::WithinTick);
         }
-        match intervention {
+        let changed = match intervention {
             Intervention::PlaceRobot { robot, pose } => return self.place_robot(robot, pose),
             Intervention::PlaceThing { thing, pose } => return self.place_thing(thing, pose),
             Intervention::PullCable { robot, pulled } => self.pull_cable(robot, *pulled)?,
             Intervention::SetBaud { robot, baud } => self.set_baud(robot, *baud)?,
+        };
+        if changed {
+            self.altered.0.push((self.time(), intervention.clone()));
         }
-        self.altered.0.push((self.time(), intervention.clone()));
         Ok(())
     }
 
     fn place_robot(&mut self, name: &str, pose: &Pose) -> Result<()> {
         let own = self.robot_named(name)?;
         let pose = checked(pose)?;
-        let spec = &self.scenario().robots()[own];
-        self.has_room(&spec.form().at(&pose), name)?;
-        let spec = spec.clone();
+        let spec = self.scenario().robots()[own].clone();
+        self.has_room(&spec.form().at(&pose), Placed::Robot(own))?;
         self.state_mut().robots[own].put_down(&spec, pose);
         Ok(())
     }
@@ -161,71 +171,87 @@ impl World {
         let found = things.iter().position(|thing| thing.name == name);
         let i = found.ok_or_else(|| unknown("thing", "thing that is pushed", name))?;
         let pose = checked(pose)?;
-        self.has_room(&things[i].shape.form().at(&pose), name)?;
+        self.has_room(&things[i].shape.form().at(&pose), Placed::Thing(i))?;
         self.state_mut().movables[i] = MovableState { pose, velocity_m_s: Vector::zeros(), spin_rad_s: 0.0 };
         Ok(())
     }
 
-    /// Whether nothing but what has this name is where the body is to be.
-    fn has_room(&self, body: &Body, name: &str) -> Result<()> {
+    /// Whether nothing else is where this body is to be.
+    fn has_room(&self, body: &Body, own: Placed) -> Result<()> {
         let no_room = |with: &str| Err(InterventionError::NoRoom { with: with.to_string() });
         let scenario = self.scenario();
         if let Some(thing) = body.arena_thing(&scenario.arena) {
             return no_room(scenario.arena.name_of(thing));
         }
         let state = self.state();
-        let robots = scenario.robots().iter().zip(&state.robots);
-        let robots = robots.map(|(spec, robot)| (&spec.name, spec.form().at(&robot.motion.pose)));
+        let robots = scenario.robots().iter().zip(&state.robots).enumerate();
+        let robots = robots.filter(|(i, _)| own != Placed::Robot(*i));
+        let robots = robots.map(|(_, (spec, robot))| (&spec.name, spec.form().at(&robot.motion.pose)));
         let movers = scenario.movers.iter().zip(&state.movers);
         let movers = movers.map(|(mover, state)| (&mover.name, mover.form().at(&state.pose)));
-        let movables = scenario.movables.iter().zip(&state.movables);
-        let movables = movables.map(|(thing, state)| (&thing.name, thing.shape.form().at(&state.pose)));
-        let mut others = robots.chain(movers).chain(movables).filter(|(other, _)| *other != name);
-        match others.find(|(_, other)| other.overlaps(body)) {
+        let movables = scenario.movables.iter().zip(&state.movables).enumerate();
+        let movables = movables.filter(|(i, _)| own != Placed::Thing(*i));
+        let movables = movables.map(|(_, (thing, state))| (&thing.name, thing.shape.form().at(&state.pose)));
+        match robots.chain(movers).chain(movables).find(|(_, other)| other.overlaps(body)) {
             Some((with, _)) => no_room(with),
             None => Ok(()),
         }
     }
 
-    fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<()> {
+    /// Says whether that made a difference.
+    fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<bool> {
         let (own, now) = (self.robot_named(name)?, self.time());
+        let link = &self.scenario().robots()[own].link;
+        if let Link::Ideal | Link::Onboard = link {
+            return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
+        }
+        if link.is_pulled() == pulled {
+            return Ok(false);
+        }
+        self.may_alter(name)?;
         let (seed, scenario) = (self.scenario().seed, self.scenario_mut());
         let model = Arc::make_mut(&mut scenario.robots_mut()[own].model);
-        let cuts = match &mut model.link {
-            Link::Uart(uart) => &mut uart.cuts,
-            Link::Usb(usb) => &mut usb.cuts,
-            Link::Ideal | Link::Onboard => {
-                return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
+        if let Link::Uart(Uart { cuts, .. }) | Link::Usb(Usb { cuts, .. }) = &mut model.link {
+            if pulled {
+                cuts.push(When::Once { from: now, until: SimTime::NEVER });
             }
-        };
-        let room = cuts.len() < MOST_CUTS;
-        let out = cuts.iter_mut().find(|when| matches!(when, When::Once { until: SimTime::NEVER, .. }));
-        match (out, pulled) {
-            (Some(When::Once { until, .. }), false) => *until = now,
-            (None, true) if room => cuts.push(When::Once { from: now, until: SimTime::NEVER }),
-            (None, true) => return Err(InterventionError::TooOften { robot: name.to_string() }),
-            _ => {}
+            for when in cuts.iter_mut().filter(|_| !pulled) {
+                if let When::Once { until: until @ SimTime::NEVER, .. } = when {
+                    *until = now;
+                }
+            }
         }
         let link = model.link.clone();
         self.state_mut().robots[own].watch_outages(&link, seed, name);
-        Ok(())
+        Ok(true)
     }
 
-    fn set_baud(&mut self, name: &str, baud: u32) -> Result<()> {
+    /// Says whether that made a difference.
+    fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
         let own = self.robot_named(name)?;
-        let spec = &mut self.scenario_mut().robots_mut()[own];
+        let spec = &self.scenario().robots()[own];
         let Link::Uart(uart) = &spec.link else {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "serial cable" });
         };
-        let mut changed = uart.clone();
-        changed.baud = baud;
         let (least, most) = (spec.firmware.least_baud(uart), uart.most_baud());
         if !(least..=most).contains(&u64::from(baud)) {
             return Err(InterventionError::Baud { baud, least, most });
         }
+        if uart.baud == baud {
+            return Ok(false);
+        }
+        self.may_alter(name)?;
+        let changed = Uart { baud, ..uart.clone() };
+        let spec = &mut self.scenario_mut().robots_mut()[own];
         Arc::make_mut(&mut spec.model).link = Link::Uart(changed);
         self.state_mut().robots[own].begin_bursts();
-        Ok(())
+        Ok(true)
+    }
+
+    /// What has been altered is kept with every snapshot, so it has an end.
+    fn may_alter(&self, name: &str) -> Result<()> {
+        let is_full = self.altered.0.len() >= MOST_ALTERED;
+        if is_full { Err(InterventionError::TooOften { robot: name.to_string() }) } else { Ok(()) }
     }
 
     fn robot_named(&self, name: &str) -> Result<usize> {
@@ -251,5 +277,5 @@ fn checked(pose: &Pose) -> Result<Pose> {
 const MOST_M: u32 = 1_000_000;
 const MOST_RAD: u32 = 10;
 
-/// Most times that the cable of a robot is out by hand or by its faults' scripts.
-const MOST_CUTS: usize = 10_000;
+/// Most times that cables are changed in a run.
+const MOST_ALTERED: usize = 10_000;

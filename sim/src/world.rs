@@ -28,7 +28,7 @@ use given::Given;
 use lookahead::Ahead;
 use motion::Lists;
 
-/// A world: a scenario, which never changes, and a state, which is a value: a snapshot is a clone.
+/// A world: a scenario, which changes by hand alone, and a state, which is a value: a snapshot is a clone.
 ///
 /// ```
 /// # fn main() -> Result<(), baudbot_sim::scenario::ScenarioError> {

@@ -1,6 +1,6 @@
 //! What an operator changes by hand in a world of a server.
 
-use baudbot_client::Signals;
+use baudbot_client::{Belief, GridMap, Signals, Utility};
 use baudbot_proto::v1;
 use baudbot_proto::v1::intervene_request::Intervention;
 use baudbot_server::{Lockstep, Pace, Server};
@@ -33,6 +33,67 @@ async fn a_change_within_a_tick_waits_for_its_end() {
     assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
     robot.drive(Signals { left: 0.0, right: 0.0 }).await.unwrap();
     assert_eq!(changed.await.unwrap().tick, first.tick + 1);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_reset_forgets_what_was_to_be_changed() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    let begun = status(&server).await.state_hash;
+    let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    robot.turn().await.unwrap().unwrap();
+    let mut changed = Box::pin(intervene(&server, place(0.1, 0.2)));
+    let soon = std::time::Duration::from_millis(50);
+    assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
+    let mut operator = operator(&server).await;
+    operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    assert_eq!(changed.await.unwrap_err().code(), Code::Aborted);
+    assert_eq!(status(&server).await.state_hash, begun);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_state_that_was_kept_within_a_tick_is_changed_after_it() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    robot.turn().await.unwrap().unwrap();
+    let mut operator = operator(&server).await;
+    let kept = operator.snapshot_world(v1::SnapshotWorldRequest { world: "w".into() }).await.unwrap();
+    let snapshot = kept.into_inner().snapshot;
+    operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    operator.restore_world(v1::RestoreWorldRequest { world: "w".into(), snapshot }).await.unwrap();
+    let refused = intervene(&server, place(0.1, 0.2)).await.unwrap_err();
+    assert!(refused.message().ends_with("it can be changed after a step"), "{refused:?}");
+    drop(robot);
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    intervene(&server, place(0.1, 0.2)).await.unwrap();
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn beliefs_have_limits_that_are_told() {
+    let server = serve(scenario(WANDER, &[]), Pace::Free).await;
+    let client = client(&server).await;
+    let refusal = async |belief: Belief| {
+        let mut robot = client.attach("w", "robot").await.unwrap();
+        robot.publish(Belief { state: "fine".into(), ..Belief::default() }).await.unwrap();
+        let _ = robot.publish(belief).await;
+        loop {
+            match robot.turn().await {
+                Ok(Some(_)) => {}
+                Ok(None) => panic!("no reason"),
+                Err(error) => break error.to_string(),
+            }
+        }
+    };
+    let long = refusal(Belief { state: "x".repeat(300_000), ..Belief::default() }).await;
+    assert!(long.contains("annotate.belief: has 300004 bytes, the limit is 262144"), "{long}");
+    let many = refusal(Belief { utilities: vec![Utility::default(); 257], ..Belief::default() }).await;
+    assert!(many.contains("annotate.belief.utilities: there are 257, the limit is 256"), "{many}");
+    let map = GridMap { columns: 3, cells: vec![0; 10], ..GridMap::default() };
+    let askew = refusal(Belief { map: Some(map), ..Belief::default() }).await;
+    assert!(askew.contains("10 cells in 3 columns are no grid"), "{askew}");
     server.shutdown().await;
 }
 

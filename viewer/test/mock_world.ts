@@ -160,6 +160,7 @@ export class MockWorld {
     return create(RobotDetailSchema, {
       robot: i,
       attached: body.brain !== "",
+      cablePulled: !body.cable,
       brain: body.brain,
       sensors: sensors.map((sensor, s) => {
         const period = sensor.periodNs / STEP_NS;

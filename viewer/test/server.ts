@@ -126,6 +126,9 @@ test(
       return / s$/.test(age) && parseFloat(age) >= 1;
     });
     if (shots) await page.screenshot({ path: `${shots}/viewer-dark.png` });
+    const other = await open(WANDER);
+    await other.waitForFunction(() => document.querySelector("[data-testid=cable]")?.textContent === "Plug cable in");
+    await other.close();
     await page.getByTestId("cable").click();
     await page.waitForFunction(() =>
       / ms$/.test(document.querySelector("[data-testid=sensor-age-ir_front]")?.textContent ?? ""),

@@ -20,6 +20,8 @@ pub(super) fn detail(detail: Detail) -> v1::RobotDetail {
         missed_events: detail.missed_events,
         attached: detail.brain.is_some(),
         brain: detail.brain.unwrap_or_default(),
+        cable_pulled: detail.cable_pulled,
+        baud: detail.baud,
     }
 }
 

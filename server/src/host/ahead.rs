@@ -19,7 +19,8 @@ impl Host {
     /// Whether nobody would see it if the world went ahead of its brains.
     fn is_unseen(&self) -> bool {
         let looks_ahead = matches!(self.pace, Pace::Lockstep(lockstep) if lockstep.lookahead);
-        let seen = self.on_tick.is_some() || !self.observers.is_empty() || !self.held.is_empty();
+        let waits = !self.held.is_empty() || !self.interventions.is_empty();
+        let seen = self.on_tick.is_some() || !self.observers.is_empty() || waits;
         looks_ahead && !seen && !self.paused
     }
 
@@ -135,9 +136,13 @@ impl Host {
         }
     }
 
-    /// Opens them though it is, since a brain does not answer.
+    /// Opens them though it is, since a brain does not answer. What is to be changed by hand waits on.
     pub(super) fn open_held_at_last(&mut self) {
-        for letter in std::mem::take(&mut self.held) {
+        let changes = |letter: &Letter| matches!(letter, Letter::Order(Order::Intervene(_), _));
+        let (changes, others): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.held).into_iter().partition(changes);
+        self.held.extend(changes);
+        for letter in others {
             self.open_now(letter);
         }
     }

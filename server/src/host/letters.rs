@@ -36,6 +36,7 @@ impl Host {
             Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
             Letter::End => self.deleted = true,
             Letter::Detach { session } => {
+                self.beliefs.hand_to(None, self.sessions.robots(session));
                 self.give_up(session);
                 self.sessions.detach(session, self.policy());
             }
@@ -55,6 +56,7 @@ impl Host {
         let lockstep = self.pace.watchdog().is_some();
         let lease = Lease { world, session };
         // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
+        self.beliefs.hand_to(Some(session), &robots);
         let beliefs = self.beliefs.clone();
         if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs })).is_err() {
             return;

@@ -312,6 +312,7 @@ impl Host {
 
     /// Ends a brain program's stream.
     fn close(&mut self, session: u64, status: Status) {
+        self.beliefs.hand_to(None, self.sessions.robots(session));
         self.give_up(session);
         self.sessions.close(session, self.policy(), status);
     }

@@ -17,6 +17,9 @@ use crate::words::brief;
 /// States that are kept for one world; the oldest goes when there would be more.
 const MAX_SNAPSHOTS: usize = 64;
 
+/// Changes by hand that wait for the end of a tick.
+const MAX_INTERVENTIONS: usize = 64;
+
 impl Host {
     pub(super) fn obey(&mut self, order: Order, reply: oneshot::Sender<Result<Report, Status>>) {
         if reply.is_closed() {
@@ -55,6 +58,12 @@ impl Host {
                 self.replace(world);
             }
             Order::Intervene(intervention) => {
+                if self.interventions.len() >= MAX_INTERVENTIONS {
+                    let text = format!(
+                        "intervention: {MAX_INTERVENTIONS} wait for the end of the tick, which is the limit"
+                    );
+                    return drop(reply.send(Err(Status::resource_exhausted(text))));
+                }
                 self.interventions.push((intervention, reply));
                 if !self.begun {
                     self.intervene();
@@ -74,16 +83,35 @@ impl Host {
 
     /// Changes things by hand, now that no tick is under way.
     pub(super) fn intervene(&mut self) {
-        if self.interventions.is_empty() {
-            return;
-        }
+        let mut any = false;
         for (intervention, reply) in std::mem::take(&mut self.interventions) {
+            if reply.is_closed() {
+                continue; // who ordered it has given up
+            }
             let done = self.world.intervene(&intervention);
+            any |= done.is_ok();
             let answer = done.map(|()| self.report(0)).map_err(|error| refused(&error));
             drop(reply.send(answer));
         }
-        let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
-        self.observers.show_now(view);
+        if any {
+            let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+            self.observers.show_now(view);
+        }
+    }
+
+    /// What was to be changed was to be changed in the world as it was.
+    fn drop_interventions(&mut self) {
+        let gone =
+            || Err(Status::aborted("intervention: the world was reset or restored before it could be done"));
+        for letter in std::mem::take(&mut self.held) {
+            match letter {
+                Letter::Order(Order::Intervene(_), reply) => drop(reply.send(gone())),
+                letter => self.held.push_back(letter),
+            }
+        }
+        for (_, reply) in std::mem::take(&mut self.interventions) {
+            drop(reply.send(gone()));
+        }
     }
 
     /// Throws a robot's brain off.
@@ -153,7 +181,9 @@ impl Host {
         self.sessions.void_turns();
         self.credits = 0;
         self.answer_steppers();
-        self.intervene();
+        self.drop_interventions();
+        self.beliefs.forget_all();
+        self.observers.begin_anew(&self.world);
     }
 
     fn keep(&mut self) -> u64 {
@@ -189,6 +219,10 @@ fn refused(error: &InterventionError) -> Status {
     let text = format!("intervention: {error}");
     match error {
         InterventionError::Unknown { .. } => Status::not_found(text),
+        // The host knows of no tick, so the state was restored.
+        InterventionError::WithinTick => Status::failed_precondition(format!(
+            "{text}: a state was restored that was kept within one; it can be changed after a step"
+        )),
         InterventionError::Place { .. } | InterventionError::Baud { .. } => Status::invalid_argument(text),
         _ => Status::failed_precondition(text),
     }

@@ -1,6 +1,7 @@
 //! The page's socket: calls of the gRPC services, many at a time on one WebSocket.
 
 use std::collections::HashMap;
+use std::pin::pin;
 use std::time::Duration;
 
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
@@ -13,8 +14,10 @@ use baudbot_proto::v1::page_response::Response as Answer;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use prost::Message as _;
+use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{AbortHandle, JoinSet};
+use tokio::time::MissedTickBehavior;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::transport::Channel;
 use tonic::{Response, Status, Streaming};
@@ -33,8 +36,11 @@ const ANSWERS_AHEAD: usize = 16;
 /// Requests of the page's that wait for the stream of a brain that it is.
 const STEPS_AHEAD: usize = 64;
 
-/// How often a silent page is asked whether it is there, and how long it has to say anything.
+/// How often a page is asked whether it is there; who says nothing for twice as long is not.
 const PING: Duration = Duration::from_secs(20);
+
+/// How long a page has to take what is left for it.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// A call that is under way.
 struct Call {
@@ -58,12 +64,14 @@ pub(super) async fn serve(socket: WebSocket, pipes: Pipes, mut stopped: watch::R
     let (sink, stream) = socket.split();
     let (answers, queue) = mpsc::channel(ANSWERS_AHEAD);
     let calls = Calls { channel, answers, under_way: HashMap::new(), tasks: JoinSet::new() };
-    // Whichever is over first ends the others, and with them all calls.
+    let mut write = pin!(write(sink, queue));
     tokio::select! {
         () = listen(stream, calls) => {}
-        () = write(sink, queue) => {}
+        () = &mut write => return,
         _ = stopped.wait_for(|stopped| *stopped) => {}
     }
+    // All calls are over, so nothing more is written but that.
+    let _ = tokio::time::timeout(FAREWELL, write).await;
 }
 
 async fn listen(mut stream: SplitStream<WebSocket>, mut calls: Calls) {
@@ -88,20 +96,23 @@ async fn listen(mut stream: SplitStream<WebSocket>, mut calls: Calls) {
 }
 
 async fn write(mut sink: SplitSink<WebSocket, Message>, mut queue: mpsc::Receiver<v1::PageResponse>) {
+    // Whatever is sent meanwhile: a page that only looks says nothing but pongs.
+    let mut ping = tokio::time::interval(PING);
+    ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
-        let message = match tokio::time::timeout(PING, queue.recv()).await {
-            Ok(Some(answer)) => Message::Binary(answer.encode_to_vec().into()),
-            Ok(None) => {
-                let close = CloseFrame { code: close_code::AWAY, reason: "the server stops".into() };
-                let _ = sink.send(Message::Close(Some(close))).await;
-                return;
-            }
-            Err(_) => Message::Ping(Vec::new().into()),
+        let message = tokio::select! {
+            answer = queue.recv() => match answer {
+                Some(answer) => Message::Binary(answer.encode_to_vec().into()),
+                None => break,
+            },
+            _ = ping.tick() => Message::Ping(Vec::new().into()),
         };
         if sink.send(message).await.is_err() {
             return;
         }
     }
+    let close = CloseFrame { code: close_code::AWAY, reason: "the server is done with this page".into() };
+    let _ = sink.send(Message::Close(Some(close))).await;
 }
 
 impl Calls {
@@ -111,8 +122,11 @@ impl Calls {
             (Some(Asked::Close(_)), Some(_)) => self.close(call).await,
             (Some(Asked::Close(_)), None) => {}
             (Some(Asked::Attach(step)), Some(Call { steps: Some(steps), .. })) => {
-                // A full stream is the brain's own doing; it waits, as it would for a cable.
-                let _ = steps.send(step).await;
+                if let Err(TrySendError::Full(_)) = steps.try_send(step) {
+                    self.under_way.remove(&call).iter().for_each(|call| call.task.abort());
+                    let text = format!("attach: {STEPS_AHEAD} requests wait, which is the limit");
+                    self.fail(call, &Status::resource_exhausted(text)).await;
+                }
             }
             (_, Some(_)) => self.fail(call, &Status::already_exists("call: is under way")).await,
             (None, None) => {
@@ -157,7 +171,10 @@ impl Calls {
     }
 
     async fn close(&mut self, call: u32) {
-        if let Some(Call { task, .. }) = self.under_way.remove(&call) {
+        // A brain's last requests still go out; the server then ends the stream, and with it the call.
+        if let Some(Call { steps: steps @ Some(_), .. }) = self.under_way.get_mut(&call) {
+            *steps = None;
+        } else if let Some(Call { task, .. }) = self.under_way.remove(&call) {
             task.abort();
             let _ = self.answers.send(answer(call, Answer::Closed(v1::Closed {}))).await;
         }
@@ -206,7 +223,7 @@ async fn attach(
     requests: mpsc::Receiver<v1::AttachRequest>,
     answers: Answers,
 ) -> Result<(), Status> {
-    let mut client = BrainLinkServiceClient::new(channel);
+    let mut client = BrainLinkServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE);
     let responses = client.attach(ReceiverStream::new(requests)).await?.into_inner();
     forward(responses, call, Answer::Attach, &answers).await
 }

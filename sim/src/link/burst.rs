@@ -69,7 +69,7 @@ impl Burst {
 
     /// From when on the other side may begin, where both share the wire.
     pub(super) fn over(&self, turnaround_ns: u64) -> SimTime {
-        if self.characters == 0 { SimTime::ZERO } else { self.end + turnaround_ns }
+        if self.end == SimTime::ZERO { SimTime::ZERO } else { self.end + turnaround_ns }
     }
 }
 
@@ -88,6 +88,17 @@ mod tests {
             burst.put(&link, SimTime::ZERO);
         }
         assert_eq!(burst.end, SimTime::from_ns(3600 * SECOND_NS));
+    }
+
+    #[test]
+    fn a_burst_that_is_begun_anew_leaves_what_is_on_the_wire_there() {
+        let (slow, fast, mut burst) = (uart(1000, 10), uart(100_000, 10), Burst::default());
+        let ms = |ms: u64| SimTime::from_ns(ms * 1_000_000);
+        assert_eq!((burst.put(&slow, SimTime::ZERO), burst.put(&slow, SimTime::ZERO)), (ms(10), ms(20)));
+        burst.begin();
+        // The other side of a shared wire still has to wait for it.
+        assert_eq!(burst.over(1_000_000), ms(21));
+        assert_eq!(burst.put(&fast, ms(1)), SimTime::from_ns(20_100_000));
     }
 
     #[test]

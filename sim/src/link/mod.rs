@@ -211,6 +211,19 @@ impl Link {
         }
     }
 
+    /// Whether the cable has been pulled by hand, and not plugged in again.
+    pub fn is_pulled(&self) -> bool {
+        self.cuts().iter().any(|when| matches!(when, When::Once { until: SimTime::NEVER, .. }))
+    }
+
+    /// Its baud rate, if it has one.
+    pub fn baud(&self) -> Option<u32> {
+        match self {
+            Self::Uart(uart) => Some(uart.baud),
+            Self::Ideal | Self::Usb(_) | Self::Onboard => None,
+        }
+    }
+
     /// Whether the cable is out at that instant.
     fn is_out(&self, at: SimTime) -> bool {
         outage::covers(self.outages(), at) || self.cuts().iter().any(|when| when.until(at).is_some())

@@ -111,7 +111,9 @@ export class Store extends Emitter<Events> {
     }
     this.frame = frame;
     this.motion.take(frame, performance.now());
-    for (const { robot, belief } of frame.rest.annotations) if (belief) this.beliefs.set(robot, belief);
+    for (const { robot, belief } of frame.rest.annotations)
+      if (belief && saysSomething(belief)) this.beliefs.set(robot, belief);
+      else this.beliefs.delete(robot);
     this.trails.take(frame.poses, (i) => this.description?.robots[i]?.radiusM ?? 0);
     this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first);
     this.noteBumps(frame);
@@ -155,4 +157,10 @@ export class Store extends Emitter<Events> {
       .map(({ robot, with: what }) => ({ time_s, robot, with: what }));
     this.bumps = [...this.bumps, ...bumps].slice(-MOST_BUMPS);
   }
+}
+
+/** An empty belief says that what was said before is void. */
+function saysSomething(belief: Belief): boolean {
+  const { state, utilities, pose, particles, path, map } = belief;
+  return state !== "" || [utilities, particles, path].some((list) => list.length > 0) || !!pose || !!map;
 }

@@ -141,7 +141,9 @@ export class Drive extends Emitter<{ changed: void }> {
   private isDue(turn: RobotTurn, wanted: { left: number; right: number }): boolean {
     const since_ns = turn.atNs - this.last.at_ns;
     if (since_ns < 0n || Number.isNaN(this.last.left)) return true;
-    const { baud, bitsPerCharacter } = this.description ?? {};
+    const { bitsPerCharacter } = this.description ?? {};
+    // Somebody may have changed it since the Welcome.
+    const baud = this.store.record?.description.baud ?? this.description?.baud;
     const wire_ns = baud ? BigInt(Math.ceil((COMMAND_BYTES * (bitsPerCharacter ?? 10) * 1e9) / baud)) : 0n;
     if (since_ns < wire_ns) return false;
     const isChanged = wanted.left !== this.last.left || wanted.right !== this.last.right;

@@ -17,9 +17,6 @@ export class HandSection {
   });
   private readonly detach: HTMLButtonElement;
   private readonly drive: HTMLButtonElement;
-  /** Robots whose cables this page has pulled: the server does not tell. */
-  private readonly pulled = new Set<string>();
-
   constructor(
     private readonly store: Store,
     private readonly orders: Orders,
@@ -63,7 +60,8 @@ export class HandSection {
   }
 
   refresh(): void {
-    const isPulled = this.pulled.has(this.key);
+    this.takeBaud();
+    const isPulled = this.isPulled;
     setText(this.cable, isPulled ? "Plug cable in" : "Pull cable");
     setPressed(this.cable, isPulled);
     const drives = this.driver.state !== "off";
@@ -72,18 +70,24 @@ export class HandSection {
     this.detach.disabled = !(this.store.record?.now?.detail?.attached ?? false);
   }
 
-  private get key(): string {
-    return `${this.store.world}/${this.store.robot}`;
+  private get isPulled(): boolean {
+    return this.store.record?.now?.detail?.cablePulled ?? false;
+  }
+
+  /** Somebody else may have set another baud rate, or reset the world. */
+  private takeBaud(): void {
+    const { record } = this.store;
+    const baud = record?.now?.detail?.baud;
+    if (!record || baud === undefined || baud === record.description.baud) return;
+    // Shares of the baud rate are of the new one from now on.
+    record.description.baud = baud;
+    this.store.emit("robot", undefined);
   }
 
   private async pull(): Promise<void> {
-    const [{ robot }, key] = [this.store, this.key];
-    const pulled = !this.pulled.has(key);
-    if (!(await this.orders.intervene({ case: "pullCable", value: create(PullCableSchema, { robot, pulled }) })))
-      return;
-    if (pulled) this.pulled.add(key);
-    else this.pulled.delete(key);
-    this.refresh();
+    const { robot } = this.store;
+    const pulled = !this.isPulled;
+    await this.orders.intervene({ case: "pullCable", value: create(PullCableSchema, { robot, pulled }) });
   }
 
   private async setBaud(): Promise<void> {
@@ -91,12 +95,7 @@ export class HandSection {
     if (!Number.isInteger(baud) || baud <= 0)
       return this.store.note("The baud rate must be a positive whole number.", "error");
     const done = await this.orders.intervene({ case: "setBaud", value: create(SetBaudSchema, { robot, baud }) });
-    if (!done) return;
-    // Shares of the baud rate are of the new one from now on.
-    const { record } = this.store;
-    if (record && this.store.robot === robot) record.description.baud = baud;
-    this.store.emit("robot", undefined);
-    this.store.note(`${robot}'s cable has ${baud} baud now.`);
+    if (done) this.store.note(`${robot}'s cable has ${baud} baud now.`);
   }
 
   private async throwOff(): Promise<void> {

@@ -123,10 +123,21 @@ export class RobotPanel {
     const belief = this.store.beliefs.get(record.robot);
     setText(this.state, belief ? belief.state || "publishes no state" : "The brain publishes nothing.");
     this.state.classList.toggle("belief-text", belief !== undefined);
-    for (const utility of belief?.utilities.slice(0, 32) ?? []) {
+    const utilities = belief?.utilities.slice(0, 32) ?? [];
+    this.dropUtilities(new Set(utilities.map((utility) => utility.name)));
+    for (const utility of utilities) {
       const row = this.utilityRows.get(utility.name) ?? this.makeUtility(utility.name);
       row.set(utility.value, short(utility.value));
       row.element.classList.toggle("active", utility.active);
+    }
+  }
+
+  /** Those that the brain does not name any more. */
+  private dropUtilities(named: Set<string>): void {
+    for (const [name, row] of this.utilityRows) {
+      if (named.has(name)) continue;
+      row.element.remove();
+      this.utilityRows.delete(name);
     }
   }
 
