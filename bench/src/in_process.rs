@@ -130,7 +130,7 @@ fn check(rig: &Rig) -> Result<(), Unfit> {
         }
         let way_m = robot.counters().distance_m;
         // A robot that turns on the spot at times is on its way for a good part of its first minute all the same. Of a
-        // crowd one may find itself in a corner, hours later, that it does not get out of.
+        // crowd one may find itself in a corner, hours later, that it does not get out of; all together still drive.
         let least_m = SLOWEST_M_S * (run_ns as f64 * 1e-9).min(A_MINUTE_S);
         if way_m.partial_cmp(&least_m) != Some(std::cmp::Ordering::Greater) {
             return wrong(format!("has driven {way_m} m in {} s", run_ns as f64 * 1e-9));
@@ -146,6 +146,15 @@ fn check(rig: &Rig) -> Result<(), Unfit> {
             }
         }
     }
+    let ways_m: f64 = world.robots().map(|robot| robot.counters().distance_m).sum();
+    let mean_m = ways_m / world.robots().len() as f64;
+    let least_m = SLOWEST_M_S * run_ns as f64 * 1e-9;
+    if mean_m.partial_cmp(&least_m) != Some(std::cmp::Ordering::Greater) {
+        return Err(Unfit::NotReal(format!(
+            "robots have driven {mean_m} m each in {} s",
+            run_ns as f64 * 1e-9
+        )));
+    }
     Ok(())
 }
 
@@ -160,7 +169,7 @@ fn period_ns(sensor: &baudbot_sim::sensor::Sensor) -> u64 {
 
 const STEP_S: f64 = 0.01;
 
-/// Slower than this in the mean of its first minute, something is wrong.
+/// Slower than this in the mean, each robot in its first minute and all of them in the whole run, something is wrong.
 const SLOWEST_M_S: f64 = 1e-3;
 
 const A_MINUTE_S: f64 = 60.0;

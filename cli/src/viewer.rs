@@ -4,7 +4,7 @@ use std::fmt;
 use std::net::SocketAddr;
 use std::str::FromStr;
 
-use baudbot_server::{Builder, Server};
+use baudbot_server::{Address, Builder, Server};
 
 /// Where `--viewer` puts it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,11 +22,12 @@ impl FromStr for Viewer {
         if text == "off" {
             return Ok(Self::Off);
         }
-        let numeric = text.strip_prefix("http://").unwrap_or(text).replace("localhost:", "127.0.0.1:");
-        let address = numeric.trim_end_matches('/').parse();
-        address
-            .map(Self::At)
-            .map_err(|_| format!("`{text}` is no IP:PORT such as 127.0.0.1:7401, and not `off`"))
+        match text.trim_end_matches('/').parse() {
+            Ok(Address::Tcp(address)) => Ok(Self::At(address)),
+            Ok(Address::Unix(_)) | Err(_) => {
+                Err(format!("`{text}` is no IP:PORT such as 127.0.0.1:7401, and not `off`"))
+            }
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! What an observer is told about the robots that it wants to know more of.
 
 use baudbot_sim::link::LineCounters;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::robot::{Cycles, RobotSpec};
 use baudbot_sim::sight::{Glance, Onlooker};
 use baudbot_sim::timeline::Event;
-use baudbot_sim::{Histogram, Pose, RobotView, SimTime, World};
+use baudbot_sim::{Pose, RobotView, SensorView, SimTime, World};
 
 use crate::sessions::Sessions;
 
@@ -27,21 +27,13 @@ pub(crate) struct Detail {
     pub(crate) uplink: LineCounters,
     pub(crate) downlink: LineCounters,
     pub(crate) under_way: [u64; 2],
-    pub(crate) cycles: CycleDetail,
+    /// Its control cycles, and after how many nanoseconds each has to be over.
+    pub(crate) cycles: (Cycles, u64),
     pub(crate) events: Vec<Event>,
     pub(crate) missed_events: u64,
     pub(crate) brain: Option<String>,
     pub(crate) cable_pulled: bool,
     pub(crate) baud: Option<u32>,
-}
-
-/// How its control cycles went.
-pub(crate) struct CycleDetail {
-    pub(crate) deadline_ns: u64,
-    pub(crate) kept: u64,
-    pub(crate) late: u64,
-    pub(crate) unanswered: u64,
-    pub(crate) durations: Histogram,
 }
 
 /// More about a sensor.
@@ -85,26 +77,20 @@ impl Detailed {
     pub(crate) fn tell(&mut self, world: &World, sessions: &Sessions, onlooker: &Onlooker<'_>) -> Detail {
         let view = world.robot(self.robot);
         let spec = view.spec();
-        let cycles = view.cycles();
         let (missed_events, events) = view.timeline().since(self.events);
         // Before the first frame nothing is missed.
         let missed_events = if self.events == 0 { 0 } else { missed_events };
         let events = events.copied().collect();
         self.events = view.timeline().total();
-        let sensors = (0..spec.sensors.len()).map(|i| self.sensor(&view, i, onlooker)).collect();
+        let sensors = view.sensors().enumerate();
+        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), onlooker)).collect();
         Detail {
             robot: self.robot,
             sensors,
             uplink: *view.uplink(),
             downlink: *view.downlink(),
             under_way: view.under_way(),
-            cycles: CycleDetail {
-                deadline_ns: spec.deadline.within_ns,
-                kept: cycles.kept,
-                late: cycles.late,
-                unanswered: cycles.unanswered,
-                durations: cycles.durations.clone(),
-            },
+            cycles: (view.cycles().clone(), spec.deadline.within_ns),
             events,
             missed_events,
             brain: sessions.brain(self.robot).map(str::to_owned),
@@ -113,16 +99,20 @@ impl Detailed {
         }
     }
 
-    fn sensor(&self, view: &RobotView<'_>, i: usize, onlooker: &Onlooker<'_>) -> SensorDetail {
+    fn sensor(
+        &self,
+        view: &RobotView<'_>,
+        (i, sensor): (usize, &SensorView<'_>),
+        onlooker: &Onlooker<'_>,
+    ) -> SensorDetail {
         let (reading, spec) = (&view.readings()[i], view.spec());
-        let sensor = view.sensors().nth(i);
         SensorDetail {
             values: reading.values.clone(),
             sampled_at: self.sampled[i].or(reading.sampled_at),
             readable: reading.readable,
-            samples: sensor.as_ref().map_or(0, |sensor| sensor.samples),
-            missed: sensor.as_ref().map_or(0, |sensor| sensor.missed),
-            readable_steps: sensor.as_ref().map_or(0, |sensor| sensor.freshness.readable),
+            samples: sensor.samples,
+            missed: sensor.missed,
+            readable_steps: sensor.freshness.readable,
             rays: self.rays(spec, i, onlooker),
             port: view.port(i).copied(),
         }

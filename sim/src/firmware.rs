@@ -6,7 +6,7 @@ use baudbot_wire::khepera::Lines;
 use baudbot_wire::{BareDecoder, Encoding, Layout};
 use serde::{Deserialize, Serialize};
 
-use crate::link::{LEAST_BAUD, Link, Uart};
+use crate::link::{LEAST_BAUD, Uart};
 use crate::schedule::Schedule;
 use crate::time::{SECOND_NS, SimTime};
 
@@ -83,9 +83,8 @@ impl Firmware {
     /// longer than a character takes.
     pub(crate) fn least_baud(&self, uart: &Uart) -> u64 {
         let Protocol::Bare { gap_ns } = self.protocol else { return LEAST_BAUD };
-        let held_ns = Link::Uart(uart.clone()).pause_ns() - Link::Uart(uart.clone()).burst_ns(1);
         let bits_ns = u64::from(uart.bits_per_character) * SECOND_NS;
-        let character_ns = gap_ns.saturating_sub(held_ns + 1).max(1);
+        let character_ns = gap_ns.saturating_sub(uart.adapter.hold_ns() + 1).max(1);
         bits_ns.div_ceil(character_ns).max(LEAST_BAUD)
     }
 

@@ -106,7 +106,7 @@ pub enum InterventionError {
     },
     /// It has been done too often.
     #[error(
-        "robot: the cables of this world have been changed {MOST_ALTERED} times, which is the limit: `{robot}` keeps its own"
+        "robot: the cable of `{robot}` stays as it is: cables have been changed {MOST_ALTERED} times, the limit; reset the world"
     )]
     TooOften {
         /// The robot's name.

@@ -3,8 +3,8 @@
 use baudbot_proto::v1;
 use baudbot_sim::timeline::{Event, What};
 
-use super::status::{durations, line_status};
-use crate::details::{CycleDetail, Detail, RayFan, SensorDetail};
+use super::status::{cycle_status, line_status};
+use crate::details::{Detail, RayFan, SensorDetail};
 
 pub(super) fn detail(detail: Detail) -> v1::RobotDetail {
     let [uplink_waiting_bytes, downlink_waiting_bytes] = detail.under_way;
@@ -15,23 +15,13 @@ pub(super) fn detail(detail: Detail) -> v1::RobotDetail {
         downlink: Some(line_status(&detail.downlink)),
         uplink_waiting_bytes,
         downlink_waiting_bytes,
-        cycles: Some(cycles(&detail.cycles)),
+        cycles: Some(cycle_status(&detail.cycles.0, detail.cycles.1)),
         events: detail.events.iter().map(event).collect(),
         missed_events: detail.missed_events,
         attached: detail.brain.is_some(),
         brain: detail.brain.unwrap_or_default(),
         cable_pulled: detail.cable_pulled,
         baud: detail.baud,
-    }
-}
-
-fn cycles(cycles: &CycleDetail) -> v1::CycleStatus {
-    v1::CycleStatus {
-        deadline_ns: cycles.deadline_ns,
-        kept: cycles.kept,
-        late: cycles.late,
-        unanswered: cycles.unanswered,
-        durations: durations(&cycles.durations),
     }
 }
 

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use baudbot_proto::v1;
 use baudbot_sim::link::LineCounters;
+use baudbot_sim::robot::Cycles;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::{Freshness, Histogram, RobotView, SensorView, World};
 
@@ -91,14 +92,13 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
         lost_deliveries: seat.lost_deliveries,
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
-        cycles: Some(cycle_status(robot)),
+        cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),
     }
 }
 
-fn cycle_status(robot: &RobotView<'_>) -> v1::CycleStatus {
-    let cycles = robot.cycles();
+pub(super) fn cycle_status(cycles: &Cycles, deadline_ns: u64) -> v1::CycleStatus {
     v1::CycleStatus {
-        deadline_ns: robot.spec().deadline.within_ns,
+        deadline_ns,
         kept: cycles.kept,
         late: cycles.late,
         unanswered: cycles.unanswered,
@@ -106,7 +106,7 @@ fn cycle_status(robot: &RobotView<'_>) -> v1::CycleStatus {
     }
 }
 
-pub(super) fn durations(histogram: &Histogram) -> Option<v1::Durations> {
+fn durations(histogram: &Histogram) -> Option<v1::Durations> {
     Some(v1::Durations {
         count: histogram.count(),
         mean_ns: histogram.mean_ns()?,

@@ -77,7 +77,7 @@ impl Adapter {
     }
 
     /// The longest time, in nanoseconds, that a byte waits which has come to the chip just behind a packet.
-    pub(super) fn hold_ns(&self) -> u64 {
+    pub(crate) fn hold_ns(&self) -> u64 {
         match self {
             Self::None => 0,
             Self::Cdc { frame_ns } => *frame_ns,
