@@ -10,7 +10,6 @@ use std::time::Duration;
 
 use baudbot_server::{Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use tracing_subscriber::filter::LevelFilter;
 
 pub(crate) use self::bench::BenchArgs;
 use self::help::{
@@ -19,6 +18,7 @@ use self::help::{
 };
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 use crate::error::Refused;
+use crate::logs::{LogFilter, LogFormat};
 
 /// A simulation server for mobile robots whose brains are elsewhere.
 ///
@@ -30,9 +30,12 @@ use crate::error::Refused;
     after_help = "`baudbot help COMMAND` shows a command's options with examples."
 )]
 pub(crate) struct Cli {
-    /// What is logged to stderr: off, error, warn, info, debug or trace
-    #[arg(long, value_name = "LEVEL", default_value = "warn", global = true)]
-    pub(crate) log: LevelFilter,
+    /// What is logged to stderr: off, error, warn, info, debug or trace; also by part, such as warn,baudbot_server=info
+    #[arg(long, value_name = "LEVEL", default_value = "warn", env = "BAUDBOT_LOG", global = true)]
+    pub(crate) log: LogFilter,
+    /// How it is logged: as text, or as a JSON object a line
+    #[arg(long, value_name = "FORMAT", default_value = "text", global = true)]
+    pub(crate) log_format: LogFormat,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
 }

@@ -9,6 +9,7 @@
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
 //!    `text` lays out columns, and `viewer` leads to a page.
+//! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
 
@@ -25,7 +26,10 @@ mod diagram;
 mod drawing;
 mod error;
 mod link;
+mod logs;
 mod map;
+#[cfg(feature = "otel")]
+mod otel;
 mod preset;
 mod report;
 mod run;
@@ -49,8 +53,12 @@ use crate::args::{Cli, Command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    tracing_subscriber::fmt().with_max_level(cli.log).with_writer(std::io::stderr).init();
-    match execute(cli.into_command()) {
+    let (filter, format) = (cli.log.clone(), cli.log_format);
+    let command = cli.into_command();
+    let serves = matches!(command, Command::Run(_) | Command::Serve(_));
+    // Until the end: what is to be exported goes out when it is dropped.
+    let _logs = logs::start(filter, format, serves);
+    match execute(command) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {}", error::text(&error));

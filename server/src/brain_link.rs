@@ -11,6 +11,7 @@ use tokio::sync::{Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
+use tracing::Instrument;
 
 use crate::beliefs;
 use crate::convert;
@@ -51,6 +52,7 @@ impl BrainLinkService for BrainLink {
         let world = self.registry.find("hello.world", &hello.world)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
         let raw = hello.mode() == v1::PortMode::Raw;
+        let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, raw);
         let attach = Attach {
             robots: hello.robots,
             brain: hello.brain,
@@ -60,9 +62,10 @@ impl BrainLinkService for BrainLink {
             deliveries: deliveries.clone(),
             world: world.clone(),
         };
-        let attached = world.ask(|reply| Letter::Attach(attach, reply)).await??;
+        let attached = world.ask(|reply| Letter::Attach(attach, reply)).instrument(span.clone()).await??;
         let welcome = convert::welcome(&attached);
-        tokio::spawn(listen(requests, attached, raw, deliveries));
+        // As long as the brain stays.
+        tokio::spawn(listen(requests, attached, raw, deliveries).instrument(span));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
     }
@@ -87,7 +90,8 @@ async fn listen(
     raw: bool,
     deliveries: mpsc::Sender<Delivery>,
 ) {
-    let Attached { lease, scenario, robots, beliefs, .. } = attached;
+    let Attached { mut lease, scenario, robots, beliefs, .. } = attached;
+    lease.why = "its stream ended".to_owned();
     let endpoint = Endpoint::new(scenario, robots.clone(), raw);
     let publish = |annotate: v1::Annotate| {
         let (robot, belief) = checked(annotate, &robots)?;
@@ -105,7 +109,7 @@ async fn listen(
                 Ok(Some(step)) => step,
                 Ok(None) => continue,
                 Err(status) => {
-                    tracing::debug!(world = lease.world.name(), %status, "a brain's request was refused");
+                    lease.why = status.message().to_owned();
                     let _ = deliveries.try_send(Delivery::Close(status));
                     break;
                 }

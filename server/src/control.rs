@@ -8,6 +8,7 @@ use baudbot_sim::scenario::ScenarioError;
 use baudbot_sim::{Override, Scenario};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
+use tracing::Instrument;
 
 use crate::convert;
 use crate::letter::{Letter, Order, Report};
@@ -21,7 +22,8 @@ pub(crate) struct Control {
 
 impl Control {
     async fn order(&self, world: &str, order: Order) -> Result<Report, Status> {
-        self.registry.find("world", world)?.order(order).await
+        let span = tracing::info_span!("order", world = brief(world), order = order.word());
+        async { self.registry.find("world", world)?.order(order).await }.instrument(span).await
     }
 
     async fn status(&self, world: &str, order: Order) -> Result<Option<v1::WorldStatus>, Status> {

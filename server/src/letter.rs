@@ -16,6 +16,7 @@ use tonic::Status;
 use crate::beliefs::Beliefs;
 use crate::details::Detail;
 use crate::endpoint::Write;
+use crate::metrics::Measures;
 use crate::pace::{Pace, Pacing};
 use crate::registry::WorldHandle;
 
@@ -23,6 +24,7 @@ use crate::registry::WorldHandle;
 pub(crate) enum Letter {
     Order(Order, oneshot::Sender<Result<Report, Status>>),
     Describe(oneshot::Sender<Arc<Scenario>>),
+    Measure(oneshot::Sender<Measures>),
     Watch(Watch),
     Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
     Step {
@@ -33,6 +35,7 @@ pub(crate) enum Letter {
     },
     Detach {
         session: u64,
+        why: String,
     },
     /// The server stops.
     End,
@@ -68,6 +71,25 @@ pub(crate) enum Order {
         robot: String,
     },
     Delete,
+}
+
+impl Order {
+    /// What it is called in traces.
+    pub(crate) fn word(&self) -> &'static str {
+        match self {
+            Self::Report => "report",
+            Self::Start => "start",
+            Self::Pause => "pause",
+            Self::Step { .. } => "step",
+            Self::SetPace(_) => "set_pace",
+            Self::Reset => "reset",
+            Self::Snapshot => "snapshot",
+            Self::Restore { .. } => "restore",
+            Self::Intervene(_) => "intervene",
+            Self::DetachBrain { .. } => "detach_brain",
+            Self::Delete => "delete",
+        }
+    }
 }
 
 /// A world as it stands, for the operator.
@@ -195,12 +217,15 @@ pub(crate) struct Attached {
 pub(crate) struct Lease {
     pub(crate) world: WorldHandle,
     pub(crate) session: u64,
+    /// Why the robots are let go, for the log.
+    pub(crate) why: String,
 }
 
 impl Drop for Lease {
     fn drop(&mut self) {
         // A world that is gone holds nothing any more.
-        let _ = self.world.send(Letter::Detach { session: self.session });
+        let why = std::mem::take(&mut self.why);
+        let _ = self.world.send(Letter::Detach { session: self.session, why });
     }
 }
 

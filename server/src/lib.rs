@@ -11,7 +11,8 @@
 //!    is attached and whom the world waits for, `observers` who watches, in `details` if they want; `beliefs` is what
 //!    brains publish for them.
 //!
-//! 6. `page` is the viewer for browsers: a program like any other, behind a WebSocket and a `pipe` in memory.
+//! 6. `page` is the viewer for browsers: a program like any other, behind a WebSocket and a `pipe` in memory. On the
+//!    same port, `metrics` tells monitoring how all worlds are.
 //!
 //! `convert` is the only folder that names both the contract's types and the domain's.
 //!
@@ -43,6 +44,8 @@ mod details;
 mod endpoint;
 mod host;
 mod letter;
+mod log;
+mod metrics;
 mod observe;
 mod observers;
 mod pace;

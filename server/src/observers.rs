@@ -8,18 +8,28 @@ use tokio::sync::mpsc;
 use crate::beliefs::Beliefs;
 use crate::details::{Detail, Detailed};
 use crate::letter::{Charge, Frame, Score, Thing, Truth, Watch};
+use crate::log::event;
 use crate::sessions::Sessions;
 
 /// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
 const MAX_COLLISIONS: usize = 1000;
 
 #[derive(Default)]
-pub(crate) struct Observers(Vec<Observer>);
+pub(crate) struct Observers {
+    here: Vec<Observer>,
+    /// How many have come.
+    came: u64,
+    /// Frames missed by those that are gone.
+    missed_frames: u64,
+}
 
 struct Observer {
+    number: u64,
     every_ticks: u64,
     frames: mpsc::Sender<Frame>,
     missed_frames: u64,
+    /// It missed the last one.
+    misses: bool,
     collisions: Vec<Collision>,
     detailed: Vec<Detailed>,
     /// What brains published that it has seen.
@@ -29,6 +39,8 @@ struct Observer {
 /// What observers can see of a world.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
+    /// The world's name.
+    pub(crate) name: &'a str,
     pub(crate) world: &'a World,
     pub(crate) sessions: &'a Sessions,
     pub(crate) beliefs: &'a Beliefs,
@@ -37,32 +49,49 @@ pub(crate) struct View<'a> {
 impl Observers {
     /// A new observer, who gets a first frame at once, also of a world that stands.
     pub(crate) fn add(&mut self, watch: Watch, view: View<'_>) {
-        self.0.retain(|observer| !observer.frames.is_closed());
+        self.each(view, |_| true);
+        self.came += 1;
         let Watch { every_ticks, details, frames } = watch;
         let mut observer = Observer {
+            number: self.came,
             every_ticks: every_ticks.max(1),
             frames,
             missed_frames: 0,
+            misses: false,
             collisions: Vec::new(),
             detailed: details.into_iter().map(|robot| Detailed::new(robot, view.world)).collect(),
             published: 0,
         };
         if observer.show(view) {
-            self.0.push(observer);
+            event!(
+                view,
+                info,
+                observer = observer.number,
+                every_ticks = observer.every_ticks,
+                "observer joined"
+            );
+            self.here.push(observer);
         }
     }
 
     /// Whether nobody looks.
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.here.is_empty()
+    }
+
+    /// How many look.
+    pub(crate) fn count(&self) -> usize {
+        self.here.iter().filter(|observer| !observer.frames.is_closed()).count()
+    }
+
+    /// Frames that were missed by any, also by those that are gone.
+    pub(crate) fn missed_frames(&self) -> u64 {
+        self.missed_frames + self.here.iter().map(|observer| observer.missed_frames).sum::<u64>()
     }
 
     /// Sends the truth at the start of a tick to those whose turn it is; at the end of a run, to all.
     pub(crate) fn show(&mut self, view: View<'_>) {
-        self.0.retain_mut(|observer| {
-            if observer.frames.is_closed() {
-                return false;
-            }
+        self.each(view, |observer| {
             let world = view.world;
             let room = MAX_COLLISIONS.saturating_sub(observer.collisions.len());
             observer.collisions.extend(world.collisions().iter().take(room).cloned());
@@ -74,14 +103,27 @@ impl Observers {
 
     /// The world is at another time: what observers were told of is over.
     pub(crate) fn begin_anew(&mut self, world: &World) {
-        for detailed in self.0.iter_mut().flat_map(|observer| &mut observer.detailed) {
+        for detailed in self.here.iter_mut().flat_map(|observer| &mut observer.detailed) {
             detailed.begin_anew(world);
         }
     }
 
     /// Sends everybody the truth between two ticks: something has been changed by hand.
     pub(crate) fn show_now(&mut self, view: View<'_>) {
-        self.0.retain_mut(|observer| observer.show(view));
+        self.each(view, |observer| observer.show(view));
+    }
+
+    /// Sees to all that are there, and lets those go of whom it is `false`.
+    fn each(&mut self, view: View<'_>, mut see: impl FnMut(&mut Observer) -> bool) {
+        self.here.retain_mut(|observer| {
+            let stays = !observer.frames.is_closed() && see(observer);
+            if !stays {
+                let missed_frames = observer.missed_frames;
+                self.missed_frames += missed_frames;
+                event!(view, info, observer = observer.number, missed_frames, "observer gone");
+            }
+            stays
+        });
     }
 }
 
@@ -93,7 +135,14 @@ impl Observer {
         let needed = if world.ending().is_some() { 1 } else { 2 };
         if self.frames.capacity() < needed {
             self.missed_frames += 1;
+            if !std::mem::replace(&mut self.misses, true) {
+                event!(view, debug, observer = self.number, "observer does not read, and misses frames");
+            }
             return !self.frames.is_closed();
+        }
+        if std::mem::take(&mut self.misses) {
+            let missed_frames = self.missed_frames;
+            event!(view, debug, observer = self.number, missed_frames, "observer reads again");
         }
         let frame = Frame {
             tick: world.tick(),

@@ -126,6 +126,7 @@ pub(crate) struct Pacing {
     /// Ticks by lateness: entry 0 counts those less than 1 µs late, entry i those less than 2^i µs.
     pub(crate) lateness_us_log2: [u64; 32],
     pub(crate) lateness_max: Duration,
+    pub(crate) lateness_sum: Duration,
     pub(crate) watchdog_timeouts: u64,
     pub(crate) waiting: Duration,
 }
@@ -137,6 +138,7 @@ impl Pacing {
         let bits = u64::BITS - (late.as_micros() as u64).leading_zeros();
         self.lateness_us_log2[(bits as usize).min(self.lateness_us_log2.len() - 1)] += 1;
         self.lateness_max = self.lateness_max.max(late);
+        self.lateness_sum += late;
     }
 }
 
@@ -166,5 +168,6 @@ mod tests {
         assert_eq!(pacing.lateness_us_log2[10], 1);
         assert_eq!(pacing.overruns, 1);
         assert_eq!(pacing.lateness_max, Duration::from_millis(20));
+        assert_eq!(pacing.lateness_sum, Duration::from_micros(21_010));
     }
 }

@@ -72,6 +72,7 @@ impl Registry {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.into();
+        let (robots, paused) = (new.scenario.robots().len(), new.paused);
         let world = World::new(new.scenario);
         let host =
             Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, Arc::clone(&worlds.count));
@@ -81,6 +82,7 @@ impl Registry {
         let thread = thread
             .spawn(move || home.live())
             .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
+        tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
         let handle = WorldHandle { name: Arc::clone(&name), room };
         worlds.by_name.insert(name, (handle.clone(), thread));
         worlds.update_count();

@@ -25,6 +25,7 @@ use crate::brain_link::BrainLink;
 use crate::control::Control;
 use crate::host::OnTick;
 use crate::letter::Letter;
+use crate::metrics::Metrics;
 use crate::observe::Observe;
 use crate::pace::Pace;
 use crate::page;
@@ -125,7 +126,7 @@ impl Builder {
         self
     }
 
-    /// Serves the viewer, a page for browsers, here.
+    /// Serves the viewer, a page for browsers, here, and `/metrics` for monitoring.
     #[must_use]
     pub fn viewer(mut self, address: SocketAddr) -> Self {
         self.viewers.push((address, false));
@@ -219,9 +220,10 @@ impl Server {
             };
         }
         tasks.spawn(run(router, incoming, stopped.clone()));
+        let metrics = Metrics::new(registry.clone());
         for page in pages {
             viewers.extend(page.local_addr());
-            tasks.spawn(page::serve(page, pipes.clone(), stopped.clone()));
+            tasks.spawn(page::serve(page, pipes.clone(), metrics.clone(), stopped.clone()));
         }
         Ok(Self { registry, addresses, viewers, sockets, pipes, stop, tasks })
     }

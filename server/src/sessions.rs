@@ -2,8 +2,10 @@
 
 mod behind;
 mod fit;
+mod measures;
 
 use std::collections::{BTreeMap, VecDeque};
+use std::time::Instant;
 
 use baudbot_sim::{Scenario, SimTime, Turn, World};
 use tokio::sync::mpsc;
@@ -14,6 +16,8 @@ use crate::letter::{Attach, Delivery, RobotDelivery};
 use crate::pace::WatchdogPolicy;
 use crate::words::{brief, list};
 use fit::check_brain;
+use measures::Answering;
+pub(crate) use measures::SeatMeasures;
 
 /// Places in a brain's stream that turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;
@@ -40,8 +44,9 @@ struct Session {
     last_turn: u64,
     /// The numbers of the last Turns that it was given, and their ticks.
     given: VecDeque<(u64, u64)>,
-    /// In lockstep, the numbers of the Turns that it has not answered, oldest first.
-    open: VecDeque<u64>,
+    /// In lockstep, the numbers of the Turns that it has not answered and when their ticks began, oldest first.
+    open: VecDeque<(u64, Instant)>,
+    answering: Answering,
     /// It has promised to think as long as the scenario says.
     steady: bool,
     /// The steps of the last of its Turns.
@@ -63,6 +68,8 @@ pub(crate) struct Seat {
     /// In lockstep the world stands still while this is so and nobody holds the robot.
     pub(crate) awaited: bool,
     pub(crate) lost_deliveries: u64,
+    /// How those answered that held it and are gone.
+    answering: Answering,
     /// Its brain is gone without having answered the Turn of this tick.
     unanswered: bool,
     /// Its brain has answered and waits for a message.
@@ -129,6 +136,7 @@ impl Sessions {
             last_turn: 0,
             given: VecDeque::new(),
             open: VecDeque::new(),
+            answering: Answering::default(),
             steady,
             asked: Vec::new(),
             behind: Vec::new(),
@@ -148,6 +156,7 @@ impl Sessions {
             let seat = &mut self.seats[robot];
             (seat.session, seat.awaited, seat.until) = (None, awaited, None);
             seat.unanswered = awaited && !session.open.is_empty();
+            seat.answering.add(session.answering);
         }
     }
 
@@ -198,6 +207,11 @@ impl Sessions {
         }
     }
 
+    /// What a brain program calls itself; nothing once it is gone.
+    pub(crate) fn name(&self, number: u64) -> &str {
+        self.by_number.get(&number).map_or("", |session| &session.brain)
+    }
+
     /// The robots of a stream; none once it is gone.
     pub(crate) fn robots(&self, number: u64) -> &[usize] {
         self.by_number.get(&number).map_or(&[], |session| &session.robots)
@@ -211,8 +225,8 @@ impl Sessions {
     /// Notes an answer to the Turn of this number; 0 answers none.
     pub(crate) fn answered(&mut self, number: u64, turn: u64) -> Answer {
         let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
-        if session.open.front() == Some(&turn) {
-            session.open.pop_front();
+        if let Some((_, begun)) = session.open.pop_front_if(|(number, _)| *number == turn) {
+            session.answering.note(begun.elapsed());
             session.late &= !session.open.is_empty();
             return Answer::Due;
         }
@@ -254,8 +268,8 @@ impl Sessions {
         }
     }
 
-    /// Tells the brains whose step it is.
-    pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], lockstep: bool) {
+    /// Tells the brains whose step it is. In lockstep they owe an answer from when the tick has `begun`.
+    pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], begun: Option<Instant>) {
         let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
         for turn in turns {
             at[turn.robot] = Some(turn.at);
@@ -263,7 +277,7 @@ impl Sessions {
         self.forget_unanswered();
         for session in self.by_number.values_mut() {
             if session.behind.is_empty() {
-                session.deliver(world, &at, lockstep, &mut self.seats);
+                session.deliver(world, &at, begun, &mut self.seats);
             } else {
                 session.hold(&at);
             }
@@ -283,7 +297,7 @@ impl Sessions {
         for turn in world.turns() {
             at[turn.robot] = std::mem::take(&mut self.seats[turn.robot].unanswered).then_some(turn.at);
         }
-        session.deliver(world, &at, true, &mut self.seats);
+        session.deliver(world, &at, Some(Instant::now()), &mut self.seats);
     }
 
     /// Tells a brain that these are its steps in the tick that is begun.
@@ -293,7 +307,7 @@ impl Sessions {
         for turn in turns {
             at[turn.robot] = Some(turn.at);
         }
-        session.deliver(world, &at, true, &mut self.seats);
+        session.deliver(world, &at, Some(Instant::now()), &mut self.seats);
     }
 
     /// Tells the brains that the run is over.
@@ -337,7 +351,7 @@ impl Session {
 
     /// Sends the Turns of its robots that have one. A stream that is full, because its brain does not read,
     /// loses the delivery; that is counted, and the world does not wait for an answer to it.
-    fn deliver(&mut self, world: &World, at: &[Option<SimTime>], lockstep: bool, seats: &mut [Seat]) {
+    fn deliver(&mut self, world: &World, at: &[Option<SimTime>], begun: Option<Instant>, seats: &mut [Seat]) {
         let slots = self.robots.iter().enumerate();
         let robots: Vec<RobotDelivery> = slots
             .filter_map(|(slot, &robot)| Some(delivery(world, robot, slot, at[robot]?, self.raw)))
@@ -354,7 +368,7 @@ impl Session {
                 self.given.pop_front();
             }
             self.given.push_back((number, world.tick()));
-            self.open.extend(lockstep.then_some(number));
+            self.open.extend(begun.map(|begun| (number, begun)));
             let robots = self.robots.iter();
             self.asked.clear();
             self.asked.extend(robots.filter_map(|&robot| Some(Turn { robot, at: at[robot]? })));

@@ -11,6 +11,8 @@ pub(crate) struct ListenArgs {
     #[arg(long, value_name = "ADDR")]
     pub(crate) listen: Vec<Address>,
     /// Show the worlds in a browser at http://IP:PORT (port 0 takes a free one), or not: off
+    ///
+    /// At http://IP:PORT/metrics are numbers for Prometheus (docs/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
     /// Allow addresses that other machines reach; whoever reaches them may do anything here

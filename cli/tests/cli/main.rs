@@ -4,6 +4,9 @@ mod bench;
 mod budget;
 mod devices;
 mod diagrams;
+mod logs;
+#[cfg(feature = "otel")]
+mod otel;
 mod presets;
 mod processes;
 mod refusals;

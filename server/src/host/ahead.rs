@@ -165,7 +165,9 @@ pub(super) fn looks(letter: &Letter) -> bool {
             Order::Reset | Order::Restore { .. } | Order::Delete => false,
         },
         Letter::Watch { .. } => true,
-        Letter::Describe(_)
+        // Numbers only, and who wants to know why a world stands must not wait for that.
+        Letter::Measure(_)
+        | Letter::Describe(_)
         | Letter::Attach(..)
         | Letter::Step { .. }
         | Letter::Detach { .. }

@@ -10,6 +10,7 @@ use tonic::Status;
 use super::{Host, Pending, ahead, sender};
 use crate::endpoint::{Thinking, Write};
 use crate::letter::{Attach, Attached, Lease, Letter};
+use crate::log::event;
 use crate::observers::View;
 use crate::pace::WatchdogPolicy;
 use crate::sessions::Answer;
@@ -28,14 +29,24 @@ impl Host {
         match letter {
             Letter::Order(order, reply) => self.obey(order, reply),
             Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
+            Letter::Measure(reply) => drop(reply.send(self.measure())),
             Letter::Watch(watch) => {
-                let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+                let view = View {
+                    name: &self.name,
+                    world: &self.world,
+                    sessions: &self.sessions,
+                    beliefs: &self.beliefs,
+                };
                 self.observers.add(watch, view);
             }
             Letter::Attach(request, reply) => self.attach(request, reply),
             Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
-            Letter::End => self.deleted = true,
-            Letter::Detach { session } => {
+            Letter::End => {
+                event!(self, info, "world over, since its server stops");
+                self.deleted = true;
+            }
+            Letter::Detach { session, why } => {
+                self.log_detached(session, &why);
                 self.beliefs.hand_to(None, self.sessions.robots(session));
                 self.give_up(session);
                 self.sessions.detach(session, self.policy());
@@ -53,8 +64,9 @@ impl Host {
         for &robot in &robots {
             self.senders[robot] = sender(&self.world.robot(robot));
         }
+        self.log_attached(session, &robots);
         let lockstep = self.pace.watchdog().is_some();
-        let lease = Lease { world, session };
+        let lease = Lease { world, session, why: "nobody waited for the answer any more".to_owned() };
         // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
         self.beliefs.hand_to(Some(session), &robots);
         let beliefs = self.beliefs.clone();

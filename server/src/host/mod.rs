@@ -4,6 +4,8 @@
 
 mod ahead;
 mod letters;
+mod log;
+mod measures;
 mod orders;
 mod rounds;
 mod stopwatch;
@@ -20,6 +22,7 @@ use tonic::Status;
 use crate::beliefs::Beliefs;
 use crate::endpoint::Sender;
 use crate::letter::{Activity, Letter, Report};
+use crate::log::event;
 use crate::observers::{Observers, View};
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
 use crate::sessions::Sessions;
@@ -114,9 +117,9 @@ impl Host {
     ) -> Self {
         let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
         Self {
-            name,
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
+            name,
             beliefs: Beliefs::new(senders.len()),
             interventions: Vec::new(),
             world,
@@ -207,7 +210,7 @@ impl Host {
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
         }
-        self.sessions.deliver(&self.world, &turns, lockstep.is_some());
+        self.sessions.deliver(&self.world, &turns, lockstep.map(|_| now));
         self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
         let begun = Instant::now();
@@ -233,7 +236,8 @@ impl Host {
         if let Some(on_tick) = &mut self.on_tick {
             on_tick(&self.world);
         }
-        let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+        let view =
+            View { name: &self.name, world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
         self.observers.show(view);
     }
 
@@ -279,6 +283,8 @@ impl Host {
         self.ending = false;
         self.credits = 0;
         self.clock = None;
+        let why = self.world.ending().map(ToString::to_string).unwrap_or_default();
+        event!(self, info, why, "run ended");
         self.world.begin();
         self.show();
         self.sessions.tell_ended(self.world.tick());
@@ -292,8 +298,8 @@ impl Host {
         self.waiting_since = Instant::now();
         for number in self.sessions.owing().collect::<Vec<_>>() {
             self.pacing.watchdog_timeouts += 1;
-            tracing::warn!(world = %self.name, session = number, ?timeout, policy = ?watchdog.policy,
-                "a brain has not answered in time");
+            event!(self, warn, session = number, brain = self.sessions.name(number),
+                timeout_s = timeout.as_secs_f64(), policy = ?watchdog.policy, "brain has not answered in time");
             match watchdog.policy {
                 WatchdogPolicy::Wait => {}
                 WatchdogPolicy::GoOn => {
@@ -312,6 +318,7 @@ impl Host {
 
     /// Ends a brain program's stream.
     fn close(&mut self, session: u64, status: Status) {
+        self.log_detached(session, status.message());
         self.beliefs.hand_to(None, self.sessions.robots(session));
         self.give_up(session);
         self.sessions.close(session, self.policy(), status);

@@ -10,6 +10,7 @@ use tonic::Status;
 use super::stopwatch::Stopwatch;
 use super::{Host, Snapshot, sender};
 use crate::letter::{Letter, Order, Report, SeatReport};
+use crate::log::event;
 use crate::observers::View;
 use crate::pace::{Pace, Pacing};
 use crate::words::brief;
@@ -26,6 +27,7 @@ impl Host {
             return; // who ordered it is gone
         }
         let mut snapshot = 0;
+        self.log_order(&order);
         match order {
             Order::Report => {}
             Order::Start => {
@@ -53,6 +55,7 @@ impl Host {
                     let text = format!("snapshot: world `{}` keeps no snapshot {snapshot}", self.name);
                     return drop(reply.send(Err(Status::not_found(text))));
                 };
+                event!(self, info, snapshot, "world restored");
                 let world = kept.world.clone();
                 self.senders.clone_from(&kept.senders);
                 self.replace(world);
@@ -89,12 +92,18 @@ impl Host {
                 continue; // who ordered it has given up
             }
             let done = self.world.intervene(&intervention);
+            event!(self, debug, ?intervention, done = done.is_ok(), "changed by hand");
             any |= done.is_ok();
             let answer = done.map(|()| self.report(0)).map_err(|error| refused(&error));
             drop(reply.send(answer));
         }
         if any {
-            let view = View { world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
+            let view = View {
+                name: &self.name,
+                world: &self.world,
+                sessions: &self.sessions,
+                beliefs: &self.beliefs,
+            };
             self.observers.show_now(view);
         }
     }

@@ -7,15 +7,18 @@
 //! A browser also runs the pages of strangers. So that none of these can speak to a server on the same machine, the
 //! socket is opened only to pages that came from here: their origin must be the host that they ask, and on loopback
 //! that host must be called by a name of loopback's ([`guard`]).
+//!
+//! Beside the page there is `/metrics`, for monitoring, with the same guard.
 
 mod files;
 mod guard;
 mod socket;
 
+use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
 use axum::extract::{Request, State, WebSocketUpgrade};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
@@ -28,17 +31,24 @@ use tokio::sync::watch;
 #[derive(Clone)]
 struct Page {
     pipes: Pipes,
+    metrics: Metrics,
     guard: Guard,
     stopped: watch::Receiver<bool>,
 }
 
 /// Serves the page on this listener until the server stops. `pipes` lead to the server's own services.
-pub(crate) async fn serve(listener: TcpListener, pipes: Pipes, mut stopped: watch::Receiver<bool>) {
+pub(crate) async fn serve(
+    listener: TcpListener,
+    pipes: Pipes,
+    metrics: Metrics,
+    mut stopped: watch::Receiver<bool>,
+) {
     let guard =
         Guard { loopback_only: listener.local_addr().is_ok_and(|address| address.ip().is_loopback()) };
-    let page = Page { pipes, guard, stopped: stopped.clone() };
+    let page = Page { pipes, metrics, guard, stopped: stopped.clone() };
     let router = Router::new()
         .route("/page", get(open_socket))
+        .route("/metrics", get(tell_metrics))
         .fallback(get(file))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
         .with_state(page);
@@ -72,4 +82,19 @@ async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebS
         .max_message_size(socket::MAX_MESSAGE)
         .max_frame_size(socket::MAX_MESSAGE)
         .on_upgrade(move |socket| socket::serve(socket, pipes, stopped))
+}
+
+async fn tell_metrics(State(page): State<Page>, headers: HeaderMap) -> Response {
+    if let Err(problem) = page.guard.check_origin(&headers) {
+        return (StatusCode::FORBIDDEN, problem).into_response();
+    }
+    let kind = [
+        (header::CONTENT_TYPE, metrics::CONTENT_TYPE),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    match page.metrics.text().await {
+        Ok(text) => (kind, text).into_response(),
+        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, problem).into_response(),
+    }
 }

@@ -1,0 +1,105 @@
+//! What is told while it happens: a log on stderr, and, if asked for, a collector of traces.
+
+use std::io::IsTerminal;
+use std::str::FromStr;
+
+use clap::ValueEnum;
+use tracing_subscriber::filter::{FilterExt, LevelFilter, Targets, filter_fn};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::{Layer, Registry, fmt};
+
+/// Which events are logged.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LogFilter(Targets);
+
+impl FromStr for LogFilter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // What has no level would be the name of a part of the program, and a slip of the pen pass for one.
+        for part in text.split(',') {
+            let level = part.rsplit_once('=').map_or(part, |(_, level)| level);
+            if level.is_empty() || level.parse::<LevelFilter>().is_err() {
+                let text =
+                    "must be off, error, warn, info, debug or trace, or such as warn,baudbot_server=info";
+                return Err(text.to_owned());
+            }
+        }
+        text.parse().map(Self).map_err(|error: tracing_subscriber::filter::ParseError| error.to_string())
+    }
+}
+
+/// How events are logged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LogFormat {
+    /// A line of text for each
+    Text,
+    /// A JSON object on a line for each
+    Json,
+}
+
+/// What is left to do for the log at the end of the program.
+pub(crate) struct Logs {
+    /// What it holds is sent when it is dropped.
+    #[cfg(feature = "otel")]
+    _export: Option<crate::otel::Export>,
+}
+
+/// A part of what hears events.
+pub(crate) type Listener = Box<dyn Layer<Registry> + Send + Sync>;
+
+/// Begins to log. A program that `serves` worlds also exports, if a collector is named.
+pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: bool) -> Logs {
+    // Without spans, which are for collectors: an event says all itself.
+    let filter = filter.and(filter_fn(|metadata| metadata.is_event()));
+    let stderr = fmt::layer().with_writer(std::io::stderr);
+    let stderr = match format {
+        LogFormat::Text => stderr.with_ansi(std::io::stderr().is_terminal()).with_filter(filter).boxed(),
+        LogFormat::Json => {
+            let json = stderr.json().flatten_event(true).with_current_span(false).with_span_list(false);
+            json.with_filter(filter).boxed()
+        }
+    };
+    let mut listeners: Vec<Listener> = vec![stderr];
+    let logs = export(serves && std::env::var_os(ENDPOINT).is_some_and(|to| !to.is_empty()), &mut listeners);
+    tracing_subscriber::registry().with(listeners).init();
+    logs
+}
+
+#[cfg(feature = "otel")]
+fn export(asked: bool, listeners: &mut Vec<Listener>) -> Logs {
+    let export = asked.then(|| crate::otel::Export::start(listeners));
+    let _export = export.and_then(|export| {
+        export.map_err(|error| eprintln!("note: {ENDPOINT}: {error}; nothing is exported")).ok()
+    });
+    Logs { _export }
+}
+
+#[cfg(not(feature = "otel"))]
+fn export(asked: bool, _: &mut [Listener]) -> Logs {
+    if asked {
+        eprintln!(
+            "note: {ENDPOINT} is set, but this program was built without the feature otel: nothing is exported"
+        );
+    }
+    Logs {}
+}
+
+/// The variable that names a collector, as in all programs that export.
+const ENDPOINT: &str = "OTEL_EXPORTER_OTLP_ENDPOINT";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_are_levels_of_all_or_of_parts() {
+        for good in ["off", "warn", "INFO", "warn,baudbot_server=debug", "baudbot_server::host=trace"] {
+            assert!(good.parse::<LogFilter>().is_ok(), "{good}");
+        }
+        for bad in ["", "loud", "warn,", "baudbot_server", "baudbot_server=loud", "baudbot_server="] {
+            assert!(bad.parse::<LogFilter>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! All metrics, each with what it is made of. `docs/metrics.md` lists them.
+
+use super::World;
+use super::measures::{Line, Measures, QUANTILES, RobotMeasures};
+use super::text::Family;
+use crate::letter::Activity;
+
+/// Name, help, and what it is of a world. Counters end in `_total`, all others are gauges.
+type Of<T> = (&'static str, &'static str, fn(&T) -> f64);
+
+const WORLDS: [Of<Measures>; 10] = [
+    ("baudbot_world_ticks_total", "Ticks done since the run began.", |w| w.tick as f64),
+    ("baudbot_world_simulated_seconds_total", "Simulated time since the run began.", |w| w.time.as_seconds()),
+    ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {
+        w.running.as_secs_f64()
+    }),
+    ("baudbot_world_step_seconds", "Simulated time of a tick.", |w| seconds(w.scenario.step_ns())),
+    (
+        "baudbot_world_tick_overruns_total",
+        "Ticks that ended late by a whole tick or more of the wall clock.",
+        |w| w.pacing.overruns as f64,
+    ),
+    (
+        "baudbot_world_watchdog_timeouts_total",
+        "How often a brain had not answered when the watchdog looked.",
+        |w| w.pacing.watchdog_timeouts as f64,
+    ),
+    (
+        "baudbot_world_brain_wait_seconds_total",
+        "Wall-clock time during which the world waited for brains.",
+        |w| w.pacing.waiting.as_secs_f64(),
+    ),
+    ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots().len() as f64),
+    ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
+    (
+        "baudbot_world_observer_frames_missed_total",
+        "Frames that observers missed because they did not read.",
+        |w| w.frames_missed as f64,
+    ),
+];
+
+const LINES: [Of<Line>; 9] = [
+    ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |l| {
+        l.counters.bytes as f64
+    }),
+    ("baudbot_link_messages_total", "Messages that arrived whole.", |l| l.counters.messages as f64),
+    ("baudbot_link_lost_bytes_total", "Bytes lost because the cable was out.", |l| {
+        l.counters.lost_bytes as f64
+    }),
+    ("baudbot_link_overrun_bytes_total", "Bytes lost because the receiver had no room.", |l| {
+        l.counters.overrun_bytes as f64
+    }),
+    ("baudbot_link_refused_bytes_total", "Bytes not taken because the sender's buffer was full.", |l| {
+        l.counters.refused_bytes as f64
+    }),
+    ("baudbot_link_corrupted_bytes_total", "Bytes that arrived with a wrong bit.", |l| {
+        l.counters.corrupted_bytes as f64
+    }),
+    (
+        "baudbot_link_bad_frames_total",
+        "Frames thrown away for their checksum, their coding or their length.",
+        |l| l.counters.bad_frames as f64,
+    ),
+    (
+        "baudbot_link_bad_messages_total",
+        "Sound frames whose content made no sense, and messages cut short by silence.",
+        |l| l.counters.bad_messages as f64,
+    ),
+    ("baudbot_link_waiting_bytes", "Bytes that wait for the wire or are on it.", |l| l.waiting_bytes as f64),
+];
+
+const ROBOTS: [Of<RobotMeasures>; 13] = [
+    ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |r| r.turns as f64),
+    ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |r| r.commands as f64),
+    ("baudbot_robot_collisions_total", "Collisions.", |r| r.collisions as f64),
+    ("baudbot_robot_distance_meters_total", "Way driven.", |r| r.distance_m),
+    (
+        "baudbot_robot_reading_frames_missed_total",
+        "Frames of readings left out because the microcontroller was busy.",
+        |r| r.frames_missed as f64,
+    ),
+    ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |r| {
+        f64::from(u8::from(r.seat.attached))
+    }),
+    (
+        "baudbot_brain_deliveries_lost_total",
+        "Turns that were not given to the brain because it did not read.",
+        |r| r.seat.lost_deliveries as f64,
+    ),
+    ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |r| {
+        r.seat.queued_turns as f64
+    }),
+    ("baudbot_brain_open_turns", "Turns that the brain has not answered, in lockstep.", |r| {
+        r.seat.open_turns as f64
+    }),
+    (
+        "baudbot_brain_oldest_open_turn_seconds",
+        "Wall-clock time since the oldest of those, 0 if there is none.",
+        |r| r.seat.oldest_open.as_secs_f64(),
+    ),
+    ("baudbot_brain_answers_total", "Turns that were answered, in lockstep.", |r| {
+        r.seat.answering.answers as f64
+    }),
+    (
+        "baudbot_brain_answer_seconds_total",
+        "Wall-clock time from those Turns to their answers, the network's included.",
+        |r| r.seat.answering.took.as_secs_f64(),
+    ),
+    ("baudbot_brain_cycles_open", "Control cycles that are neither kept nor late nor unanswered yet.", |r| {
+        r.cycles.open as f64
+    }),
+];
+
+const STATES: [(Activity, &str); 4] = [
+    (Activity::WaitingForBrains, "waiting_for_brains"),
+    (Activity::Running, "running"),
+    (Activity::Paused, "paused"),
+    (Activity::Ended, "ended"),
+];
+
+const DIRECTIONS: [&str; 2] = ["up", "down"];
+
+/// Writes all metrics of these worlds, of at most so many robots.
+pub(super) fn write(worlds: &[World], most_robots: usize) -> String {
+    let mut text = String::new();
+    let mut count = Family::gauge("baudbot_worlds", "Worlds of the server.");
+    count.add(&[], worlds.len() as f64);
+    count.write(&mut text);
+    let mut up = Family::gauge("baudbot_world_up", "1 if the world has answered in time, 0 if not.");
+    for world in worlds {
+        up.add(&[("world", &world.name)], f64::from(u8::from(world.measures.is_some())));
+    }
+    up.write(&mut text);
+    let answered: Vec<_> =
+        worlds.iter().filter_map(|world| Some((&*world.name, world.measures.as_ref()?))).collect();
+    write_worlds(&answered, &mut text);
+    write_robots(&answered, most_robots, &mut text);
+    text
+}
+
+fn family((name, help): (&'static str, &'static str)) -> Family {
+    if name.ends_with("_total") { Family::counter(name, help) } else { Family::gauge(name, help) }
+}
+
+fn write_worlds(worlds: &[(&str, &Measures)], text: &mut String) {
+    for (name, help, value) in WORLDS {
+        let mut family = family((name, help));
+        for (world, measures) in worlds {
+            family.add(&[("world", world)], value(measures));
+        }
+        family.write(text);
+    }
+    let mut states =
+        Family::gauge("baudbot_world_state", "1 for the state that the world is in, 0 for others.");
+    let mut lateness = Family::histogram(
+        "baudbot_world_tick_lateness_seconds",
+        "By how much ticks ended late by the wall clock, in real-time and scaled pace.",
+    );
+    for (world, measures) in worlds {
+        for (activity, state) in STATES {
+            let is = f64::from(u8::from(measures.activity == activity));
+            states.add(&[("world", world), ("state", state)], is);
+        }
+        let pacing = &measures.pacing;
+        let buckets = pacing.lateness_us_log2[..LATENESS_BUCKETS].iter().zip(0..);
+        let buckets = buckets.map(|(&n, log2)| (seconds(1000 << log2), n));
+        let count = pacing.lateness_us_log2.iter().sum();
+        lateness.add_histogram(&[("world", world)], buckets, count, pacing.lateness_sum.as_secs_f64());
+    }
+    states.write(text);
+    lateness.write(text);
+}
+
+/// Buckets up to 2^24 µs, 17 s; what is later than that is in the last.
+const LATENESS_BUCKETS: usize = 25;
+
+/// A robot of a world.
+struct Shown<'a> {
+    world: &'a str,
+    robot: &'a str,
+    measures: &'a RobotMeasures,
+    deadline_ns: u64,
+}
+
+fn write_robots(worlds: &[(&str, &Measures)], most_robots: usize, text: &mut String) {
+    let mut shown = Vec::new();
+    let mut left_out = Family::gauge(
+        "baudbot_world_robots_left_out",
+        "Robots that are not told of, since there are too many.",
+    );
+    for (world, measures) in worlds {
+        let specs = measures.scenario.robots();
+        let room = (most_robots - shown.len()).min(measures.robots.len());
+        shown.extend(specs.iter().zip(&measures.robots).take(room).map(|(spec, measures)| Shown {
+            world,
+            robot: &spec.name,
+            measures,
+            deadline_ns: spec.deadline.within_ns,
+        }));
+        left_out.add(&[("world", world)], (specs.len() - room) as f64);
+    }
+    left_out.write(text);
+    for (name, help, value) in ROBOTS {
+        let mut family = family((name, help));
+        for Shown { world, robot, measures, .. } in &shown {
+            family.add(&[("world", world), ("robot", robot)], value(measures));
+        }
+        family.write(text);
+    }
+    for (name, help, value) in LINES {
+        let mut family = family((name, help));
+        for Shown { world, robot, measures, .. } in &shown {
+            for (line, direction) in measures.lines.iter().zip(DIRECTIONS) {
+                family.add(&[("world", world), ("robot", robot), ("direction", direction)], value(line));
+            }
+        }
+        family.write(text);
+    }
+    write_cycles(&shown, text);
+}
+
+fn write_cycles(shown: &[Shown<'_>], text: &mut String) {
+    let mut counts =
+        Family::counter("baudbot_brain_cycles_total", "Control cycles that are over, by outcome.");
+    let mut deadlines = Family::gauge(
+        "baudbot_brain_cycle_deadline_seconds",
+        "Simulated time after which a control cycle is late.",
+    );
+    let mut durations = Family::summary(
+        "baudbot_brain_cycle_seconds",
+        "How long control cycles took that were answered, in simulated time; quantiles are of the whole run.",
+    );
+    for Shown { world, robot, measures, deadline_ns } in shown {
+        let (world, robot, cycles) = (("world", *world), ("robot", *robot), &measures.cycles);
+        let outcomes = [("kept", cycles.kept), ("late", cycles.late), ("unanswered", cycles.unanswered)];
+        for (outcome, n) in outcomes {
+            counts.add(&[world, robot, ("outcome", outcome)], n as f64);
+        }
+        deadlines.add(&[world, robot], seconds(*deadline_ns));
+        let quantiles = QUANTILES.into_iter().zip(cycles.quantiles_ns);
+        let quantiles = quantiles.filter_map(|(q, ns)| Some((q, seconds(ns?))));
+        durations.add_summary(&[world, robot], quantiles, cycles.count, seconds(cycles.sum_ns));
+    }
+    counts.write(text);
+    deadlines.write(text);
+    durations.write(text);
+}
+
+fn seconds(ns: u64) -> f64 {
+    // A division gives the number nearest to the decimal one, so that it is short when it is written.
+    ns as f64 / 1e9
+}

@@ -1,0 +1,125 @@
+//! Numbers for monitoring, in Prometheus' text format.
+//!
+//! Nothing is counted for it: whoever asks gets what the world counts anyway for `ControlService.GetWorld`, read at
+//! that moment ([`measures`]). So a world that nobody asks does nothing for it, a number cannot differ from the
+//! operator's, and what was deleted is gone. A recorder of counters, as of the crate `metrics`, would have to be told of
+//! each change, or be filled from the same numbers, and be made to forget. What is used of the crate `prometheus` is its
+//! model and its encoder ([`text`]).
+//!
+//! A world is asked by a letter that copies numbers and nothing else, and is opened even while the world is ahead of its
+//! brains: who wants to know why it stands must not wait for that. The text is made on a thread of its own.
+
+mod families;
+mod measures;
+mod text;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::{Semaphore, oneshot};
+use tokio::time::{Instant, timeout_at};
+
+pub(crate) use self::measures::{Measures, RobotMeasures};
+use crate::letter::Letter;
+use crate::registry::{Registry, WorldHandle};
+
+/// Most robots that one answer tells of, each in 40 lines.
+pub(crate) const MAX_ROBOTS: usize = 5000;
+
+/// How long worlds have to answer. One that is within a long tick, or blocked by whoever writes its table, does not.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Answers that are made at a time; each takes memory and a processor.
+const MAX_SCRAPES: usize = 2;
+
+/// Type of the text.
+pub(crate) const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
+
+/// Measures the worlds of a server. Clones share how many do so at a time.
+#[derive(Clone)]
+pub(crate) struct Metrics {
+    registry: Registry,
+    room: Arc<Semaphore>,
+}
+
+/// A world that was asked.
+struct World {
+    name: String,
+    /// `None` if it did not answer.
+    measures: Option<Measures>,
+}
+
+impl Metrics {
+    pub(crate) fn new(registry: Registry) -> Self {
+        Self { registry, room: Arc::new(Semaphore::new(MAX_SCRAPES)) }
+    }
+
+    /// All metrics as they are now, or why there are none.
+    pub(crate) async fn text(&self) -> Result<String, String> {
+        let Ok(permit) = Arc::clone(&self.room).try_acquire_owned() else {
+            return Err(format!("{MAX_SCRAPES} others are being answered, which is the limit; ask again\n"));
+        };
+        let worlds = self.ask().await;
+        let write = move || {
+            // Kept until the text is there, even if nobody waits for it any more.
+            let _permit = permit;
+            families::write(&worlds, MAX_ROBOTS)
+        };
+        tokio::task::spawn_blocking(write).await.map_err(|error| format!("{error}\n"))
+    }
+
+    /// Asks all worlds at once.
+    async fn ask(&self) -> Vec<World> {
+        let ask = |world: WorldHandle| {
+            let (reply, answer) = oneshot::channel();
+            let _ = world.send(Letter::Measure(reply));
+            (world.name().to_owned(), answer)
+        };
+        let asked: Vec<_> = self.registry.all().into_iter().map(ask).collect();
+        let deadline = Instant::now() + PATIENCE;
+        let mut worlds = Vec::new();
+        for (name, answer) in asked {
+            let measures = timeout_at(deadline, answer).await.ok().and_then(Result::ok);
+            worlds.push(World { name, measures });
+        }
+        worlds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use baudbot_sim::Scenario;
+
+    use super::*;
+    use crate::pace::{Lockstep, Pace};
+    use crate::registry::NewWorld;
+
+    #[tokio::test]
+    async fn there_is_an_end_to_the_robots_that_are_told_of_and_the_others_are_counted() {
+        let registry = Registry::default();
+        let toml = include_str!("../../../scenarios/wander.toml");
+        for name in ["a", "b"] {
+            let scenario = Arc::new(Scenario::parse(toml).unwrap());
+            let (name, pace) = (name.to_owned(), Pace::Lockstep(Lockstep::default()));
+            registry.create(NewWorld { name, scenario, pace, paused: true, on_tick: None }).unwrap();
+        }
+        let metrics = Metrics::new(registry);
+        let text = families::write(&metrics.ask().await, 1);
+        for (world, left_out) in [("a", 0), ("b", 1)] {
+            let line = format!("baudbot_world_robots_left_out{{world=\"{world}\"}} {left_out}\n");
+            assert!(text.contains(&line), "{text}");
+            let robot = format!("baudbot_brain_attached{{world=\"{world}\",robot=\"robot\"}} 0\n");
+            assert_eq!(text.contains(&robot), left_out == 0, "{text}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_third_that_asks_at_a_time_is_sent_away() {
+        let metrics = Metrics::new(Registry::default());
+        let first = Arc::clone(&metrics.room).try_acquire_owned().unwrap();
+        let _second = Arc::clone(&metrics.room).try_acquire_owned().unwrap();
+        assert!(metrics.text().await.unwrap_err().contains("2 others"));
+        drop(first);
+        assert!(metrics.text().await.unwrap().starts_with("# HELP baudbot_worlds "));
+    }
+}
