@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use prost::Message;
 
-const FILES: [&str; 6] = [
+const FILES: [&str; 7] = [
     "baudbot/v1/world.proto",
     "baudbot/v1/budget.proto",
     "baudbot/v1/control.proto",
     "baudbot/v1/brain_link.proto",
     "baudbot/v1/observe.proto",
     "baudbot/v1/page.proto",
+    "baudbot/v1/recording.proto",
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

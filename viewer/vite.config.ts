@@ -12,7 +12,7 @@ export default defineConfig({
     rolldownOptions: {
       output: {
         postBanner:
-          "/* With uPlot, (c) Leon Sorokin, MIT, and @bufbuild/protobuf, Apache-2.0 and BSD-3-Clause: see viewer/LICENSES.md */",
+          "/* With uPlot, (c) Leon Sorokin, and gifenc, (c) Matt DesLauriers, MIT, and @bufbuild/protobuf, Apache-2.0 and BSD-3-Clause: see viewer/LICENSES.md */",
         entryFileNames: "viewer.js",
         assetFileNames: "viewer[extname]",
         codeSplitting: false,

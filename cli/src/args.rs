@@ -1,8 +1,10 @@
 //! The command line.
 
 mod bench;
+mod export;
 mod help;
 mod places;
+mod record;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -12,11 +14,13 @@ use baudbot_server::{Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::bench::BenchArgs;
+pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
-    PRESET_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
+    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
 };
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
+pub(crate) use self::record::{RecordArgs, ReplayArgs};
 use crate::error::Refused;
 use crate::logs::{LogFilter, LogFormat};
 
@@ -51,6 +55,9 @@ pub(crate) enum Command {
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
+    /// Does a recorded run again and says whether it is the same; shows it; or goes on from it
+    #[command(after_long_help = REPLAY_EXAMPLES)]
+    Replay(ReplayArgs),
     /// Runs a brain against a server; without a name, lists the brains
     #[command(after_long_help = BRAIN_EXAMPLES)]
     Brain(BrainArgs),
@@ -66,6 +73,9 @@ pub(crate) enum Command {
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
+    /// Makes tables, traces, pictures and films of a recording, or says what is in it
+    #[command(after_long_help = export::EXAMPLES)]
+    Export(ExportArgs),
     /// Shows a world of a server as it moves
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
@@ -106,6 +116,8 @@ pub(crate) struct RunArgs {
     pub(crate) pace: PaceName,
     #[command(flatten)]
     pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]
@@ -154,11 +166,19 @@ pub(crate) struct ServeArgs {
     /// Leave the worlds standing until an operator starts them (ControlService.StartWorld)
     #[arg(long)]
     pub(crate) paused: bool,
-    /// When a tick ends: lockstep, real-time, scaled:X or free
-    #[arg(long, value_name = "PACE", default_value = "real-time", long_help = PACE_HELP)]
-    pub(crate) pace: PaceName,
+    /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; of what is resumed, as it was]
+    #[arg(long, value_name = "PACE", long_help = PACE_HELP)]
+    pub(crate) pace: Option<PaceName>,
     #[command(flatten)]
     pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
+    /// Let operators record worlds into this folder, and replay what is in it
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) recordings: Option<PathBuf>,
+    /// Go on with the world of a recording, from its end on; its brains may attach again
+    #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
+    pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]

@@ -95,7 +95,7 @@ impl Drop for Table {
 }
 
 /// The columns that robots have, each once, and for each robot and each of these columns the place among its own.
-fn shared(own: impl Iterator<Item = Vec<String>>) -> (Vec<String>, Vec<Vec<Option<usize>>>) {
+pub(crate) fn shared(own: impl Iterator<Item = Vec<String>>) -> (Vec<String>, Vec<Vec<Option<usize>>>) {
     let own: Vec<_> = own.collect();
     let mut seen = HashSet::new();
     let union: Vec<String> = own.iter().flatten().filter(|column| seen.insert(*column)).cloned().collect();
@@ -119,7 +119,7 @@ fn header(sensors: &[String], state: &[String]) -> String {
 }
 
 /// The last samples of all of a robot's sensors, NaN before the first.
-fn collect(robot: &RobotView<'_>, values: &mut Vec<f64>) {
+pub(crate) fn collect(robot: &RobotView<'_>, values: &mut Vec<f64>) {
     values.clear();
     for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
         let missing = spec.encodings.len() - sensor.sample.len();

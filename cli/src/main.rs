@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `serve`, `brain`, `check`, `budget`, `diagram`, `preset`, `watch` and `bench` are the commands, one
-//!    a file or folder.
+//! 2. `run`, `sweep`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `preset`, `export`, `watch` and
+//!    `bench` are the commands, one a file or folder.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
@@ -25,12 +25,15 @@ mod csv;
 mod diagram;
 mod drawing;
 mod error;
+mod export;
 mod link;
 mod logs;
 mod map;
 #[cfg(feature = "otel")]
 mod otel;
 mod preset;
+mod record;
+mod replay;
 mod report;
 mod run;
 mod scenarios;
@@ -76,11 +79,13 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
+        Command::Replay(args) => return runtime.block_on(replay::replay(&args)),
         Command::Check(args) => check::check(&args),
         Command::Diagram(args) => diagram::diagram(&args),
         Command::Budget(args) => return budget::budget(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Bench(args) => return bench::bench(&args),
+        Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;
     Ok(ExitCode::SUCCESS)

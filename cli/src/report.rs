@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use crate::summary::{
-    Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Robot, Score, Sensor, Summary, Zone,
+    Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
+    Zone,
 };
 use crate::text::{NOTHING, count, duration, handy, pairs, percent, table};
 
@@ -51,11 +52,22 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         head.push(("clock", text));
     }
     head.extend(summary.score.iter().flat_map(score));
+    head.extend(summary.recording.iter().flat_map(recording));
     for Blocked { mover, blocked_s } in &summary.blocked {
         let text = format!("`{mover}` stood still for {} s, as something was in its way", handy(*blocked_s));
         head.push(("warning", text));
     }
     head
+}
+
+fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
+    let Recording { file, bytes, ticks, problem } = recording;
+    let mut facts = vec![("recorded", format!("{ticks} ticks in {file}, {bytes} bytes"))];
+    let ended = |problem: &String| {
+        format!("the recording has ended before the run: {problem}; what is in it can be replayed")
+    };
+    facts.extend(problem.as_ref().map(|problem| ("warning", ended(problem))));
+    facts
 }
 
 fn score(score: &Score) -> Vec<(&'static str, String)> {

@@ -26,8 +26,8 @@ use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::trace::Trace;
-use crate::written::{self, Files};
-use crate::{connect, report, text, viewer};
+use crate::written::{self, Files, STDOUT};
+use crate::{connect, record, report, text, viewer};
 
 /// What is going to be run.
 struct Plan {
@@ -125,30 +125,8 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
     if timeline == stdout && (args.json || csv == timeline) {
         return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
     }
-    if let Some((csv, timeline)) = csv.zip(timeline)
-        && is_same_file(csv, timeline)
-    {
-        let (csv, timeline) = (csv.display(), timeline.display());
-        return Err(Refused::error(format!(
-            "--csv {csv} and --timeline {timeline} are the same file; write each to a file of its own"
-        )));
-    }
-    Ok(())
-}
-
-/// Whether both paths lead to one file, which need not be there yet.
-fn is_same_file(one: &Path, other: &Path) -> bool {
-    let real = |path: &Path| {
-        path.canonicalize().or_else(|_| {
-            let path = std::path::absolute(path)?;
-            let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
-            Ok::<_, std::io::Error>(match folder.zip(path.file_name()) {
-                Some((folder, name)) => folder.join(name),
-                None => path,
-            })
-        })
-    };
-    one == other || real(one).ok().zip(real(other).ok()).is_some_and(|(one, other)| one == other)
+    let files = [("--csv", csv), ("--timeline", timeline), ("--record", args.record.record.as_deref())];
+    written::check_apart(files.into_iter().filter_map(|(option, path)| Some((option, path?))))
 }
 
 /// The overrides that the arguments ask for.
@@ -168,7 +146,8 @@ fn after_s(ticks: u64, step_ns: u64) -> f64 {
 async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<Server> {
     // It stands until its brains are there.
     let world = WorldConfig::new(plan.world.clone(), Arc::clone(&plan.scenario)).pace(plan.pace).paused(true);
-    let mut builder = Server::builder().world(world.on_tick(on_tick)).insecure(args.listen.insecure);
+    let world = record::add(world.on_tick(on_tick), &args.record);
+    let mut builder = Server::builder().world(world).insecure(args.listen.insecure);
     for address in &args.listen.listen {
         builder = builder.listen(address.clone());
     }
@@ -260,7 +239,13 @@ impl Running<'_> {
         let waited = self.wait(stop, &mut brains, &bar).await;
         bar.finish_and_clear();
         waited?;
-        self.pause(control).await
+        let mut status = self.pause(control.clone()).await?;
+        if status.recording.is_some() {
+            let request = v1::StopRecordingRequest { world: self.plan.world.clone() };
+            let closed = control.stop_recording(request).await.map_err(|status| from_server(&status))?;
+            status.recording = closed.into_inner().recording;
+        }
+        Ok(status)
     }
 
     /// The world's last state; a run that has ended is not changed by a pause.
@@ -293,7 +278,8 @@ impl Running<'_> {
     }
 }
 
-fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {
+/// A bar for so many ticks, for people who look; none otherwise.
+pub(crate) fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -312,9 +298,6 @@ const REDRAW: Duration = Duration::from_millis(100);
 
 /// How long connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);
-
-/// The file name that means stdout.
-const STDOUT: &str = "-";
 
 #[cfg(test)]
 mod tests {

@@ -1,69 +1,152 @@
 //! `baudbot serve`: worlds for brains in other processes.
 
 use std::fmt::Write;
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context;
-use baudbot_server::{Address, Server, WorldConfig};
+use baudbot_server::{Address, Builder, Server, WorldConfig};
 use baudbot_sim::Scenario;
 
-use crate::args::{DEFAULT_ADDRESS, ServeArgs};
+use crate::args::{DEFAULT_ADDRESS, ListenArgs, PaceName, ServeArgs};
 use crate::crew;
-use crate::error::from_builder;
+use crate::error::{Refused, from_builder};
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::signals::Stop;
-use crate::text;
-use crate::viewer;
+use crate::{record, replay, text, viewer};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
-    let pace = args.pace.with(&args.watchdog)?;
+    let mut serving = Serving::new(&args.listen);
+    if let Some(folder) = &args.recordings {
+        check_folder(folder)?;
+        serving.builder = serving.builder.recordings(folder.clone());
+    }
+    match &args.resume {
+        Some(file) => resume(args, file, &mut serving)?,
+        None => worlds(args, &mut serving)?,
+    }
+    serving.until_stopped(Viewing::IfOpen).await
+}
+
+/// The worlds of scenarios.
+fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
+    let pace = args.pace.unwrap_or(PaceName::Timed(1.0)).with(&args.watchdog)?;
     let overrides = overrides(&args.changes)?;
     let default = [scenarios::DEFAULT.to_owned()];
     let names = if args.scenarios.is_empty() { &default[..] } else { &args.scenarios };
-    let mut builder = Server::builder().insecure(args.listen.insecure);
-    let mut worlds = Vec::new();
+    if names.len() > 1 && args.record.record.is_some() {
+        return Err(Refused::error(
+            "--record: is one file, and these are several worlds; use --recordings FOLDER",
+        ));
+    }
     for name in names {
         let source = Source::find(name)?;
         let scenario = source.parse(&overrides)?;
         let world = source.world_name(&scenario);
-        worlds.push((
-            world.clone(),
-            describe(&world, &scenario),
-            scenario.robots().first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec))),
-        ));
         scenarios::warn(&scenario);
-        builder = builder.world(WorldConfig::new(world, scenario).pace(pace).paused(args.paused));
-    }
-    let listening = addresses(args)?;
-    for address in listening.clone() {
-        builder = builder.listen(address);
-    }
-    // Who keeps a server to a socket's file wants nobody else to reach it.
-    let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
-    builder = viewer::add(builder, args.listen.viewer, open);
-    // Scenarios may have come through FIFOs; there a single signal is to end the program.
-    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let server = builder.serve().await.map_err(from_builder)?;
-    text::print(&greeting(&server, &worlds))?;
-    stop.wait().await;
-    eprintln!("stopping");
-    tokio::select! {
-        () = server.shutdown() => {}
-        () = tokio::time::sleep(PATIENCE) => eprintln!("note: somebody kept a connection open; it was cut"),
+        let config = WorldConfig::new(world.clone(), scenario.clone()).pace(pace).paused(args.paused);
+        serving.add(&world, &scenario, record::add(config, &args.record));
     }
     Ok(())
 }
 
-fn addresses(args: &ServeArgs) -> anyhow::Result<Vec<Address>> {
-    if args.listen.listen.is_empty() {
-        return Ok(vec![DEFAULT_ADDRESS.parse()?]);
+/// The world of a recording, from its end on.
+fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::Result<()> {
+    if args.record.record.as_deref().is_some_and(|record| crate::written::is_same_file(record, file)) {
+        let file = file.display();
+        return Err(Refused::error(format!("--record {file}: is what is resumed; record into another file")));
     }
-    Ok(args.listen.listen.clone())
+    let (mut replay, mut world) = replay::open(file)?;
+    let tape = std::sync::Arc::clone(replay.tape());
+    let pace = replay::pace(args.pace, &args.watchdog, &tape)?;
+    replay.seek(&mut world, tape.last_tick()).context("the recording cannot be replayed")?;
+    if let Some(difference) = replay.difference() {
+        return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
+    }
+    if let Some(problem) = tape.problem() {
+        eprintln!("note: {}: {problem}", file.display());
+    }
+    let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
+    eprintln!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
+    let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
+    serving.add(&name, &scenario, record::add(config, &args.record));
+    Ok(())
+}
+
+fn check_folder(folder: &Path) -> anyhow::Result<()> {
+    if folder.is_dir() {
+        return Ok(());
+    }
+    let folder = folder.display();
+    Err(Refused::error(format!("--recordings {folder}: there is no such folder; make it with mkdir")))
+}
+
+/// When there is a page if nobody says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Viewing {
+    Always,
+    /// Who keeps a server to a socket's file wants nobody else to reach it.
+    IfOpen,
+}
+
+/// A server that is going to be started, and what is told about its worlds.
+pub(crate) struct Serving<'a> {
+    builder: Builder,
+    listen: &'a ListenArgs,
+    worlds: Vec<Described>,
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
 type Described = (String, String, Option<(String, &'static str)>);
+
+impl<'a> Serving<'a> {
+    pub(crate) fn new(listen: &'a ListenArgs) -> Self {
+        Self { builder: Server::builder().insecure(listen.insecure), listen, worlds: Vec::new() }
+    }
+
+    /// A world that brains can come to.
+    pub(crate) fn add(&mut self, name: &str, scenario: &Scenario, world: WorldConfig) {
+        let robot = scenario.robots().first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec)));
+        self.worlds.push((name.to_owned(), describe(name, scenario), robot));
+        self.builder = std::mem::take(&mut self.builder).world(world);
+    }
+
+    /// A world that does a recording again.
+    pub(crate) fn add_replay(&mut self, name: &str, world: WorldConfig) {
+        self.worlds.push((name.to_owned(), format!("world {name}: replays a recording\n"), None));
+        self.builder = std::mem::take(&mut self.builder).world(world);
+    }
+
+    /// Serves until somebody stops it.
+    pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
+        let Self { mut builder, listen, worlds } = self;
+        let listening = addresses(listen)?;
+        for address in listening.clone() {
+            builder = builder.listen(address);
+        }
+        let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
+        builder = viewer::add(builder, listen.viewer, open || viewing == Viewing::Always);
+        // Scenarios may have come through FIFOs; there a single signal is to end the program.
+        let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+        let server = builder.serve().await.map_err(from_builder)?;
+        text::print(&greeting(&server, &worlds))?;
+        stop.wait().await;
+        eprintln!("stopping");
+        tokio::select! {
+            () = server.shutdown() => {}
+            () = tokio::time::sleep(PATIENCE) => eprintln!("note: somebody kept a connection open; it was cut"),
+        }
+        Ok(())
+    }
+}
+
+fn addresses(args: &ListenArgs) -> anyhow::Result<Vec<Address>> {
+    if args.listen.is_empty() {
+        return Ok(vec![DEFAULT_ADDRESS.parse()?]);
+    }
+    Ok(args.listen.clone())
+}
 
 /// Programs read the lines `listening on ADDRESS`; they come first and stay as they are.
 fn greeting(server: &Server, worlds: &[Described]) -> String {

@@ -27,6 +27,11 @@ impl Stop {
         Ok(Self(stopped))
     }
 
+    /// Whether there has been a signal.
+    pub(crate) fn is_wanted(&self) -> bool {
+        *self.0.borrow()
+    }
+
     /// Waits for the first signal; returns at once if it has been there.
     pub(crate) async fn wait(&mut self) {
         if self.0.wait_for(|stop| *stop).await.is_err() {

@@ -39,7 +39,28 @@ pub(crate) struct Summary {
     /// Those of the things that move by themselves that something was in the way of.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) blocked: Vec<Blocked>,
+    /// Where it was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) recording: Option<Recording>,
     pub(crate) robots: Vec<Robot>,
+}
+
+/// A recording of the run.
+#[derive(Debug, Serialize)]
+pub(crate) struct Recording {
+    pub(crate) file: String,
+    pub(crate) bytes: u64,
+    pub(crate) ticks: u64,
+    /// Why it ended before the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) problem: Option<String>,
+}
+
+impl Recording {
+    fn new(status: &v1::RecordingStatus) -> Self {
+        let problem = Some(status.problem.clone()).filter(|problem| !problem.is_empty());
+        Self { file: status.recording.clone(), bytes: status.bytes, ticks: status.ticks, problem }
+    }
 }
 
 /// What the referee counted.
@@ -223,6 +244,7 @@ impl Summary {
             }),
             score: status.score.as_ref().map(Score::new),
             blocked: status.movers.iter().filter(|mover| mover.blocked_ns > 0).map(Blocked::new).collect(),
+            recording: status.recording.as_ref().map(Recording::new),
             robots: robots
                 .map(|(spec, robot)| {
                     let zones = zones(status, robot);

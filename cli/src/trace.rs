@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Write};
 
-use baudbot_sim::World;
+use baudbot_sim::{SimTime, World};
 use baudbot_trace::TraceWriter;
 use tokio::sync::oneshot;
 
@@ -16,6 +16,7 @@ pub(crate) struct Trace {
     writer: Option<TraceWriter<Out>>,
     /// How many events of each robot have been written or were lost.
     seen: Vec<u64>,
+    from: SimTime,
     /// Taken when the first write fails; otherwise told when the trace is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
 }
@@ -31,7 +32,14 @@ impl Trace {
         let (outcome, receiver) = oneshot::channel();
         let out = Some(BufWriter::with_capacity(BUFFER, out));
         let (world, seen) = (world.to_owned(), vec![0; robots]);
-        (Self { world, out, writer: None, seen, outcome: Some(outcome) }, receiver)
+        let from = SimTime::ZERO;
+        (Self { world, out, writer: None, seen, from, outcome: Some(outcome) }, receiver)
+    }
+
+    /// Leaves out what was over before this.
+    pub(crate) fn since(mut self, from: SimTime) -> Self {
+        self.from = from;
+        self
     }
 
     /// What happened since the last call.
@@ -54,7 +62,7 @@ impl Trace {
             if gone > 0 {
                 writer.lost(i, gone)?;
             }
-            for event in events {
+            for event in events.filter(|event| event.end >= self.from) {
                 writer.event(i, event)?;
             }
             *seen = timeline.total();
@@ -80,7 +88,7 @@ impl Drop for Trace {
 
 /// The first event that has not been seen, of a timeline of so many: all of one that is shorter than what was seen, as
 /// its world was reset or restored.
-fn unseen(seen: u64, total: u64) -> u64 {
+pub(crate) fn unseen(seen: u64, total: u64) -> u64 {
     if seen > total { 0 } else { seen }
 }
 

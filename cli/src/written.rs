@@ -9,6 +9,8 @@ use anyhow::Context;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
+use crate::error::Refused;
+
 /// How it goes with the files that are being written.
 #[derive(Default)]
 pub(crate) struct Files(JoinSet<anyhow::Result<()>>);
@@ -46,7 +48,7 @@ impl Files {
 
 /// Opens a file, or stdout for `-`. What is in the file stays there until the first rows are written.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
-    if path == Path::new("-") {
+    if path == Path::new(STDOUT) {
         // Not the standard library's stdout: what that holds back is written at the program's exit, which
         // must not wait for a reader.
         return Ok(Box::new(File::from(io::stdout().as_fd().try_clone_to_owned()?)));
@@ -54,6 +56,36 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Write + Send>> {
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
     let is_old = file.metadata()?.is_file();
     Ok(Box::new(Replaced { file, is_old }))
+}
+
+/// Refuses outputs that would be written into each other. Each comes with its option.
+pub(crate) fn check_apart<'a>(outputs: impl Iterator<Item = (&'static str, &'a Path)>) -> anyhow::Result<()> {
+    let mut before: Vec<(&str, &Path)> = Vec::new();
+    for (option, path) in outputs {
+        if let Some((other, same)) = before.iter().find(|(_, other)| is_same_file(other, path)) {
+            let (same, path) = (same.display(), path.display());
+            return Err(Refused::error(format!(
+                "{other} {same} and {option} {path} are the same file; write each to a file of its own"
+            )));
+        }
+        before.push((option, path));
+    }
+    Ok(())
+}
+
+/// Whether both paths lead to one file, which need not be there yet.
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| {
+        path.canonicalize().or_else(|_| {
+            let path = std::path::absolute(path)?;
+            let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+            Ok::<_, io::Error>(match folder.zip(path.file_name()) {
+                Some((folder, name)) => folder.join(name),
+                None => path,
+            })
+        })
+    };
+    one == other || real(one).ok().zip(real(other).ok()).is_some_and(|(one, other)| one == other)
 }
 
 /// A file that keeps what is in it until something new is written.
@@ -74,3 +106,6 @@ impl Write for Replaced {
         self.file.flush()
     }
 }
+
+/// The file name that means stdout.
+pub(crate) const STDOUT: &str = "-";

@@ -9,11 +9,12 @@
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds.
-//! 5. [`chart`] draws, with the elements of [`svg`].
+//! 5. [`chart`] draws, with the elements of [`svg`]; [`columnar`] writes Parquet.
 
 pub mod chart;
 mod check;
 pub mod choice;
+pub mod columnar;
 mod counted;
 pub mod crew;
 mod csv_table;

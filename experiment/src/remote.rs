@@ -107,6 +107,7 @@ async fn create(
         overrides,
         pace: Some(v1::Pace { kind: Some(v1::pace::Kind::Lockstep(v1::Lockstep::default())) }),
         paused: true,
+        saved_mcap: Vec::new(),
     };
     let mut answer = control.create_world(request.clone()).await;
     if answer.as_ref().is_err_and(|status| status.code() == Code::AlreadyExists) {

@@ -7,11 +7,25 @@ use baudbot_sim::robot::RobotSpec;
 /// One column a value of a sensor: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
 pub fn sensor_columns(spec: &RobotSpec) -> Vec<String> {
+    columns(spec, |name, _| name.to_owned())
+}
+
+/// As [`sensor_columns`], with the unit in each name that has one: `sonar.m`, `gyroscope.rad_s`, `laser.m.0`. A sensor's
+/// name has no dot, so that none of them is called as a column of anything else.
+pub fn sensor_columns_with_units(spec: &RobotSpec) -> Vec<String> {
+    columns(spec, |name, unit| match unit {
+        "" | "1" | "count" => name.to_owned(),
+        unit => format!("{name}.{}", unit.to_lowercase().replace('/', "_").replace('^', "")),
+    })
+}
+
+/// `name` makes a name of a sensor of one component, which has a unit, and no name that would say it.
+fn columns(spec: &RobotSpec, name: impl Fn(&str, &str) -> String) -> Vec<String> {
     let mut columns = Vec::new();
     for sensor in spec.sensors.iter() {
         for component in sensor.device.components() {
             let column = match component.name {
-                "" => sensor.name.clone(),
+                "" => name(&sensor.name, component.unit),
                 component => format!("{}.{component}", sensor.name),
             };
             match component.count {

@@ -1,11 +1,13 @@
 //! The operator's service.
 
+mod recordings;
+
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
 use baudbot_sim::budget::{Allowance, RobotBudget};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::scenario::ScenarioError;
-use baudbot_sim::{Override, Scenario};
+use baudbot_sim::{Override, Scenario, World};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
@@ -13,11 +15,14 @@ use tracing::Instrument;
 use crate::convert;
 use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
+use crate::recording::Folder;
 use crate::registry::{NewWorld, Registry};
 use crate::words::brief;
 
 pub(crate) struct Control {
     pub(crate) registry: Registry,
+    /// Where recordings are, if there are any.
+    pub(crate) recordings: Option<Folder>,
 }
 
 impl Control {
@@ -38,7 +43,27 @@ async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> 
         let status = convert::status(&report);
         (report, status)
     };
+    blocking(work).await
+}
+
+/// Work that takes a while, in which others must not wait.
+async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Status> {
     tokio::task::spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
+}
+
+/// The world that is asked for, by its scenario or by its state, and a name for it.
+fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status> {
+    let v1::CreateWorldRequest { world: name, scenario_toml, overrides, saved_mcap, .. } = request;
+    let (own, world) = if saved_mcap.is_empty() {
+        let scenario = parse_scenario(&scenario_toml, &overrides)?;
+        (scenario.name().to_owned(), World::new(scenario.into()))
+    } else if scenario_toml.is_empty() && overrides.is_empty() {
+        recordings::from_saved(&saved_mcap)?
+    } else {
+        let text = "saved_mcap: has a scenario of its own; leave scenario_toml and overrides empty";
+        return Err(Status::invalid_argument(text));
+    };
+    Ok((if name.is_empty() { own } else { name }, world))
 }
 
 /// Parses a scenario with its overrides; the error names the request's field, then the scenario's.
@@ -103,12 +128,9 @@ impl ControlService for Control {
         request: Request<v1::CreateWorldRequest>,
     ) -> Result<Response<v1::CreateWorldResponse>, Status> {
         let request = request.into_inner();
-        let (toml, overrides) = (request.scenario_toml, request.overrides);
-        let parse = tokio::task::spawn_blocking(move || parse_scenario(&toml, &overrides));
-        let scenario = parse.await.map_err(|error| Status::internal(error.to_string()))??;
-        let name = if request.world.is_empty() { scenario.name().to_owned() } else { request.world };
-        let pace = convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME);
-        let new = NewWorld { name, scenario: scenario.into(), pace, paused: request.paused, on_tick: None };
+        let (pace, paused) = (convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME), request.paused);
+        let (name, world) = blocking(move || new_world(request)).await??;
+        let new = NewWorld { paused, ..NewWorld::new(name, world, pace) };
         let report = self.registry.create(new)?.order(Order::Report).await?;
         let (_, status) = status_of(report).await?;
         Ok(Response::new(v1::CreateWorldResponse { status: Some(status) }))
@@ -221,6 +243,69 @@ impl ControlService for Control {
         Ok(Response::new(v1::InterveneResponse { status }))
     }
 
+    async fn save_world(
+        &self,
+        request: Request<v1::SaveWorldRequest>,
+    ) -> Result<Response<v1::SaveWorldResponse>, Status> {
+        Ok(Response::new(self.save(request.into_inner()).await?))
+    }
+
+    async fn start_recording(
+        &self,
+        request: Request<v1::StartRecordingRequest>,
+    ) -> Result<Response<v1::StartRecordingResponse>, Status> {
+        let status = self.record(request.into_inner()).await?;
+        Ok(Response::new(v1::StartRecordingResponse { status }))
+    }
+
+    async fn stop_recording(
+        &self,
+        request: Request<v1::StopRecordingRequest>,
+    ) -> Result<Response<v1::StopRecordingResponse>, Status> {
+        let report = self.stop_recording_of(&request.get_ref().world).await?;
+        let recording = Some(convert::recording_status(&report));
+        Ok(Response::new(v1::StopRecordingResponse { recording }))
+    }
+
+    async fn list_recordings(
+        &self,
+        _: Request<v1::ListRecordingsRequest>,
+    ) -> Result<Response<v1::ListRecordingsResponse>, Status> {
+        Ok(Response::new(self.list().await?))
+    }
+
+    async fn open_recording(
+        &self,
+        request: Request<v1::OpenRecordingRequest>,
+    ) -> Result<Response<v1::OpenRecordingResponse>, Status> {
+        let status = Some(self.open(request.into_inner()).await?);
+        Ok(Response::new(v1::OpenRecordingResponse { status }))
+    }
+
+    async fn describe_replay(
+        &self,
+        request: Request<v1::DescribeReplayRequest>,
+    ) -> Result<Response<v1::DescribeReplayResponse>, Status> {
+        Ok(Response::new(self.describe(&request.get_ref().world).await?))
+    }
+
+    async fn seek_replay(
+        &self,
+        request: Request<v1::SeekReplayRequest>,
+    ) -> Result<Response<v1::SeekReplayResponse>, Status> {
+        let v1::SeekReplayRequest { world, tick } = request.get_ref();
+        let status = self.status(world, Order::Seek { tick: *tick }).await?;
+        Ok(Response::new(v1::SeekReplayResponse { status }))
+    }
+
+    async fn fork_replay(
+        &self,
+        request: Request<v1::ForkReplayRequest>,
+    ) -> Result<Response<v1::ForkReplayResponse>, Status> {
+        let status = self.fork(request.into_inner()).await?;
+        Ok(Response::new(v1::ForkReplayResponse { status }))
+    }
+
     async fn get_budget(
         &self,
         request: Request<v1::GetBudgetRequest>,
@@ -248,8 +333,7 @@ impl ControlService for Control {
             };
             budgets(&scenario, &robots)
         };
-        let response = tokio::task::spawn_blocking(work).await;
-        response.map_err(|error| Status::internal(error.to_string()))?
+        blocking(work).await?
     }
 }
 

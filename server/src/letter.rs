@@ -18,12 +18,15 @@ use crate::details::Detail;
 use crate::endpoint::Write;
 use crate::metrics::Measures;
 use crate::pace::{Pace, Pacing};
+use crate::recording::{RecordConfig, SharedTape};
 use crate::registry::WorldHandle;
 
 /// A letter to a world.
 pub(crate) enum Letter {
     Order(Order, oneshot::Sender<Result<Report, Status>>),
     Describe(oneshot::Sender<Arc<Scenario>>),
+    /// Asks what is being replayed, if anything is.
+    DescribeReplay(oneshot::Sender<Option<SharedTape>>),
     Measure(oneshot::Sender<Measures>),
     Watch(Watch),
     Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
@@ -50,7 +53,7 @@ pub(crate) struct Watch {
 }
 
 /// What an operator orders.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) enum Order {
     Report,
     Start,
@@ -64,6 +67,18 @@ pub(crate) enum Order {
     Restore {
         snapshot: u64,
     },
+    /// Tells how it is, or how a state was that was kept.
+    Save {
+        snapshot: u64,
+    },
+    Record(RecordConfig),
+    StopRecording(oneshot::Sender<RecordingReport>),
+    /// Of a world that replays.
+    Seek {
+        tick: u64,
+    },
+    /// Of a world that replays.
+    Fork(Pace),
     /// Before the next tick.
     Intervene(Intervention),
     /// Throws the brain of the robot of this name off.
@@ -85,6 +100,11 @@ impl Order {
             Self::Reset => "reset",
             Self::Snapshot => "snapshot",
             Self::Restore { .. } => "restore",
+            Self::Save { .. } => "save",
+            Self::Record(_) => "record",
+            Self::StopRecording(_) => "stop_recording",
+            Self::Seek { .. } => "seek",
+            Self::Fork(_) => "fork",
             Self::Intervene(_) => "intervene",
             Self::DetachBrain { .. } => "detach_brain",
             Self::Delete => "delete",
@@ -103,6 +123,24 @@ pub(crate) struct Report {
     pub(crate) seats: Vec<SeatReport>,
     /// The number of the snapshot that was just taken.
     pub(crate) snapshot: u64,
+    pub(crate) replay: Option<ReplayReport>,
+    pub(crate) recording: Option<RecordingReport>,
+}
+
+/// How it goes with a replay.
+pub(crate) struct ReplayReport {
+    pub(crate) first_tick: u64,
+    pub(crate) last_tick: u64,
+    pub(crate) differs: Option<String>,
+}
+
+/// How it goes with a recording.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordingReport {
+    pub(crate) name: String,
+    pub(crate) bytes: u64,
+    pub(crate) ticks: u64,
+    pub(crate) problem: Option<String>,
 }
 
 /// Who holds a robot.

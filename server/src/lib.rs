@@ -51,6 +51,7 @@ mod observers;
 mod pace;
 mod page;
 mod pipe;
+mod recording;
 mod registry;
 mod room;
 mod server;
@@ -58,7 +59,9 @@ mod sessions;
 mod words;
 
 pub use address::{Address, BadAddress};
-pub use columns::{sensor_columns, state_columns, state_values};
+pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
+pub use convert::pace_of;
 pub use host::OnTick;
 pub use pace::{Lockstep, Pace, Watchdog, WatchdogPolicy};
+pub use page::Film;
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -6,7 +6,7 @@ use baudbot_sim::{RobotView, ThingView, World};
 use tokio::sync::mpsc;
 
 use crate::beliefs::Beliefs;
-use crate::details::{Detail, Detailed};
+use crate::details::{Detail, Detailed, MAX_DETAILS};
 use crate::letter::{Charge, Frame, Score, Thing, Truth, Watch};
 use crate::log::event;
 use crate::sessions::Sessions;
@@ -30,6 +30,11 @@ struct Observer {
     missed_frames: u64,
     /// It missed the last one.
     misses: bool,
+    eye: Eye,
+}
+
+/// Looks at a world, and knows what it has seen.
+pub(crate) struct Eye {
     collisions: Vec<Collision>,
     detailed: Vec<Detailed>,
     /// What brains published that it has seen.
@@ -58,9 +63,7 @@ impl Observers {
             frames,
             missed_frames: 0,
             misses: false,
-            collisions: Vec::new(),
-            detailed: details.into_iter().map(|robot| Detailed::new(robot, view.world)).collect(),
-            published: 0,
+            eye: Eye::new(details, view.world),
         };
         if observer.show(view) {
             event!(
@@ -93,9 +96,7 @@ impl Observers {
     pub(crate) fn show(&mut self, view: View<'_>) {
         self.each(view, |observer| {
             let world = view.world;
-            let room = MAX_COLLISIONS.saturating_sub(observer.collisions.len());
-            observer.collisions.extend(world.collisions().iter().take(room).cloned());
-            observer.detailed.iter_mut().for_each(|detailed| detailed.note(world));
+            observer.eye.note(world);
             let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
             !due || observer.show(view)
         });
@@ -103,9 +104,7 @@ impl Observers {
 
     /// The world is at another time: what observers were told of is over.
     pub(crate) fn begin_anew(&mut self, world: &World) {
-        for detailed in self.here.iter_mut().flat_map(|observer| &mut observer.detailed) {
-            detailed.begin_anew(world);
-        }
+        self.here.iter_mut().for_each(|observer| observer.eye.begin_anew(world));
     }
 
     /// Sends everybody the truth between two ticks: something has been changed by hand.
@@ -144,19 +143,49 @@ impl Observer {
             let missed_frames = self.missed_frames;
             event!(view, debug, observer = self.number, missed_frames, "observer reads again");
         }
-        let frame = Frame {
+        let frame = Frame { missed_frames: self.missed_frames, ..self.eye.frame(view) };
+        self.frames.try_send(frame).is_ok()
+    }
+}
+
+impl Eye {
+    /// One that looks more closely at some robots.
+    fn new(details: impl IntoIterator<Item = usize>, world: &World) -> Self {
+        let detailed = details.into_iter().map(|robot| Detailed::new(robot, world)).collect();
+        Self { collisions: Vec::new(), detailed, published: 0 }
+    }
+
+    /// One that looks closely at all robots, or as many as one may.
+    pub(crate) fn of_all(world: &World) -> Self {
+        Self::new(0..world.robots().len().min(MAX_DETAILS), world)
+    }
+
+    /// At the start of each tick: what is told in the next frame though it is of this tick.
+    pub(crate) fn note(&mut self, world: &World) {
+        let room = MAX_COLLISIONS.saturating_sub(self.collisions.len());
+        self.collisions.extend(world.collisions().iter().take(room).cloned());
+        self.detailed.iter_mut().for_each(|detailed| detailed.note(world));
+    }
+
+    fn begin_anew(&mut self, world: &World) {
+        self.detailed.iter_mut().for_each(|detailed| detailed.begin_anew(world));
+    }
+
+    /// What it sees now.
+    pub(crate) fn frame(&mut self, view: View<'_>) -> Frame {
+        let world = view.world;
+        Frame {
             tick: world.tick(),
             time: world.time(),
             robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
             collisions: std::mem::take(&mut self.collisions),
-            missed_frames: self.missed_frames,
+            missed_frames: 0,
             ending: world.ending().map(ToString::to_string),
             things: world.things().map(thing).collect(),
             score: Score::of(world),
             details: self.details(view),
             beliefs: view.beliefs.since(&mut self.published),
-        };
-        self.frames.try_send(frame).is_ok()
+        }
     }
 
     fn details(&mut self, view: View<'_>) -> Vec<Detail> {

@@ -5,13 +5,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use baudbot_sim::{Scenario, World};
+use baudbot_recording::Replay;
+use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
 
 use crate::host::{Host, OnTick};
 use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
+use crate::recording::RecordConfig;
 use crate::room::Room;
 use crate::words::{brief, list};
 
@@ -54,10 +56,21 @@ pub(crate) struct WorldHandle {
 /// A world to be.
 pub(crate) struct NewWorld {
     pub(crate) name: String,
-    pub(crate) scenario: Arc<Scenario>,
+    pub(crate) world: World,
+    /// What it does again, if it is not live.
+    pub(crate) replay: Option<Replay>,
     pub(crate) pace: Pace,
     pub(crate) paused: bool,
     pub(crate) on_tick: Option<OnTick>,
+    /// Where it is recorded from its beginning on.
+    pub(crate) record: Option<RecordConfig>,
+}
+
+impl NewWorld {
+    /// A live world that nobody records.
+    pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
+        Self { name, world, replay: None, pace, paused: false, on_tick: None, record: None }
+    }
 }
 
 impl Registry {
@@ -71,11 +84,12 @@ impl Registry {
         if worlds.by_name.len() >= MAX_WORLDS {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
-        let name: Arc<str> = new.name.into();
-        let (robots, paused) = (new.scenario.robots().len(), new.paused);
-        let world = World::new(new.scenario);
-        let host =
-            Host::new(Arc::clone(&name), world, new.pace, new.paused, new.on_tick, Arc::clone(&worlds.count));
+        let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
+        let (robots, paused) = (new.world.robots().len(), new.paused);
+        let mut host = Host::new(Arc::clone(&name), new, Arc::clone(&worlds.count));
+        if let Some(record) = record {
+            host.record(record)?;
+        }
         let room = Arc::new(Room::new(host));
         let home = Arc::clone(&room);
         let thread = thread::Builder::new().name(format!("world {name}"));

@@ -10,9 +10,10 @@ use std::time::Duration;
 use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
 use baudbot_proto::v1::control_service_server::ControlServiceServer;
 use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
-use baudbot_sim::Scenario;
+use baudbot_recording::Replay;
+use baudbot_sim::{Scenario, World};
 use tokio::net::{TcpListener, UnixListener, UnixStream};
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::UnixListenerStream;
@@ -28,8 +29,9 @@ use crate::letter::Letter;
 use crate::metrics::Metrics;
 use crate::observe::Observe;
 use crate::pace::Pace;
-use crate::page;
+use crate::page::{self, Film};
 use crate::pipe::Pipes;
+use crate::recording::{Folder, RecordConfig};
 use crate::registry::{NewWorld, Registry};
 
 /// How often a silent connection is asked whether it is there, and how long it has to answer.
@@ -74,8 +76,28 @@ pub struct WorldConfig {
 impl WorldConfig {
     /// A world of this name, at real time.
     pub fn new(name: impl Into<String>, scenario: impl Into<Arc<Scenario>>) -> Self {
-        let (name, scenario) = (name.into(), scenario.into());
-        Self { new: NewWorld { name, scenario, pace: Pace::REAL_TIME, paused: false, on_tick: None } }
+        Self::from_state(name, World::new(scenario.into()))
+    }
+
+    /// A world of this name that goes on from a state, at real time. Brains that held its robots are not attached.
+    pub fn from_state(name: impl Into<String>, world: World) -> Self {
+        Self { new: NewWorld::new(name.into(), world, Pace::REAL_TIME) }
+    }
+
+    /// A world of this name that does a recording again: this replay's, as it stands in this world. It stands still until
+    /// it is started, and no brain can attach to it.
+    pub fn replay(name: impl Into<String>, (replay, world): (Replay, World)) -> Self {
+        let new = NewWorld::new(name.into(), world, Pace::REAL_TIME);
+        Self { new: NewWorld { replay: Some(replay), paused: true, ..new } }
+    }
+
+    /// Records it into this file, which is replaced if it is there, with so many frames a simulated second of what an
+    /// observer sees; 0 for none.
+    #[must_use]
+    pub fn record(mut self, path: PathBuf, look_hz: f64) -> Self {
+        let name = path.display().to_string();
+        self.new.record = Some(RecordConfig { name, path, replace: true, look_hz });
+        self
     }
 
     /// Its pace.
@@ -108,6 +130,8 @@ pub struct Builder {
     addresses: Vec<Address>,
     /// Each with whether another port will do.
     viewers: Vec<(SocketAddr, bool)>,
+    recordings: Option<Folder>,
+    films: Option<mpsc::Sender<Film>>,
     insecure: bool,
 }
 
@@ -137,6 +161,20 @@ impl Builder {
     #[must_use]
     pub fn viewer_or_free_port(mut self, address: SocketAddr) -> Self {
         self.viewers.push((address, true));
+        self
+    }
+
+    /// Lets operators record worlds into this folder, which must be there, and replay what is in it.
+    #[must_use]
+    pub fn recordings(mut self, folder: PathBuf) -> Self {
+        self.recordings = Some(Folder::new(folder));
+        self
+    }
+
+    /// Lets the viewer's page hand in films, which go here.
+    #[must_use]
+    pub fn films(mut self, films: mpsc::Sender<Film>) -> Self {
+        self.films = Some(films);
         self
     }
 
@@ -175,7 +213,8 @@ impl Builder {
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
-        Server::start(registry, listeners, pages).await
+        let control = Control { registry, recordings: self.recordings };
+        Server::start(control, listeners, pages, self.films).await
     }
 }
 
@@ -197,11 +236,13 @@ impl Server {
     }
 
     async fn start(
-        registry: Registry,
+        control: Control,
         listeners: Vec<Listener>,
         pages: Vec<TcpListener>,
+        films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
-        let router = router(&registry).await?;
+        let registry = control.registry.clone();
+        let router = router(control).await?;
         let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut tasks = JoinSet::new();
@@ -223,7 +264,7 @@ impl Server {
         let metrics = Metrics::new(registry.clone());
         for page in pages {
             viewers.extend(page.local_addr());
-            tasks.spawn(page::serve(page, pipes.clone(), metrics.clone(), stopped.clone()));
+            tasks.spawn(page::serve(page, pipes.clone(), metrics.clone(), films.clone(), stopped.clone()));
         }
         Ok(Self { registry, addresses, viewers, sockets, pipes, stop, tasks })
     }
@@ -288,7 +329,8 @@ where
     }
 }
 
-async fn router(registry: &Registry) -> Result<Router, ServerError> {
+async fn router(control: Control) -> Result<Router, ServerError> {
+    let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<ControlServiceServer<Control>>().await;
     health.set_serving::<BrainLinkServiceServer<BrainLink>>().await;
@@ -298,7 +340,6 @@ async fn router(registry: &Registry) -> Result<Router, ServerError> {
             .register_encoded_file_descriptor_set(baudbot_proto::DESCRIPTORS)
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
-    let control = Control { registry: registry.clone() };
     let observe = Observe { registry: registry.clone() };
     let brain_link = BrainLink { registry: registry.clone() };
     Ok(Transport::builder()

@@ -210,18 +210,9 @@ impl World {
         }
         self.may_alter(name)?;
         let (seed, scenario) = (self.scenario().seed, self.scenario_mut());
-        let model = Arc::make_mut(&mut scenario.robots_mut()[own].model);
-        if let Link::Uart(Uart { cuts, .. }) | Link::Usb(Usb { cuts, .. }) = &mut model.link {
-            if pulled {
-                cuts.push(When::Once { from: now, until: SimTime::NEVER });
-            }
-            for when in cuts.iter_mut().filter(|_| !pulled) {
-                if let When::Once { until: until @ SimTime::NEVER, .. } = when {
-                    *until = now;
-                }
-            }
-        }
-        let link = model.link.clone();
+        let link = &mut Arc::make_mut(&mut scenario.robots_mut()[own].model).link;
+        cut(link, now, pulled);
+        let link = link.clone();
         self.state_mut().robots[own].watch_outages(&link, seed, name);
         Ok(true)
     }
@@ -248,6 +239,25 @@ impl World {
         Ok(true)
     }
 
+    /// Alters the scenario as it was altered before its state was saved.
+    pub(crate) fn alter_again(&mut self, altered: Altered) -> Result<()> {
+        for (at, intervention) in &altered.0 {
+            let (Intervention::PullCable { robot, .. } | Intervention::SetBaud { robot, .. }) = intervention
+            else {
+                continue;
+            };
+            let own = self.robot_named(robot)?;
+            let link = &mut Arc::make_mut(&mut self.scenario_mut().robots_mut()[own].model).link;
+            match (intervention, link) {
+                (Intervention::PullCable { pulled, .. }, link) => cut(link, *at, *pulled),
+                (Intervention::SetBaud { baud, .. }, Link::Uart(uart)) => uart.baud = *baud,
+                _ => {}
+            }
+        }
+        self.altered = altered;
+        Ok(())
+    }
+
     /// What has been altered is kept with every snapshot, so it has an end.
     fn may_alter(&self, name: &str) -> Result<()> {
         let is_full = self.altered.0.len() >= MOST_ALTERED;
@@ -257,6 +267,19 @@ impl World {
     fn robot_named(&self, name: &str) -> Result<usize> {
         let found = self.scenario().robots().iter().position(|spec| spec.name == name);
         found.ok_or_else(|| unknown("robot", "robot", name))
+    }
+}
+
+/// Pulls a cable at this instant, or plugs it in.
+fn cut(link: &mut Link, now: SimTime, pulled: bool) {
+    let (Link::Uart(Uart { cuts, .. }) | Link::Usb(Usb { cuts, .. })) = link else { return };
+    if pulled {
+        cuts.push(When::Once { from: now, until: SimTime::NEVER });
+    }
+    for when in cuts.iter_mut().filter(|_| !pulled) {
+        if let When::Once { until: until @ SimTime::NEVER, .. } = when {
+            *until = now;
+        }
     }
 }
 

@@ -76,4 +76,4 @@ pub use laptop::{Freshness, Reading};
 pub use scenario::{Override, Scenario};
 pub use time::SimTime;
 pub use view::{Outline, RobotView, SensorView, ThingView};
-pub use world::{Ending, Input, Turn, World};
+pub use world::{Ending, Input, SavedError, Turn, World};

@@ -66,6 +66,15 @@ impl Score {
         }
     }
 
+    /// Whether it counts the same things.
+    pub(crate) fn has_form_of(&self, other: &Self) -> bool {
+        let zones = |score: &Self| score.in_zone_ns.iter().map(Vec::len).collect::<Vec<_>>();
+        let floor = |score: &Self| score.coverage.as_ref().map(Coverage::form);
+        self.visited.len() == other.visited.len()
+            && zones(self) == zones(other)
+            && floor(self) == floor(other)
+    }
+
     /// Share of the free floor that bodies have covered, if that is counted.
     pub fn covered(&self, rules: &Rules) -> Option<f64> {
         Some(self.coverage.as_ref()?.floor_fraction(rules.floor.as_ref()?))

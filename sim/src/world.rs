@@ -4,6 +4,7 @@ mod frozen;
 mod given;
 mod lookahead;
 mod motion;
+mod saved;
 
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -27,6 +28,7 @@ use crate::view::{RobotView, ThingView};
 use given::Given;
 use lookahead::Ahead;
 use motion::Lists;
+pub use saved::SavedError;
 
 /// A world: a scenario, which changes by hand alone, and a state, which is a value: a snapshot is a clone.
 ///

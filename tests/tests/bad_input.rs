@@ -261,6 +261,7 @@ async fn scenarios_that_make_no_sense_are_refused_with_the_field() {
             overrides: overrides.iter().map(|&text| text.to_owned()).collect(),
             pace: None,
             paused: true,
+            saved_mcap: Vec::new(),
         };
         operator.create_world(request).await.map(|response| response.into_inner().status.unwrap())
     };

@@ -264,3 +264,37 @@ async fn a_page_that_does_not_read_misses_frames_and_slows_nobody() {
     }
     server.shutdown().await;
 }
+
+fn post(path: &str, origin: &str, body: &str) -> String {
+    let length = body.len();
+    format!(
+        "POST {path} HTTP/1.1\r\nHost: localhost:1\r\nOrigin: http://{origin}\r\nContent-Length: {length}\r\n\
+         Connection: close\r\n\r\n{body}"
+    )
+}
+
+#[tokio::test]
+async fn a_page_hands_in_films_where_somebody_wants_them() {
+    let (films, mut made) = tokio::sync::mpsc::channel(2);
+    let world = WorldConfig::new("w", scenario(WANDER, &[])).pace(lockstep());
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::builder().world(world).viewer(free).films(films).serve().await.unwrap();
+    assert!(get(&server, &post("/film", "localhost:1", "GIF89a")).await.starts_with("HTTP/1.1 204"));
+    assert_eq!(made.try_recv().unwrap(), Ok(b"GIF89a".to_vec()));
+    let failed = post("/film?failed=1", "localhost:1", "no encoder");
+    assert!(get(&server, &failed).await.starts_with("HTTP/1.1 204"));
+    assert_eq!(made.try_recv().unwrap(), Err("no encoder".to_owned()));
+    // Larger than what other requests may have.
+    let long = "x".repeat(5 << 20);
+    assert!(get(&server, &post("/film", "localhost:1", &long)).await.starts_with("HTTP/1.1 204"));
+    assert_eq!(made.try_recv().unwrap().unwrap().len(), long.len());
+    let stranger = get(&server, &post("/film", "evil.example", "GIF89a")).await;
+    assert!(stranger.starts_with("HTTP/1.1 403"), "{stranger}");
+    assert!(made.try_recv().is_err());
+    drop(made);
+    assert!(get(&server, &post("/film", "localhost:1", "GIF89a")).await.starts_with("HTTP/1.1 410"));
+    server.shutdown().await;
+    let server = serve(lockstep()).await;
+    let unasked = get(&server, &post("/film", "localhost:1", "GIF89a")).await;
+    assert!(unasked.starts_with("HTTP/1.1 405") || unasked.starts_with("HTTP/1.1 404"), "{unasked}");
+}

@@ -80,6 +80,39 @@ export function setPressed(element: HTMLElement, on: boolean): void {
   if (element.getAttribute("aria-pressed") !== text) element.setAttribute("aria-pressed", text);
 }
 
+/** Gives people a file. */
+export function download(bytes: Uint8Array, type: string, name: string): void {
+  const address = URL.createObjectURL(new Blob([bytes as Uint8Array<ArrayBuffer>], { type }));
+  el("a", { attributes: { href: address, download: name } }).click();
+  // The browser has begun to read it by then.
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
+}
+
+/** Calls back at once, or when so much time has passed since the last time. */
+export class Throttle {
+  private last_ms = -Infinity;
+  private timer = 0;
+
+  constructor(
+    private readonly wait_ms: number,
+    private readonly work: () => void,
+  ) {}
+
+  /** Asks for it soon, or now. */
+  ask(now = false): void {
+    const left_ms = now ? 0 : this.last_ms + this.wait_ms - performance.now();
+    if (left_ms <= 0) return this.run();
+    if (this.timer === 0) this.timer = window.setTimeout(() => this.run(), left_ms);
+  }
+
+  private run(): void {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    this.last_ms = performance.now();
+    this.work();
+  }
+}
+
 /** A drawing surface in device pixels for a canvas that is so large in CSS pixels. */
 export function surface(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
   const ratio = window.devicePixelRatio || 1;

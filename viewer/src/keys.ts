@@ -5,6 +5,7 @@ import { isDriveKey } from "./model/stick";
 import type { Store } from "./model/store";
 import type { Drive } from "./net/drive";
 import type { Orders } from "./net/orders";
+import type { Replayer } from "./net/replayer";
 import type { Toolbar } from "./panels/toolbar";
 
 /** Pixels that an arrow pans. */
@@ -16,6 +17,7 @@ export interface Desk {
   hands: Hands;
   orders: Orders;
   drive: Drive;
+  replayer: Replayer;
   toolbar: Toolbar;
   help: HTMLDialogElement;
   switchTheme(): void;
@@ -37,6 +39,8 @@ export function listen(desk: Desk): void {
 function isTyping(event: KeyboardEvent): boolean {
   const target = event.target as HTMLElement;
   if (document.querySelector("dialog[open]")) return true;
+  // A slider means only the keys that move it.
+  if ((target as HTMLInputElement).type === "range") return /^(Arrow|Page|Home|End|Tab)/.test(event.key);
   if (["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName)) return true;
   // A button under the focus takes these two for itself.
   return (event.key === " " || event.key === "Enter") && (target.tagName === "BUTTON" || target.tagName === "SUMMARY");
@@ -45,9 +49,13 @@ function isTyping(event: KeyboardEvent): boolean {
 /** Whether the key meant something. */
 function press(desk: Desk, event: KeyboardEvent): boolean {
   const { arena, orders, hands, drive, store } = desk;
-  const actions: Record<string, () => unknown> = {
-    " ": () => orders.toggle(),
-    ".": () => orders.step(1),
+  const replayer = desk.replayer.isOn ? desk.replayer : undefined;
+  const actions: Record<string, (() => unknown) | undefined> = {
+    " ": () => (replayer ?? orders).toggle(),
+    ".": () => (replayer ? replayer.step(1) : orders.step(1)),
+    ",": replayer && (() => replayer.step(-1)),
+    "<": replayer && (() => replayer.toEvent(-1)),
+    ">": replayer && (() => replayer.toEvent(1)),
     "+": () => arena.zoom(1.25),
     "=": () => arena.zoom(1.25),
     "-": () => arena.zoom(0.8),
@@ -61,7 +69,7 @@ function press(desk: Desk, event: KeyboardEvent): boolean {
     g: () => arena.toggle("ghost"),
     b: () => arena.toggle("belief"),
     m: () => desk.toolbar.toggleMove(),
-    d: () => drive.start(),
+    d: () => (replayer ? undefined : drive.start()),
     q: () => hands.turn(Math.PI / 12),
     e: () => hands.turn(-Math.PI / 12),
     t: () => desk.switchTheme(),

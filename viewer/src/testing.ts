@@ -4,6 +4,7 @@ import { toPixel } from "./arena/view";
 import { poseOf } from "./model/motion";
 import type { Pose } from "./model/pose";
 import type { Store } from "./model/store";
+import type { Replayer } from "./net/replayer";
 import type { Watcher } from "./net/watcher";
 
 export interface ViewerForTests {
@@ -21,6 +22,10 @@ export interface ViewerForTests {
   /** Its dead reckoning. */
   readonly ghost: Pose | undefined;
   readonly framesPerSecond: number;
+  /** Where a replay is or is on its way to; undefined if the world is live. */
+  readonly replayTick: number | undefined;
+  /** The chosen robot's trail, in metres. */
+  readonly trail: [number, number][];
   readonly lastError: string;
 }
 
@@ -30,7 +35,14 @@ declare global {
   }
 }
 
-export function exposeForTests(store: Store, arena: Arena, watcher: Watcher): void {
+interface Parts {
+  store: Store;
+  arena: Arena;
+  watcher: Watcher;
+  replayer: Replayer;
+}
+
+export function exposeForTests({ store, arena, watcher, replayer }: Parts): void {
   const pose = () => store.frame && poseOf(store.frame.poses, store.robotIndex);
   const exposed: ViewerForTests = {
     get frames() {
@@ -60,6 +72,13 @@ export function exposeForTests(store: Store, arena: Arena, watcher: Watcher): vo
     },
     get framesPerSecond() {
       return watcher.frames_per_s;
+    },
+    get replayTick() {
+      return replayer.isOn ? Number(replayer.tick) : undefined;
+    },
+    get trail() {
+      const trail = store.trails.all[store.robotIndex];
+      return Array.from({ length: trail?.length ?? 0 }, (_, i) => trail?.at(i) ?? ([NaN, NaN] as [number, number]));
     },
     get lastError() {
       return store.lastError;

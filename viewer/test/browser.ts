@@ -3,43 +3,11 @@
  * Chromium: in CHROMIUM, or where Debian has it. With SHOTS it leaves pictures in that folder.
  */
 import assert from "node:assert/strict";
-import { existsSync } from "node:fs";
-import { after, before, test } from "node:test";
-import { chromium, type Browser, type Page } from "playwright-core";
-import { serve } from "./mock";
+import { test } from "node:test";
+import type { Page } from "playwright-core";
+import { beforeTheMock } from "./browser_kit";
 
-const PROGRAM = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const options = { skip: existsSync(PROGRAM) ? false : `there is no browser at ${PROGRAM}`, timeout: 60_000 };
-const shots = process.env.SHOTS;
-
-let browser: Browser;
-let port: number;
-let stop: () => void;
-
-before(async () => {
-  if (options.skip) return;
-  ({ port, stop } = await serve(0, 3));
-  browser = await chromium.launch({ executablePath: PROGRAM, args: ["--no-sandbox"] });
-});
-
-after(async () => {
-  await browser?.close();
-  stop?.();
-});
-
-/** A page that fails the test if anything is refused by its policy or thrown in it. */
-async function open(
-  hash: string,
-  size = { width: 1280, height: 800 },
-  colorScheme: "light" | "dark" = "light",
-): Promise<Page> {
-  const page = await (await browser.newContext({ viewport: size, colorScheme })).newPage();
-  page.on("console", (message) => message.type() === "error" && assert.fail(message.text()));
-  page.on("pageerror", (error) => assert.fail(error));
-  await page.goto(`http://127.0.0.1:${port}/${hash}`);
-  await page.waitForFunction(() => window.baudbotViewer?.frames > 5);
-  return page;
-}
+const { options, shots, open } = beforeTheMock();
 
 const state = (page: Page) =>
   page.evaluate(() => {

@@ -17,6 +17,7 @@ import {
 } from "../src/gen/baudbot/v1/page_pb";
 import { WorldState } from "../src/gen/baudbot/v1/world_pb";
 import { STEP_NS } from "./mock_scene";
+import { files, MAGIC, MockReplay, type MockFile } from "./mock_replay";
 import { MockWorld } from "./mock_world";
 
 /** As strict as that of the real server. */
@@ -58,6 +59,7 @@ class Session {
   constructor(
     private readonly socket: WebSocket,
     private readonly worlds: Map<string, MockWorld>,
+    private readonly files: Map<string, MockFile>,
   ) {
     socket.on("message", (data) => this.take(fromBinary(PageRequestSchema, new Uint8Array(data as Buffer))));
     socket.on("close", () => this.attachments.forEach(({ world, robot }) => this.let_go(world, robot)));
@@ -96,7 +98,11 @@ class Session {
           value: { worlds: [...this.worlds.values()].map((world) => world.status()) },
         } as Reply;
       case "createWorld":
-        return this.create(request.value.world, request.value.scenarioToml);
+        return this.create(request.value.world, request.value.scenarioToml, request.value.savedMcap);
+      case "listRecordings":
+        return { case: "listRecordings", value: { recordings: [...this.files.values()] } } as unknown as Reply;
+      case "openRecording":
+        return this.open(request.value.recording, request.value.world);
       case "describeWorld":
         return { case: "describeWorld", value: this.find(request.value.world).description };
       case "watch":
@@ -115,12 +121,15 @@ class Session {
         throw new Refusal("UNIMPLEMENTED", "the mock does not do that");
       default: {
         const world = this.find(request.value.world);
-        return answer(request.case, world, this.change(world, request));
+        return answer(request.case, world, this.change(world, request) ?? this.record(world, request));
       }
     }
   }
 
-  private change(world: MockWorld, request: PageRequest["request"]): object {
+  private change(world: MockWorld, request: PageRequest["request"]): object | undefined {
+    const refused = ["resetWorld", "snapshotWorld", "restoreWorld", "intervene", "startRecording"];
+    if (isReplay(world) && refused.includes(request.case ?? ""))
+      throw new Refusal("FAILED_PRECONDITION", `world \`${world.name}\` replays a recording`);
     switch (request.case) {
       case "startWorld":
         world.state = WorldState.RUNNING;
@@ -153,8 +162,49 @@ class Session {
       }
       case "intervene":
         this.intervene(world, request.value.intervention);
+        break;
+      default:
+        return undefined;
     }
     return {};
+  }
+
+  /** What has to do with recordings. */
+  private record(world: MockWorld, request: PageRequest["request"]): object {
+    switch (request.case) {
+      case "saveWorld":
+        return { savedMcap: Uint8Array.of(...MAGIC, 1, 2, 3), tick: world.tick };
+      case "startRecording":
+        if (world.recording) throw new Refusal("FAILED_PRECONDITION", "it is being recorded already");
+        world.recording = { recording: `${world.name}-1`, bytes: 0n, ticks: 0n, problem: "" };
+        return {};
+      case "stopRecording": {
+        const { recording } = world;
+        world.recording = undefined;
+        if (!recording) throw new Refusal("FAILED_PRECONDITION", "it is not being recorded");
+        const last = recording.ticks > 200n ? recording.ticks : 200n;
+        const modifiedUnixNs = BigInt(Date.now()) * 1_000_000n;
+        this.files.set(recording.recording, { ...recording, modifiedUnixNs, last, differs: "", cutOff: false });
+        return { recording };
+      }
+    }
+    if (!isReplay(world)) throw new Refusal("FAILED_PRECONDITION", `world \`${world.name}\` replays no recording`);
+    if (request.case === "describeReplay") return world.describeReplay();
+    if (request.case === "forkReplay") world.fork();
+    if (request.case === "seekReplay") {
+      world.seek(request.value.tick);
+      for (const session of sessions) session.leapt(world);
+    }
+    return {};
+  }
+
+  private open(recording: string, name: string): Reply {
+    const file = this.files.get(recording);
+    if (!file) throw new Refusal("NOT_FOUND", `recording: there is no \`${recording}\``);
+    const world = new MockReplay(name || recording, file);
+    if (this.worlds.has(world.name)) throw new Refusal("ALREADY_EXISTS", `world: \`${world.name}\` exists already`);
+    this.worlds.set(world.name, world);
+    return { case: "openRecording", value: { status: world.status() } } as Reply;
   }
 
   private intervene(
@@ -176,7 +226,9 @@ class Session {
     if (what.case === "detachBrain") body.brain = "";
   }
 
-  private create(name: string, toml: string): Reply {
+  private create(name: string, toml: string, saved: Uint8Array): Reply {
+    if (saved.length > 0 && (toml !== "" || MAGIC.some((byte, i) => saved[i] !== byte)))
+      throw new Refusal("INVALID_ARGUMENT", "saved_mcap: is no saved state");
     const wrong = toml.split("\n").findIndex((line) => line.includes("WRONG"));
     if (wrong >= 0)
       throw new Refusal("INVALID_ARGUMENT", `TOML parse error at line ${wrong + 1}, column 1\nWRONG is no key`);
@@ -202,6 +254,7 @@ class Session {
       const robot = world.description.robots.findIndex((one) => one.robot === request.value.robots[0]);
       const body = world.bodies[robot];
       const description = world.description.robots[robot]?.description;
+      if (isReplay(world)) throw new Refusal("FAILED_PRECONDITION", `world \`${world.name}\` replays a recording`);
       if (!body || !description) throw new Refusal("NOT_FOUND", "robots: no such robot");
       if (body.brain !== "")
         throw new Refusal(
@@ -237,6 +290,15 @@ class Session {
     if (body) body.brain = "";
   }
 
+  /** After a seek: a frame at once, with what is known of the time before. */
+  leapt(world: MockWorld): void {
+    for (const watch of this.watches.filter((one) => one.world === world)) {
+      const since = world.tick > 200n ? world.tick - 200n : 0n;
+      this.reply(watch.call, { case: "watch", value: world.frame(watch.details, since) });
+      watch.shown = world.tick;
+    }
+  }
+
   /** After a tick: frames and Turns. */
   ticked(world: MockWorld): void {
     for (const watch of this.watches) {
@@ -264,6 +326,10 @@ class Session {
 
 const sessions = new Set<Session>();
 
+function isReplay(world: MockWorld): world is MockReplay {
+  return world instanceof MockReplay && world.isReplay;
+}
+
 function advance(world: MockWorld): void {
   world.step();
   for (const session of sessions) session.ticked(world);
@@ -271,13 +337,34 @@ function advance(world: MockWorld): void {
 
 const DIST = new URL("../dist/", import.meta.url);
 
-/** Begins to serve, at port 0 wherever there is room; returns where it is and how to stop. */
-export async function serve(port: number, robots: number): Promise<{ port: number; stop: () => void }> {
+/** A server that runs. */
+export interface Mock {
+  port: number;
+  stop: () => void;
+  worlds: Map<string, MockWorld>;
+  /** What was posted, newest last. */
+  posted: { path: string; type: string; body: Buffer }[];
+}
+
+/** Begins to serve, at port 0 wherever there is room. */
+export async function serve(port: number, robots: number): Promise<Mock> {
   const worlds = new Map([
     ["arena", new MockWorld("arena", robots)],
     ["second", new MockWorld("second", 3)],
   ]);
+  const folder = files();
+  const posted: Mock["posted"] = [];
   const http = createServer((request, response) => {
+    if (request.method === "POST") {
+      const parts: Buffer[] = [];
+      request.on("data", (part: Buffer) => parts.push(part));
+      request.on("end", () => {
+        const type = request.headers["content-type"] ?? "";
+        posted.push({ path: request.url ?? "", type, body: Buffer.concat(parts) });
+        response.writeHead(204).end();
+      });
+      return;
+    }
     const path = (request.url ?? "/").split("?")[0] === "/" ? "index.html" : (request.url ?? "").slice(1);
     if (!/^(index\.html|viewer\.(js|css))$/.test(path)) return void response.writeHead(404).end();
     const type = TYPES[path.split(".").pop() ?? ""] ?? "";
@@ -286,7 +373,7 @@ export async function serve(port: number, robots: number): Promise<{ port: numbe
       .end(readFileSync(new URL(path, DIST)));
   });
   new WebSocketServer({ server: http, path: "/page" }).on("connection", (socket) => {
-    const session = new Session(socket, worlds);
+    const session = new Session(socket, worlds, folder);
     sessions.add(session);
     socket.on("close", () => sessions.delete(session));
   });
@@ -301,7 +388,7 @@ export async function serve(port: number, robots: number): Promise<{ port: numbe
     http.closeAllConnections();
     http.close();
   };
-  return { port: (http.address() as AddressInfo).port, stop };
+  return { port: (http.address() as AddressInfo).port, stop, worlds, posted };
 }
 
 if (process.argv[1] === new URL(import.meta.url).pathname) {

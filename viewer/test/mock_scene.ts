@@ -169,7 +169,16 @@ export function describe(robots: number): DescribeWorldResponse {
       { zone: "goal", goal: true, outline: { center: { xM: 2.3, yM: 1.3 }, radiusM: 0.45 } },
       { zone: "dock", chargerW: 20, outline: { points: corners(-2.9, -0.4, 0.6, 0.8) } },
     ],
-    lights: [{ light: "lamp", position: { xM: -1.2, yM: -1.3 }, heightM: 1, intensityCd: 8 }],
+    lights: [
+      { light: "lamp", position: { xM: -1.2, yM: -1.3 }, heightM: 1, intensityCd: 8 },
+      {
+        light: "beacon",
+        position: { xM: 0.9, yM: 1.6 },
+        intensityCd: 3,
+        periodNs: 1_000_000_000n,
+        litNs: 400_000_000n,
+      },
+    ],
     fields: [{ field: "scent", sources: [{ position: { xM: 2, yM: -0.3 }, strength: 3, widthM: 0.6 }] }],
   });
 }

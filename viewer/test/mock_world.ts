@@ -33,6 +33,7 @@ export class MockWorld {
   bodies: Body[] = [];
   box = { xM: 0.6, yM: -0.6, headingRad: 0.3 };
   lost = 0n;
+  recording: { recording: string; bytes: bigint; ticks: bigint; problem: string } | undefined;
   baud = 9600;
   readonly snapshots = new Map<bigint, { tick: bigint; bodies: Body[] }>();
 
@@ -66,6 +67,10 @@ export class MockWorld {
   /** One tick: brains steer, bodies roll and turn away from walls. */
   step(): void {
     this.tick++;
+    if (this.recording) {
+      this.recording.ticks++;
+      this.recording.bytes += 321n;
+    }
     this.bodies.forEach((body, i) => {
       if (body.brain === "avoid") this.steer(body, i);
       this.roll(body, this.description.robots[i]?.radiusM ?? 0.2);
@@ -304,6 +309,7 @@ export class MockWorld {
       tick: this.tick,
       timeNs: this.tick * STEP_NS,
       stepNs: STEP_NS,
+      recording: this.recording,
       robots: this.description.robots.map(({ robot }, i) => ({
         robot,
         brain: this.bodies[i]?.brain ?? "",

@@ -6,6 +6,9 @@
 import assert from "node:assert/strict";
 import { spawn, type ChildProcess } from "node:child_process";
 import { once } from "node:events";
+import { mkdtemp, readdir, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { after, before, test } from "node:test";
 import { chromium, type Browser, type Page } from "playwright-core";
@@ -18,10 +21,15 @@ let server: ChildProcess;
 let brain: ChildProcess;
 let browser: Browser;
 let link: string;
+/** The server's recordings. */
+let folder: string;
 
 before(async () => {
-  const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0"];
-  server = spawn(PROGRAM, ["serve", "wander", "khepera", ...free], { stdio: ["ignore", "pipe", "inherit"] });
+  folder = await mkdtemp(join(tmpdir(), "baudbot-recordings-"));
+  const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0", "--recordings", folder];
+  // A robot whose cable is out may run into something, and the others want to go on.
+  const worlds = ["wander", "khepera", "--set", "collision=stop-robot"];
+  server = spawn(PROGRAM, ["serve", ...worlds, ...free], { stdio: ["ignore", "pipe", "inherit"] });
   const lines = createInterface({ input: server.stdout! });
   let address = "";
   for await (const line of lines) {
@@ -43,6 +51,7 @@ after(async () => {
       await once(program, "exit");
     }
   }
+  if (folder) await rm(folder, { recursive: true });
 });
 
 /** A page that fails the test if anything is refused by its policy or thrown in it. */
@@ -153,5 +162,47 @@ test("a robot without a brain is driven by the page, through its cable", { timeo
   }, from);
   await page.keyboard.up("w");
   await page.keyboard.press("Escape");
+  await page.close();
+});
+
+test("a run is recorded, and gone through forwards and backwards", { timeout: 90_000 }, async () => {
+  const page = await open(WANDER);
+  await page.getByTestId("record-toggle").click();
+  await page.getByTestId("record-state").waitFor();
+  const begun = await page.evaluate(() => window.baudbotViewer.tick);
+  await page.waitForFunction((tick) => window.baudbotViewer.tick > tick + 400, begun);
+  await page.getByTestId("record-toggle").click();
+  await page.getByTestId("recording-open-wander-1").click();
+  await page.getByTestId("replay-bar").waitFor();
+  await page.waitForFunction(() => window.baudbotViewer.replayTick !== undefined && window.baudbotViewer.pose);
+  const slider = await page.getByTestId("replay-slider").boundingBox();
+  assert.ok(slider);
+  const scrub = async (share: number) => {
+    await page.mouse.move(slider.x + slider.width * share, slider.y + slider.height / 2);
+    await page.waitForFunction(() => window.baudbotViewer.tick === window.baudbotViewer.replayTick);
+    await page.waitForTimeout(200);
+    const { tick, pose } = await page.evaluate(() => ({ ...window.baudbotViewer, pose: window.baudbotViewer.pose }));
+    assert.ok(pose);
+    return { tick, pose, picture: await picture(page, "arena-canvas") };
+  };
+  await page.mouse.move(slider.x + slider.width * 0.1, slider.y + slider.height / 2);
+  await page.mouse.down();
+  const early = await scrub(0.2);
+  const late = await scrub(0.9);
+  const again = await scrub(0.2);
+  await page.mouse.up();
+  assert.ok(late.tick > early.tick + 200, `${early.tick} ${late.tick}`);
+  assert.deepEqual([again.tick, again.pose], [early.tick, early.pose], "the same tick is the same picture");
+  assert.ok(Math.hypot(late.pose.x_m - early.pose.x_m, late.pose.y_m - early.pose.y_m) > 0.1);
+  assert.notEqual(late.picture, early.picture);
+  await page.getByTestId("replay-back").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick === tick - 1, again.tick);
+  await page.getByTestId("replay-play").click();
+  await page.waitForFunction((tick) => window.baudbotViewer.tick > tick + 50, again.tick);
+  assert.equal(await page.getByTestId("replay-differs").isVisible(), false);
+  if (shots) await page.screenshot({ path: `${shots}/viewer-replay.png` });
+  await page.getByTestId("replay-fork").click();
+  await page.getByTestId("replay-bar").waitFor({ state: "hidden" });
+  assert.deepEqual(await readdir(folder), ["wander-1.mcap"]);
   await page.close();
 });

@@ -56,6 +56,16 @@ test("what nobody answered is no cycle", () => {
   assert.equal(lastCycle([]), undefined);
 });
 
+test("what a later step wrote does not answer a message that the brain left unanswered", () => {
+  const silent = cycle(0).filter((event) => event.kind !== K.DOWN && event.kind !== K.OBEY && event.kind !== K.ACT);
+  assert.equal(lastCycle([...silent, us(60_000, 68_000, K.DOWN, 8), us(60_500, 68_100, K.OBEY)]), undefined);
+  const late = us(30_000, 45_000, K.THINK, 0, 1);
+  const answer = [us(45_000, 53_000, K.DOWN, 8), us(46_000, 53_100, K.OBEY)];
+  const found = lastCycle([...silent.filter((event) => event.kind !== K.THINK), late, ...answer]);
+  assert.ok(found?.events.has(late) && found?.events.has(answer[0]!));
+  assert.equal(found?.obeyed_ns, 53_100_000);
+});
+
 test("lanes go from the sensors to the motors, and other cycles are pale", () => {
   const all = [...cycle(0), ...cycle(20_000), us(30_000, 30_000, K.LATE)];
   const found = lastCycle(all);

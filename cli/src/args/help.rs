@@ -13,6 +13,7 @@ Examples:
   baudbot run wander --pace real-time --seconds 10
   baudbot run khepera --set robots.khepera.link.baud=9600
   baudbot run --seconds 2 --timeline run.pftrace   what happened when, for ui.perfetto.dev
+  baudbot run --record run.mcap                  to be replayed: see `baudbot help replay`
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
 
@@ -35,7 +36,20 @@ pub(super) const SERVE_EXAMPLES: &str = "\
 Examples:
   baudbot serve                                  wander at 127.0.0.1:7400, in real time
   baudbot serve wander khepera --pace lockstep
-  baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0";
+  baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0
+  baudbot serve my.toml --record run.mcap        and if it is killed: baudbot serve --resume run.mcap
+  baudbot serve --recordings runs                record and replay from the viewer, or by ControlService";
+
+pub(super) const REPLAY_EXAMPLES: &str = "\
+Examples:
+  baudbot run wander --record run.mcap
+  baudbot replay run.mcap                        identical, or the first tick and field that differ (exit code 1)
+  baudbot replay run.mcap --view                 in a browser, forwards and backwards
+  baudbot replay run.mcap --to 12.5 --fork       live from there on, for new brains
+  baudbot serve --resume run.mcap                live from its end on: after a crash, for example
+
+A recording has all that went into the world, so it is simulated again, on any machine. docs/recording.md says what is in
+the file, and which other programs read it.";
 
 pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:

@@ -57,8 +57,8 @@ pub(super) fn of_rest() -> Block {
     Block { canvas, height: 14.0 }
 }
 
-/// Zones, lamps, fields and marks; none if there is nothing to tell.
-pub(super) fn of_surroundings(scenario: &Scenario) -> Option<Block> {
+/// Zones, lamps, fields and marks, those on robots if they are drawn; none if there is nothing to tell.
+pub(super) fn of_surroundings(scenario: &Scenario, with_robots: bool) -> Option<Block> {
     let mut canvas = Canvas::default();
     let mut y = 12.0;
     let mut entry = |mark: Element, what: &str| {
@@ -69,15 +69,15 @@ pub(super) fn of_surroundings(scenario: &Scenario) -> Option<Block> {
         }
         y += 2.0;
     };
-    for (mark, what) in entries(scenario).into_iter().take(MOST_ROWS) {
+    for (mark, what) in entries(scenario, with_robots).into_iter().take(MOST_ROWS) {
         entry(mark, &what);
     }
     (y > 12.0).then_some(Block { canvas, height: y - 8.0 })
 }
 
-fn entries(scenario: &Scenario) -> Vec<(Element, String)> {
+fn entries(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
     let around = scenario.surroundings();
-    let mut entries = marks(scenario);
+    let mut entries = marks(scenario, with_robots);
     for zone in &around.zones {
         let (hue, uses) = palette::uses(zone);
         let fill = match (zone.floor, uses.len()) {
@@ -104,18 +104,19 @@ fn entries(scenario: &Scenario) -> Vec<(Element, String)> {
 }
 
 /// Marks of which there is at least one in the picture.
-fn marks(scenario: &Scenario) -> Vec<(Element, String)> {
+fn marks(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
     let arena = scenario.arena();
     let low = arena.polygons().iter().map(|polygon| &polygon.look);
     let mut looks = low.chain(arena.pillars().iter().map(|pillar| &pillar.look));
     let mut devices =
         scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device);
-    let turrets = scenario.robots().iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
+    let turrets = with_robots
+        && scenario.robots().iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
     let line = |data: &str| drawn(data).set("fill", "none").set("stroke-width", "1.6");
     let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", "#8a93a3");
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", &things::movable_color());
     let wheel = drawn("M0 2H15V8H0ZM3 2V8M7 2V8M11 2V8").set("fill", INK).set("stroke", "#ffffff");
-    let rays = devices.clone().any(|device| device.fan().is_some());
+    let rays = with_robots && devices.clone().any(|device| device.fan().is_some());
     let all = [
         (rays, ray(), "a ray, with a dot where it meets something"),
         (

@@ -1,11 +1,12 @@
-//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows.
+//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows; and the ways that robots went in it.
 //!
 //! From the picture inwards:
 //!
 //! 1. This file puts it together: the plan with its frame and its names, and blocks beside it or below it.
 //! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
 //!    and `kinds` finds robots that are alike.
-//! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window.
+//! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
+//!    `trails` draws over it where robots went.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, `labels` finds room for names,
 //!    `palette` has the colours, and `baudbot_experiment::svg`, here `xml`, writes elements.
 //!
@@ -26,6 +27,7 @@ mod senses;
 #[cfg(test)]
 mod tests;
 mod things;
+mod trails;
 mod view;
 mod walls;
 
@@ -39,29 +41,41 @@ use self::kinds::Kind;
 use self::labels::{Labels, Style};
 pub(crate) use self::labels::{shortened, width, without_middle, wrapped};
 pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER};
+pub(crate) use self::trails::{Collision, Trail, Trails};
 use self::view::{View, rectangle};
 pub(crate) use baudbot_experiment::svg as xml;
 use xml::{Canvas, Element, px};
 
 /// The picture of a scenario at its start. `label` is what it is called if it has no name.
 pub(crate) fn draw(scenario: &Scenario, label: &str) -> String {
+    picture(scenario, label, None)
+}
+
+/// The picture of a scenario with the ways that its robots went. What they sense is left out: it is of their starts.
+pub(crate) fn draw_trails(scenario: &Scenario, label: &str, trails: &Trails) -> String {
+    picture(scenario, label, Some(trails))
+}
+
+fn picture(scenario: &Scenario, label: &str, trails: Option<&Trails>) -> String {
     let world = World::new(Arc::new(scenario.clone()));
     let onlooker = Onlooker::new(&world);
     let kinds = kinds::of(scenario.robots());
-    let bounds = extent::of(scenario);
+    let start = extent::of(scenario);
+    let went = trails.and_then(|trails| trails.bounds(scenario.robots()));
+    let bounds = went.map_or(start, |went| start.union(&went));
     let is_wide = bounds.size().x > 1.5 * bounds.size().y;
     let most = if is_wide { (960.0, 700.0) } else { (660.0, 760.0) };
     let scale = (most.0 / bounds.size().x).min(most.1 / bounds.size().y);
     let text_room = if is_wide { most.0 } else { scale * bounds.size().x + GAP + WIDTH };
     let head = head(scenario, label, text_room);
-    let plan = View { world: bounds, scale, left: frame::LEFT, top: head.height };
-    let lenses = Lenses::new(&kinds, scale);
-    let blocks = blocks(&lenses, &kinds, &world, &onlooker, scale);
+    let view = View { world: bounds, scale, left: frame::LEFT, top: head.height };
+    let lenses = if trails.is_some() { Lenses::none() } else { Lenses::new(&kinds, scale) };
+    let plan = Plan { view, world: &world, onlooker: &onlooker, kinds: &kinds, lenses: &lenses, trails };
     let mut canvas = Canvas::default();
     canvas.append(&head.canvas);
-    draw_plan(&mut canvas, &plan, &world, &onlooker, (&kinds, &lenses));
-    let blocks = block::columns(&mut canvas, &blocks, columns(&plan, is_wide));
-    let (right, bottom) = (plan.left + plan.width(), plan.top + plan.height() + frame::BELOW);
+    plan.draw(&mut canvas);
+    let blocks = block::columns(&mut canvas, &plan.blocks(), columns(&view, is_wide));
+    let (right, bottom) = (view.left + view.width(), view.top + view.height() + frame::BELOW);
     let size = (right.max(blocks.0) + GAP, bottom.max(blocks.1));
     document(scenario, label, size, &canvas)
 }
@@ -78,6 +92,10 @@ impl<'a> Lenses<'a> {
         let kinds: Vec<_> = kinds.iter().filter(is_small).take(MOST_LENSES).collect();
         let height = if kinds.len() > 1 { 250.0 } else { 300.0 };
         Self { kinds, height }
+    }
+
+    fn none() -> Self {
+        Self { kinds: Vec::new(), height: 0.0 }
     }
 
     fn has(&self, kind: &Kind<'_>) -> bool {
@@ -126,20 +144,6 @@ fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
     Block { canvas, height: y + 16.0 }
 }
 
-fn blocks(
-    lenses: &Lenses<'_>,
-    kinds: &[Kind<'_>],
-    world: &World,
-    onlooker: &Onlooker<'_>,
-    scale: f64,
-) -> Vec<Block> {
-    let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, world, onlooker, (lenses.height, scale));
-    let lenses = lenses.kinds.iter().enumerate().map(lens);
-    let keys = kinds.iter().take(MOST_LENSES).map(key::of_kind);
-    let rest = (kinds.len() > MOST_LENSES).then(key::of_rest);
-    lenses.chain(keys).chain(rest).chain(key::of_surroundings(world.scenario())).collect()
-}
-
 /// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.
 fn columns(plan: &View, is_wide: bool) -> Vec<view::Place> {
     let beside = (!is_wide).then_some((plan.left + plan.width() + GAP, plan.top));
@@ -149,76 +153,106 @@ fn columns(plan: &View, is_wide: bool) -> Vec<view::Place> {
     beside.into_iter().chain(below).collect()
 }
 
-fn draw_plan(
-    canvas: &mut Canvas,
-    view: &View,
-    world: &World,
-    onlooker: &Onlooker<'_>,
-    (kinds, lenses): (&[Kind<'_>], &Lenses<'_>),
-) {
-    let scenario: &Scenario = world.scenario();
-    canvas.put(Element::new("clipPath").set("id", "plan").with(view.frame()));
-    canvas.open(Element::group().set("clip-path", "url(#plan)"));
-    ground::draw(canvas, view, scenario);
-    frame::grid(canvas, view);
-    walls::draw(canvas, view, scenario.arena());
-    things::draw(canvas, view, scenario, true);
-    let robots = scenario.robots();
-    let is_crowd = robots.len() > CROWD;
-    for robot in robots.iter().enumerate().take(MOST_FANS) {
-        match is_crowd {
-            true => senses::brief_fans(canvas, view, onlooker, robot),
-            false => senses::fans(canvas, view, onlooker, robot),
-        }
-    }
-    for robot in robots {
-        body::draw(canvas, view, robot);
-    }
-    if !is_crowd {
-        robots.iter().enumerate().for_each(|robot| senses::mounts(canvas, view, onlooker, robot));
-    }
-    for kind in &lenses.kinds {
-        lens::mark(canvas, view, kind, lenses.height);
-    }
-    let corner = (view.left + view.width(), view.top + view.height());
-    let mut labels = Labels::new((view.left + 3.0, view.top + 3.0), (corner.0 - 3.0, corner.1 - 3.0));
-    label_plan(&mut labels, view, scenario, onlooker, (kinds, lenses));
-    canvas.append(&labels.into_canvas());
-    canvas.close("g");
-    frame::axes(canvas, view);
+/// The plan, and what it shows.
+struct Plan<'a> {
+    view: View,
+    world: &'a World,
+    onlooker: &'a Onlooker<'a>,
+    kinds: &'a [Kind<'a>],
+    lenses: &'a Lenses<'a>,
+    trails: Option<&'a Trails>,
 }
 
-/// Names in the plan: the robots' first, then what is nearest to what a reader asks.
-fn label_plan(
-    labels: &mut Labels,
-    view: &View,
-    scenario: &Scenario,
-    onlooker: &Onlooker<'_>,
-    (kinds, lenses): (&[Kind<'_>], &Lenses<'_>),
-) {
-    let robots = scenario.robots();
-    for robot in robots {
-        labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
+impl Plan<'_> {
+    /// What stands beside it or below it.
+    fn blocks(&self) -> Vec<Block> {
+        let surroundings = key::of_surroundings(self.world.scenario(), self.trails.is_none());
+        if let Some(trails) = self.trails {
+            return [trails::key(self.world.scenario(), trails)].into_iter().chain(surroundings).collect();
+        }
+        let sizes = (self.lenses.height, self.view.scale);
+        let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, self.world, self.onlooker, sizes);
+        let lenses = self.lenses.kinds.iter().enumerate().map(lens);
+        let keys = self.kinds.iter().take(MOST_LENSES).map(key::of_kind);
+        let rest = (self.kinds.len() > MOST_LENSES).then(key::of_rest);
+        lenses.chain(keys).chain(rest).chain(surroundings).collect()
     }
-    let outside = walls::label_inside(labels, view, scenario.arena());
-    for kind in kinds.iter().filter(|kind| !lenses.has(kind) && robots.len() <= CROWD) {
-        lens::label_sensors(labels, view, onlooker, kind);
+
+    fn draw(&self, canvas: &mut Canvas) {
+        let (view, scenario): (&View, &Scenario) = (&self.view, self.world.scenario());
+        canvas.put(Element::new("clipPath").set("id", "plan").with(view.frame()));
+        canvas.open(Element::group().set("clip-path", "url(#plan)"));
+        ground::draw(canvas, view, scenario);
+        frame::grid(canvas, view);
+        walls::draw(canvas, view, scenario.arena());
+        things::draw(canvas, view, scenario, true);
+        match self.trails {
+            None => self.draw_robots(canvas),
+            Some(trails) => {
+                canvas.open(Element::group().set("opacity", "0.4"));
+                scenario.robots().iter().for_each(|robot| body::draw(canvas, view, robot));
+                canvas.close("g");
+                trails::draw(canvas, view, scenario, trails);
+            }
+        }
+        let corner = (view.left + view.width(), view.top + view.height());
+        let mut labels = Labels::new((view.left + 3.0, view.top + 3.0), (corner.0 - 3.0, corner.1 - 3.0));
+        self.label(&mut labels);
+        canvas.append(&labels.into_canvas());
+        canvas.close("g");
+        frame::axes(canvas, view);
     }
-    let named = if robots.len() > MOST_NAMES { 0 } else { robots.len() };
-    for (i, robot) in robots.iter().enumerate().take(named) {
-        let (x, y) = view.at(robot.start.pose.position);
-        let lens = lenses.kinds.iter().find(|kind| kind.first == i);
-        let above = lens.map(|kind| lens::above(view, kind, lenses.height));
-        let style = Style { size: 12.0, color: palette::ROBOT, bold: true };
-        let off = view.length(body::reach(robot)) + 10.0;
-        let side = off + 0.5 * width(&robot.name, 13.0);
-        let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
-        let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
-        labels.put(&robot.name, style, above.into_iter().chain(places).chain(far));
+
+    /// Robots at their starts, with what they look at.
+    fn draw_robots(&self, canvas: &mut Canvas) {
+        let (view, onlooker, robots) = (&self.view, self.onlooker, self.world.scenario().robots());
+        let is_crowd = robots.len() > CROWD;
+        for robot in robots.iter().enumerate().take(MOST_FANS) {
+            match is_crowd {
+                true => senses::brief_fans(canvas, view, onlooker, robot),
+                false => senses::fans(canvas, view, onlooker, robot),
+            }
+        }
+        for robot in robots {
+            body::draw(canvas, view, robot);
+        }
+        if !is_crowd {
+            robots.iter().enumerate().for_each(|robot| senses::mounts(canvas, view, onlooker, robot));
+        }
+        for kind in &self.lenses.kinds {
+            lens::mark(canvas, view, kind, self.lenses.height);
+        }
     }
-    things::label(labels, view, scenario);
-    ground::label(labels, view, scenario);
-    walls::label_outside(labels, view, scenario.arena(), &outside);
+
+    /// Names: the robots' first, then what is nearest to what a reader asks.
+    fn label(&self, labels: &mut Labels) {
+        let (view, scenario): (&View, &Scenario) = (&self.view, self.world.scenario());
+        let (robots, lenses) = (scenario.robots(), self.lenses);
+        for robot in robots {
+            labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
+        }
+        let outside = walls::label_inside(labels, view, scenario.arena());
+        let is_told = |kind: &&Kind<'_>| !lenses.has(kind) && robots.len() <= CROWD && self.trails.is_none();
+        for kind in self.kinds.iter().filter(is_told) {
+            lens::label_sensors(labels, view, self.onlooker, kind);
+        }
+        let named = if robots.len() > MOST_NAMES { 0 } else { robots.len() };
+        for (i, robot) in robots.iter().enumerate().take(named) {
+            let (x, y) = view.at(robot.start.pose.position);
+            let lens = lenses.kinds.iter().find(|kind| kind.first == i);
+            let above = lens.map(|kind| lens::above(view, kind, lenses.height));
+            let color = self.trails.map_or_else(|| palette::ROBOT.to_owned(), |_| trails::color(robots, i));
+            let style = Style { size: 12.0, color: &color, bold: true };
+            let off = view.length(body::reach(robot)) + 10.0;
+            let side = off + 0.5 * width(&robot.name, 13.0);
+            let places = [(x, y + off), (x, y - off), (x + side, y), (x - side, y), (x, y + off + 14.0)];
+            let far = [(x - side, y + off), (x + side, y + off), (x - side, y - off), (x + side, y - off)];
+            labels.put(&robot.name, style, above.into_iter().chain(places).chain(far));
+        }
+        things::label(labels, view, scenario);
+        ground::label(labels, view, scenario);
+        walls::label_outside(labels, view, scenario.arena(), &outside);
+    }
 }
 
 /// A robot narrower than this is enlarged, in pixels.

@@ -29,6 +29,12 @@ pub(super) const FIELDS: [&str; 4] = ["#cc3311", "#009988", "#aa4499", "#999933"
 /// A field's bell that goes down.
 pub(super) const HOLLOW: &str = "#0077bb";
 
+/// Ways of robots that have no colour of their own, in turn.
+pub(super) const TRAILS: [&str; 12] = [
+    "#0072b2", "#d55e00", "#009e73", "#aa4499", "#b58900", "#332288", "#882255", "#56b4e9", "#117733",
+    "#cc79a7", "#44aa99", "#6b6b6b",
+];
+
 /// A hue for each kind of sensor.
 pub(super) fn hue(device: &Device) -> &'static str {
     match device {

@@ -4,11 +4,13 @@ mod bench;
 mod budget;
 mod devices;
 mod diagrams;
+mod export;
 mod logs;
 #[cfg(feature = "otel")]
 mod otel;
 mod presets;
 mod processes;
+mod recordings;
 mod refusals;
 mod runs;
 mod sweep;

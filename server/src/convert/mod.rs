@@ -1,6 +1,7 @@
 //! Between the contract's types and the domain's: the only folder that names both.
 //!
-//! A file for each who asks: `brain`, `observe` and `detail`, and `status`, `budget` and `intervention` for the operator. This one has what they share.
+//! A file for each who asks: `brain`, `observe` and `detail`, and `status`, `budget`, `intervention` and `replay` for the
+//! operator. This one has what they share.
 
 mod brain;
 mod budget;
@@ -8,6 +9,7 @@ mod detail;
 mod intervention;
 mod observe;
 mod pace;
+mod replay;
 mod status;
 
 use baudbot_proto::v1;
@@ -18,8 +20,10 @@ pub(crate) use brain::{delivery, welcome, writes};
 pub(crate) use budget::robot_budget;
 pub(crate) use intervention::intervention;
 pub(crate) use observe::{frame, world_description};
-pub(crate) use pace::pace_from;
-pub(crate) use status::status;
+pub use pace::pace_of;
+pub(crate) use pace::{pace_from, pace_to};
+pub(crate) use replay::replay;
+pub(crate) use status::{recording_status, status};
 
 fn battery(Charge { share, voltage_v, state }: Charge) -> v1::BatteryStatus {
     v1::BatteryStatus {

@@ -50,7 +50,12 @@ fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Result<Watchdog, Status> {
     Ok(Watchdog { timeout, policy })
 }
 
-pub(super) fn pace_to(pace: Pace) -> v1::Pace {
+/// The pace that the contract's is; `None` if it is none.
+pub fn pace_of(pace: v1::Pace) -> Option<Pace> {
+    pace_from(Some(pace)).ok().flatten()
+}
+
+pub(crate) fn pace_to(pace: Pace) -> v1::Pace {
     use v1::pace::Kind;
     let kind = match pace {
         Pace::Timed { factor: 1.0 } => Kind::RealTime(v1::RealTime {}),

@@ -10,7 +10,7 @@ use baudbot_sim::{Freshness, Histogram, RobotView, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
-use crate::letter::{Activity, Charge, Report, Score, SeatReport};
+use crate::letter::{Activity, Charge, RecordingReport, Report, Score, SeatReport};
 use crate::pace::Pacing;
 
 /// A world as it stands.
@@ -37,6 +37,22 @@ pub(crate) fn status(report: &Report) -> v1::WorldStatus {
         pacing: Some(pace_status(&report.pacing)),
         score: Score::of(world).map(score),
         movers: movers(world),
+        replay: report.replay.as_ref().map(|replay| v1::ReplayStatus {
+            first_tick: replay.first_tick,
+            last_tick: replay.last_tick,
+            differs: replay.differs.clone().unwrap_or_default(),
+        }),
+        recording: report.recording.as_ref().map(recording_status),
+    }
+}
+
+/// A recording as it stands.
+pub(crate) fn recording_status(report: &RecordingReport) -> v1::RecordingStatus {
+    v1::RecordingStatus {
+        recording: report.name.clone(),
+        bytes: report.bytes,
+        ticks: report.ticks,
+        problem: report.problem.clone().unwrap_or_default(),
     }
 }
 

@@ -14,13 +14,15 @@ use super::{Host, Next};
 use crate::endpoint::Write;
 use crate::letter::{Letter, Order};
 use crate::pace::Pace;
+use crate::recording::Recorder;
 
 impl Host {
     /// Whether nobody would see it if the world went ahead of its brains.
     fn is_unseen(&self) -> bool {
         let looks_ahead = matches!(self.pace, Pace::Lockstep(lockstep) if lockstep.lookahead);
         let waits = !self.held.is_empty() || !self.interventions.is_empty();
-        let seen = self.on_tick.is_some() || !self.observers.is_empty() || waits;
+        let recorded = self.recorder.as_ref().is_some_and(Recorder::looks);
+        let seen = self.on_tick.is_some() || !self.observers.is_empty() || waits || recorded;
         looks_ahead && !seen && !self.paused
     }
 
@@ -96,6 +98,7 @@ impl Host {
             self.senders_at_begin[robot].clone_from(&self.senders[robot]);
             self.sessions.wait_until(robot, write.until);
             self.world.supply(robot, Some((done, &bytes)));
+            self.record_late(robot, done, bytes);
         }
         self.settle(&behind);
         self.deliver_held(session);
@@ -158,16 +161,22 @@ pub(super) fn looks(letter: &Letter) -> bool {
             | Order::Step { .. }
             | Order::SetPace(_)
             | Order::Snapshot
+            | Order::Save { .. }
+            | Order::Record(_)
+            | Order::StopRecording(_)
             | Order::Intervene(_) => true,
             // A brain that hangs is thrown off at once; how the world then stands is asked behind that.
             Order::DetachBrain { .. } => false,
             // Whatever the world was, it is not any more.
             Order::Reset | Order::Restore { .. } | Order::Delete => false,
+            // A replay is never ahead.
+            Order::Seek { .. } | Order::Fork(_) => false,
         },
         Letter::Watch { .. } => true,
         // Numbers only, and who wants to know why a world stands must not wait for that.
         Letter::Measure(_)
         | Letter::Describe(_)
+        | Letter::DescribeReplay(_)
         | Letter::Attach(..)
         | Letter::Step { .. }
         | Letter::Detach { .. }

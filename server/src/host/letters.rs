@@ -29,6 +29,7 @@ impl Host {
         match letter {
             Letter::Order(order, reply) => self.obey(order, reply),
             Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
+            Letter::DescribeReplay(reply) => drop(reply.send(self.tape())),
             Letter::Measure(reply) => drop(reply.send(self.measure())),
             Letter::Watch(watch) => {
                 let view = View {
@@ -47,6 +48,7 @@ impl Host {
             }
             Letter::Detach { session, why } => {
                 self.log_detached(session, &why);
+                self.record_gone(session, &why);
                 self.beliefs.hand_to(None, self.sessions.robots(session));
                 self.give_up(session);
                 self.sessions.detach(session, self.policy());
@@ -55,8 +57,11 @@ impl Host {
     }
 
     fn attach(&mut self, request: Attach, reply: oneshot::Sender<Result<Attached, Status>>) {
+        if let Err(status) = self.check_live("a brain") {
+            return drop(reply.send(Err(status)));
+        }
         let scenario = Arc::clone(self.world.scenario());
-        let world = request.world.clone();
+        let (world, brain) = (request.world.clone(), request.brain.clone());
         let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(attached) => attached,
             Err(status) => return drop(reply.send(Err(status))),
@@ -64,6 +69,7 @@ impl Host {
         for &robot in &robots {
             self.senders[robot] = sender(&self.world.robot(robot));
         }
+        self.record_come(&robots, &brain);
         self.log_attached(session, &robots);
         let lockstep = self.pace.watchdog().is_some();
         let lease = Lease { world, session, why: "nobody waited for the answer any more".to_owned() };

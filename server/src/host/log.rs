@@ -17,8 +17,11 @@ impl Host {
             Order::Step { ticks } => event!(self, debug, ticks, "steps ordered"),
             Order::Snapshot => event!(self, debug, "snapshot taken"),
             // These say so themselves.
-            Order::Restore { .. } | Order::Intervene(_) | Order::DetachBrain { .. } => {}
-            Order::Start | Order::Pause | Order::Report => {}
+            Order::Restore { .. } | Order::Intervene(_) | Order::DetachBrain { .. } | Order::Record(_) => {}
+            Order::StopRecording(_) => event!(self, info, "recording stopped"),
+            Order::Seek { tick } => event!(self, debug, to_tick = tick, "another tick ordered"),
+            Order::Fork(pace) => event!(self, info, ?pace, "replay made live"),
+            Order::Start | Order::Pause | Order::Report | Order::Save { .. } => {}
         }
     }
 

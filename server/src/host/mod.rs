@@ -7,6 +7,8 @@ mod letters;
 mod log;
 mod measures;
 mod orders;
+mod record;
+mod replay;
 mod rounds;
 mod stopwatch;
 
@@ -25,7 +27,10 @@ use crate::letter::{Activity, Letter, Report};
 use crate::log::event;
 use crate::observers::{Observers, View};
 use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
+use crate::recording::Recorder;
+use crate::registry::NewWorld;
 use crate::sessions::Sessions;
+use replay::Replaying;
 pub(crate) use rounds::Then;
 use stopwatch::Stopwatch;
 
@@ -77,6 +82,11 @@ pub(crate) struct Host {
     held: VecDeque<Letter>,
     /// The run is over, and nobody has been told, as brains have yet to answer.
     ending: bool,
+    recorder: Option<Recorder>,
+    /// Of each robot, the tick in which its brain last was left behind.
+    behind_since: Vec<u64>,
+    /// Of a world that does a recording again.
+    replaying: Option<Replaying>,
 }
 
 /// A state that is kept.
@@ -103,20 +113,22 @@ enum Next {
     FinishAhead(Instant),
     End,
     Watchdog,
+    /// A tick of a replay, or a bit of the way to one.
+    Replay,
     Wait(Option<Instant>),
 }
 
 impl Host {
     pub(crate) fn new(
         name: Arc<str>,
-        world: World,
-        pace: Pace,
-        paused: bool,
-        on_tick: Option<OnTick>,
+        NewWorld { world, replay, pace, paused, on_tick, .. }: NewWorld,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
-        let senders: Vec<_> = world.robots().map(|robot| sender(&robot)).collect();
+        let senders = senders(&world);
         Self {
+            recorder: None,
+            behind_since: vec![0; senders.len()],
+            replaying: replay.map(Replaying::new),
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
             name,
@@ -150,6 +162,9 @@ impl Host {
     }
 
     fn next(&self, now: Instant) -> Next {
+        if let Some(replaying) = &self.replaying {
+            return self.next_of_replay(replaying, now);
+        }
         if self.ending {
             return if self.sessions.is_behind() { self.wait_for_answers(now) } else { Next::End };
         }
@@ -182,6 +197,9 @@ impl Host {
     }
 
     fn activity(&self) -> Activity {
+        if let Some(replaying) = &self.replaying {
+            return self.activity_of_replay(replaying);
+        }
         let lockstep = self.pace.watchdog().is_some();
         if self.world.ending().is_some() {
             Activity::Ended
@@ -206,6 +224,7 @@ impl Host {
         }
         let lockstep = self.pace.lockstep();
         let mut turns = self.world.begin().to_vec();
+        self.record_begun();
         self.show();
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
@@ -257,7 +276,9 @@ impl Host {
         }
         let inputs: Vec<Input<'_>> =
             self.inputs.iter().map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
+        let began = (self.world.tick(), self.world.time());
         self.world.finish_ahead(&inputs, open);
+        self.record_inputs(began, open);
         self.inputs.clear();
         self.permits.clear();
         self.begun = false;
@@ -286,6 +307,7 @@ impl Host {
         let why = self.world.ending().map(ToString::to_string).unwrap_or_default();
         event!(self, info, why, "run ended");
         self.world.begin();
+        self.record_begun();
         self.show();
         self.sessions.tell_ended(self.world.tick());
     }
@@ -319,6 +341,7 @@ impl Host {
     /// Ends a brain program's stream.
     fn close(&mut self, session: u64, status: Status) {
         self.log_detached(session, status.message());
+        self.record_gone(session, status.message());
         self.beliefs.hand_to(None, self.sessions.robots(session));
         self.give_up(session);
         self.sessions.close(session, self.policy(), status);
@@ -327,6 +350,11 @@ impl Host {
     fn tick_end(&self) -> SimTime {
         self.world.time() + self.world.scenario().step_ns()
     }
+}
+
+/// All robots' ports.
+fn senders(world: &World) -> Vec<Sender> {
+    world.robots().map(|robot| sender(&robot)).collect()
 }
 
 /// A robot's port as a brain finds it: the actuators do what they do.

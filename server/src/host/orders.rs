@@ -7,12 +7,14 @@ use baudbot_sim::{InterventionError, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
+use super::replay::Replaying;
 use super::stopwatch::Stopwatch;
-use super::{Host, Snapshot, sender};
+use super::{Host, Snapshot, senders};
 use crate::letter::{Letter, Order, Report, SeatReport};
 use crate::log::event;
 use crate::observers::View;
 use crate::pace::{Pace, Pacing};
+use crate::recording::Recorder;
 use crate::words::brief;
 
 /// States that are kept for one world; the oldest goes when there would be more.
@@ -25,6 +27,9 @@ impl Host {
     pub(super) fn obey(&mut self, order: Order, reply: oneshot::Sender<Result<Report, Status>>) {
         if reply.is_closed() {
             return; // who ordered it is gone
+        }
+        if let Err(status) = self.check_order(&order) {
+            return drop(reply.send(Err(status)));
         }
         let mut snapshot = 0;
         self.log_order(&order);
@@ -41,23 +46,35 @@ impl Host {
                 self.answer_steppers();
             }
             Order::Step { ticks } => return self.step(ticks, reply),
+            Order::Seek { tick } => return self.seek(tick, reply),
+            Order::Fork(pace) => self.fork(pace),
+            Order::Record(config) => {
+                if let Err(status) = self.record(config) {
+                    return drop(reply.send(Err(status)));
+                }
+            }
+            Order::StopRecording(told) => {
+                if let Err(status) = self.stop_recording(told) {
+                    return drop(reply.send(Err(status)));
+                }
+            }
+            Order::Save { snapshot } => return drop(reply.send(self.saved(snapshot))),
             Order::SetPace(pace) => self.set_pace(pace),
             Order::Reset => {
                 let world = World::new(Arc::clone(self.world.origin()));
-                self.senders = world.robots().map(|robot| sender(&robot)).collect();
+                self.senders = senders(&world);
                 self.pacing = Pacing::default();
                 self.running = Stopwatch::default();
                 self.replace(world);
             }
             Order::Snapshot => snapshot = self.keep(),
             Order::Restore { snapshot } => {
-                let Some(kept) = self.snapshots.iter().find(|kept| kept.number == snapshot) else {
-                    let text = format!("snapshot: world `{}` keeps no snapshot {snapshot}", self.name);
-                    return drop(reply.send(Err(Status::not_found(text))));
+                let (world, senders) = match self.kept(snapshot) {
+                    Ok(kept) => (kept.world.clone(), kept.senders.clone()),
+                    Err(status) => return drop(reply.send(Err(status))),
                 };
                 event!(self, info, snapshot, "world restored");
-                let world = kept.world.clone();
-                self.senders.clone_from(&kept.senders);
+                self.senders = senders;
                 self.replace(world);
             }
             Order::Intervene(intervention) => {
@@ -79,7 +96,11 @@ impl Host {
                     Err(status) => drop(reply.send(Err(status))),
                 };
             }
-            Order::Delete => self.deleted = true,
+            Order::Delete => {
+                // Who deletes a world and then ends the program finds its file whole.
+                self.end_recording();
+                self.deleted = true;
+            }
         }
         drop(reply.send(Ok(self.report(snapshot))));
     }
@@ -94,6 +115,9 @@ impl Host {
             let done = self.world.intervene(&intervention);
             event!(self, debug, ?intervention, done = done.is_ok(), "changed by hand");
             any |= done.is_ok();
+            if done.is_ok() {
+                self.record_change(&intervention);
+            }
             let answer = done.map(|()| self.report(0)).map_err(|error| refused(&error));
             drop(reply.send(answer));
         }
@@ -149,7 +173,11 @@ impl Host {
             let text = format!("the run has ended ({ending}); reset or restore the world");
             return drop(reply.send(Err(Status::failed_precondition(text))));
         }
-        if !self.begun && self.sessions.has_awaited_empty_seat() {
+        if self.is_at_replays_end() {
+            let text = "the recording ends here; seek an earlier tick, or go on live by ForkReplay";
+            return drop(reply.send(Err(Status::failed_precondition(text))));
+        }
+        if self.replaying.is_none() && !self.begun && self.sessions.has_awaited_empty_seat() {
             let text = "a robot has no brain, and the world waits for one; attach it, or go on without by StartWorld";
             return drop(reply.send(Err(Status::failed_precondition(text))));
         }
@@ -181,7 +209,8 @@ impl Host {
 
     /// The world goes on from another state.
     fn replace(&mut self, world: World) {
-        self.world = world;
+        let old = std::mem::replace(&mut self.world, world);
+        self.record_anew(&old);
         self.begun = false;
         self.ending = false;
         self.clock = None;
@@ -206,7 +235,24 @@ impl Host {
         number
     }
 
-    fn report(&self, snapshot: u64) -> Report {
+    /// The state of this number.
+    fn kept(&self, snapshot: u64) -> Result<&Snapshot, Status> {
+        let found = self.snapshots.iter().find(|kept| kept.number == snapshot);
+        let none =
+            || Status::not_found(format!("snapshot: world `{}` keeps no snapshot {snapshot}", self.name));
+        found.ok_or_else(none)
+    }
+
+    /// The present state, or one that was kept.
+    fn saved(&self, snapshot: u64) -> Result<Report, Status> {
+        let world = match snapshot {
+            0 => self.world.clone(),
+            snapshot => self.kept(snapshot)?.world.clone(),
+        };
+        Ok(Report { world, ..self.report(0) })
+    }
+
+    pub(super) fn report(&self, snapshot: u64) -> Report {
         let seats = self.sessions.seats().map(|(seat, brain)| SeatReport {
             brain: brain.map(str::to_owned),
             lost_deliveries: seat.lost_deliveries,
@@ -220,6 +266,8 @@ impl Host {
             running: self.running.elapsed(),
             seats: seats.collect(),
             snapshot,
+            replay: self.replaying.as_ref().map(Replaying::report),
+            recording: self.recorder.as_ref().map(Recorder::report),
         }
     }
 }

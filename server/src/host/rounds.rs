@@ -24,6 +24,7 @@ impl Host {
     pub(crate) fn work(&mut self, letters: impl FnMut() -> Option<Letter>) -> Then {
         self.open_all(letters);
         if self.deleted {
+            self.end_recording();
             self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
             return Then::Over;
         }
@@ -35,6 +36,7 @@ impl Host {
             Next::FinishAhead(_) => self.finish_ahead(now),
             Next::End => self.end(),
             Next::Watchdog => self.bite(),
+            Next::Replay => self.replay(now),
             Next::Wait(until) => {
                 self.alarm = until;
                 return Then::Wait(until);
@@ -75,6 +77,7 @@ impl Host {
                 | Next::FinishAhead(_)
                 | Next::End
                 | Next::Watchdog
+                | Next::Replay
                 | Next::Wait(Some(_)) => return Then::Thread,
             }
         }

@@ -88,7 +88,7 @@ impl Metrics {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Scenario;
+    use baudbot_sim::{Scenario, World};
 
     use super::*;
     use crate::pace::{Lockstep, Pace};
@@ -99,9 +99,10 @@ mod tests {
         let registry = Registry::default();
         let toml = include_str!("../../../scenarios/wander.toml");
         for name in ["a", "b"] {
-            let scenario = Arc::new(Scenario::parse(toml).unwrap());
-            let (name, pace) = (name.to_owned(), Pace::Lockstep(Lockstep::default()));
-            registry.create(NewWorld { name, scenario, pace, paused: true, on_tick: None }).unwrap();
+            let world = World::new(Scenario::parse(toml).unwrap().into());
+            let pace = Pace::Lockstep(Lockstep::default());
+            let new = NewWorld::new(name.to_owned(), world, pace);
+            registry.create(NewWorld { paused: true, ..new }).unwrap();
         }
         let metrics = Metrics::new(registry);
         let text = families::write(&metrics.ask().await, 1);

@@ -9,8 +9,11 @@
 //! that host must be called by a name of loopback's ([`guard`]).
 //!
 //! Beside the page there is `/metrics`, for monitoring, with the same guard.
+//!
+//! A program that wants a film of a world lets a browser of its own make one: then the page may hand it in ([`film`]).
 
 mod files;
+mod film;
 mod guard;
 mod socket;
 
@@ -23,9 +26,10 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::serve::ListenerExt;
+pub use film::Film;
 use guard::Guard;
 use tokio::net::TcpListener;
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 
 /// What the page's services need.
 #[derive(Clone)]
@@ -36,17 +40,23 @@ struct Page {
     stopped: watch::Receiver<bool>,
 }
 
-/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services.
+/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services, `films` to who
+/// wants films, if anybody does.
 pub(crate) async fn serve(
     listener: TcpListener,
     pipes: Pipes,
     metrics: Metrics,
+    films: Option<mpsc::Sender<Film>>,
     mut stopped: watch::Receiver<bool>,
 ) {
     let guard =
         Guard { loopback_only: listener.local_addr().is_ok_and(|address| address.ip().is_loopback()) };
     let page = Page { pipes, metrics, guard, stopped: stopped.clone() };
-    let router = Router::new()
+    let router = match films {
+        Some(films) => Router::new().merge(film::router(films, guard)),
+        None => Router::new(),
+    };
+    let router = router
         .route("/page", get(open_socket))
         .route("/metrics", get(tell_metrics))
         .fallback(get(file))

@@ -270,6 +270,14 @@ async fn unary(channel: Channel, asked: Asked) -> Result<Answer, Status> {
         Asked::DeleteWorld(r) => Answer::DeleteWorld(inner(control.delete_world(r).await)?),
         Asked::Intervene(r) => Answer::Intervene(inner(control.intervene(r).await)?),
         Asked::GetBudget(r) => Answer::GetBudget(inner(control.get_budget(r).await)?),
+        Asked::SaveWorld(r) => Answer::SaveWorld(inner(control.save_world(r).await)?),
+        Asked::StartRecording(r) => Answer::StartRecording(inner(control.start_recording(r).await)?),
+        Asked::StopRecording(r) => Answer::StopRecording(inner(control.stop_recording(r).await)?),
+        Asked::ListRecordings(r) => Answer::ListRecordings(inner(control.list_recordings(r).await)?),
+        Asked::OpenRecording(r) => Answer::OpenRecording(inner(control.open_recording(r).await)?),
+        Asked::DescribeReplay(r) => Answer::DescribeReplay(inner(control.describe_replay(r).await)?),
+        Asked::SeekReplay(r) => Answer::SeekReplay(inner(control.seek_replay(r).await)?),
+        Asked::ForkReplay(r) => Answer::ForkReplay(inner(control.fork_replay(r).await)?),
         Asked::DescribeWorld(r) => Answer::DescribeWorld(inner(observe.describe_world(r).await)?),
         // Streams, and what is no call, do not come here.
         Asked::Watch(_) | Asked::Attach(_) | Asked::Close(_) => {

@@ -32,6 +32,11 @@ impl Bits {
         all
     }
 
+    /// Words of memory.
+    pub(super) fn words(&self) -> usize {
+        self.words.len()
+    }
+
     pub(super) fn count(&self) -> usize {
         self.count
     }

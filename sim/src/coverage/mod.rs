@@ -50,6 +50,11 @@ impl Coverage {
         Self { covered: none.clone(), sensed: none }
     }
 
+    /// Words of memory of each of its two maps.
+    pub(crate) fn form(&self) -> [usize; 2] {
+        [&self.covered, &self.sensed].map(Bits::words)
+    }
+
     /// Covers the free cells whose centre is strictly inside the disc.
     ///
     /// It costs a few operations for each row of cells that the disc reaches.

@@ -9,7 +9,7 @@ use baudbot_geometry::Point;
 use super::arena::{arena, disc, each, surroundings};
 use super::check::{Names, Path};
 use super::robots::{self, Step};
-use super::{End, Scenario, ScenarioError, raw, things};
+use super::{End, Scenario, ScenarioError, Source, raw, things};
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
 use crate::coverage::Floor;
@@ -26,7 +26,7 @@ pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 
 type Result<T> = core::result::Result<T, ScenarioError>;
 
-pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
+pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     let path = Path::root();
     let step = step(&path, &raw)?;
     let at = path.field("arena");
@@ -46,6 +46,7 @@ pub(super) fn scenario(raw: raw::Scenario) -> Result<Scenario> {
     };
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
+        source,
         name: raw.name,
         description: raw.description,
         seed: raw.seed,

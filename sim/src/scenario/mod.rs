@@ -26,6 +26,7 @@ mod things;
 mod warnings;
 
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use baudbot_geometry::Circle;
@@ -51,6 +52,7 @@ pub const MAX_BYTES: usize = 16 << 20;
 /// A scenario: an arena, robots, and the rules of the run. Made by parsing only, so it is always sound.
 #[derive(Clone, Debug)]
 pub struct Scenario {
+    source: Source,
     pub(crate) name: String,
     pub(crate) description: String,
     pub(crate) seed: u64,
@@ -65,6 +67,15 @@ pub struct Scenario {
     pub(crate) movers: Vec<Mover>,
     pub(crate) movables: Vec<Movable>,
     robots: Vec<RobotSpec>,
+}
+
+/// What a scenario was parsed from: parsing it again gives the same scenario.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The text of the file.
+    pub toml: Arc<str>,
+    /// The overrides, as texts.
+    pub overrides: Vec<String>,
 }
 
 /// When a run ends, collisions aside.
@@ -104,7 +115,13 @@ impl Scenario {
             robot.sensors.arrange(&names.sensors);
             robot.actuators.arrange(&names.actuators);
         }
-        build::scenario(raw)
+        let overrides = overrides.iter().map(ToString::to_string).collect();
+        build::scenario(raw, Source { toml: toml.into(), overrides })
+    }
+
+    /// What it was parsed from. What has been changed by hand since is not in there.
+    pub fn source(&self) -> &Source {
+        &self.source
     }
 
     /// A short name; empty if the file gives none.

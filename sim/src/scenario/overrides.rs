@@ -4,6 +4,7 @@ use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::fmt;
 
 use toml::{Table, Value};
 
@@ -17,8 +18,16 @@ const MAX_PARTS: usize = 16;
 /// `robots.alice.link.baud`, `robots.0.link.baud`, `robots[0].link.baud`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Override {
+    text: String,
     path: Vec<String>,
     value: Value,
+}
+
+impl fmt::Display for Override {
+    /// As it was parsed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
 }
 
 impl Override {
@@ -46,7 +55,8 @@ impl Override {
         let value = value.trim();
         let parsed =
             format!("value = {value}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
-        Ok(Self { path: parts, value: parsed.unwrap_or_else(|| Value::String(value.to_string())) })
+        let value = parsed.unwrap_or_else(|| Value::String(value.to_string()));
+        Ok(Self { text: text.to_owned(), path: parts, value })
     }
 
     /// Puts the value into the file's table. Whether such a field exists is found out when the whole is

@@ -5,12 +5,20 @@ import type { Store } from "../model/store";
 import { Painter } from "./painter";
 import type { Theme } from "./palette";
 import { isFlashing, robotAt } from "./robots";
-import { worldBounds, type Held, type Layers, type Scene } from "./scene";
+import { worldBounds, type Held, type Layers, type Look, type Scene } from "./scene";
 import { fitted, panned, zoomed, type View } from "./view";
 
 export class Arena {
   view: View = { x_m: 0, y_m: 0, scale: 100, width: 100, height: 100 };
-  layers: Layers = { rays: true, trails: true, ghost: true, belief: true, names: true, fields: true };
+  layers: Layers = {
+    rays: true,
+    trails: true,
+    ghost: true,
+    belief: true,
+    allBeliefs: false,
+    names: true,
+    fields: true,
+  };
   follows = false;
   held: Held | undefined;
   /** Frames drawn, for tests. */
@@ -20,6 +28,8 @@ export class Arena {
   private readonly painter = new Painter();
   private isAsked = false;
   private isFitted = false;
+  /** All is shown, and is to be shown when the picture gets another size. */
+  private isWhole = false;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -29,6 +39,11 @@ export class Arena {
     new ResizeObserver(() => this.resize()).observe(canvas);
     store.on("world", () => (this.isFitted = false));
     for (const event of ["world", "robot", "frame", "drawn"] as const) store.on(event, () => this.invalidate());
+  }
+
+  /** How it looks, for a film of it. */
+  get look(): Look {
+    return { theme: this.theme, layers: this.layers, follows: this.follows };
   }
 
   setTheme(theme: Theme): void {
@@ -51,16 +66,19 @@ export class Arena {
     const bounds = worldBounds(this.store);
     this.setFollows(false);
     if (bounds) this.view = fitted(this.view, bounds);
+    this.isWhole = true;
     this.invalidate();
   }
 
   zoom(factor: number, x = this.view.width / 2, y = this.view.height / 2): void {
+    this.isWhole = false;
     this.view = zoomed(this.view, factor, x, y);
     this.invalidate();
   }
 
   pan(dx: number, dy: number): void {
     this.setFollows(false);
+    this.isWhole = false;
     this.view = panned(this.view, dx, dy);
     this.invalidate();
   }
@@ -68,6 +86,7 @@ export class Arena {
   setFollows(on: boolean): void {
     if (this.follows === on) return;
     this.follows = on;
+    this.isWhole = false;
     this.changed();
     this.invalidate();
   }
@@ -108,6 +127,7 @@ export class Arena {
     if (clientWidth === 0 || clientHeight === 0) return;
     this.view = { ...this.view, width: clientWidth, height: clientHeight };
     if (this.store.frames === 0 || !this.store.frame) this.isFitted = false;
+    else if (this.isWhole) this.fit();
     this.invalidate();
   }
 

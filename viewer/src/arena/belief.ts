@@ -1,4 +1,4 @@
-/** What the chosen robot's brain says that it believes, all in one colour: none of it need be true. */
+/** What brains say that they believe, all in one colour: none of it need be true. */
 import type { Belief, BelievedPose, GridMap } from "../gen/baudbot/v1/brain_link_pb";
 import { rgb, withAlpha, type Theme } from "./palette";
 import { traceBody } from "./robots";
@@ -53,10 +53,10 @@ function picture(map: GridMap, rows: number, theme: Theme): HTMLCanvasElement {
 }
 
 /** All but the map. */
-export function drawBelief(scene: Scene, belief: Belief): void {
+export function drawBelief(scene: Scene, robot: number, belief: Belief): void {
   drawParticles(scene, belief);
   drawPath(scene, belief);
-  if (belief.pose) drawPose(scene, belief.pose, belief.state);
+  if (belief.pose) drawPose(scene, robot, belief.pose, belief.state);
 }
 
 function drawParticles(scene: Scene, belief: Belief): void {
@@ -102,9 +102,9 @@ function drawPath(scene: Scene, belief: Belief): void {
   context.fill();
 }
 
-function drawPose(scene: Scene, pose: BelievedPose, state: string): void {
+function drawPose(scene: Scene, index: number, pose: BelievedPose, state: string): void {
   const { context, view, theme, store } = scene;
-  const robot = store.description?.robots[store.robotIndex];
+  const robot = store.description?.robots[index];
   if (!robot) return;
   drawEllipse(scene, pose);
   context.save();

@@ -1,7 +1,8 @@
 /** What stands still, drawn once for each view: floor, grid, zones, fields, walls, lamps. */
-import type { DescribeWorldResponse, Light, Outline, Polygon, ScalarField, Zone } from "../gen/baudbot/v1/observe_pb";
+import type { DescribeWorldResponse, Outline, Polygon, ScalarField, Zone } from "../gen/baudbot/v1/observe_pb";
 import { roundStep } from "../model/units";
-import { FIELDS, floorColor, HOLLOW, LAMP, LAMP_RIM, rgb, solidColors, uses, withAlpha, type Theme } from "./palette";
+import { blinks, drawLight } from "./lamps";
+import { FIELDS, floorColor, HOLLOW, rgb, solidColors, uses, withAlpha, type Theme } from "./palette";
 import { FONT, label } from "./scene";
 import { toPixel, toWorld, useMetres, type Bounds, type View } from "./view";
 
@@ -35,7 +36,7 @@ export class Ground {
     for (const zone of this.description.zones) drawZone(context, view, this.theme, zone);
     if (withFields) for (const shade of this.shades) drawShade(context, view, shade);
     drawGrid(context, view, this.theme);
-    for (const light of this.description.lights) drawLight(context, view, light);
+    for (const light of this.description.lights) if (!blinks(light)) drawLight(context, view, light);
     this.drawWalls(context, view);
     context.font = FONT;
     context.textAlign = "center";
@@ -228,29 +229,4 @@ function drawShade(
   const [right, bottom] = toPixel(view, bounds.max_x_m, bounds.min_y_m);
   context.imageSmoothingEnabled = true;
   context.drawImage(image, left, top, right - left, bottom - top);
-}
-
-function drawLight(context: Context, view: View, light: Light): void {
-  const [x, y] = toPixel(view, light.position?.xM ?? 0, light.position?.yM ?? 0);
-  // As far as it gives 10 lux, within what a picture can show.
-  const most = Math.max(view.width, view.height);
-  const reach = Math.min(0.22 * most, Math.max(0.04 * most, Math.sqrt(light.intensityCd / 10) * view.scale));
-  const glow = context.createRadialGradient(x, y, 0, x, y, reach);
-  glow.addColorStop(0, withAlpha(LAMP, 0.6));
-  glow.addColorStop(0.4, withAlpha(LAMP, 0.15));
-  glow.addColorStop(1, withAlpha(LAMP, 0));
-  context.fillStyle = glow;
-  context.fillRect(x - reach, y - reach, 2 * reach, 2 * reach);
-  context.beginPath();
-  context.arc(x, y, 4.5, 0, 2 * Math.PI);
-  context.fillStyle = LAMP;
-  context.fill();
-  context.strokeStyle = LAMP_RIM;
-  context.lineWidth = 1.2;
-  for (let i = 0; i < 8; i++) {
-    const [cos, sin] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
-    context.moveTo(x + 6.5 * cos, y + 6.5 * sin);
-    context.lineTo(x + 9.5 * cos, y + 9.5 * sin);
-  }
-  context.stroke();
 }

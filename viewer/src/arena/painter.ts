@@ -1,15 +1,20 @@
 /** Draws the arena: the ground from a picture that is kept as long as the view stays, and all that moves over it. */
+import type { Belief } from "../gen/baudbot/v1/brain_link_pb";
 import type { DescribeWorldResponse } from "../gen/baudbot/v1/observe_pb";
 import { surface } from "../dom";
 import { poseOf } from "../model/motion";
 import { drawAxes, drawScaleBar } from "./axes";
 import { drawBelief, drawBeliefMap } from "./belief";
 import { Ground } from "./ground";
+import { drawActuators, drawBlinking } from "./lamps";
 import type { Theme } from "./palette";
 import { drawRobots, drawTrails } from "./robots";
 import { worldBounds, type Scene } from "./scene";
 import { drawSenses } from "./senses";
 import { drawGhost, drawHeld, drawThings } from "./things";
+
+/** Beliefs of other robots that are drawn at once. */
+const MOST_BELIEFS = 50;
 
 export class Painter {
   private readonly kept = document.createElement("canvas");
@@ -22,15 +27,17 @@ export class Painter {
     context.setLineDash([]);
     this.paintGround(scene);
     if (!store.description) return;
-    const belief = layers.belief ? store.beliefs.get(store.robotIndex) : undefined;
-    if (belief) drawBeliefMap(scene, belief);
+    drawBlinking(scene);
+    const beliefs = shownBeliefs(scene);
+    for (const [, belief] of beliefs) drawBeliefMap(scene, belief);
     drawThings(scene);
     if (layers.trails) drawTrails(scene);
     const pose = poses && poseOf(poses, store.robotIndex);
     if (layers.rays && pose) drawSenses(scene, pose);
     drawRobots(scene);
+    drawActuators(scene);
     if (layers.ghost) drawGhost(scene);
-    if (belief) drawBelief(scene, belief);
+    for (const [robot, belief] of beliefs) drawBelief(scene, robot, belief);
     drawHeld(scene);
     drawAxes(scene);
     if (view.width > 200) drawScaleBar(scene);
@@ -61,4 +68,13 @@ export class Painter {
     this.keptKey = "";
     return ground;
   }
+}
+
+/** The chosen robot's belief, or those of all; the chosen one's is drawn last. */
+function shownBeliefs({ store, layers }: Scene): [number, Belief][] {
+  if (!layers.belief) return [];
+  const isChosen = ([robot]: [number, Belief]) => robot === store.robotIndex;
+  const all = [...store.beliefs];
+  const others = layers.allBeliefs ? all.filter((one) => !isChosen(one)).slice(0, MOST_BELIEFS) : [];
+  return [...others, ...all.filter(isChosen)];
 }

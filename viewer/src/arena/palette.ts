@@ -76,7 +76,7 @@ export const FIELDS = ["#cc3311", "#009988", "#aa4499", "#999933"];
 /** A field's bell that goes down. */
 export const HOLLOW = "#0077bb";
 /** What a sensor of the robot itself, not of its surroundings, is drawn in. */
-export const INNER = "#5b6678";
+const INNER = "#5b6678";
 
 const HUES: Record<string, string> = {
   ir: "#d55e00",
@@ -119,7 +119,7 @@ const NO_COLOR: Rgb = [128, 128, 128];
 const MOVABLE: Rgb = [200, 160, 100];
 
 /** The colour of something's own, or undefined if the scenario gives it none. */
-export function ownColor(look: Look | undefined): Rgb | undefined {
+function ownColor(look: Look | undefined): Rgb | undefined {
   if (!look) return undefined;
   const { red, green, blue } = look;
   const isDefault = red === NO_COLOR[0] && green === NO_COLOR[1] && blue === NO_COLOR[2];

@@ -1,6 +1,6 @@
 /** Robots, from a point each in a crowd to a body with wheels when there is room for it. */
 import type { ObservedRobot } from "../gen/baudbot/v1/observe_pb";
-import { outOf, type Pose } from "../model/pose";
+import type { Pose } from "../model/pose";
 import { poseOf } from "../model/motion";
 import { robotColors, withAlpha } from "./palette";
 import { BOLD, FONT, isShown, label, type Scene } from "./scene";
@@ -137,7 +137,7 @@ function arrow(context: CanvasRenderingContext2D, radius_m: number, color: strin
 function flash(scene: Scene, robots: ObservedRobot[], shown: number[]): void {
   const { context, view, store, now_ms, poses, theme } = scene;
   for (const i of shown) {
-    const share = 1 - (now_ms - (store.bumpedAt[i] ?? -Infinity)) / FLASH_MS;
+    const share = Math.min(1, 1 - (now_ms - (store.bumpedAt[i] ?? -Infinity)) / FLASH_MS);
     if (share <= 0) continue;
     const [x, y] = toPixel(view, poses?.x_m[i] ?? 0, poses?.y_m[i] ?? 0);
     const radius = Math.max(3, (robots[i]?.radiusM ?? 0) * view.scale);
@@ -194,8 +194,9 @@ export function drawTrails(scene: Scene): void {
     const isChosen = robot === store.robotIndex;
     context.beginPath();
     for (let i = 0; i < trail.length; i++) {
-      const [x_m, y_m] = trail.at(i);
-      context.lineTo(...toPixel(view, x_m, y_m));
+      const [x, y] = toPixel(view, ...trail.at(i));
+      if (trail.isJump(i)) context.moveTo(x, y);
+      else context.lineTo(x, y);
     }
     const pose = poses && poseOf(poses, robot);
     if (!pose) return;
@@ -217,10 +218,4 @@ export function robotAt(scene: Pick<Scene, "view" | "store" | "poses">, x: numbe
     if (away <= reach && away < least) [found, least] = [i, away];
   }
   return found;
-}
-
-/** Corners of a robot's body in the world, for what is drawn in pixels. */
-export function place(pose: Pose, x_m: number, y_m: number, scene: Scene): [number, number] {
-  const point = outOf(pose, x_m, y_m);
-  return toPixel(scene.view, point.x_m, point.y_m);
 }

@@ -11,8 +11,18 @@ export interface Layers {
   trails: boolean;
   ghost: boolean;
   belief: boolean;
+  /** Not the chosen robot's alone. */
+  allBeliefs: boolean;
   names: boolean;
   fields: boolean;
+}
+
+/** What the arena looks like, whatever it shows. */
+export interface Look {
+  theme: Theme;
+  layers: Layers;
+  /** The chosen robot stays in the middle. */
+  follows: boolean;
 }
 
 /** Something that is being moved by hand, where it would be put down. */

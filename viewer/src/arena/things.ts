@@ -60,7 +60,11 @@ export function drawGhost(scene: Scene): void {
   if (!pose || !robot) return;
   const trail = store.record?.ghostTrail;
   context.beginPath();
-  for (let i = 0; i < (trail?.length ?? 0); i++) context.lineTo(...toPixel(view, ...(trail?.at(i) ?? [0, 0])));
+  for (let i = 0; trail && i < trail.length; i++) {
+    const [x, y] = toPixel(view, ...trail.at(i));
+    if (trail.isJump(i)) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  }
   context.strokeStyle = withAlpha(theme.ghost, 0.5);
   context.lineWidth = 1;
   context.setLineDash([3, 3]);

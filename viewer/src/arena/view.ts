@@ -48,18 +48,26 @@ export function panned(view: View, dx: number, dy: number): View {
   return { ...view, x_m: view.x_m - dx / view.scale, y_m: view.y_m + dy / view.scale };
 }
 
+/** What the axes and the buttons take. */
+const ROOM = { left: 46, right: 18, top: 44, bottom: 52 };
+
+/** How high a picture is that is so wide and shows nothing but a box, and the axes. */
+export function heightFor(width: number, bounds: Bounds): number {
+  const across = Math.max(20, width - ROOM.left - ROOM.right) / Math.max(bounds.max_x_m - bounds.min_x_m, 1e-3);
+  return ROOM.top + ROOM.bottom + across * (bounds.max_y_m - bounds.min_y_m);
+}
+
 /** Shows all of a box, with room for the axes. */
 export function fitted(view: View, bounds: Bounds): View {
   const [wide_m, high_m] = [bounds.max_x_m - bounds.min_x_m, bounds.max_y_m - bounds.min_y_m];
-  const room = { left: 46, right: 18, top: 44, bottom: 52 };
-  const across = Math.max(20, view.width - room.left - room.right) / Math.max(wide_m, 1e-3);
-  const up = Math.max(20, view.height - room.top - room.bottom) / Math.max(high_m, 1e-3);
+  const across = Math.max(20, view.width - ROOM.left - ROOM.right) / Math.max(wide_m, 1e-3);
+  const up = Math.max(20, view.height - ROOM.top - ROOM.bottom) / Math.max(high_m, 1e-3);
   const scale = Math.min(MOST_SCALE, Math.max(LEAST_SCALE, Math.min(across, up)));
   return {
     ...view,
     scale,
-    x_m: (bounds.min_x_m + bounds.max_x_m) / 2 - (room.left - room.right) / 2 / scale,
-    y_m: (bounds.min_y_m + bounds.max_y_m) / 2 - (room.bottom - room.top) / 2 / scale,
+    x_m: (bounds.min_x_m + bounds.max_x_m) / 2 - (ROOM.left - ROOM.right) / 2 / scale,
+    y_m: (bounds.min_y_m + bounds.max_y_m) / 2 - (ROOM.bottom - ROOM.top) / 2 / scale,
   };
 }
 

@@ -61,12 +61,29 @@ function wheelsOf(robot: RobotDescription, encoders: SensorDescription): Wheels 
   };
 }
 
+/** How far dead reckoning has got. */
+export interface Reckoned {
+  pose: Pose;
+  counts: [number, number] | undefined;
+}
+
 /** Follows a robot's wheels from a true pose on. */
 export class DeadReckoning {
   pose: Pose | undefined;
   private counts: [number, number] | undefined;
 
   constructor(readonly source: WheelSensor) {}
+
+  /** How far it is, to go back to. */
+  get reckoned(): Reckoned | undefined {
+    return this.pose && { pose: this.pose, counts: this.counts };
+  }
+
+  /** Goes on from there; from nothing it begins anew. */
+  goOn(from: Reckoned | undefined): void {
+    this.pose = from?.pose;
+    this.counts = from?.counts;
+  }
 
   /** A reading has come; `true_pose` is where the robot was when it was taken, if that is known. */
   take(values: readonly number[], true_pose: Pose): void {

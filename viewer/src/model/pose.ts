@@ -13,15 +13,6 @@ export function wrapped(angle_rad: number): number {
   return rest === -Math.PI ? Math.PI : rest;
 }
 
-/** Between two poses: 0 is the first, 1 the second; it turns the shorter way. */
-export function between(a: Pose, b: Pose, share: number): Pose {
-  return {
-    x_m: a.x_m + share * (b.x_m - a.x_m),
-    y_m: a.y_m + share * (b.y_m - a.y_m),
-    heading_rad: a.heading_rad + share * wrapped(b.heading_rad - a.heading_rad),
-  };
-}
-
 /** A point of a frame whose pose this is, in the frame in which the pose is given. */
 export function outOf(frame: Pose, x_m: number, y_m: number): { x_m: number; y_m: number } {
   const [cos, sin] = [Math.cos(frame.heading_rad), Math.sin(frame.heading_rad)];

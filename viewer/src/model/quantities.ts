@@ -77,7 +77,7 @@ export function readingOf(description: RobotDescription, i: number, now: Snapsho
 }
 
 /** The least distance of a scan; NaN if it meets nothing. */
-export function leastOf(values: readonly number[]): number {
+function leastOf(values: readonly number[]): number {
   const met = values.filter((value) => value >= 0);
   return met.length > 0 ? Math.min(...met) : NaN;
 }

@@ -2,7 +2,7 @@
 import type { Belief, RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { RobotDetail, RobotTruth } from "../gen/baudbot/v1/observe_pb";
 import type { Frame } from "../net/frames";
-import { DeadReckoning, wheelSensor } from "./odometry";
+import { DeadReckoning, wheelSensor, type Reckoned } from "./odometry";
 import type { Pose } from "./pose";
 import { quantities, sentBy, type Sent, type Snapshot, type Values } from "./quantities";
 import { Ring, SeriesTable } from "./ring";
@@ -16,23 +16,28 @@ const COLUMNS = 200;
 /** Frames that a strip of freshness shows. */
 export const STRIP = 96;
 /** Sensors that have a strip. */
-export const MOST_STRIPS = 64;
+const MOST_STRIPS = 64;
 /** True poses that are kept, to know where the robot was when an old reading was taken. */
 const POSES = 256;
 /** Rates are those over so long: bytes come in bursts, and a shorter time would show nothing else. */
 const RATE_SPAN_NS = 1_000_000_000n;
 const MOST_SENT = 128;
+/** Instants of dead reckoning that are kept, to go back to. */
+const MOST_RECKONED = 1024;
 
 export class RobotRecord {
   readonly series = new SeriesTable(FRAMES, COLUMNS);
   readonly timeline = new Timeline();
   readonly strips: Ring[];
+  private readonly stripTimes = new Ring(STRIP);
   readonly ghostTrail = new Trail(900);
   readonly ghost: DeadReckoning | undefined;
   now: Snapshot | undefined;
   values: Values = new Map();
   private readonly history = [new Ring(POSES), new Ring(POSES), new Ring(POSES), new Ring(POSES)] as const;
   private ghostSampledAt: bigint | undefined;
+  private reckoned: { tick: number; state: Reckoned }[] = [];
+  private lastTick = -Infinity;
   private sent: Sent[] = [];
 
   constructor(
@@ -46,8 +51,14 @@ export class RobotRecord {
     this.ghost = source && new DeadReckoning(source);
   }
 
-  /** A frame has come; `first` of its Watch, it may be one that is here already. */
-  take(frame: Frame, belief: Belief | undefined, first: boolean): void {
+  /**
+   * A frame has come; `first` of its Watch, it may be one that is here already. Over more than `longest` ticks nothing is
+   * reckoned on.
+   */
+  take(frame: Frame, belief: Belief | undefined, first: boolean, longest = Infinity): void {
+    const tick = Number(frame.tick);
+    if (tick - this.lastTick > longest) this.leap();
+    this.lastTick = tick;
     const detail = frame.rest.details.find((detail) => detail.robot === this.robot);
     const now: Snapshot = { time_ns: frame.timeNs, truth: frame.truth(this.robot), detail, belief };
     const before = this.now;
@@ -58,10 +69,37 @@ export class RobotRecord {
     if (isNew) {
       this.series.push(secondsOf(now.time_ns), this.values);
       if (now.truth) this.remember(now.time_ns, now.truth);
-      if (detail) this.freshness(detail, before?.detail);
+      if (detail) this.freshness(detail, before?.detail, now.time_ns);
       this.rememberSent(now);
     }
-    if (detail && now.truth) this.reckon(detail, now.truth);
+    if (detail && now.truth) this.reckon(detail, now.truth, tick, longest);
+  }
+
+  /** The world went back: what is not before this tick, and its instant, has not happened. */
+  cut(tick: number, time_ns: number): void {
+    const [poses, marks] = [laterThan(this.history[0], time_ns), laterThan(this.stripTimes, time_ns)];
+    for (const ring of this.history) ring.drop(poses);
+    for (const strip of [...this.strips, this.stripTimes]) strip.drop(marks);
+    let seen = 0;
+    this.series.cut(time_ns / 1e9);
+    this.timeline.cut(time_ns);
+    this.ghostTrail.cut(tick);
+    while (seen < this.reckoned.length && (this.reckoned[seen]?.tick ?? 0) <= tick) seen++;
+    this.reckoned = this.reckoned.slice(0, seen);
+    const last = this.reckoned.at(-1);
+    this.ghost?.goOn(last?.state);
+    this.lastTick = last?.tick ?? -Infinity;
+    this.now = this.ghostSampledAt = undefined;
+    this.values = new Map();
+    this.sent = [];
+  }
+
+  /** It is elsewhere all at once: dead reckoning begins anew where it truly is. */
+  private leap(): void {
+    this.ghost?.goOn(undefined);
+    this.ghostSampledAt = undefined;
+    this.sent = [];
+    for (const ring of this.history) ring.drop(POSES);
   }
 
   /** Where it truly was at an instant, as far as that is remembered. */
@@ -87,7 +125,8 @@ export class RobotRecord {
   }
 
   /** 1 if a sensor was readable since the last frame, 0 if not, NaN if nothing of it has come yet. */
-  private freshness(detail: RobotDetail, before: RobotDetail | undefined): void {
+  private freshness(detail: RobotDetail, before: RobotDetail | undefined, time_ns: bigint): void {
+    this.stripTimes.push(numberOf(time_ns));
     this.strips.forEach((strip, i) => {
       const [sensor, last] = [detail.sensors[i], before?.sensors[i]];
       const came = sensor !== undefined && last !== undefined && sensor.readableSteps > last.readableSteps;
@@ -96,7 +135,7 @@ export class RobotRecord {
     });
   }
 
-  private reckon(detail: RobotDetail, truth: RobotTruth): void {
+  private reckon(detail: RobotDetail, truth: RobotTruth, tick: number, longest: number): void {
     const sensor = this.ghost && detail.sensors[this.ghost.source.sensor];
     if (!this.ghost || !sensor || sensor.values.length === 0) return;
     const at_ns = sensor.sampledAtNs;
@@ -104,7 +143,17 @@ export class RobotRecord {
     this.ghostSampledAt = at_ns;
     const here = { x_m: truth.xM, y_m: truth.yM, heading_rad: truth.headingRad };
     this.ghost.take(sensor.values, (at_ns !== undefined && this.poseAt(at_ns)) || here);
-    const pose = this.ghost.pose;
-    if (pose) this.ghostTrail.add(pose.x_m, pose.y_m, 0.15 * this.radius_m);
+    const state = this.ghost.reckoned;
+    if (!state) return;
+    this.ghostTrail.add(state.pose.x_m, state.pose.y_m, 0.15 * this.radius_m, tick, longest);
+    this.reckoned.push({ tick, state });
+    if (this.reckoned.length > 2 * MOST_RECKONED) this.reckoned = this.reckoned.slice(-MOST_RECKONED);
   }
+}
+
+/** How many of the newest instants are not before this one. */
+function laterThan(times: Ring, time_ns: number): number {
+  let later = 0;
+  while (later < times.length && times.at(times.length - 1 - later) >= time_ns) later++;
+  return later;
 }

@@ -26,9 +26,11 @@ export class Ring {
     return this.at(this.length - 1);
   }
 
-  clear(): void {
-    this.head = 0;
-    this.length = 0;
+  /** Takes the newest away, so many of them. */
+  drop(count: number): void {
+    const gone = Math.min(count, this.length);
+    this.head = (this.head - gone + this.capacity) % this.capacity;
+    this.length -= gone;
   }
 }
 
@@ -66,10 +68,14 @@ export class SeriesTable {
     });
   }
 
-  clear(): void {
-    this.columns.clear();
-    this.head = 0;
-    this.length = 0;
+  /** Takes away what is not before an instant. */
+  cut(time_s: number): void {
+    while (this.length > 0) {
+      const last = (this.head - 1 + this.capacity) % this.capacity;
+      if ((this.times[last] ?? -Infinity) < time_s) return;
+      this.head = last;
+      this.length--;
+    }
   }
 
   private column(key: string): Float64Array | undefined {

@@ -30,12 +30,16 @@ type Events = {
   /** Another robot, or none. */
   robot: void;
   frame: Frame;
+  /** The next frame is of quite another tick. */
+  leap: void;
   note: Note;
   /** Something that is drawn has changed besides a frame. */
   drawn: void;
 };
 
 const MOST_BUMPS = 60;
+/** In a replay, frames that are farther apart are not of one way, in seconds: somebody sought. */
+const LONGEST_S = 0.5;
 
 export class Store extends Emitter<Events> {
   worlds: WorldStatus[] = [];
@@ -52,7 +56,13 @@ export class Store extends Emitter<Events> {
   /** Frames that came since the page was opened. */
   frames = 0;
   lastError = "";
-  /** When each robot last ran into something, by the wall clock in milliseconds. */
+  /** Ticks between two frames, as they are asked for. */
+  stride = 1;
+  /** The same while a film is made. */
+  filmStride = 0;
+  /** The time that shows how old what is drawn is, in milliseconds. */
+  clock: () => number = () => performance.now();
+  /** When each robot last ran into something, by `clock`. */
   bumpedAt = new Float64Array(0);
 
   /** The chosen world's status, if it is known. */
@@ -63,6 +73,13 @@ export class Store extends Emitter<Events> {
   /** The chosen robot's place in the description; -1 if there is none. */
   get robotIndex(): number {
     return this.description?.robots.findIndex((robot) => robot.robot === this.robot) ?? -1;
+  }
+
+  /** Over more ticks than this it is not known how things came to where they are. */
+  get longest(): number {
+    if (!this.status?.replay) return Infinity;
+    const step_s = secondsOf(this.description?.stepNs ?? 0n) || LONGEST_S;
+    return Math.max(3 * this.stride, 3 * this.filmStride, LONGEST_S / step_s);
   }
 
   setWorlds(worlds: WorldStatus[]): void {
@@ -104,18 +121,17 @@ export class Store extends Emitter<Events> {
   /** A frame has come; `first` of its Watch. */
   take(frame: Frame, first: boolean): void {
     this.frames++;
-    // A world that was reset or restored begins anew.
-    if (this.frame && frame.tick < this.frame.tick) {
-      this.forget();
-      this.makeRecord();
-    }
+    const ticks = Number(frame.tick - (this.frame?.tick ?? frame.tick));
+    if (ticks < 0) this.goBack(frame);
+    else if (ticks > this.longest) this.leap();
     this.frame = frame;
-    this.motion.take(frame, performance.now());
+    this.motion.take(frame, this.clock());
     for (const { robot, belief } of frame.rest.annotations)
       if (belief && saysSomething(belief)) this.beliefs.set(robot, belief);
       else this.beliefs.delete(robot);
-    this.trails.take(frame.poses, (i) => this.description?.robots[i]?.radiusM ?? 0);
-    this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first);
+    const { longest } = this;
+    this.trails.take(frame.poses, (i) => this.description?.robots[i]?.radiusM ?? 0, Number(frame.tick), longest);
+    this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first, longest);
     this.noteBumps(frame);
     this.emit("frame", frame);
   }
@@ -123,6 +139,23 @@ export class Store extends Emitter<Events> {
   note(text: string, kind: Note["kind"] = "info"): void {
     if (kind === "error") this.lastError = text;
     this.emit("note", { text, kind });
+  }
+
+  /** A replay does again what was before; a world that was reset or restored begins anew. */
+  private goBack(frame: Frame): void {
+    const isReplay = this.status?.replay !== undefined;
+    const [tick, time_ns] = isReplay ? [Number(frame.tick), Number(frame.timeNs)] : [-Infinity, -Infinity];
+    this.leap();
+    this.beliefs.clear();
+    this.trails.cut(tick);
+    this.record?.cut(tick, time_ns);
+    this.bumps = this.bumps.filter((bump) => bump.time_s < time_ns / 1e9);
+  }
+
+  private leap(): void {
+    this.motion.reset();
+    this.bumpedAt.fill(-Infinity);
+    this.emit("leap", undefined);
   }
 
   private forget(): void {
@@ -142,7 +175,7 @@ export class Store extends Emitter<Events> {
   }
 
   private noteBumps(frame: Frame): void {
-    const now = performance.now();
+    const now = this.clock();
     const bump = (robot: number) => (this.bumpedAt[robot] = now);
     frame.poses.collided.forEach((collided, i) => collided && bump(i));
     if (frame.rest.collisions.length === 0) return;

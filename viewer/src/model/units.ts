@@ -75,6 +75,13 @@ export function withUnit(value: number, unit: string): string {
   return unit === "" || unit === "1" ? text : `${text} ${unit}`;
 }
 
+/** How long a file is. */
+export function bytesText(bytes: number): string {
+  if (bytes < 1000) return `${bytes} B`;
+  if (bytes < 1e6) return `${short(bytes / 1e3)} kB`;
+  return bytes < 1e9 ? `${short(bytes / 1e6)} MB` : `${short(bytes / 1e9)} GB`;
+}
+
 /** A round length in the unit that suits it. */
 export function lengthText(length_m: number): string {
   const round = (value: number) => String(Number(value.toPrecision(3)));

@@ -21,6 +21,8 @@ export interface Poses {
 
 /** The truth at an instant. */
 export class Frame {
+  private readonly truths: (RobotTruth | undefined)[] = [];
+
   constructor(
     /** All but its robots. */
     readonly rest: WatchResponse,
@@ -39,7 +41,7 @@ export class Frame {
   /** All about one robot. */
   truth(robot: number): RobotTruth | undefined {
     const bytes = this.robots[robot];
-    return bytes && fromBinary(RobotTruthSchema, bytes);
+    return (this.truths[robot] ??= bytes && fromBinary(RobotTruthSchema, bytes));
   }
 }
 
@@ -61,7 +63,7 @@ export function decode(bytes: Uint8Array): Incoming {
 }
 
 /** A frame. */
-export function decodeFrame(bytes: Uint8Array): Frame {
+function decodeFrame(bytes: Uint8Array): Frame {
   const cursor = new Cursor(bytes);
   const robots: Uint8Array[] = [];
   const others: Uint8Array[] = [];

@@ -3,6 +3,7 @@ import { create } from "@bufbuild/protobuf";
 import {
   CreateWorldRequestSchema,
   DeleteWorldRequestSchema,
+  ForkReplayRequestSchema,
   InterveneRequestSchema,
   ListWorldsRequestSchema,
   PauseWorldRequestSchema,
@@ -29,6 +30,9 @@ export interface Kept {
   tick: bigint;
   time_s: number;
 }
+
+/** What a world is made from: a scenario, or a state that was saved. */
+export type Origin = { scenarioToml: string } | { savedMcap: Uint8Array };
 
 /** As many as the server keeps. */
 const MOST_SNAPSHOTS = 64;
@@ -116,11 +120,19 @@ export class Orders {
   }
 
   /** Makes a world and chooses it. What is wrong with the scenario is thrown. */
-  async create(world: string, scenarioToml: string, paused: boolean): Promise<void> {
-    const request = create(CreateWorldRequestSchema, { world, scenarioToml, paused });
+  async create(world: string, from: Origin, paused: boolean): Promise<void> {
+    const request = create(CreateWorldRequestSchema, { world, ...from, paused });
     const { status } = await ask(this.connection, "createWorld", request);
     this.store.setStatus(status);
     if (status) this.choose(status.world);
+  }
+
+  /** Makes a live world of a replay, at the tick where it is. */
+  fork(): Promise<void> {
+    return this.told(async (world) => {
+      await this.ask("forkReplay", create(ForkReplayRequestSchema, { world }));
+      this.store.note(`${world} is live now: brains can attach, and Run lets it go on.`);
+    });
   }
 
   delete(world: string): Promise<void> {
@@ -152,8 +164,9 @@ export class Orders {
 
   private async stepNow(world: string, ticks: number): Promise<void> {
     const request = create(StepWorldRequestSchema, { world, ticks: BigInt(ticks) });
+    const { status } = this.store;
     // A stepped world waits for robots that have no brain, for ever if need be, unless it is told to go on without.
-    if (this.store.status?.robots.some((robot) => !robot.attached)) {
+    if (!status?.replay && status?.robots.some((robot) => !robot.attached)) {
       await this.ask("startWorld", create(StartWorldRequestSchema, { world }));
     }
     await this.ask("stepWorld", request);
@@ -166,7 +179,8 @@ export class Orders {
     if (answer.status?.state !== WorldState.RUNNING) this.watcher.again();
   }
 
-  private async told(order: (world: string) => Promise<void>): Promise<void> {
+  /** Does something to the chosen world; what goes wrong is told. */
+  async told(order: (world: string) => Promise<void>): Promise<void> {
     const { world } = this.store;
     if (world === "") return this.store.note("No world is chosen.", "error");
     try {
@@ -178,7 +192,8 @@ export class Orders {
   }
 }
 
-type StatusCall = "startWorld" | "pauseWorld" | "stepWorld" | "setPace" | "resetWorld" | "restoreWorld" | "intervene";
+type StatusCall =
+  "startWorld" | "pauseWorld" | "stepWorld" | "setPace" | "resetWorld" | "restoreWorld" | "intervene" | "forkReplay";
 
 /** A pace of a kind. */
 export function paceOf(kind: PaceKind, factor = 1): Pace {

@@ -30,6 +30,8 @@ export class Watcher {
     private readonly store: Store,
   ) {
     store.on("robot", () => store.description && this.watch());
+    // What is leapt over is no speed.
+    store.on("leap", () => (this.isSettling = true));
     setInterval(() => this.measure(), MEASURE_MS);
   }
 
@@ -67,6 +69,7 @@ export class Watcher {
     this.stop();
     const { world, robot } = this.store;
     this.isFirst = this.isSettling = true;
+    this.store.stride = this.every;
     const details = robot === "" ? [] : [robot];
     const request = create(WatchRequestSchema, { world, everyTicks: BigInt(this.every), details });
     const call = this.connection.begin(
@@ -105,7 +108,8 @@ export class Watcher {
     const load = this.connection.busy_ms / 1000 / span_s;
     const ticks = Number((frame?.tick ?? 0n) - this.measured.tick);
     this.frames_per_s = this.frames / span_s;
-    this.speed = Math.max(0, secondsOf((frame?.timeNs ?? 0n) - this.measured.time_ns) / span_s);
+    const went_ns = (frame?.timeNs ?? 0n) - this.measured.time_ns;
+    if (!this.isSettling || went_ns === 0n) this.speed = Math.max(0, secondsOf(went_ns) / span_s);
     this.connection.busy_ms = 0;
     this.frames = 0;
     this.measured = { at_ms: now_ms, tick: frame?.tick ?? 0n, time_ns: frame?.timeNs ?? 0n };

@@ -1,10 +1,10 @@
 /** Charts over time of whatever values people have clicked on. */
 import uPlot from "uplot";
 import type { Theme } from "../arena/palette";
-import { button, el, setText } from "../dom";
+import { button, el, setText, Throttle } from "../dom";
 import { labelOf, unitOf } from "../model/quantities";
 import type { Store } from "../model/store";
-import { fixed, short } from "../model/units";
+import { fixed, secondsOf, short } from "../model/units";
 
 /** Colours of lines, of Okabe's and Ito's set, in a light and in a dark theme. */
 const LINES = {
@@ -26,7 +26,7 @@ export class ChartPanel {
   private readonly hint = el("p", { class: "hint", text: "Click a value of the robot to chart it." });
   private plot: uPlot | undefined;
   private span_s = 15;
-  private drawn_ms = 0;
+  private readonly throttle = new Throttle(1000 / RATE_HZ, () => this.draw());
   private readonly values = new Map<string, HTMLElement>();
 
   constructor(
@@ -39,7 +39,7 @@ export class ChartPanel {
     span.value = String(this.span_s);
     span.addEventListener("change", () => {
       this.span_s = Number(span.value);
-      this.refresh(true);
+      this.throttle.ask(true);
     });
     const clear = button("Clear", "Take all values off the chart", () => this.set([]));
     const head = el(
@@ -57,7 +57,7 @@ export class ChartPanel {
       this.holder,
     );
     new ResizeObserver(() => this.resize()).observe(this.holder);
-    store.on("frame", () => this.refresh(false));
+    store.on("frame", () => this.throttle.ask());
     store.on("robot", () => this.rebuild());
   }
 
@@ -119,7 +119,20 @@ export class ChartPanel {
   }
 
   private line(key: string, i: number): uPlot.Series {
-    return { scale: this.unit(key), stroke: this.color(i), width: 1.5, spanGaps: true, points: { show: false } };
+    const gaps = (plot: uPlot, _: number, from: number, until: number) => this.gaps(plot, from, until);
+    return { scale: this.unit(key), stroke: this.color(i), width: 1.5, gaps, points: { show: false } };
+  }
+
+  /** A line goes over values that were not there, but not over time that a replay has leapt over. */
+  private gaps(plot: uPlot, from: number, until: number): uPlot.Series.Gaps {
+    const times = plot.data[0];
+    const longest_s = this.store.longest * secondsOf(this.store.description?.stepNs ?? 0n);
+    const gaps: uPlot.Series.Gaps = [];
+    for (let i = from + 1; i <= until; i++) {
+      const [before, now] = [times[i - 1] ?? 0, times[i] ?? 0];
+      if (now - before > longest_s) gaps.push([plot.valToPos(before, "x", true), plot.valToPos(now, "x", true)]);
+    }
+    return gaps;
   }
 
   /** Time below; the first two units on the left and on the right. */
@@ -163,10 +176,8 @@ export class ChartPanel {
     }) as unknown as uPlot.AlignedData;
   }
 
-  private refresh(now: boolean): void {
-    const now_ms = performance.now();
-    if (this.keys.length === 0 || (!now && now_ms - this.drawn_ms < 1000 / RATE_HZ)) return;
-    this.drawn_ms = now_ms;
+  private draw(): void {
+    if (this.keys.length === 0) return;
     if (!this.plot) this.rebuild();
     this.plot?.setData(this.data());
     for (const [key, element] of this.values) setText(element, short(this.store.record?.values.get(key) ?? NaN));

@@ -4,6 +4,7 @@ import { WorldState } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { clock, count, secondsOf } from "../model/units";
 import { paceOf, type Orders, type PaceKind } from "../net/orders";
+import type { RecordControl } from "./record_control";
 import { stateWords } from "./words";
 
 const PACES: [PaceKind, string][] = [
@@ -36,9 +37,13 @@ export class Controls {
     test: "snapshots",
   });
 
+  /** What a replay cannot do. */
+  private readonly live = el("div", { class: "group" });
+
   constructor(
     private readonly store: Store,
     private readonly orders: Orders,
+    record: RecordControl,
   ) {
     this.run = button("▶ Run", "Let the world go on (space)", () => void orders.run(), {
       test: "run",
@@ -68,11 +73,13 @@ export class Controls {
       group(this.run, this.pause),
       group(...steps),
       group(this.pace, this.factor),
-      group(
-        button("Reset", "Take the world back to its start", () => void orders.reset(), { test: "reset" }),
-        button("Snapshot", "Keep the present state", () => void this.keep(), { test: "snapshot" }),
-        this.snapshots,
-      ),
+      this.live,
+      group(...record.elements),
+    );
+    this.live.append(
+      button("Reset", "Take the world back to its start", () => void orders.reset(), { test: "reset" }),
+      button("Snapshot", "Keep the present state", () => void this.keep(), { test: "snapshot" }),
+      this.snapshots,
     );
     store.on("worlds", () => this.refresh());
     store.on("world", () => this.refresh());
@@ -121,7 +128,15 @@ export class Controls {
       this.factor.value = String(kind.value.factor);
     this.factor.hidden = this.pace.value !== "scaled";
     this.listSnapshots();
+    this.allow(status?.replay !== undefined);
     document.title = world ? `${world}: ${text} – baudbot` : "baudbot";
+  }
+
+  /** A replay waits for no brain, and does what was recorded. */
+  private allow(isReplay: boolean): void {
+    this.live.hidden = isReplay;
+    for (const option of this.pace.options)
+      option.disabled = isReplay && (option.value === "lockstep" || option.value === "free");
   }
 
   private listSnapshots(): void {

@@ -1,7 +1,8 @@
 /** The dialog that makes a world from a scenario: an editor that marks the line that the server objects to. */
 import { button, el, setText } from "../dom";
 import type { Orders } from "../net/orders";
-import { lineOf } from "./words";
+import { bytesText } from "../model/units";
+import { isMcap, lineOf } from "./words";
 
 /** Height of a line of the editor, in pixels; as in the style sheet. */
 const LINE = 18;
@@ -64,10 +65,20 @@ export class CreateDialog {
   private readonly error = el("p", { class: "error", role: "alert", test: "error" });
   private readonly paused = el("input", { type: "checkbox" });
   private readonly make: HTMLButtonElement;
+  private readonly editor: HTMLElement;
+  private readonly savedText = el("span", {});
+  private readonly savedRow: HTMLElement;
+  /** A state that goes on, instead of the scenario in the editor. */
+  private saved: Uint8Array | undefined;
   private lines = 0;
 
   constructor(private readonly orders: Orders) {
-    const file = el("input", { type: "file", label: "Scenario file", attributes: { accept: ".toml,text/plain" } });
+    const file = el("input", {
+      type: "file",
+      label: "Scenario or saved state",
+      test: "open-file",
+      attributes: { accept: ".toml,.mcap,text/plain" },
+    });
     file.addEventListener("change", () => void this.open(file));
     this.make = button("Create", "Make this world", () => void this.create(), { class: "primary", test: "create" });
     const head = el(
@@ -83,12 +94,19 @@ export class CreateDialog {
       button("Cancel", "Close (Escape)", () => this.element.close()),
       this.make,
     );
+    this.editor = el("div", { class: "editor" }, this.gutter, this.text);
+    const edit = button("Edit a scenario instead", "Forget the saved state", () => {
+      file.value = "";
+      this.setSaved(undefined, "");
+    });
+    this.savedRow = el("p", { class: "saved", hidden: true, test: "saved-state" }, this.savedText, edit);
     this.element = el(
       "dialog",
       { class: "create", label: "New world" },
       el("h2", { text: "New world" }),
       head,
-      el("div", { class: "editor" }, this.gutter, this.text),
+      this.editor,
+      this.savedRow,
       this.error,
       feet,
     );
@@ -106,8 +124,20 @@ export class CreateDialog {
   private async open(file: HTMLInputElement): Promise<void> {
     const chosen = file.files?.[0];
     if (!chosen) return;
-    this.text.value = await chosen.text();
+    const bytes = new Uint8Array(await chosen.arrayBuffer());
+    if (isMcap(bytes)) return this.setSaved(bytes, chosen.name);
+    this.setSaved(undefined, "");
+    this.text.value = new TextDecoder().decode(bytes);
     this.edited();
+  }
+
+  /** A saved state has its scenario in it, so there is nothing to edit. */
+  private setSaved(saved: Uint8Array | undefined, name: string): void {
+    this.saved = saved;
+    this.editor.hidden = saved !== undefined;
+    this.savedRow.hidden = saved === undefined;
+    setText(this.savedText, `The world goes on from the state in ${name} (${bytesText(saved?.length ?? 0)}). `);
+    setText(this.error, "");
   }
 
   private edited(): void {
@@ -144,7 +174,8 @@ export class CreateDialog {
     this.make.disabled = true;
     setText(this.error, "");
     try {
-      await this.orders.create(this.name.value.trim(), this.text.value, this.paused.checked);
+      const from = this.saved ? { savedMcap: this.saved } : { scenarioToml: this.text.value };
+      await this.orders.create(this.name.value.trim(), from, this.paused.checked);
       this.element.close();
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);

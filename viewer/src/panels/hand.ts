@@ -17,6 +17,8 @@ export class HandSection {
   });
   private readonly detach: HTMLButtonElement;
   private readonly drive: HTMLButtonElement;
+  private readonly set: HTMLButtonElement;
+
   constructor(
     private readonly store: Store,
     private readonly orders: Orders,
@@ -38,14 +40,14 @@ export class HandSection {
     const bauds = el("datalist", { id: "bauds" });
     for (const rate of [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200])
       bauds.append(el("option", { value: String(rate) }));
-    const set = button("Set", "Give both ends of the cable this baud rate", () => void this.setBaud());
+    this.set = button("Set", "Give both ends of the cable this baud rate", () => void this.setBaud());
     this.element = el(
       "div",
       { class: "hand" },
       this.drive,
       this.cable,
       this.detach,
-      el("span", { class: "joined" }, this.baud, set),
+      el("span", { class: "joined" }, this.baud, this.set),
       bauds,
     );
     this.baud.addEventListener("keydown", (event) => event.key === "Enter" && void this.setBaud());
@@ -67,7 +69,9 @@ export class HandSection {
     const drives = this.driver.state !== "off";
     setText(this.drive, drives ? "Stop driving" : "Drive");
     setPressed(this.drive, drives);
-    this.detach.disabled = !(this.store.record?.now?.detail?.attached ?? false);
+    const isReplay = this.store.status?.replay !== undefined;
+    this.drive.disabled = this.cable.disabled = this.set.disabled = isReplay;
+    this.detach.disabled = isReplay || !(this.store.record?.now?.detail?.attached ?? false);
   }
 
   private get isPulled(): boolean {

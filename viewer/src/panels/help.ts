@@ -4,6 +4,8 @@ import { button, el } from "../dom";
 const KEYS: [string, string][] = [
   ["space", "pause or run"],
   [".", "one step"],
+  [",", "one step back, in a replay"],
+  ["< >", "the event before, the next one, in a replay"],
   ["+ −", "larger, smaller (mouse wheel, two fingers)"],
   ["arrows", "pan (drag)"],
   ["0", "show all"],

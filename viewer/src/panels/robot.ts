@@ -1,6 +1,6 @@
 /** The panel of the chosen robot. Made anew for each robot; its numbers change ten times a second. */
 import type { Theme } from "../arena/palette";
-import { el, setText } from "../dom";
+import { el, setText, Throttle } from "../dom";
 import { labelOf } from "../model/quantities";
 import type { RobotRecord } from "../model/record";
 import type { Store } from "../model/store";
@@ -27,7 +27,7 @@ export class RobotPanel {
   private readonly utilities = el("div", {});
   private readonly utilityRows = new Map<string, ValueRow>();
   private readonly state = el("p", { class: "small" });
-  private drawn_ms = 0;
+  private readonly throttle = new Throttle(1000 / RATE_HZ, () => this.refresh());
 
   constructor(
     private readonly store: Store,
@@ -40,13 +40,13 @@ export class RobotPanel {
     this.element = el("section", { class: "panel robot", test: "robot-panel", label: "Robot" }, head, this.body);
     store.on("world", () => this.listRobots());
     store.on("robot", () => this.rebuild());
-    store.on("frame", () => this.refresh(false));
+    store.on("frame", () => this.throttle.ask());
     chart.changed = () => this.markCharted();
   }
 
   setTheme(theme: Theme): void {
     this.theme = theme;
-    this.refresh(true);
+    this.refresh();
   }
 
   private listRobots(): void {
@@ -81,7 +81,7 @@ export class RobotPanel {
       section(`Link, ${wire}`, this.link.element),
     );
     this.markCharted();
-    this.refresh(true);
+    this.refresh();
   }
 
   private markCharted(): void {
@@ -94,11 +94,9 @@ export class RobotPanel {
     return [...this.rows, ...(this.link?.rows ?? []), ...this.utilityRows.values()];
   }
 
-  private refresh(now: boolean): void {
+  private refresh(): void {
     const { record } = this.store;
-    const now_ms = performance.now();
-    if (!record || (!now && now_ms - this.drawn_ms < 1000 / RATE_HZ) || this.element.offsetParent === null) return;
-    this.drawn_ms = now_ms;
+    if (!record || this.element.offsetParent === null) return;
     const truth = record.now?.truth;
     // That it has a battery is known with its first frame.
     if (truth?.battery && !this.rows.some((row) => row.key === "battery:charge")) return this.rebuild();

@@ -8,6 +8,7 @@ const LAYERS: [keyof Layers, string, string][] = [
   ["rays", "Rays", "Rays and readings of the chosen robot's sensors (r)"],
   ["ghost", "Ghost", "Dead reckoning from the chosen robot's wheel sensors (g)"],
   ["belief", "Belief", "What the chosen robot's brain publishes (b)"],
+  ["allBeliefs", "All", "Beliefs of all robots, not the chosen one's alone"],
   ["trails", "Trails", "Ways that robots have come"],
   ["names", "Names", "Names of robots"],
   ["fields", "Fields", "Scalar fields, such as a scent"],
@@ -60,8 +61,17 @@ export class Toolbar {
   }
 
   toggleMove(): void {
+    if (this.move.disabled) return;
     this.hands.moves = !this.hands.moves;
     if (!this.hands.moves) this.hands.drop();
+    this.refresh();
+  }
+
+  /** In a replay nothing is carried elsewhere. */
+  allowMove(on: boolean): void {
+    if (this.move.disabled === !on) return;
+    this.hands.moves &&= on;
+    this.move.disabled = !on;
     this.refresh();
   }
 

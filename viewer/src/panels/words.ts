@@ -22,3 +22,8 @@ export function lineOf(message: string): number {
   const found = /\bline[ :]+(\d{1,6})\b/i.exec(message);
   return found ? Number(found[1]) : 0;
 }
+
+/** Whether a file is one in MCAP, by its first bytes. */
+export function isMcap(bytes: Uint8Array): boolean {
+  return [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a].every((byte, i) => bytes[i] === byte);
+}

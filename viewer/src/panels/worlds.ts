@@ -4,6 +4,7 @@ import type { WorldStatus } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { clock, count, fixed, secondsOf } from "../model/units";
 import { paceWords, type Orders } from "../net/orders";
+import type { RecordingsSection } from "./recordings";
 import { stateWords } from "./words";
 
 interface Row {
@@ -26,6 +27,7 @@ export class WorldsPanel {
   constructor(
     private readonly store: Store,
     private readonly orders: Orders,
+    recordings: RecordingsSection,
     create: () => void,
   ) {
     const add = button("New world…", "Make a world from a scenario", create, { test: "new-world" });
@@ -33,7 +35,7 @@ export class WorldsPanel {
       "section",
       { class: "panel worlds", label: "Worlds" },
       el("div", { class: "panel-head" }, el("h2", { text: "Worlds" }), el("div", { class: "tools" }, add)),
-      el("div", { class: "scroll" }, this.list, this.empty, this.about, this.score, this.bumps),
+      el("div", { class: "scroll" }, this.list, this.empty, this.about, this.score, this.bumps, recordings.element),
     );
     store.on("worlds", () => this.refresh());
     store.on("world", () => this.refresh());
@@ -81,8 +83,8 @@ export class WorldsPanel {
 
   private fill(row: Row, status: WorldStatus): void {
     const { text, style } = stateWords(status);
-    setText(row.pill, text);
-    row.pill.className = `pill ${style}`;
+    setText(row.pill, status.replay ? "replay" : text);
+    row.pill.className = `pill ${status.replay ? "replays" : style}`;
     const robots = `${count(status.robots.length)} ${status.robots.length === 1 ? "robot" : "robots"}`;
     setText(
       row.line,

@@ -65,8 +65,12 @@ function follow(all: Happening[], at: number, frame: Happening, up: Happening | 
   const there = take(TimelineKind.ADAPTER, (event) => event.start_ns === arrived)?.end_ns ?? arrived;
   const thought = take(TimelineKind.THINK, (event) => event.part === 1 && event.start_ns >= there);
   if (!thought) return undefined;
-  const down = take(TimelineKind.DOWN, (event) => event.start_ns >= thought.end_ns);
-  const least = down?.end_ns ?? thought.end_ns;
+  // What a step of the brain wrote it wrote within the step; what is written later answers another message.
+  const isOwn = (event: Happening) => event.start_ns >= thought.start_ns && event.start_ns <= thought.end_ns;
+  const down = all.findLast((event) => event.kind === TimelineKind.DOWN && isOwn(event));
+  if (!down) return undefined;
+  events.add(down);
+  const least = down.end_ns;
   const obeyed = take(TimelineKind.OBEY, (event) => event.end_ns >= least);
   if (!obeyed) return undefined;
   take(TimelineKind.ACT, (event) => event.start_ns >= obeyed.end_ns);

@@ -30,7 +30,7 @@ export interface Window {
 }
 
 /** A robot with more sensors than this has one lane for all; so has one whose lanes do not fit into the page. */
-export const MOST_SENSOR_LANES = 6;
+const MOST_SENSOR_LANES = 6;
 /** More rows than this are no help. */
 const MOST_ROWS = 4;
 

@@ -1,0 +1,125 @@
+//! The arguments of `baudbot export`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// A recording: an MCAP file of this program's. Without an output, a summary of it is written
+    pub(crate) file: PathBuf,
+    /// Write the table that `baudbot run --csv` writes; `-` is stdout, here as for all outputs
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write that table as Parquet
+    #[arg(long, value_name = "FILE")]
+    pub(crate) parquet: Option<PathBuf>,
+    /// Write all that happened on robots, cables and brains as a trace that ui.perfetto.dev opens
+    #[arg(long, value_name = "FILE")]
+    pub(crate) timeline: Option<PathBuf>,
+    /// Write the same as a table, comma-separated, with collisions, brains and changes by hand
+    #[arg(long, value_name = "FILE")]
+    pub(crate) events: Option<PathBuf>,
+    /// Draw the arena from above with the ways of the robots
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Make a film of the viewer's picture, as a GIF; this needs a browser
+    #[arg(long, value_name = "FILE")]
+    pub(crate) gif: Option<PathBuf>,
+    /// Make a film of the viewer's picture, as a WebM; this needs a browser
+    #[arg(long, value_name = "FILE")]
+    pub(crate) webm: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) window: WindowArgs,
+    #[command(flatten)]
+    pub(crate) rows: RowArgs,
+    #[command(flatten)]
+    pub(crate) film: FilmArgs,
+    /// Write the summary as one JSON object
+    #[arg(long, conflicts_with_all = ["csv", "parquet", "timeline", "events", "svg", "gif", "webm"])]
+    pub(crate) json: bool,
+    /// No progress bar and no notes
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// Which part of the run.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct WindowArgs {
+    /// Begin at this simulated time [default: where the recording begins]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = super::instant)]
+    pub(crate) from_s: Option<f64>,
+    /// End at this simulated time [default: where the recording ends]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = super::instant)]
+    pub(crate) to_s: Option<f64>,
+}
+
+/// Which rows the tables have.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct RowArgs {
+    /// Only every N-th tick in --csv and --parquet
+    #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: Option<u64>,
+    /// About so many ticks a simulated second in --csv and --parquet: every so many, as whole ticks
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = positive)]
+    pub(crate) hz: Option<f64>,
+}
+
+/// How films are.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct FilmArgs {
+    /// Pictures a second of a film
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=50))]
+    pub(crate) fps: u32,
+    /// Simulated seconds a second of a film
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
+    pub(crate) speed: f64,
+    /// Width of a film, in pixels
+    #[arg(long, value_name = "N", default_value_t = 800, value_parser = clap::value_parser!(u32).range(160..=3840))]
+    pub(crate) width_px: u32,
+    /// Colours of a film
+    #[arg(long, value_name = "THEME", default_value = "light")]
+    pub(crate) theme: Theme,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Theme {
+    /// For bright rooms and paper
+    Light,
+    /// For the night
+    Dark,
+}
+
+impl ExportArgs {
+    /// All outputs, each with its option.
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let all = [
+            ("--csv", &self.csv),
+            ("--parquet", &self.parquet),
+            ("--timeline", &self.timeline),
+            ("--events", &self.events),
+            ("--svg", &self.svg),
+            ("--gif", &self.gif),
+            ("--webm", &self.webm),
+        ];
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let fits = |number: &f64| *number > 0.0 && number.is_finite();
+    text.parse().ok().filter(fits).ok_or_else(|| format!("must be a positive number, is `{text}`"))
+}
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  baudbot export run.mcap                        what is in it
+  baudbot export run.mcap --csv run.csv --svg run.svg
+  baudbot export run.mcap --parquet run.parquet --hz 10
+  baudbot export run.mcap --timeline run.pftrace --from-s 12 --to-s 14
+  baudbot export run.mcap --events - --quiet | grep collision
+  baudbot export run.mcap --gif run.gif --speed 4
+
+The run is simulated again from what was recorded. Should it come out differently than it was, a warning says from where
+on. Films are made by a browser without a window: that of BAUDBOT_BROWSER, or else chromium, chromium-browser,
+google-chrome or chrome.";

@@ -1,0 +1,57 @@
+//! What is recorded, and what is done with recordings.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::places::ListenArgs;
+use super::{PaceName, WatchdogArgs, instant};
+
+#[derive(Debug, Args)]
+pub(crate) struct RecordArgs {
+    /// Record the run into this file: `baudbot replay` does it again, and other programs can look at it
+    #[arg(long, value_name = "FILE.mcap")]
+    pub(crate) record: Option<PathBuf>,
+    /// How often a simulated second what there is to see goes into it for other programs; the replay needs none of it
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate, requires = "record")]
+    pub(crate) record_hz: f64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReplayArgs {
+    /// A recording, from `--record` or from a server's folder
+    #[arg(value_name = "FILE.mcap")]
+    pub(crate) recording: PathBuf,
+    /// Show it in a browser, with a time line, until Ctrl-C
+    #[arg(long, conflicts_with = "fork")]
+    pub(crate) view: bool,
+    /// Go to this simulated time
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
+    pub(crate) to: Option<f64>,
+    /// Serve the world from there on as a live one, for new brains, until Ctrl-C
+    #[arg(long)]
+    pub(crate) fork: bool,
+    /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as it was recorded]
+    #[arg(long, value_name = "PACE", requires = "fork")]
+    pub(crate) pace: Option<PaceName>,
+    #[command(flatten)]
+    pub(crate) watchdog: WatchdogArgs,
+    #[command(flatten)]
+    pub(crate) listen: ListenArgs,
+    #[command(flatten)]
+    pub(crate) again: RecordArgs,
+    /// Write what was found as one JSON object
+    #[arg(long, conflicts_with_all = ["view", "fork"])]
+    pub(crate) json: bool,
+    /// No progress bar, no notes
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let fits = |hz: &f64| (0.0..=MOST_HZ).contains(hz);
+    text.parse().ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_HZ}, is `{text}`"))
+}
+
+/// More than anybody looks at.
+const MOST_HZ: f64 = 1000.0;

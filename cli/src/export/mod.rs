@@ -1,0 +1,127 @@
+//! `baudbot export`: what can be made of a recording.
+//!
+//! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
+//! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
+//!    `baudbot run` ([`watched`]), [`rows`] of Parquet, [`events`], and [`trails`] for a picture.
+//! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
+//! 4. [`summary`] is what is told about a recording of which nothing else is wanted.
+
+mod browser;
+mod events;
+mod film;
+mod pass;
+mod rows;
+mod summary;
+mod trails;
+mod watched;
+mod window;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::Context;
+use baudbot_recording::{Replay, Tape};
+use baudbot_sim::World;
+
+use crate::args::ExportArgs;
+use crate::csv::Table;
+use crate::error::Refused;
+use crate::replay::refused;
+use crate::signals::{INTERRUPTED, Stop};
+use crate::trace::Trace;
+use crate::written::{self, STDOUT};
+use pass::{Output, Sink};
+use watched::Watched;
+use window::Window;
+
+pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
+    check(args)?;
+    let tape = Arc::new(Tape::open(&args.file).map_err(|error| refused(&args.file, &error))?);
+    if args.outputs().next().is_none() {
+        summary::show(&args.file, &tape, args.json)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let window = Window::new(&tape, &args.window)?;
+    if !args.quiet {
+        notes(args, &tape);
+    }
+    let mut films = film::Films::new(args, &tape, &window)?;
+    let outputs = outputs(args, &tape, &window)?;
+    // A FIFO may have kept us waiting until here; there a single signal is to end the program.
+    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    let mut is_whole = true;
+    if !outputs.is_empty() {
+        let replay = start(&args.file, &tape)?;
+        is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
+    }
+    if is_whole {
+        is_whole = films.make(&tape, &mut stop).await?;
+    }
+    Ok(if is_whole { ExitCode::SUCCESS } else { ExitCode::from(INTERRUPTED) })
+}
+
+/// The recording at its first tick.
+fn start(path: &Path, tape: &Arc<Tape>) -> anyhow::Result<(Replay, World)> {
+    Replay::start(Arc::clone(tape)).map_err(|error| refused(path, &error))
+}
+
+/// Refuses outputs that would be written into each other, or over the recording.
+fn check(args: &ExportArgs) -> anyhow::Result<()> {
+    let mut to_stdout = args.outputs().filter(|(_, path)| *path == Path::new(STDOUT));
+    if let (Some((one, _)), Some((other, _))) = (to_stdout.next(), to_stdout.next()) {
+        return Err(Refused::error(format!(
+            "{one} - and {other} - both want stdout; write one of them to a file"
+        )));
+    }
+    if let Some((option, path)) = args.outputs().find(|(_, path)| written::is_same_file(path, &args.file)) {
+        let (path, file) = (path.display(), args.file.display());
+        return Err(Refused::error(format!(
+            "{option} {path} would overwrite the recording {file}; write to another file"
+        )));
+    }
+    written::check_apart(args.outputs())
+}
+
+fn notes(args: &ExportArgs, tape: &Tape) {
+    let file = args.file.display();
+    if let Some(problem) = tape.problem() {
+        let end_s = window::seconds(tape, tape.last_tick());
+        eprintln!("note: {file} is cut off ({problem}); what is left of it ends at {end_s} s");
+    }
+    let first = tape.first_tick();
+    if first > 0 && args.timeline.is_some() {
+        let start_s = window::seconds(tape, first);
+        eprintln!("note: {file} begins at {start_s} s: the trace has nothing of what was before");
+    }
+}
+
+/// All that is written while the run is simulated.
+fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Result<Vec<Output>> {
+    let robots = tape.scenario().robots();
+    let every = window::every(&args.rows, tape.header().step_ns);
+    let mut outputs = Vec::new();
+    let mut add = |path: &Option<PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
+        let Some(path) = path else { return Ok(()) };
+        let name = name(path);
+        let out = written::open(path).with_context(|| format!("cannot write {name}"))?;
+        outputs.push(Output { name, every, sink: make(out) });
+        anyhow::Ok(())
+    };
+    add(&args.csv, every, &|out| Box::new(Watched::new(Table::new(out, robots), Table::write)))?;
+    add(&args.parquet, every, &|out| Box::new(rows::Rows::new(out, robots)))?;
+    add(&args.timeline, 1, &|out| {
+        let (trace, outcome) = Trace::new(out, &tape.header().world, robots.len());
+        Box::new(Watched::new((trace.since(window.from), outcome), Trace::write))
+    })?;
+    add(&args.events, 1, &|out| Box::new(events::Events::new(out, tape, window.from)))?;
+    add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, tape)))?;
+    Ok(outputs)
+}
+
+type Out = Box<dyn std::io::Write + Send>;
+
+/// What an output is called in errors.
+fn name(path: &Path) -> String {
+    if path == Path::new(STDOUT) { "to stdout".to_owned() } else { path.display().to_string() }
+}

@@ -1,0 +1,223 @@
+//! The ways of the robots, for a picture.
+
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use baudbot_geometry::{Point, Pose};
+use baudbot_proto::v1::ReplayEventKind;
+use baudbot_recording::Tape;
+use baudbot_sim::{RobotView, Scenario, SimTime, World};
+
+use super::Out;
+use super::pass::Sink;
+use crate::drawing::{self, Collision, Trail, Trails};
+
+/// A picture that is drawn at the end.
+pub(super) struct Picture {
+    out: Out,
+    scenario: Arc<Scenario>,
+    label: String,
+    /// Ticks before which somebody changed something by hand.
+    changed: BTreeSet<u64>,
+    /// When it begins and ends.
+    span: Option<(SimTime, SimTime)>,
+    ways: Vec<Way>,
+    /// How many points of each robot's are kept.
+    room: usize,
+}
+
+/// The way of a robot as far as it went.
+struct Way {
+    trail: Trail,
+    /// Nearer points than this are not kept, in metres.
+    tolerance_m: f64,
+    points: usize,
+}
+
+impl Picture {
+    pub(super) fn new(out: Out, tape: &Arc<Tape>) -> Self {
+        let changes = tape.events().iter().filter(|event| event.kind() == ReplayEventKind::Change);
+        let robots = tape.scenario().robots().len();
+        Self {
+            out,
+            scenario: Arc::clone(tape.scenario()),
+            label: tape.header().world.clone(),
+            changed: changes.map(|event| event.tick).collect(),
+            span: None,
+            ways: Vec::new(),
+            room: (MOST_POINTS / robots.max(1)).clamp(LEAST_ROOM, MOST_ROOM),
+        }
+    }
+}
+
+impl Sink for Picture {
+    fn tick(&mut self, world: &World) -> io::Result<()> {
+        let now = world.time();
+        self.span = Some((self.span.map_or(now, |(from, _)| from), now));
+        if self.ways.is_empty() {
+            self.ways = world.robots().map(|robot| Way::new(&robot)).collect();
+            return Ok(());
+        }
+        let changed = self.changed.contains(&world.tick());
+        let step_s = world.scenario().step_ns() as f64 * 1e-9;
+        for (way, robot) in self.ways.iter_mut().zip(world.robots()) {
+            way.go_on(&robot, step_s, changed);
+            if way.points > self.room {
+                way.thin();
+            }
+        }
+        for collision in world.collisions() {
+            let place = world.robots().position(|robot| robot.spec().name == collision.robot);
+            if let Some(trail) = place.map(|place| &mut self.ways[place].trail) {
+                trail.collisions += 1;
+                if trail.places.len() < MOST_PLACES {
+                    let with = collision.with.clone();
+                    trail.places.push(Collision { at: trail.end.position, time: now, with });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> io::Result<()> {
+        let (from, until) = self.span.unwrap_or_default();
+        let robots = self.ways.into_iter().map(Way::done).collect();
+        let picture = drawing::draw_trails(&self.scenario, &self.label, &Trails { robots, from, until });
+        self.out.write_all(picture.as_bytes())?;
+        self.out.flush()
+    }
+}
+
+impl Way {
+    fn new(robot: &RobotView<'_>) -> Self {
+        let pose = robot.motion().pose;
+        Self {
+            trail: Trail { pieces: vec![vec![pose.position]], ..Trail::at(pose) },
+            // A fraction of a pixel, unless a robot is larger than a hand in the picture.
+            tolerance_m: robot.spec().drive.radius_m / 50.0,
+            points: 1,
+        }
+    }
+
+    fn go_on(&mut self, robot: &RobotView<'_>, step_s: f64, changed: bool) {
+        let motion = robot.motion();
+        let (from, to) = (self.trail.end.position, motion.pose.position);
+        let moved = (to - from).norm();
+        // Nobody drives that far in a tick: it was put somewhere else by hand.
+        let is_jump = changed && moved > 2.0 * motion.speed_m_s.abs() * step_s + self.tolerance_m;
+        if is_jump {
+            self.keep(from);
+            self.trail.pieces.push(vec![to]);
+            self.points += 1;
+        } else {
+            self.trail.distance_m += moved;
+            if self.last().is_none_or(|last| (to - last).norm() >= self.tolerance_m) {
+                self.keep(to);
+            }
+        }
+        self.trail.end = motion.pose;
+    }
+
+    fn last(&self) -> Option<Point> {
+        self.trail.pieces.last().and_then(|piece| piece.last()).copied()
+    }
+
+    fn keep(&mut self, point: Point) {
+        if let Some(piece) = self.trail.pieces.last_mut() {
+            piece.push(point);
+            self.points += 1;
+        }
+    }
+
+    /// Keeps about half of the points.
+    fn thin(&mut self) {
+        self.tolerance_m *= 2.0;
+        let pieces = &mut self.trail.pieces;
+        let excess = pieces.len().saturating_sub(MOST_PIECES);
+        pieces.drain(..excess);
+        for piece in pieces.iter_mut() {
+            let mut kept: Option<Point> = None;
+            piece.retain(|&point| {
+                let keeps = kept.is_none_or(|kept| (point - kept).norm() >= self.tolerance_m);
+                if keeps {
+                    kept = Some(point);
+                }
+                keeps
+            });
+        }
+        self.points = pieces.iter().map(Vec::len).sum();
+    }
+
+    fn done(mut self) -> Trail {
+        let Pose { position, .. } = self.trail.end;
+        self.keep(position);
+        self.trail
+    }
+}
+
+/// Points of all robots together, so that a long run takes no more memory than a short one.
+const MOST_POINTS: usize = 2_000_000;
+/// Points of one robot at least and at most.
+const LEAST_ROOM: usize = 1000;
+const MOST_ROOM: usize = 50_000;
+/// Pieces of a way that was often put somewhere else.
+const MOST_PIECES: usize = 400;
+/// Collisions of a robot that are marked.
+const MOST_PLACES: usize = 200;
+
+#[cfg(test)]
+mod tests {
+    use baudbot_sim::Intervention;
+
+    use super::*;
+
+    /// A robot that rolls, and its way.
+    fn rolling() -> (World, Way) {
+        let body = "{ radius_m = 0.1, mass_kg = 500.0, inertia_kg_m2 = 10.0, wheel_radius_m = 0.1 }";
+        let toml = format!("[[robots]]\nname = \"a\"\nstart.speed_m_s = 1.0\nbody = {body}\n");
+        let mut world = World::new(Scenario::parse(&toml).unwrap().into());
+        world.begin();
+        let way = Way::new(&world.robots().next().unwrap());
+        (world, way)
+    }
+
+    fn go_on(world: &mut World, way: &mut Way, put: Option<f64>) {
+        world.finish(&[]);
+        if let Some(x_m) = put {
+            let pose = Pose::new(x_m, 5.0, 0.0);
+            world.intervene(&Intervention::PlaceRobot { robot: "a".to_owned(), pose }).unwrap();
+        }
+        world.begin();
+        way.go_on(&world.robots().next().unwrap(), world.scenario().step_ns() as f64 * 1e-9, put.is_some());
+    }
+
+    #[test]
+    fn who_is_put_somewhere_else_has_not_driven_there() {
+        let (mut world, mut way) = rolling();
+        (0..100).for_each(|_| go_on(&mut world, &mut way, None));
+        let before = way.trail.distance_m;
+        assert!(before > 0.1, "{before} m");
+        go_on(&mut world, &mut way, Some(30.0));
+        (0..10).for_each(|_| go_on(&mut world, &mut way, None));
+        let trail = way.done();
+        assert_eq!(trail.pieces.len(), 2);
+        assert!(trail.distance_m < before + 0.5, "{} m", trail.distance_m);
+        assert_eq!(trail.pieces[1][0], Point::new(30.0, 5.0));
+        assert_eq!(trail.pieces[1].last(), Some(&trail.end.position));
+    }
+
+    #[test]
+    fn a_way_that_is_thinned_keeps_its_shape() {
+        let (mut world, mut way) = rolling();
+        (0..200).for_each(|_| go_on(&mut world, &mut way, None));
+        let (before, distance_m) = (way.points, way.trail.distance_m);
+        (0..5).for_each(|_| way.thin());
+        assert!(way.points * 5 < before && way.points > 1, "{} of {before} points", way.points);
+        let trail = way.done();
+        let piece = &trail.pieces[0];
+        let length: f64 = piece.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
+        assert!((0.9 * distance_m..=distance_m + 1e-9).contains(&length), "{length} m, {distance_m} m");
+        assert_eq!((piece[0], piece.last()), (trail.start.position, Some(&trail.end.position)));
+    }
+}

@@ -1,0 +1,194 @@
+//! `baudbot replay`: a recording is done again, and held against what was recorded.
+
+use std::io::IsTerminal;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::Context;
+use baudbot_recording::{RecordingError, Replay, Tape};
+use baudbot_server::{Pace, WorldConfig, pace_of};
+use baudbot_sim::{Scenario, World};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
+use crate::error::Refused;
+use crate::serve::{Serving, Viewing};
+use crate::{record, text};
+
+/// What was found.
+#[derive(Debug, Serialize)]
+struct Finding {
+    recording: String,
+    world: String,
+    scenario: String,
+    seed: u64,
+    recorded_by: String,
+    first_tick: u64,
+    last_tick: u64,
+    simulated_s: f64,
+    ticks_with_inputs: usize,
+    events: usize,
+    identical: bool,
+    /// The first tick that differs, and what of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    differs_at_tick: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    differs: Option<String>,
+    /// Why the file ends too early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut_off: Option<String>,
+    /// Hexadecimal, as JSON's numbers have too few bits.
+    state_hash: String,
+}
+
+pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
+    let (mut replay, mut world) = open(&args.recording)?;
+    let tape = Arc::clone(replay.tape());
+    if let (Some(problem), false) = (tape.problem(), args.quiet) {
+        eprintln!("note: {}: {problem}; it is replayed as far as it goes", args.recording.display());
+    }
+    if args.fork {
+        let pace = pace(args.pace, &args.watchdog, &tape)?;
+        to(args, &mut replay, &mut world)?;
+        let name = tape.header().world.clone();
+        return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
+    }
+    if args.view {
+        to(args, &mut replay, &mut world)?;
+        return view(args, replay, world).await.map(|()| ExitCode::SUCCESS);
+    }
+    let last_tick = args.to.map_or_else(|| tape.last_tick(), |to_s| tick(to_s, tape.scenario()));
+    go_on(&mut replay, &mut world, last_tick, args.quiet)?;
+    let finding = finding(args, &replay, &world);
+    if args.json {
+        text::print(&format!("{}\n", serde_json::to_string_pretty(&finding).context("cannot write JSON")?))?;
+    } else {
+        text::print(&words(&finding))?;
+    }
+    Ok(if finding.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// A recording at its first tick.
+pub(crate) fn open(path: &Path) -> anyhow::Result<(Replay, World)> {
+    let tape = Tape::open(path).map_err(|error| refused(path, &error))?;
+    Replay::start(Arc::new(tape)).map_err(|error| refused(path, &error))
+}
+
+/// Goes on to a tick, and shows how far it is.
+pub(crate) fn go_on(
+    replay: &mut Replay,
+    world: &mut World,
+    last_tick: u64,
+    quiet: bool,
+) -> anyhow::Result<()> {
+    let bar = progress(world.tick(), last_tick.min(replay.tape().last_tick()), quiet);
+    while world.tick() < last_tick && replay.step(world).context("the recording cannot be replayed")? {
+        if world.tick().is_multiple_of(REDRAW_TICKS) {
+            bar.set_position(world.tick());
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// The pace that is asked for, or that of the recording.
+pub(crate) fn pace(asked: Option<PaceName>, watchdog: &WatchdogArgs, tape: &Tape) -> anyhow::Result<Pace> {
+    match asked {
+        Some(pace) => pace.with(watchdog),
+        None => Ok(tape.header().pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME)),
+    }
+}
+
+pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
+    Refused::error(format!("{}: {error}", path.display()))
+}
+
+/// Goes where `--to` says.
+fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Result<()> {
+    let tape = Arc::clone(replay.tape());
+    let Some(to_s) = args.to else {
+        // Who forks without a place goes on where the recording ends.
+        return if args.fork { go_on(replay, world, tape.last_tick(), args.quiet) } else { Ok(()) };
+    };
+    let tick = tick(to_s, tape.scenario());
+    if !(tape.first_tick()..=tape.last_tick()).contains(&tick) {
+        let [first, last] = [tape.first_tick(), tape.last_tick()].map(|tick| seconds(tick, tape.scenario()));
+        return Err(Refused::error(format!("--to {to_s}: the recording is from {first} s to {last} s")));
+    }
+    replay.seek(world, tick).context("the recording cannot be replayed")
+}
+
+async fn live(args: &ReplayArgs, name: String, world: World, pace: Pace) -> anyhow::Result<()> {
+    let mut serving = Serving::new(&args.listen);
+    let config = record::add(WorldConfig::from_state(name.clone(), world.clone()).pace(pace), &args.again);
+    serving.add(&name, world.scenario(), config);
+    serving.until_stopped(Viewing::IfOpen).await
+}
+
+async fn view(args: &ReplayArgs, replay: Replay, world: World) -> anyhow::Result<()> {
+    if args.again.record.is_some() {
+        return Err(Refused::error("--record: what is replayed is recorded already; use it with --fork"));
+    }
+    let mut serving = Serving::new(&args.listen);
+    let name = replay.tape().header().world.clone();
+    serving.add_replay(&name, WorldConfig::replay(name.clone(), (replay, world)));
+    serving.until_stopped(Viewing::Always).await
+}
+
+fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
+    let (tape, difference) = (replay.tape(), replay.difference());
+    let header = tape.header();
+    Finding {
+        recording: args.recording.display().to_string(),
+        world: header.world.clone(),
+        scenario: tape.scenario().name().to_owned(),
+        seed: header.seed,
+        recorded_by: format!("baudbot {}", header.program_version),
+        first_tick: tape.first_tick(),
+        last_tick: world.tick(),
+        simulated_s: seconds(world.tick() - tape.first_tick(), tape.scenario()),
+        ticks_with_inputs: tape.inputs(),
+        events: tape.events().len(),
+        identical: difference.is_none(),
+        differs_at_tick: difference.map(|difference| difference.tick),
+        differs: difference.map(|difference| difference.what.clone()),
+        cut_off: tape.problem().map(str::to_owned),
+        state_hash: format!("{:016x}", world.hash()),
+    }
+}
+
+fn words(finding: &Finding) -> String {
+    let Finding { world, first_tick, last_tick, simulated_s, recorded_by, .. } = finding;
+    let head = format!(
+        "world {world}, ticks {first_tick} to {last_tick} ({simulated_s} s), {} with inputs, recorded by {recorded_by}\n",
+        finding.ticks_with_inputs
+    );
+    let verdict = match (&finding.differs_at_tick, &finding.differs) {
+        (Some(tick), Some(what)) => format!("differs at tick {tick}: {what}\n"),
+        _ => format!("identical: state hash {}\n", finding.state_hash),
+    };
+    head + &verdict
+}
+
+fn tick(at_s: f64, scenario: &Scenario) -> u64 {
+    (at_s * 1e9 / scenario.step_ns() as f64).round() as u64
+}
+
+fn seconds(ticks: u64, scenario: &Scenario) -> f64 {
+    (ticks * scenario.step_ns()) as f64 * 1e-9
+}
+
+fn progress(first: u64, last: u64, quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(last), ProgressDrawTarget::stderr());
+    bar.set_position(first);
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} ticks, {eta} to go");
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// How often the bar is looked after.
+const REDRAW_TICKS: u64 = 256;

@@ -1,0 +1,363 @@
+//! `baudbot export`: what is made of recordings.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use baudbot_recording::{Digests, RecordingFile, Writer, header, saved};
+use baudbot_sim::{Override, Scenario, World};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use roxmltree::Document;
+use serde_json::Value;
+
+use crate::{baudbot, good, place};
+
+const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+
+/// Three robots in a row that drive into each other and the wall.
+const THREE: &str = r#"
+    name = "three"
+    collision = "stop-robot"
+    end.after_s = 4.0
+
+    [[arena.polygons]]
+    name = "border"
+    solid = false
+    points_m = [[-2, -1], [2, -1], [2, 1], [-2, 1]]
+
+    [[robots]]
+    name = "a"
+    body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.02, wheel_radius_m = 0.05, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }
+    sensors.heading = { kind = "compass" }
+
+    [[robots]]
+    name = "b"
+    start = { x_m = 0.5, y_m = 0.05 }
+    body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.02, wheel_radius_m = 0.05, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78, color = [200, 30, 30] }
+
+    [[robots]]
+    name = "c"
+    start = { x_m = -0.5, heading_rad = 3.0 }
+    body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.02, wheel_radius_m = 0.05, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }
+"#;
+
+/// Records a run with these options.
+fn record(scenario: &str, options: &[&str], name: &str) -> String {
+    let path = place(name).to_str().unwrap().to_owned();
+    good(&[&["run", scenario, "--quiet", "--record", &path, "--record-hz", "0"], options].concat());
+    path
+}
+
+/// Records [`THREE`] with these brains.
+fn three(brains: &[&str], name: &str) -> String {
+    let toml = place(&format!("{name}.toml"));
+    fs::write(&toml, THREE).unwrap();
+    let brains: Vec<_> = brains.iter().flat_map(|brain| ["--brain", brain]).collect();
+    record(toml.to_str().unwrap(), &brains, name)
+}
+
+/// Two seconds of `wander`, and where they are.
+fn two_seconds(name: &str) -> String {
+    record("wander", &["--set", "end.after_s=2.0"], name)
+}
+
+fn refusal(code: i32, args: &[&str]) -> String {
+    let (found, out, err) = baudbot(args);
+    assert_eq!((found, out.as_str()), (code, ""), "{err}");
+    err.strip_prefix("error: ").unwrap_or_else(|| panic!("no error: {err}")).trim_end().to_owned()
+}
+
+#[test]
+fn the_table_and_the_trace_are_those_of_the_run() {
+    let [csv, trace, run_csv, run_trace] =
+        ["same.csv", "same.trace", "same-run.csv", "same-run.trace"].map(place);
+    let paths = [&csv, &trace, &run_csv, &run_trace].map(|path| path.to_str().unwrap());
+    let tape = record("wander", &["--seconds", "2", "--csv", paths[2], "--timeline", paths[3]], "same.mcap");
+    good(&["export", &tape, "--csv", paths[0], "--timeline", paths[1]]);
+    assert_eq!(fs::read_to_string(&csv).unwrap(), fs::read_to_string(&run_csv).unwrap());
+    let [made, ran] = [&trace, &run_trace].map(|path| fs::read(path).unwrap());
+    assert!(!ran.is_empty() && made == ran, "{} and {} bytes", made.len(), ran.len());
+}
+
+#[test]
+fn a_part_of_the_run_has_the_rows_of_that_part() {
+    let tape = two_seconds("part.mcap");
+    let whole = good(&["export", &tape, "--csv", "-"]);
+    let rows: Vec<_> = whole.lines().collect();
+    assert_eq!(rows.len(), 1 + 201);
+    let part = good(&["export", &tape, "--csv", "-", "--from-s", "1.5", "--to-s", "1.7"]);
+    assert_eq!(part.lines().collect::<Vec<_>>(), [&rows[..1], &rows[151..=171]].concat());
+    let thin = good(&["export", &tape, "--csv", "-", "--every", "50"]);
+    assert_eq!(thin.lines().collect::<Vec<_>>(), [0, 1, 51, 101, 151, 201].map(|row| rows[row]));
+    assert_eq!(good(&["export", &tape, "--csv", "-", "--hz", "2"]), thin);
+}
+
+#[test]
+fn parquet_has_the_numbers_of_the_table() {
+    let tape = three(&["a=constant:left=0.3,right=0.3", "none"], "parquet.mcap");
+    let path = place("three.parquet");
+    good(&["export", &tape, "--parquet", path.to_str().unwrap(), "--every", "2"]);
+    let table = good(&["export", &tape, "--csv", "-", "--every", "2"]);
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let mut header = lines.next().unwrap();
+    header[0] = "time_s";
+    let compass = header.iter().position(|name| *name == "heading").unwrap();
+    header[compass] = "heading.rad";
+    let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+    let mut rows = 0;
+    for (row, line) in file.get_row_iter(None).unwrap().zip(lines) {
+        let row = row.unwrap();
+        let names: Vec<_> = row.get_column_iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, header);
+        for ((name, field), cell) in row.get_column_iter().zip(line) {
+            let is_same = match field {
+                Field::Double(value) => cell.parse() == Ok(*value),
+                Field::Str(text) => cell == text,
+                Field::Bool(truth) => cell == if *truth { "1" } else { "0" },
+                Field::Null => cell.is_empty(),
+                other => panic!("{name}: {other:?}"),
+            };
+            assert!(is_same, "{name}: {field:?} is not {cell}");
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 3 * 201);
+}
+
+#[test]
+fn events_are_rows() {
+    let tape = three(&["a=constant:left=0.6,right=0.6", "none"], "events.mcap");
+    let table = good(&["export", &tape, "--events", "-"]);
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let header = reader.headers().unwrap().iter().collect::<Vec<_>>().join(",");
+    assert_eq!(header, "start_ns,end_ns,robot,kind,part,bytes,text");
+    let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+    let of = |kind: &str| rows.iter().filter(|row| &row[3] == kind).collect::<Vec<_>>();
+    let collision = of("collision")[0];
+    assert_eq!((&collision[2], &collision[6]), ("a", "`a` ran into `b`"));
+    let at_ns: u64 = collision[0].parse().unwrap();
+    assert!(at_ns > 0 && at_ns < 4_000_000_000 && at_ns.is_multiple_of(10_000_000), "{at_ns}");
+    assert_eq!((&of("brain")[0][2], &of("brain")[0][6]), ("a", "`constant:left=0.6,right=0.6` drives `a`"));
+    assert_eq!(of("ending").len(), 1);
+    let acquire = of("acquire")[0];
+    assert_eq!((&acquire[2], &acquire[4], &acquire[5], &acquire[6]), ("a", "heading", "", "read heading"));
+    let think: Vec<_> = of("think").into_iter().filter(|row| &row[2] == "a").collect();
+    assert_eq!(think.len(), 400, "one a tick");
+    let late = good(&["export", &tape, "--events", "-", "--from-s", "3"]);
+    let ends = late.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse::<u64>().unwrap());
+    assert!(ends.min().unwrap() >= 3_000_000_000, "{late}");
+}
+
+#[test]
+fn the_picture_has_a_way_for_each_robot() {
+    let brains = ["a=constant:left=0.6,right=0.6", "c=constant:left=0.5,right=0.3", "none"];
+    let tape = three(&brains, "ways.mcap");
+    let picture = good(&["export", &tape, "--svg", "-"]);
+    let document = Document::parse(&picture).unwrap();
+    let ways: Vec<_> =
+        document.descendants().filter(|node| node.attribute("class") == Some("trail")).collect();
+    assert_eq!(ways.len(), 3);
+    let title = |i: usize| ways[i].first_element_child().unwrap().text().unwrap();
+    assert!(title(0).starts_with("the way of a: ") && title(0).ends_with("1 collision"), "{}", title(0));
+    assert_eq!(title(1).split(':').next(), Some("the way of b"));
+    assert_eq!(ways[1].attribute("stroke"), Some("#aa1919"), "its own colour");
+    let text = document.descendants().filter_map(|node| node.text()).collect::<Vec<_>>().join("\n");
+    for part in ["The ways of 3 robots from 0 to 4 s", "a began here", "c ended here", "a ran into b at "] {
+        assert!(text.contains(part), "{part}");
+    }
+    // A curve needs its points, a line only its ends.
+    let points =
+        |i: usize| ways[i].descendants().find_map(|node| node.attribute("d")).unwrap().matches('L').count();
+    assert!(points(0) <= 2 && points(2) > 5, "{} and {} points", points(0), points(2));
+}
+
+#[test]
+fn a_recording_is_summed_up() {
+    let tape = two_seconds("summary.mcap");
+    let text = good(&["export", &tape]);
+    for part in [
+        "wander, scenario wander, seed 1\n",
+        "200 of 10 ms, from 0 to 2 s\n",
+        "robot\n",
+        "1 brain, 1 ending\n",
+        &format!("by baudbot {}\n", env!("CARGO_PKG_VERSION")),
+    ] {
+        assert!(text.contains(part), "`{part}` is not in:\n{text}");
+    }
+    let summary: Value = serde_json::from_str(&good(&["export", &tape, "--json"])).unwrap();
+    let run = good(&["run", "wander", "--set", "end.after_s=2.0", "--json", "--quiet"]);
+    let run: Value = serde_json::from_str(&run).unwrap();
+    assert_eq!(summary["last_state_hash"], run["state_hash"]);
+    assert_eq!((&summary["simulated_s"], &summary["cut_off"]), (&Value::from(2.0), &Value::Null));
+    assert_eq!(summary["bytes"], fs::metadata(&tape).unwrap().len());
+}
+
+#[test]
+fn what_is_left_of_a_recording_is_exported_with_a_note() {
+    let tape = two_seconds("cut.mcap");
+    let whole = fs::read(&tape).unwrap();
+    fs::write(&tape, &whole[..whole.len() - 100]).unwrap();
+    let (code, table, note) = baudbot(&["export", &tape, "--csv", "-"]);
+    assert_eq!(code, 0);
+    assert!(note.starts_with(&format!("note: {tape} is cut off (")), "{note}");
+    assert!(table.lines().count() > 1, "{table}");
+    assert!(good(&["export", &tape]).contains("cut off"));
+}
+
+/// A recording whose fingerprints are of another run.
+fn that_differs(path: &Path) {
+    let world = |seed: &str| {
+        let changes = ["end.after_s=1.0", seed].map(|text| Override::parse(text).unwrap());
+        World::new(Scenario::parse_with(WANDER, &changes).unwrap().into())
+    };
+    let (recorded, mut other) = (world("seed=1"), world("seed=2"));
+    let head = header("wander", recorded.scenario(), None);
+    let mut writer = Writer::new(RecordingFile::create(path).unwrap(), &head).unwrap();
+    writer.state(&saved::state(&recorded)).unwrap();
+    let mut digests = Digests::default();
+    for _ in 0..50 {
+        other.begin();
+        digests.note(&other);
+        other.finish(&[]);
+    }
+    writer.mark(&digests.last_mark(&other)).unwrap();
+    writer.finish().unwrap();
+}
+
+#[test]
+fn a_run_that_comes_out_otherwise_is_exported_with_a_warning() {
+    let path = place("differs.mcap");
+    that_differs(&path);
+    let (code, table, warning) = baudbot(&["export", path.to_str().unwrap(), "--csv", "-"]);
+    assert_eq!((code, table.lines().count()), (0, 1 + 51));
+    assert!(
+        warning.starts_with("warning: the run does not come out as it was recorded, from tick 0 (0 s): ")
+    );
+}
+
+#[test]
+fn outputs_are_kept_apart() {
+    let tape = two_seconds("apart.mcap");
+    let out = place("apart.out");
+    let out = out.to_str().unwrap();
+    let same = refusal(2, &["export", &tape, "--csv", out, "--svg", out]);
+    assert_eq!(
+        same,
+        format!("--csv {out} and --svg {out} are the same file; write each to a file of its own")
+    );
+    let both = refusal(2, &["export", &tape, "--events", "-", "--svg", "-"]);
+    assert_eq!(both, "--events - and --svg - both want stdout; write one of them to a file");
+    let before = fs::read(&tape).unwrap();
+    let over = refusal(2, &["export", &tape, "--parquet", &tape]);
+    assert!(over.starts_with(&format!("--parquet {tape} would overwrite the recording")), "{over}");
+    assert_eq!(fs::read(&tape).unwrap(), before);
+    let nowhere = place("nowhere").join("a.parquet");
+    let nowhere = nowhere.to_str().unwrap();
+    let error = refusal(1, &["export", &tape, "--parquet", nowhere]);
+    assert!(error.starts_with(&format!("cannot write {nowhere}: ")), "{error}");
+    let full = refusal(1, &["export", &tape, "--parquet", "/dev/full", "--quiet"]);
+    assert!(full.starts_with("cannot write /dev/full: "), "{full}");
+    assert!(refusal(2, &["export", &tape, "--from-s", "9", "--csv", "-"]).contains("is from 0 s to 2 s"));
+}
+
+#[test]
+fn what_is_no_recording_is_told() {
+    let toml = place("none.mcap");
+    fs::write(&toml, WANDER).unwrap();
+    let toml = toml.to_str().unwrap();
+    let error = refusal(2, &["export", toml, "--csv", "-"]);
+    assert!(error.starts_with(&format!("{toml}: is no MCAP file: ")), "{error}");
+    let error = refusal(2, &["export", "/nowhere.mcap"]);
+    assert_eq!(error, "/nowhere.mcap: cannot be read: No such file or directory (os error 2)");
+}
+
+/// A program in place of a browser: it writes its process down, does this in Python with the page's address in `url`,
+/// and stays.
+fn browser(name: &str, python: &str) -> (PathBuf, PathBuf) {
+    use std::os::unix::fs::PermissionsExt;
+    let (program, told) = (place(name), place(&format!("{name}.told")));
+    let text = format!(
+        "#!/usr/bin/env python3\nimport os, sys, time, urllib.request\nurl = sys.argv[-1]\n\
+         open({told:?}, 'w').write('\\n'.join([str(os.getpid())] + sys.argv))\n\
+         def post(path, data):\n    place = url.split('/?')[0] + path\n    \
+         urllib.request.urlopen(urllib.request.Request(place, data, method='POST')).read()\n{python}\n"
+    );
+    fs::write(&program, text).unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    (program, told)
+}
+
+fn film(tape: &str, browser: &Path, args: &[&str]) -> (i32, String, String) {
+    let mut command = crate::command(&[&["export", tape, "--quiet"], args].concat());
+    crate::said(command.env("BAUDBOT_BROWSER", browser).output().unwrap())
+}
+
+#[test]
+fn a_film_is_what_the_page_hands_in() {
+    let tape = two_seconds("film.mcap");
+    let python = "page = urllib.request.urlopen(url.split('?')[0]).read()\nassert b'<html' in page.lower()\n\
+                  post('/film', b'GIF89a' + url.encode())\ntime.sleep(600)";
+    let (program, told) = browser("browser-good", python);
+    let out = place("film.gif");
+    let options = ["--from-s", "0.5", "--speed", "2", "--fps", "20", "--width-px", "640", "--theme", "dark"];
+    let args = [&["--gif", out.to_str().unwrap()], &options[..]].concat();
+    assert_eq!(film(&tape, &program, &args), (0, String::new(), String::new()));
+    let made = fs::read_to_string(&out).unwrap();
+    let asked = "/?film=gif&world=wander&from_s=0.5&to_s=2&speed=2&fps=20&width=640&theme=dark&post=/film";
+    assert!(made.starts_with("GIF89ahttp://127.0.0.1:") && made.ends_with(asked), "{made}");
+    let told = fs::read_to_string(told).unwrap();
+    let (process, options) = told.split_once('\n').unwrap();
+    assert!(!Path::new("/proc").join(process).join("exe").exists(), "the browser is gone");
+    let profile = options.lines().find_map(|option| option.strip_prefix("--user-data-dir=")).unwrap();
+    assert!(profile.contains("baudbot-film-") && !Path::new(profile).exists(), "{profile}");
+    let is_root = Command::new("id").arg("-u").output().unwrap().stdout == b"0\n";
+    assert_eq!(options.lines().any(|option| option == "--no-sandbox"), is_root);
+}
+
+#[test]
+fn a_film_that_cannot_be_is_an_error_that_says_why() {
+    let tape = two_seconds("no-film.mcap");
+    let out = place("no-film.webm");
+    let out = out.to_str().unwrap();
+    let failed = |python: &str| {
+        let (program, _) = browser("browser-bad", python);
+        let (code, _, err) = film(&tape, &program, &["--webm", out]);
+        assert_eq!(code, 1, "{err}");
+        err
+    };
+    let refused = failed("post('/film?failed=1', b'no encoder for VP9')\ntime.sleep(600)");
+    assert_eq!(refused, "error: the page made no film: no encoder for VP9\n");
+    let other = failed("post('/film', b'GIF89a')\ntime.sleep(600)");
+    assert!(other.contains("what the page made is no webm (6 bytes)"), "{other}");
+    let ended = failed("print('no display', file=sys.stderr)\nsys.exit(3)");
+    assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
+    let (code, _, err) = film(&tape, Path::new("/nowhere/chromium"), &["--webm", out]);
+    assert_eq!(code, 2);
+    assert!(err.contains("BAUDBOT_BROWSER: there is no program `/nowhere/chromium`"), "{err}");
+    let mut without = crate::command(&["export", &tape, "--webm", out]);
+    let (code, _, err) =
+        crate::said(without.env("PATH", "/nowhere").env_remove("BAUDBOT_BROWSER").output().unwrap());
+    assert!(code == 2 && err.contains("apt install chromium"), "{err}");
+    let many = refusal(2, &["export", &tape, "--gif", out, "--speed", "0.0001"]);
+    assert!(many.contains("would have 500001 pictures"), "{many}");
+}
+
+#[test]
+fn ctrl_c_ends_the_browser() {
+    let tape = two_seconds("interrupted.mcap");
+    let (program, told) = browser("browser-slow", "time.sleep(600)");
+    let out = place("interrupted.gif");
+    let mut command = crate::command(&["export", &tape, "--quiet", "--gif", out.to_str().unwrap()]);
+    let run = crate::Running(command.env("BAUDBOT_BROWSER", &program).spawn().unwrap());
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
+    while !fs::read_to_string(&told).is_ok_and(|told| told.contains('\n')) {
+        assert!(std::time::Instant::now() < deadline, "no browser was started");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    run.signal("-INT");
+    assert_eq!(run.end().0, 130);
+    let told = fs::read_to_string(told).unwrap();
+    let process = told.lines().next().unwrap();
+    assert!(!Path::new("/proc").join(process).join("exe").exists(), "the browser is gone");
+}

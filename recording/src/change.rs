@@ -1,0 +1,40 @@
+//! Changes by hand between the contract and the world.
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::recorded_change::Change;
+use baudbot_sim::{Intervention, Pose};
+
+/// A change as it is recorded.
+pub fn change(intervention: &Intervention) -> v1::RecordedChange {
+    let change = match intervention.clone() {
+        Intervention::PlaceRobot { robot, pose } => {
+            let [x_m, y_m, heading_rad] = numbers(&pose);
+            Change::PlaceRobot(v1::PlaceRobot { robot, x_m, y_m, heading_rad })
+        }
+        Intervention::PlaceThing { thing, pose } => {
+            let [x_m, y_m, heading_rad] = numbers(&pose);
+            Change::PlaceThing(v1::PlaceThing { thing, x_m, y_m, heading_rad })
+        }
+        Intervention::PullCable { robot, pulled } => Change::PullCable(v1::PullCable { robot, pulled }),
+        Intervention::SetBaud { robot, baud } => Change::SetBaud(v1::SetBaud { robot, baud }),
+    };
+    v1::RecordedChange { change: Some(change) }
+}
+
+/// What a change does.
+pub fn intervention(change: Change) -> Intervention {
+    match change {
+        Change::PlaceRobot(v1::PlaceRobot { robot, x_m, y_m, heading_rad }) => {
+            Intervention::PlaceRobot { robot, pose: Pose::new(x_m, y_m, heading_rad) }
+        }
+        Change::PlaceThing(v1::PlaceThing { thing, x_m, y_m, heading_rad }) => {
+            Intervention::PlaceThing { thing, pose: Pose::new(x_m, y_m, heading_rad) }
+        }
+        Change::PullCable(v1::PullCable { robot, pulled }) => Intervention::PullCable { robot, pulled },
+        Change::SetBaud(v1::SetBaud { robot, baud }) => Intervention::SetBaud { robot, baud },
+    }
+}
+
+fn numbers(pose: &Pose) -> [f64; 3] {
+    [pose.position.x, pose.position.y, pose.heading]
+}

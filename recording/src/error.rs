@@ -1,0 +1,75 @@
+//! Why a file is no recording that can be replayed, or could not be written.
+
+use std::io;
+
+use baudbot_sim::SavedError;
+use baudbot_sim::scenario::ScenarioError;
+use thiserror::Error;
+
+/// Why a recording cannot be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The file cannot be read.
+    #[error("cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// It is something else.
+    #[error("is no MCAP file: {0}")]
+    NotMcap(String),
+    /// It is an MCAP file of another program's.
+    #[error(
+        "is an MCAP file, but no recording of baudbot: its first message is not a header on {}",
+        crate::topic::HEADER
+    )]
+    Foreign,
+    /// It is of a version to come.
+    #[error(
+        "is of format {found}, which a newer version of baudbot wrote ({program}); this one reads format {}",
+        crate::FORMAT
+    )]
+    Newer {
+        /// The version of its format.
+        found: u32,
+        /// The version of the program that wrote it.
+        program: String,
+    },
+    /// A message is not what its topic says.
+    #[error("has a message on {topic} that cannot be read: {source}")]
+    Message {
+        /// The topic.
+        topic: String,
+        /// Why.
+        source: prost::DecodeError,
+    },
+    /// It is cut off before anything was recorded.
+    #[error("is cut off before the first state: there is nothing to replay")]
+    Empty,
+    /// Its scenario is not sound.
+    #[error("has a scenario that cannot be used: {0}")]
+    Scenario(#[from] ScenarioError),
+    /// Its first state cannot be used.
+    #[error("begins with a state (tick {tick}, of baudbot {program}) that {source}")]
+    State {
+        /// Its tick.
+        tick: u64,
+        /// The version of the program that wrote it.
+        program: String,
+        /// Why.
+        source: SavedError,
+    },
+}
+
+/// Why a recording could not be written on.
+#[derive(Debug, Error)]
+#[error("{}", self.words())]
+pub struct WriteError(#[from] mcap::McapError);
+
+impl WriteError {
+    fn words(&self) -> String {
+        match &self.0 {
+            // What the system says is more than that there was an error.
+            mcap::McapError::Io(error) => error.to_string(),
+            error => error.to_string(),
+        }
+    }
+}

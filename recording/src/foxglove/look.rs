@@ -1,0 +1,66 @@
+//! One message for a file, and the schemas that such messages have.
+
+use std::sync::{Arc, LazyLock};
+
+use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
+use foxglove::{Encode, Schema};
+
+/// One message for an MCAP file, or for whoever shows it.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// Where it belongs; a topic has messages of one schema.
+    pub topic: Arc<str>,
+    /// What it is: name, encoding and description, as a file and a connection want them. The message's own encoding
+    /// is the schema's, `protobuf`.
+    pub schema: &'static LookSchema,
+    /// Simulated time, at which it was there to be seen. All times within the message are by the same clock.
+    pub time_ns: u64,
+    /// The message, encoded.
+    pub data: Vec<u8>,
+}
+
+/// What a message is: its name, the encoding of its description, and that description.
+pub type LookSchema = Schema;
+
+/// Messages of Foxglove's that are made here.
+pub(super) trait Shown: Encode {
+    fn schema() -> &'static LookSchema;
+}
+
+impl Look {
+    pub(super) fn new<M: Shown>(topic: &Arc<str>, time_ns: u64, message: &M) -> Self {
+        let mut data = Vec::with_capacity(message.encoded_len().unwrap_or(0));
+        message.encode(&mut data).expect("a vector has room for any message");
+        Self { topic: Arc::clone(topic), schema: M::schema(), time_ns, data }
+    }
+}
+
+macro_rules! shown {
+    ($($message:ident),*) => {
+        $(impl Shown for $message {
+            fn schema() -> &'static LookSchema {
+                static SCHEMA: LazyLock<LookSchema> = LazyLock::new(|| {
+                    <$message as Encode>::get_schema().expect("Foxglove's own messages have schemas")
+                });
+                &SCHEMA
+            }
+        })*
+    };
+}
+
+shown!(FrameTransforms, Grid, LaserScan, Log, SceneUpdate);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemas_say_what_foxglove_calls_them_and_are_the_same_each_time() {
+        let schema = LaserScan::schema();
+        assert_eq!((schema.name.as_str(), schema.encoding.as_str()), ("foxglove.LaserScan", "protobuf"));
+        assert!(!schema.data.is_empty());
+        assert!(std::ptr::eq(schema, LaserScan::schema()));
+        assert_eq!(LaserScan::get_message_encoding(), schema.encoding);
+        assert_eq!(Grid::schema().name, "foxglove.Grid");
+    }
+}

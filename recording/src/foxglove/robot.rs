@@ -1,0 +1,100 @@
+//! What is kept of one robot to show it.
+
+use baudbot_proto::v1;
+use foxglove::messages::{FrameTransform, SceneEntity, Timestamp};
+
+use super::belief::Believer;
+use super::footprint::Heights;
+use super::frames::{self, Mounted};
+use super::look::Look;
+use super::odometry::Ghost;
+use super::parts::{WORLD, sound_pose};
+use super::rays;
+use super::scan::Scanner;
+
+/// A robot, and what was shown of it.
+#[derive(Clone, Debug)]
+pub(super) struct Robot {
+    name: String,
+    frame: String,
+    odometry_frame: String,
+    sensors: Vec<Sensor>,
+    /// Sensors on turrets, whose frames move.
+    turned: Vec<Mounted>,
+    ghost: Option<Ghost>,
+    pub(super) believer: Believer,
+    /// Height at which its rays are drawn.
+    rays_m: f64,
+}
+
+/// A sensor, in the order of the data sheet.
+#[derive(Clone, Debug)]
+struct Sensor {
+    kind: String,
+    scanner: Option<Scanner>,
+}
+
+impl Robot {
+    pub(super) fn new(robot: &v1::ObservedRobot, heights: &Heights) -> Self {
+        let described = robot.description.as_ref();
+        let sensor = |sensor: &v1::SensorDescription| Sensor {
+            kind: sensor.kind.clone(),
+            scanner: Scanner::of(&robot.robot, sensor),
+        };
+        Self {
+            name: robot.robot.clone(),
+            frame: frames::robot(&robot.robot),
+            odometry_frame: frames::odometry(&robot.robot),
+            sensors: described
+                .map_or_else(Vec::new, |described| described.sensors.iter().map(sensor).collect()),
+            turned: Mounted::all(robot).into_iter().filter(Mounted::is_turned).collect(),
+            ghost: described.and_then(Ghost::of),
+            believer: Believer::new(robot, heights.above()),
+            rays_m: 0.5 * heights.of_robot(robot),
+        }
+    }
+
+    /// The run begins anew.
+    pub(super) fn forget(&mut self) {
+        self.ghost.iter_mut().for_each(Ghost::forget);
+        self.sensors.iter_mut().filter_map(|sensor| sensor.scanner.as_mut()).for_each(Scanner::forget);
+    }
+
+    /// Where it truly is.
+    pub(super) fn note(&mut self, truth: &v1::RobotTruth, time_ns: u64) {
+        let pose = sound_pose(truth.x_m, truth.y_m, truth.heading_rad);
+        if let (Some(ghost), Some(pose)) = (&mut self.ghost, pose) {
+            ghost.note(time_ns, pose);
+        }
+    }
+
+    /// What has reached its brain; the scans in that.
+    pub(super) fn take(&mut self, detail: &v1::RobotDetail, time_ns: u64) -> Vec<Look> {
+        if let Some(ghost) = &mut self.ghost {
+            ghost.take(&detail.sensors);
+        }
+        let sensors = self.sensors.iter_mut().zip(&detail.sensors);
+        sensors.filter_map(|(sensor, detail)| sensor.scanner.as_mut()?.look(detail, time_ns)).collect()
+    }
+
+    /// Frames that have moved.
+    pub(super) fn frames(&self, truth: &v1::RobotTruth, at: Timestamp) -> Vec<FrameTransform> {
+        let body = frames::in_world(at, &self.frame, [truth.x_m, truth.y_m, truth.heading_rad]);
+        let turned = self.turned.iter().filter_map(|sensor| sensor.turned(at, &self.frame, &truth.actuators));
+        let ghost = self.ghost.as_ref().and_then(Ghost::pose);
+        let ghost = ghost.map(|pose| frames::transform(at, WORLD, &self.odometry_frame, &pose));
+        body.into_iter().chain(turned).chain(ghost).collect()
+    }
+
+    /// Whether it is known where its odometry has it.
+    pub(super) fn has_ghost(&self) -> bool {
+        self.ghost.as_ref().is_some_and(|ghost| ghost.pose().is_some())
+    }
+
+    /// What its sensors look along, except those that scan.
+    pub(super) fn rays(&self, detail: &v1::RobotDetail, time_ns: u64) -> Option<SceneEntity> {
+        let sensors = self.sensors.iter().zip(&detail.sensors).filter(|(sensor, _)| sensor.scanner.is_none());
+        let fans = sensors.filter_map(|(sensor, detail)| Some((sensor.kind.as_str(), detail.rays.as_ref()?)));
+        rays::fans(&self.name, fans, (self.rays_m, time_ns))
+    }
+}

@@ -1,0 +1,199 @@
+//! The world that does again what was recorded, and is held against the recording.
+
+use std::fmt;
+use std::sync::Arc;
+
+use baudbot_proto::v1;
+use baudbot_sim::{Input, SimTime, World};
+
+use crate::error::RecordingError;
+use crate::tape::Tape;
+use crate::{PROGRAM_VERSION, change, digest, writer};
+
+/// Does a recording again, in a world that is given to it: that stands at the beginning of a tick, its sensors read, as the
+/// one did that was recorded.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    tape: Arc<Tape>,
+    /// The tick that is looked for, and a world a little before it, so that steps back from there are short.
+    goal: u64,
+    near: Option<World>,
+    difference: Option<Difference>,
+}
+
+/// Where a replay is not what was recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// The first tick that differs.
+    pub tick: u64,
+    /// When that is.
+    pub time: SimTime,
+    /// The first field that differs, or what else does.
+    pub what: String,
+    /// The version of the program that recorded, if it is another.
+    pub program: Option<String>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "tick {} ({} s): {}", self.tick, self.time.as_seconds(), self.what)?;
+        match &self.program {
+            Some(program) => write!(f, " (recorded by baudbot {program}, this is {PROGRAM_VERSION})"),
+            None => Ok(()),
+        }
+    }
+}
+
+type Result<T> = std::result::Result<T, RecordingError>;
+
+impl Replay {
+    /// A replay, and its world at the recording's first tick.
+    ///
+    /// # Errors
+    /// If the first state cannot be used.
+    pub fn start(tape: Arc<Tape>) -> Result<(Self, World)> {
+        let mut world = tape.first_state()?;
+        let mut replay = Self { tape, goal: 0, near: None, difference: None };
+        replay.begin(&mut world)?;
+        Ok((replay, world))
+    }
+
+    /// What is replayed.
+    pub fn tape(&self) -> &Arc<Tape> {
+        &self.tape
+    }
+
+    /// The first difference that has been found so far.
+    pub fn difference(&self) -> Option<&Difference> {
+        self.difference.as_ref()
+    }
+
+    /// Whether there is no more to replay.
+    pub fn is_over(&self, world: &World) -> bool {
+        world.tick() >= self.tape.last_tick() || world.ending().is_some()
+    }
+
+    /// Goes on to the beginning of the next tick; does nothing at the end. Says whether it has gone on.
+    ///
+    /// # Errors
+    /// If the recording has an input that cannot be read.
+    pub fn step(&mut self, world: &mut World) -> Result<bool> {
+        if self.is_over(world) {
+            return Ok(false);
+        }
+        let recorded = self.tape.inputs_at(world.tick())?;
+        let inputs = recorded.iter().flat_map(|recorded| &recorded.inputs);
+        self.check(inputs.clone(), world);
+        let now = world.time().as_ns();
+        for input in inputs.clone() {
+            if let Some(tick) = input.answers_tick {
+                world.answers(input.robot as usize, tick);
+            }
+        }
+        let inputs = inputs.map(|input| Input {
+            robot: input.robot as usize,
+            at: SimTime::from_ns(now.saturating_add_signed(input.after_ns)),
+            bytes: &input.data,
+        });
+        world.finish(&inputs.collect::<Vec<_>>());
+        self.begin(world)?;
+        if world.tick() + RUN_UP == self.goal {
+            self.near = Some(world.clone());
+        }
+        Ok(true)
+    }
+
+    /// Goes to a tick, forwards or backwards; to the nearest there is.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn seek(&mut self, world: &mut World, tick: u64) -> Result<()> {
+        self.approach(world, tick)?;
+        while world.tick() < tick && self.step(world)? {}
+        Ok(())
+    }
+
+    /// Goes as near to a tick as can be done at once, and not beyond it: what is left is to be done in
+    /// [steps](Self::step). Says whether the world has jumped: it may then be at any time, and know little of the past.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn approach(&mut self, world: &mut World, tick: u64) -> Result<bool> {
+        self.goal = tick.clamp(self.tape.first_tick(), self.tape.last_tick());
+        let here = Some(world.tick()).filter(|&at| at <= self.goal);
+        let near = self.near.as_ref().filter(|near| near.tick() <= self.goal);
+        // Some ticks before it, so that there is something on the timelines.
+        let from = self.goal.saturating_sub(RUN_UP);
+        let state = self.tape.nearest_state(from);
+        match (here, near) {
+            (Some(here), near) if here >= near.map_or(state, World::tick).max(state) => return Ok(false),
+            (_, Some(near)) if near.tick() >= state => *world = near.clone(),
+            _ => *world = self.tape.state_before(from)?,
+        }
+        self.begin(world)?;
+        Ok(true)
+    }
+
+    /// Changes by hand are made, the tick begins, and all is held against the recording.
+    fn begin(&mut self, world: &mut World) -> Result<()> {
+        let changes = self.tape.inputs_at(world.tick())?.into_iter().flat_map(|recorded| recorded.changes);
+        for change in changes.filter_map(|recorded| recorded.change) {
+            if let Err(error) = world.intervene(&change::intervention(change)) {
+                self.differs(world, format!("a change by hand is not possible: {error}"));
+            }
+        }
+        world.begin();
+        self.compare(world);
+        Ok(())
+    }
+
+    fn compare(&mut self, world: &World) {
+        if self.difference.is_some() {
+            return;
+        }
+        let tick = world.tick();
+        let tape = Arc::clone(&self.tape);
+        let Some(mark) = tape.mark_of(tick) else { return };
+        if let Some(what) = digest::difference(mark, world) {
+            self.differs(world, what);
+        } else if mark.tick == tick && mark.state_hash != world.hash() {
+            let since = mark.first_tick;
+            self.differs(
+                world,
+                format!(
+                    "the state's fingerprint, though no field that is looked at differs (since tick {since})"
+                ),
+            );
+        } else if tick == tape.last_tick() || world.ending().is_none() {
+            // All is as it was.
+        } else {
+            self.differs(
+                world,
+                format!("the run has ended; in the recording it goes on to tick {}", tape.last_tick()),
+            );
+        }
+    }
+
+    /// Whether inputs are those that were written.
+    fn check<'a>(&mut self, inputs: impl Iterator<Item = &'a v1::RecordedInput>, world: &World) {
+        for input in inputs {
+            if input.checksum != writer::checksum(input.after_ns, &input.data) {
+                let robots = world.scenario().robots();
+                let name = robots.get(input.robot as usize).map_or("no robot", |robot| &robot.name);
+                self.differs(world, format!("`{name}`: what its brain wrote is not what was recorded"));
+            }
+        }
+    }
+
+    fn differs(&mut self, world: &World, what: String) {
+        if self.difference.is_none() {
+            let recorder = &self.tape.header().program_version;
+            let program = Some(recorder.clone()).filter(|program| program != PROGRAM_VERSION);
+            let (tick, time) = (world.tick(), world.time());
+            self.difference = Some(Difference { tick, time, what, program });
+        }
+    }
+}
+
+/// Ticks before one that is looked for, from which it is simulated.
+const RUN_UP: u64 = 128;

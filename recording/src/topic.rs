@@ -1,0 +1,16 @@
+//! The topics of a recording that make the run again.
+
+/// Of the first message, a `RecordingHeader`.
+pub const HEADER: &str = "/baudbot/header";
+/// Of `RecordedState`.
+pub const STATE: &str = "/baudbot/state";
+/// Of `RecordedInputs`.
+pub const INPUTS: &str = "/baudbot/inputs";
+/// Of `RecordedMark`.
+pub const MARKS: &str = "/baudbot/marks";
+/// Of `RecordedEvent`.
+pub const EVENTS: &str = "/baudbot/events";
+/// Of the one `DescribeWorldResponse`: what stands still, and what the robots are.
+pub const WORLD: &str = "/baudbot/world";
+/// Of `WatchResponse`: what an observer saw.
+pub const FRAMES: &str = "/baudbot/frames";

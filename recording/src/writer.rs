@@ -1,0 +1,217 @@
+//! Writes a recording.
+
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use baudbot_proto::v1;
+use baudbot_sim::Scenario;
+use mcap::records::MessageHeader;
+use mcap::{Compression, WriteOptions};
+use prost::Message;
+
+use crate::error::WriteError;
+use crate::file::RecordingFile;
+use crate::foxglove::{Look, LookSchema, Looks};
+use crate::{FORMAT, PROGRAM_VERSION, schema, topic};
+
+type Result<T> = std::result::Result<T, WriteError>;
+
+/// Writes a recording into a file. What has been written up to a [mark](Self::mark) is whole, whatever happens then.
+pub struct Writer<W: Write + Seek> {
+    mcap: mcap::Writer<W>,
+    channels: Channels,
+    step_ns: u64,
+    sequence: u32,
+    buffer: Vec<u8>,
+    /// Once it is known what the world is.
+    shown: Option<Shown>,
+}
+
+/// The channels of our own messages.
+struct Channels {
+    header: u16,
+    state: u16,
+    inputs: u16,
+    marks: u16,
+    events: u16,
+}
+
+/// What other programs look at.
+struct Shown {
+    frames: u16,
+    looks: Looks,
+    channels: BTreeMap<Arc<str>, u16>,
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// If that cannot be written.
+    pub fn new(out: W, header: &v1::RecordingHeader) -> Result<Self> {
+        let options = WriteOptions::new()
+            .compression(Some(Compression::Lz4))
+            // A chunk is written at once, when it is whole.
+            .disable_seeking(true)
+            .chunk_size(Some(CHUNK))
+            .profile("baudbot")
+            .library(format!("baudbot {PROGRAM_VERSION}"));
+        let mut mcap = options.create(out)?;
+        let channels = Channels {
+            header: channel(&mut mcap, topic::HEADER, "RecordingHeader")?,
+            state: channel(&mut mcap, topic::STATE, "RecordedState")?,
+            inputs: channel(&mut mcap, topic::INPUTS, "RecordedInputs")?,
+            marks: channel(&mut mcap, topic::MARKS, "RecordedMark")?,
+            events: channel(&mut mcap, topic::EVENTS, "RecordedEvent")?,
+        };
+        let (step_ns, buffer) = (header.step_ns, Vec::new());
+        let mut writer = Self { mcap, channels, step_ns, sequence: 0, buffer, shown: None };
+        writer.write(writer.channels.header, 0, header)?;
+        Ok(writer)
+    }
+
+    /// A state.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn state(&mut self, state: &v1::RecordedState) -> Result<()> {
+        self.write(self.channels.state, state.tick * self.step_ns, state)
+    }
+
+    /// What entered the world in a tick.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn inputs(&mut self, inputs: &v1::RecordedInputs) -> Result<()> {
+        self.write(self.channels.inputs, inputs.tick * self.step_ns, inputs)
+    }
+
+    /// All that entered the world before this mark's tick has been written: it goes into the file now.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn mark(&mut self, mark: &v1::RecordedMark) -> Result<()> {
+        self.write(self.channels.marks, mark.tick * self.step_ns, mark)?;
+        Ok(self.mcap.flush()?)
+    }
+
+    /// Something that happened.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn event(&mut self, event: &v1::RecordedEvent) -> Result<()> {
+        let time_ns = event.tick * self.step_ns;
+        self.write(self.channels.events, time_ns, event)?;
+        let shown = self.shown.as_ref();
+        let look = shown.map(|shown| shown.looks.event(time_ns, event.kind(), &event.text));
+        self.look(look)
+    }
+
+    /// What stands still, and what the robots are. From now on there is something for other programs to look at.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn world(&mut self, time_ns: u64, world: &v1::DescribeWorldResponse) -> Result<()> {
+        let own = channel(&mut self.mcap, topic::WORLD, "DescribeWorldResponse")?;
+        let frames = channel(&mut self.mcap, topic::FRAMES, "WatchResponse")?;
+        self.write(own, time_ns, world)?;
+        let looks = Looks::new(world);
+        let opening = looks.opening(time_ns);
+        self.shown = Some(Shown { frames, looks, channels: BTreeMap::new() });
+        self.look(opening)
+    }
+
+    /// What an observer sees; nothing is written unless it has been said what the [world](Self::world) is.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn frame(&mut self, frame: &v1::WatchResponse) -> Result<()> {
+        let Some(shown) = &mut self.shown else { return Ok(()) };
+        let (own, looks) = (shown.frames, shown.looks.frame(frame));
+        self.write(own, frame.time_ns, frame)?;
+        self.look(looks)
+    }
+
+    fn look(&mut self, looks: impl IntoIterator<Item = Look>) -> Result<()> {
+        let Some(Shown { channels, .. }) = &mut self.shown else { return Ok(()) };
+        for look in looks {
+            let channel_id = match channels.get(&look.topic) {
+                Some(&channel) => channel,
+                None => {
+                    let LookSchema { name, encoding, data } = look.schema;
+                    let schema = self.mcap.add_schema(name, encoding, data)?;
+                    let channel = self.mcap.add_channel(schema, &look.topic, encoding, &BTreeMap::new())?;
+                    channels.insert(Arc::clone(&look.topic), channel);
+                    channel
+                }
+            };
+            self.sequence = self.sequence.wrapping_add(1);
+            let (sequence, log_time) = (self.sequence, look.time_ns);
+            let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+            self.mcap.write_to_known_channel(&header, &look.data)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the file with an index, for those who look for single messages in it.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(mut self) -> Result<W> {
+        self.mcap.finish()?;
+        Ok(self.mcap.into_inner())
+    }
+
+    fn write(&mut self, channel_id: u16, time_ns: u64, message: &impl Message) -> Result<()> {
+        self.buffer.clear();
+        message.encode(&mut self.buffer).expect("a vector has room");
+        self.sequence = self.sequence.wrapping_add(1);
+        let header =
+            MessageHeader { channel_id, sequence: self.sequence, log_time: time_ns, publish_time: time_ns };
+        Ok(self.mcap.write_to_known_channel(&header, &self.buffer)?)
+    }
+}
+
+fn channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, topic: &str, message: &str) -> Result<u16> {
+    let name = format!("{}.{message}", schema::PACKAGE);
+    let schema = mcap.add_schema(&name, "protobuf", &schema::of(message))?;
+    Ok(mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new())?)
+}
+
+/// Chunks are no longer than that, in bytes before they are compressed.
+const CHUNK: u64 = 4 << 20;
+
+/// The header of a recording of this world that begins now.
+pub fn header(world: &str, scenario: &Scenario, pace: Option<v1::Pace>) -> v1::RecordingHeader {
+    let source = scenario.source();
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    v1::RecordingHeader {
+        format: FORMAT,
+        program_version: PROGRAM_VERSION.to_owned(),
+        world: world.to_owned(),
+        scenario_toml: source.toml.to_string(),
+        overrides: source.overrides.clone(),
+        seed: scenario.seed(),
+        step_ns: scenario.step_ns(),
+        pace,
+        started_unix_ns: u64::try_from(now.as_nanos()).unwrap_or(u64::MAX),
+        robots: scenario.robots().iter().map(|robot| robot.name.clone()).collect(),
+    }
+}
+
+/// The checksum of an input.
+pub fn checksum(after_ns: i64, data: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&after_ns.to_le_bytes());
+    hasher.update(data);
+    hasher.finalize() & 0xFFFF
+}
+
+impl Writer<RecordingFile> {
+    /// Leaves the file as it is: something is missing in it from here on, and what is not in it yet stays away.
+    pub fn abandon(self) {
+        self.mcap.into_inner().close();
+    }
+}

@@ -1,0 +1,136 @@
+//! What operators do with runs that are files.
+
+use std::sync::Arc;
+
+use baudbot_proto::v1;
+use baudbot_recording::{Replay, Tape, saved};
+use baudbot_sim::World;
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use super::{Control, blocking, status_of};
+use crate::convert;
+use crate::letter::{Letter, Order, RecordingReport};
+use crate::pace::Pace;
+use crate::recording::{Folder, RecordConfig};
+use crate::registry::NewWorld;
+use crate::words::brief;
+
+impl Control {
+    fn folder(&self) -> Result<&Folder, Status> {
+        let none = || {
+            Status::failed_precondition(
+                "this server keeps no recordings; start it with --recordings FOLDER to allow them",
+            )
+        };
+        self.recordings.as_ref().ok_or_else(none)
+    }
+
+    pub(super) async fn save(&self, request: v1::SaveWorldRequest) -> Result<v1::SaveWorldResponse, Status> {
+        let v1::SaveWorldRequest { world: name, snapshot } = request;
+        let world = self.order(&name, Order::Save { snapshot }).await?.world;
+        blocking(move || {
+            let saved_mcap =
+                saved::to_bytes(&name, &world).map_err(|error| Status::internal(error.to_string()))?;
+            if saved_mcap.len() > MAX_SAVED {
+                let text = format!(
+                    "the state has {} bytes, a message has at most {MAX_SAVED}; record the world into a file instead",
+                    saved_mcap.len()
+                );
+                return Err(Status::resource_exhausted(text));
+            }
+            Ok(v1::SaveWorldResponse { saved_mcap, tick: world.tick(), state_hash: world.hash() })
+        })
+        .await?
+    }
+
+    pub(super) async fn record(
+        &self,
+        request: v1::StartRecordingRequest,
+    ) -> Result<Option<v1::WorldStatus>, Status> {
+        let v1::StartRecordingRequest { world, recording, look_hz } = request;
+        if !(0.0..=MAX_LOOK_HZ).contains(&look_hz) {
+            let text = format!("look_hz: must be from 0 to {MAX_LOOK_HZ}, is {look_hz}");
+            return Err(Status::invalid_argument(text));
+        }
+        let folder = self.folder()?;
+        self.registry.find("world", &world)?;
+        let name = if recording.is_empty() { folder.free_name(&world) } else { recording };
+        let config = RecordConfig { path: folder.file(&name)?, name, replace: false, look_hz };
+        self.status(&world, Order::Record(config)).await
+    }
+
+    pub(super) async fn stop_recording_of(&self, world: &str) -> Result<RecordingReport, Status> {
+        let (told, closed) = oneshot::channel();
+        self.order(world, Order::StopRecording(told)).await?;
+        closed.await.map_err(|_| Status::internal("the recording's thread is gone"))
+    }
+
+    pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
+        let folder = self.folder()?.clone();
+        let recordings = blocking(move || folder.list()).await??;
+        Ok(v1::ListRecordingsResponse { recordings })
+    }
+
+    pub(super) async fn open(&self, request: v1::OpenRecordingRequest) -> Result<v1::WorldStatus, Status> {
+        let v1::OpenRecordingRequest { recording, world } = request;
+        let path = self.folder()?.file(&recording)?;
+        let file = format!("recording: `{recording}`");
+        let opened = blocking(move || {
+            if !path.exists() {
+                return Err(Status::not_found(format!(
+                    "{file}: there is no such file in the server's folder"
+                )));
+            }
+            open(Tape::open(&path))
+                .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
+        });
+        let (replay, made) = opened.await??;
+        // A recording's name may have a dot, a world's may not.
+        let name = if world.is_empty() { recording.replace('.', "-") } else { world };
+        let new =
+            NewWorld { replay: Some(replay), paused: true, ..NewWorld::new(name, made, Pace::REAL_TIME) };
+        let report = self.registry.create(new)?.order(Order::Report).await?;
+        Ok(status_of(report).await?.1)
+    }
+
+    pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
+        let tape = self.registry.find("world", world)?.ask(Letter::DescribeReplay).await?;
+        let live =
+            || Status::failed_precondition(format!("world: `{}` is live, it replays nothing", brief(world)));
+        Ok(convert::replay(&*tape.ok_or_else(live)?))
+    }
+
+    pub(super) async fn fork(
+        &self,
+        request: v1::ForkReplayRequest,
+    ) -> Result<Option<v1::WorldStatus>, Status> {
+        let pace = convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME);
+        self.status(&request.world, Order::Fork(pace)).await
+    }
+}
+
+/// A world from a state that SaveWorld gave, and the name that it had.
+pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
+    let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
+    let tape = Tape::read(bytes).map_err(|error| invalid(error.to_string()))?;
+    if tape.last_tick() != tape.first_tick() {
+        let ticks = tape.last_tick() - tape.first_tick();
+        return Err(invalid(format!(
+            "is a recording of {ticks} ticks, and not a single state; use OpenRecording"
+        )));
+    }
+    let world = tape.first_state().map_err(|error| invalid(error.to_string()))?;
+    Ok((tape.header().world.clone(), world))
+}
+
+fn open(tape: Result<Tape, baudbot_recording::RecordingError>) -> Result<(Replay, World), String> {
+    let tape = tape.map_err(|error| error.to_string())?;
+    Replay::start(Arc::new(tape)).map_err(|error| error.to_string())
+}
+
+/// Most frames a simulated second.
+const MAX_LOOK_HZ: f64 = 1000.0;
+
+/// Longest state that one message carries.
+const MAX_SAVED: usize = 16 << 20;

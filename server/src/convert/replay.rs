@@ -1,0 +1,23 @@
+//! What there is in a recording.
+
+use baudbot_proto::v1;
+use baudbot_recording::Tape;
+
+/// A recording for those who look for something in it.
+pub(crate) fn replay(tape: &Tape) -> v1::DescribeReplayResponse {
+    let header = tape.header();
+    let events = tape.events().iter().take(MAX_EVENTS);
+    v1::DescribeReplayResponse {
+        recorded_world: header.world.clone(),
+        program_version: header.program_version.clone(),
+        started_unix_ns: header.started_unix_ns,
+        first_tick: tape.first_tick(),
+        last_tick: tape.last_tick(),
+        cut_off: tape.problem().is_some(),
+        events: events
+            .map(|event| v1::ReplayEvent { tick: event.tick, kind: event.kind, text: event.text.clone() })
+            .collect(),
+    }
+}
+
+const MAX_EVENTS: usize = 10_000;

@@ -1,0 +1,194 @@
+//! The thread that writes a recording.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use baudbot_proto::v1;
+use baudbot_recording::{RecordingFile, WriteError, Writer};
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use super::Entry;
+use crate::convert;
+use crate::letter::RecordingReport;
+
+/// The way to the thread. When it is dropped, the thread ends the file, and is waited for.
+pub(super) struct Scribe {
+    work: Option<SyncSender<Work>>,
+    thread: Option<JoinHandle<()>>,
+    progress: Arc<Progress>,
+    /// Whether the world must not wait.
+    hurried: bool,
+}
+
+enum Work {
+    Bundle(Vec<Entry>),
+    /// Ends the file, and says how it is then.
+    Close(RecordingReport, Option<oneshot::Sender<RecordingReport>>),
+}
+
+/// How it goes, for all to see.
+#[derive(Default)]
+struct Progress {
+    bytes: AtomicU64,
+    problem: Mutex<Option<String>>,
+}
+
+/// Whether a bundle was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sent {
+    /// Or nothing is written any more.
+    Taken,
+    /// Too much waits to be written.
+    TooSlow,
+}
+
+impl Scribe {
+    /// `described`: what the world is and since when, if it is looked at. `hurried`: the world follows a clock, and does not wait for the disk.
+    pub(super) fn start(
+        file: RecordingFile,
+        header: v1::RecordingHeader,
+        described: Option<(u64, v1::DescribeWorldResponse)>,
+        hurried: bool,
+    ) -> Result<Self, Status> {
+        let (work, to_do) = sync_channel(BUNDLES);
+        let progress = Arc::new(Progress::default());
+        let own = Arc::clone(&progress);
+        let thread = thread::Builder::new().name(format!("recording {}", header.world));
+        let thread = thread.spawn(move || write_all(file, &header, described.as_ref(), &to_do, &own));
+        let thread = thread
+            .map_err(|error| Status::resource_exhausted(format!("no thread for a recording: {error}")))?;
+        Ok(Self { work: Some(work), thread: Some(thread), progress, hurried })
+    }
+
+    pub(super) fn send(&self, bundle: Vec<Entry>) -> Sent {
+        let Some(work) = &self.work else { return Sent::Taken };
+        if !self.hurried {
+            // The thread takes all until it is dropped.
+            let _ = work.send(Work::Bundle(bundle));
+            return Sent::Taken;
+        }
+        match work.try_send(Work::Bundle(bundle)) {
+            Err(TrySendError::Full(_)) => Sent::TooSlow,
+            Ok(()) | Err(TrySendError::Disconnected(_)) => Sent::Taken,
+        }
+    }
+
+    /// Nothing is written from now on.
+    pub(super) fn fail(&self, problem: &str) {
+        self.progress.fail(problem.to_owned());
+    }
+
+    /// Ends the file. Who waits for that gets this report, brought up to date.
+    pub(super) fn close(mut self, report: RecordingReport, reply: Option<oneshot::Sender<RecordingReport>>) {
+        if let Some(work) = self.work.take() {
+            // Who asked gets a word when it is done; otherwise it is waited for here.
+            let is_told = reply.is_some();
+            let _ = work.send(Work::Close(report, reply));
+            self.thread.take_if(|_| is_told);
+        }
+    }
+
+    /// Bytes in the file, and why it ended too early, if it did.
+    pub(super) fn progress(&self) -> (u64, Option<String>) {
+        self.progress.get()
+    }
+}
+
+impl Drop for Scribe {
+    fn drop(&mut self) {
+        self.work = None;
+        if let Some(thread) = self.thread.take() {
+            // A panic of it is on stderr already.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Progress {
+    fn fail(&self, problem: String) {
+        let mut slot = self.problem.lock().unwrap_or_else(PoisonError::into_inner);
+        if slot.is_none() {
+            tracing::error!(problem, "a recording ends too early");
+            *slot = Some(problem);
+        }
+    }
+
+    fn get(&self) -> (u64, Option<String>) {
+        let problem = self.problem.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        (self.bytes.load(Ordering::Relaxed), problem)
+    }
+
+    fn has_failed(&self) -> bool {
+        self.problem.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+}
+
+/// The life of the thread. After an error it takes what comes, and throws it away.
+fn write_all(
+    file: RecordingFile,
+    header: &v1::RecordingHeader,
+    described: Option<&(u64, v1::DescribeWorldResponse)>,
+    work: &Receiver<Work>,
+    progress: &Progress,
+) {
+    let length = file.length();
+    let mut writer = begin(file, header, described).map_err(|error| progress.fail(error.to_string())).ok();
+    let mut waiting = None;
+    while let Ok(work) = work.recv() {
+        match work {
+            Work::Bundle(bundle) => {
+                if let Some(open) = writer.as_mut().filter(|_| !progress.has_failed())
+                    && let Err(error) = bundle.into_iter().try_for_each(|entry| write(open, entry))
+                {
+                    progress.fail(error.to_string());
+                }
+                progress.bytes.store(length.load(Ordering::Relaxed), Ordering::Relaxed);
+            }
+            Work::Close(report, reply) => {
+                waiting = Some((report, reply));
+                break;
+            }
+        }
+    }
+    if let Some(open) = writer.take() {
+        if progress.has_failed() {
+            // It ends where it is whole.
+            open.abandon();
+        } else if let Err(error) = open.finish() {
+            progress.fail(error.to_string());
+        }
+    }
+    progress.bytes.store(length.load(Ordering::Relaxed), Ordering::Relaxed);
+    if let Some((report, Some(reply))) = waiting {
+        let (bytes, problem) = progress.get();
+        let _ = reply.send(RecordingReport { bytes, problem, ..report });
+    }
+}
+
+fn begin(
+    file: RecordingFile,
+    header: &v1::RecordingHeader,
+    described: Option<&(u64, v1::DescribeWorldResponse)>,
+) -> Result<Writer<RecordingFile>, WriteError> {
+    let mut writer = Writer::new(file, header)?;
+    if let Some((time_ns, described)) = described {
+        writer.world(*time_ns, described)?;
+    }
+    Ok(writer)
+}
+
+fn write(writer: &mut Writer<RecordingFile>, entry: Entry) -> Result<(), WriteError> {
+    match entry {
+        Entry::Inputs(inputs) => writer.inputs(&inputs),
+        Entry::Mark(mark) => writer.mark(&mark),
+        Entry::State(state) => writer.state(&state),
+        Entry::Event(event) => writer.event(&event),
+        Entry::Frame(frame) => writer.frame(&convert::frame(*frame)),
+    }
+}
+
+/// Bundles that wait to be written before a world that can wait does so.
+const BUNDLES: usize = 64;

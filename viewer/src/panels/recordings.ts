@@ -1,0 +1,59 @@
+/** The recordings that the server has, below its worlds. */
+import { button, el } from "../dom";
+import type { RecordingFile } from "../gen/baudbot/v1/control_pb";
+import { bytesText } from "../model/units";
+import type { Recordings } from "../net/recordings";
+
+const NO_FOLDER = "This server has no folder of recordings; baudbot serve --recordings FOLDER gives it one.";
+
+export class RecordingsSection {
+  readonly element: HTMLElement;
+  private readonly list = el("ul", { class: "world-list", test: "recording-list", label: "Recordings" });
+  private readonly empty = el("p", { class: "hint", text: "None yet: Record is in the bar above." });
+  private readonly section: HTMLElement;
+  private readonly hint = el("p", { class: "about", text: NO_FOLDER, hidden: true, test: "recordings-hint" });
+  private shown = "";
+
+  constructor(private readonly recordings: Recordings) {
+    this.section = el(
+      "details",
+      { class: "section", hidden: true, test: "recordings", attributes: { open: "" } },
+      el("summary", { text: "Recordings" }),
+      this.list,
+      this.empty,
+    );
+    this.element = el("div", {}, this.section, this.hint);
+    recordings.on("changed", () => this.refresh());
+  }
+
+  private refresh(): void {
+    const { files, hasFolder } = this.recordings;
+    this.section.hidden = hasFolder !== true;
+    this.hint.hidden = hasFolder !== false;
+    this.empty.hidden = files.length > 0;
+    const key = files.map((file) => `${file.recording} ${file.bytes} ${file.modifiedUnixNs}`).join("\n");
+    if (key === this.shown) return;
+    this.shown = key;
+    this.list.replaceChildren(...files.map((file) => this.row(file)));
+  }
+
+  private row({ recording, bytes, modifiedUnixNs }: RecordingFile): HTMLElement {
+    const when = new Date(Number(modifiedUnixNs / 1_000_000n));
+    const text = when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+    const open = button("Open", `Replay ${recording}`, () => void this.recordings.open(recording), {
+      test: `recording-open-${recording}`,
+      label: `Replay ${recording}`,
+    });
+    return el(
+      "li",
+      { class: "recording" },
+      el(
+        "span",
+        { class: "recording-name" },
+        el("strong", { text: recording }),
+        el("span", { class: "world-line", text: `${bytesText(Number(bytes))} · ${text}` }),
+      ),
+      open,
+    );
+  }
+}
