@@ -44,6 +44,7 @@ struct Finding {
 }
 
 pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
+    check(args)?;
     let (mut replay, mut world) = open(&args.recording)?;
     let tape = Arc::clone(replay.tape());
     if let (Some(problem), false) = (tape.problem(), args.quiet) {
@@ -52,6 +53,9 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     if args.fork {
         let pace = pace(args.pace, &args.watchdog, &tape)?;
         to(args, &mut replay, &mut world)?;
+        if let Some(difference) = replay.difference() {
+            eprintln!("warning: this is not the world that was recorded, which differs at {difference}");
+        }
         let name = tape.header().world.clone();
         return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
     }
@@ -68,6 +72,25 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         text::print(&words(&finding))?;
     }
     Ok(if finding.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Refuses options that would be of no use.
+fn check(args: &ReplayArgs) -> anyhow::Result<()> {
+    let (listen, watchdog) = (&args.listen, &args.watchdog);
+    let listens = !listen.listen.is_empty() || listen.viewer.is_some() || listen.insecure;
+    let waits =
+        watchdog.watchdog_ms.is_some() || watchdog.on_timeout.is_some() || watchdog.lookahead.is_some();
+    let refused = |text: &str| Err(Refused::error(text));
+    if args.again.record.is_some() && !args.fork {
+        return refused("--record: what is replayed is recorded already; use it with --fork");
+    }
+    if listens && !args.fork && !args.view {
+        return refused("--listen, --viewer and --insecure need --view or --fork: else nothing is served");
+    }
+    if waits && !args.fork {
+        return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
+    }
+    Ok(())
 }
 
 /// A recording at its first tick.
@@ -128,9 +151,6 @@ async fn live(args: &ReplayArgs, name: String, world: World, pace: Pace) -> anyh
 }
 
 async fn view(args: &ReplayArgs, replay: Replay, world: World) -> anyhow::Result<()> {
-    if args.again.record.is_some() {
-        return Err(Refused::error("--record: what is replayed is recorded already; use it with --fork"));
-    }
     let mut serving = Serving::new(&args.listen);
     let name = replay.tape().header().world.clone();
     serving.add_replay(&name, WorldConfig::replay(name.clone(), (replay, world)));
@@ -148,7 +168,7 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
         recorded_by: format!("baudbot {}", header.program_version),
         first_tick: tape.first_tick(),
         last_tick: world.tick(),
-        simulated_s: seconds(world.tick() - tape.first_tick(), tape.scenario()),
+        simulated_s: seconds(world.tick().saturating_sub(tape.first_tick()), tape.scenario()),
         ticks_with_inputs: tape.inputs(),
         events: tape.events().len(),
         identical: difference.is_none(),
@@ -167,6 +187,9 @@ fn words(finding: &Finding) -> String {
     );
     let verdict = match (&finding.differs_at_tick, &finding.differs) {
         (Some(tick), Some(what)) => format!("differs at tick {tick}: {what}\n"),
+        _ if finding.cut_off.is_some() => {
+            format!("identical as far as the file goes: state hash {}\n", finding.state_hash)
+        }
         _ => format!("identical: state hash {}\n", finding.state_hash),
     };
     head + &verdict
@@ -177,7 +200,7 @@ fn tick(at_s: f64, scenario: &Scenario) -> u64 {
 }
 
 fn seconds(ticks: u64, scenario: &Scenario) -> f64 {
-    (ticks * scenario.step_ns()) as f64 * 1e-9
+    ticks.saturating_mul(scenario.step_ns()) as f64 / 1e9
 }
 
 fn progress(first: u64, last: u64, quiet: bool) -> ProgressBar {

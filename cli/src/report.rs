@@ -63,9 +63,8 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
 fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
     let Recording { file, bytes, ticks, problem } = recording;
     let mut facts = vec![("recorded", format!("{ticks} ticks in {file}, {bytes} bytes"))];
-    let ended = |problem: &String| {
-        format!("the recording has ended before the run: {problem}; what is in it can be replayed")
-    };
+    let rest = if *bytes > 0 { "; what is in it can be replayed" } else { "" };
+    let ended = |problem: &String| format!("the recording has ended before the run: {problem}{rest}");
     facts.extend(problem.as_ref().map(|problem| ("warning", ended(problem))));
     facts
 }

@@ -41,6 +41,12 @@ pub enum RecordingError {
         /// Why.
         source: prost::DecodeError,
     },
+    /// It is more than is taken.
+    #[error("has more than {limit} bytes in it, which is the limit here")]
+    TooLong {
+        /// The limit.
+        limit: usize,
+    },
     /// It is cut off before anything was recorded.
     #[error("is cut off before the first state: there is nothing to replay")]
     Empty,

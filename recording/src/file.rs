@@ -14,20 +14,11 @@ pub struct RecordingFile {
 }
 
 impl RecordingFile {
-    /// Makes a file; one that is there is replaced.
-    ///
-    /// # Errors
-    /// If it cannot be made.
-    pub fn create(path: &Path) -> io::Result<Self> {
-        let file = OpenOptions::new().write(true).create(true).truncate(true).open(path)?;
-        Ok(Self { file, bytes: Arc::default(), failed: false })
-    }
-
     /// Makes a file where there is none.
     ///
     /// # Errors
     /// If it cannot be made, or is there.
-    pub fn create_new(path: &Path) -> io::Result<Self> {
+    pub fn create(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path)?;
         Ok(Self { file, bytes: Arc::default(), failed: false })
     }

@@ -26,10 +26,11 @@ pub(crate) struct Message {
 }
 
 impl<R: Read> Reader<R> {
-    pub(crate) fn new(file: R) -> Self {
+    /// `limit`: no record is longer than that.
+    pub(crate) fn new(file: R, limit: usize) -> Self {
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(MAX_RECORD);
+            .with_record_length_limit(limit.min(MAX_RECORD));
         let records = LinearReader::new_with_options(options);
         Self { file, records, topics: HashMap::new(), problem: None, has_begun: false }
     }

@@ -136,6 +136,11 @@ impl Replay {
 
     /// Changes by hand are made, the tick begins, and all is held against the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
+        if world.is_begun() {
+            // They were made before this state was kept.
+            self.compare(world);
+            return Ok(());
+        }
         let changes = self.tape.inputs_at(world.tick())?.into_iter().flat_map(|recorded| recorded.changes);
         for change in changes.filter_map(|recorded| recorded.change) {
             if let Err(error) = world.intervene(&change::intervention(change)) {

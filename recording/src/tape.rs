@@ -45,7 +45,15 @@ impl Tape {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn read(file: impl Read) -> Result<Self> {
-        let mut reader = Reader::new(file);
+        Self::read_at_most(file, usize::MAX)
+    }
+
+    /// As [`read`](Self::read), of bytes from somebody who may mean harm: they make no more than this of memory.
+    ///
+    /// # Errors
+    /// Also if it is more.
+    pub fn read_at_most(file: impl Read, limit: usize) -> Result<Self> {
+        let mut reader = Reader::new(file, limit);
         let header = header(&mut reader)?;
         let overrides: std::result::Result<Vec<_>, _> =
             header.overrides.iter().map(|text| Override::parse(text)).collect();
@@ -62,6 +70,9 @@ impl Tape {
         };
         while let Some(message) = reader.next(|topic| WANTED.contains(&topic))? {
             tape.take(&message.topic, &message.data)?;
+            if tape.bytes.len() > limit {
+                return Err(RecordingError::TooLong { limit });
+            }
         }
         tape.problem = reader.problem();
         tape.put_in_order()
@@ -98,7 +109,8 @@ impl Tape {
             return Err(RecordingError::Empty);
         };
         let ticks = first.0..=last.tick;
-        if ticks.is_empty() {
+        // Beyond that there is no time.
+        if ticks.is_empty() || last.tick > u64::MAX / self.scenario.step_ns().max(1) {
             return Err(RecordingError::Empty);
         }
         self.inputs.retain(|(tick, _)| ticks.contains(tick));
@@ -107,6 +119,12 @@ impl Tape {
         self.inputs.sort_by_key(|(tick, _)| *tick);
         self.states.sort_by_key(|(tick, _)| *tick);
         self.marks.sort_by_key(|mark| mark.tick);
+        // Of two marks that begin at one tick the later knows more: a change by hand may have come between.
+        let marks = &self.marks;
+        let is_known = |i: usize| marks.get(i + 1).is_some_and(|next| next.first_tick <= marks[i].first_tick);
+        let known: Vec<_> = (0..marks.len()).map(is_known).collect();
+        let mut known = known.into_iter();
+        self.marks.retain(|_| known.next() == Some(false));
         Ok(self)
     }
 
@@ -200,7 +218,11 @@ impl Tape {
 
     fn state(&self, place: &Range<usize>) -> Result<std::result::Result<World, SavedError>> {
         let state: v1::RecordedState = decode(topic::STATE, &self.bytes[place.clone()])?;
-        Ok(World::load(Arc::clone(&self.scenario), &state.state, state.state_hash))
+        let world = World::load(Arc::clone(&self.scenario), &state.state, state.state_hash);
+        Ok(world.and_then(|world| {
+            let is_it = world.tick() == state.tick;
+            if is_it { Ok(world) } else { Err(SavedError::Other("ticks")) }
+        }))
     }
 }
 

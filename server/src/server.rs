@@ -91,12 +91,12 @@ impl WorldConfig {
         Self { new: NewWorld { replay: Some(replay), paused: true, ..new } }
     }
 
-    /// Records it into this file, which is replaced if it is there, with so many frames a simulated second of what an
+    /// Records it into this file, which must not be there yet, with so many frames a simulated second of what an
     /// observer sees; 0 for none.
     #[must_use]
     pub fn record(mut self, path: PathBuf, look_hz: f64) -> Self {
         let name = path.display().to_string();
-        self.new.record = Some(RecordConfig { name, path, replace: true, look_hz });
+        self.new.record = Some(RecordConfig { name, path, look_hz });
         self
     }
 

@@ -310,7 +310,8 @@ impl World {
         &self.state
     }
 
-    pub(crate) fn is_begun(&self) -> bool {
+    /// Whether it is within a tick: between [`begin`](Self::begin) and [`finish`](Self::finish).
+    pub fn is_begun(&self) -> bool {
         self.state.begun
     }
 

@@ -9,8 +9,8 @@ use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::intervene_request::Intervention;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_recording::{Replay, Tape};
-use baudbot_server::{Pace, Server, WorldConfig};
-use baudbot_tests::system::{client, drive, lockstep, operator, serve, status};
+use baudbot_server::{Pace, Server, WatchdogPolicy, WorldConfig};
+use baudbot_tests::system::{client, drive, lockstep, operator, serve, status, watched};
 use baudbot_tests::{WANDER, scenario};
 use tonic::Code;
 use tonic::transport::Channel;
@@ -232,6 +232,73 @@ async fn changes_by_hand_are_inputs_and_so_are_late_answers() {
     stop(&mut operator).await;
     assert_eq!(replayed(&folder.join("run.mcap")), (300, hash));
     server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_change_at_the_first_tick_and_one_that_is_sought_are_made_once() {
+    let folder = folder();
+    let server = with_folder(&folder, lockstep(), &["end.after_s=4.0"]).await;
+    let mut operator = operator(&server).await;
+    let world = || "w".to_owned();
+    operator.pause_world(v1::PauseWorldRequest { world: world() }).await.unwrap();
+    operator.start_recording(named("w")).await.unwrap();
+    let place = |x_m: f64| {
+        let placed = v1::PlaceRobot { robot: "robot".into(), x_m, y_m: 0.1, heading_rad: 0.5 };
+        v1::InterveneRequest { world: world(), intervention: Some(Intervention::PlaceRobot(placed)) }
+    };
+    operator.intervene(place(0.1)).await.unwrap();
+    let kind = v1::pace::Kind::Stepped(v1::Stepped::default());
+    let pace = v1::SetPaceRequest { world: world(), pace: Some(v1::Pace { kind: Some(kind) }) };
+    operator.set_pace(pace).await.unwrap();
+    operator.start_world(v1::StartWorldRequest { world: world() }).await.unwrap();
+    let step = |ticks| v1::StepWorldRequest { world: world(), ticks };
+    operator.step_world(step(100)).await.unwrap();
+    let changed = operator.intervene(place(0.2)).await.unwrap().into_inner().status.unwrap().tick;
+    operator.step_world(step(250)).await.unwrap();
+    stop(&mut operator).await;
+    let (last, _) = replayed(&folder.join("run.mcap"));
+    let open = v1::OpenRecordingRequest { recording: "run".into(), world: "again".into() };
+    operator.open_recording(open).await.unwrap();
+    for tick in
+        [changed + 128, changed + 200, changed + 130, changed, changed + 1, changed - 1, changed, 0, last]
+    {
+        let tick = tick.min(last);
+        let sought = v1::SeekReplayRequest { world: "again".into(), tick };
+        let status = operator.seek_replay(sought).await.unwrap().into_inner().status.unwrap();
+        assert_eq!((status.tick, status.replay.unwrap().differs.as_str()), (tick, ""));
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_brain_that_is_given_up_while_the_world_is_ahead_is_replayed() {
+    let folder = folder();
+    let slow = ["end.after_s=3.0", "robots.robot.brain.thinking_us=20000.0", "robots.robot.link.baud=2400"];
+    for (i, policy) in [WatchdogPolicy::GoOn, WatchdogPolicy::Detach].into_iter().enumerate() {
+        let server = with_folder(&folder, watched(40, policy), &slow).await;
+        let mut operator = operator(&server).await;
+        let recording = format!("given-up-{i}");
+        operator
+            .start_recording(v1::StartRecordingRequest { recording: recording.clone(), ..named("w") })
+            .await
+            .unwrap();
+        let client = client(&server).await;
+        // It answers for a while, and then no more.
+        let mut robot = client.attach("w", "robot").await.unwrap();
+        let mut brain = baudbot_brains::catalogue::brain("avoid", 1, robot.body()).unwrap();
+        let driven = baudbot_client::run(&mut robot, &mut brain);
+        let _ = tokio::time::timeout(std::time::Duration::from_millis(3), driven).await;
+        tokio::time::sleep(std::time::Duration::from_millis(150)).await;
+        drop(robot);
+        operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+        while status(&server).await.ending.is_empty() {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        let hash = status(&server).await.state_hash;
+        stop(&mut operator).await;
+        assert_eq!(replayed(&folder.join(format!("{recording}.mcap"))), (300, hash));
+        server.shutdown().await;
+    }
 }
 
 #[tokio::test]

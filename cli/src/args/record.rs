@@ -9,8 +9,9 @@ use super::{PaceName, WatchdogArgs, instant};
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordArgs {
-    /// Record the run into this file: `baudbot replay` does it again, and other programs can look at it
-    #[arg(long, value_name = "FILE.mcap")]
+    /// Record the run into this file, which must not be there yet: `baudbot replay` does it again, and other programs
+    /// can look at it
+    #[arg(long, value_name = "FILE.mcap", value_parser = file)]
     pub(crate) record: Option<PathBuf>,
     /// How often a simulated second what there is to see goes into it for other programs; the replay needs none of it
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate, requires = "record")]
@@ -46,6 +47,14 @@ pub(crate) struct ReplayArgs {
     /// No progress bar, no notes
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+fn file(text: &str) -> Result<PathBuf, String> {
+    if text == "-" {
+        Err("must be a file; stdout is none that can be read again".to_owned())
+    } else {
+        Ok(text.into())
+    }
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -24,6 +24,7 @@ fn scenarios() -> Vec<PathBuf> {
 
 /// Records a run and replays it; what the replay found.
 fn record_and_replay(scenario: &str, args: &[&str], file: &Path) -> Value {
+    let _ = fs::remove_file(file);
     let mut run = vec!["run", scenario, "--quiet", "--json", "--record", text(file)];
     run.extend(args);
     let (code, out, err) = baudbot(&run);
@@ -113,6 +114,11 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     refused(&["serve", "--resume", text(&other)], "is no MCAP file");
     refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is what is resumed");
     refused(&["run", "--csv", text(&file), "--record", text(&file)], "are the same file");
+    refused(&["run", "--record", text(&file)], "is there already, and no file is replaced");
+    refused(&["run", "--record", "-"], "stdout is none that can be read again");
+    refused(&["replay", text(&file), "--record", "/tmp/x.mcap"], "use it with --fork");
+    refused(&["replay", text(&file), "--listen", "127.0.0.1:0"], "need --view or --fork");
+    refused(&["replay", text(&file), "--fork", "--record", text(&file)], "is there already");
     refused(&["serve", "wander", "khepera", "--record", text(&file)], "--record: is one file");
     refused(&["serve", "--recordings", "/nowhere"], "there is no such folder");
     let (code, _, err) = baudbot(&["run", "--record", "/nowhere/run.mcap"]);
@@ -151,7 +157,7 @@ fn good_but_noted(args: &[&str]) -> String {
 
 #[test]
 fn a_file_that_is_cut_off_anywhere_is_read_as_far_as_it_goes_or_refused() {
-    let file = place("cut.mcap");
+    let file = place("parts.mcap");
     good(&[
         "run",
         "wander",
@@ -166,7 +172,7 @@ fn a_file_that_is_cut_off_anywhere_is_read_as_far_as_it_goes_or_refused() {
         text(&file),
     ]);
     let whole = fs::read(&file).unwrap();
-    let cut = place("cut-off.mcap");
+    let cut = place("parts-cut.mcap");
     let mut ticks = Vec::new();
     for part in 1..20 {
         fs::write(&cut, &whole[..whole.len() * part / 20]).unwrap();

@@ -56,7 +56,7 @@ impl Control {
         let folder = self.folder()?;
         self.registry.find("world", &world)?;
         let name = if recording.is_empty() { folder.free_name(&world) } else { recording };
-        let config = RecordConfig { path: folder.file(&name)?, name, replace: false, look_hz };
+        let config = RecordConfig { path: folder.file(&name)?, name, look_hz };
         self.status(&world, Order::Record(config)).await
     }
 
@@ -113,7 +113,7 @@ impl Control {
 /// A world from a state that SaveWorld gave, and the name that it had.
 pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
-    let tape = Tape::read(bytes).map_err(|error| invalid(error.to_string()))?;
+    let tape = Tape::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
     if tape.last_tick() != tape.first_tick() {
         let ticks = tape.last_tick() - tape.first_tick();
         return Err(invalid(format!(
@@ -131,6 +131,9 @@ fn open(tape: Result<Tape, baudbot_recording::RecordingError>) -> Result<(Replay
 
 /// Most frames a simulated second.
 const MAX_LOOK_HZ: f64 = 1000.0;
+
+/// Most memory that a state from the network may have before it is read.
+const MAX_STATE: usize = 256 << 20;
 
 /// Longest state that one message carries.
 const MAX_SAVED: usize = 16 << 20;

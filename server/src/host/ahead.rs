@@ -115,7 +115,11 @@ impl Host {
             return;
         }
         for turn in behind {
-            self.world.supply(turn.robot, None);
+            // As of a brain that is not asked: it wrote nothing, and took its time for that.
+            let done = self.done_at(turn);
+            if self.world.supply(turn.robot, Some((done, &[]))) {
+                self.record_late(turn.robot, done, Vec::new());
+            }
         }
         let now = Instant::now();
         self.pacing.waiting += now.saturating_duration_since(self.waiting_since);
@@ -139,9 +143,12 @@ impl Host {
         }
     }
 
-    /// Opens them though it is, since a brain does not answer. What is to be changed by hand waits on.
+    /// Opens them though it is, since a brain does not answer. What is to be changed by hand or written down waits on.
     pub(super) fn open_held_at_last(&mut self) {
-        let changes = |letter: &Letter| matches!(letter, Letter::Order(Order::Intervene(_), _));
+        let changes = |letter: &Letter| {
+            use Order::{Intervene, Record, Save, StopRecording};
+            matches!(letter, Letter::Order(Intervene(_) | Record(_) | Save { .. } | StopRecording(_), _))
+        };
         let (changes, others): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.held).into_iter().partition(changes);
         self.held.extend(changes);

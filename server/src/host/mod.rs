@@ -83,6 +83,8 @@ pub(crate) struct Host {
     /// The run is over, and nobody has been told, as brains have yet to answer.
     ending: bool,
     recorder: Option<Recorder>,
+    /// A letter that a visitor left to the world's own thread, since what it asks for takes long.
+    heavy: Option<Letter>,
     /// Of each robot, the tick in which its brain last was left behind.
     behind_since: Vec<u64>,
     /// Of a world that does a recording again.
@@ -127,6 +129,7 @@ impl Host {
         let senders = senders(&world);
         Self {
             recorder: None,
+            heavy: None,
             behind_since: vec![0; senders.len()],
             replaying: replay.map(Replaying::new),
             sessions: Sessions::new(senders.len()),

@@ -201,6 +201,9 @@ impl Host {
             self.sessions.void_turns();
         }
         self.pace = pace;
+        if let Some(recorder) = &mut self.recorder {
+            recorder.set_pace(pace);
+        }
         self.clock = None;
         self.credits = 0;
         self.answer_steppers();

@@ -27,17 +27,14 @@ impl Host {
     pub(super) fn stop_recording(&mut self, told: oneshot::Sender<RecordingReport>) -> Result<(), Status> {
         let none = || Status::failed_precondition(format!("world: `{}` is not being recorded", self.name));
         let recorder = self.recorder.take().ok_or_else(none)?;
-        recorder.stop(&self.world, Some(told));
+        recorder.stop(&self.world, !self.sessions.is_behind(), Some(told));
         Ok(())
     }
 
     /// The world is over, and waits until its file is.
     pub(super) fn end_recording(&mut self) {
         let Some(recorder) = self.recorder.take() else { return };
-        // What a world is ahead of its brains with is not certain, and is left out.
-        if !self.sessions.is_behind() {
-            recorder.stop(&self.world, None);
-        }
+        recorder.stop(&self.world, !self.sessions.is_behind(), None);
     }
 
     /// The tick has begun.
@@ -98,7 +95,7 @@ impl Host {
     pub(super) fn record_anew(&mut self, old: &World) {
         let view =
             View { name: &self.name, world: &self.world, sessions: &self.sessions, beliefs: &self.beliefs };
-        let recorder = self.recorder.take();
+        let (recorder, old) = (self.recorder.take(), (old, !self.sessions.is_behind()));
         self.recorder = recorder.and_then(|recorder| recorder.begin_anew(old, &self.name, self.pace, view));
     }
 }

@@ -189,7 +189,11 @@ impl Host {
 
     /// From here on the world is live. It stands within its tick, which its brains get as soon as they are there.
     pub(super) fn fork(&mut self, pace: Pace) {
-        self.replaying = None;
+        let seek = self.replaying.take().and_then(|replaying| replaying.seek);
+        if let Some(Seek { reply, .. }) = seek {
+            self.observers.begin_anew(&self.world);
+            drop(reply.send(Ok(self.report(0))));
+        }
         self.paused = true;
         self.clock = None;
         self.begun = false;

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use tonic::Status;
 
 use super::{Host, Next};
-use crate::letter::{Activity, Letter};
+use crate::letter::{Activity, Letter, Order};
+use crate::recording::Recorder;
 
 /// What is to be done about a world after a visit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,12 @@ pub(crate) enum Then {
 impl Host {
     /// The world's thread does one thing.
     pub(crate) fn work(&mut self, letters: impl FnMut() -> Option<Letter>) -> Then {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.wait_for_disk();
+        }
+        if let Some(letter) = self.heavy.take() {
+            self.open(letter);
+        }
         self.open_all(letters);
         if self.deleted {
             self.end_recording();
@@ -49,7 +56,20 @@ impl Host {
     pub(crate) fn visit(&mut self, mut letters: impl FnMut() -> Option<Letter>) -> Then {
         let mut begun = None;
         loop {
-            self.open_all(&mut letters);
+            if self.heavy.is_some() {
+                return Then::Thread;
+            }
+            // Nobody else on the network waits for a disk, or for a long state to be read.
+            for _ in 0..MAX_LETTERS_AT_ONCE {
+                match letters() {
+                    Some(letter) if self.is_heavy(&letter) => {
+                        self.heavy = Some(letter);
+                        return Then::Thread;
+                    }
+                    Some(letter) => self.open(letter),
+                    None => break,
+                }
+            }
             let now = Instant::now();
             let patient = now - *begun.get_or_insert(now) < VISIT;
             if self.deleted {
@@ -87,7 +107,20 @@ impl Host {
     fn is_quick(&self) -> bool {
         let waits = self.pace.watchdog().is_some();
         let limit = QUICK / self.neighbours.load(Ordering::Relaxed).max(1);
-        waits && self.on_tick.is_none() && self.tick_takes.is_some_and(|takes| takes < limit)
+        waits
+            && self.on_tick.is_none()
+            && !self.recorder.as_ref().is_some_and(Recorder::is_stuck)
+            && self.tick_takes.is_some_and(|takes| takes < limit)
+    }
+
+    /// Whether to do what is asked may take long.
+    fn is_heavy(&self, letter: &Letter) -> bool {
+        let Letter::Order(order, _) = letter else { return false };
+        match order {
+            Order::Record(_) | Order::StopRecording(_) | Order::Seek { .. } => true,
+            Order::Reset | Order::Restore { .. } | Order::Delete => self.recorder.is_some(),
+            _ => false,
+        }
     }
 
     /// Opens letters, but not so many that a flood of them would hold up the clock.

@@ -32,6 +32,8 @@ impl Folder {
 
     /// A name for a new recording of this world.
     pub(crate) fn free_name(&self, world: &str) -> String {
+        // With room for a number, and another one after a reset.
+        let world: String = world.chars().take(48).collect();
         let mut names = (1..).map(|i| format!("{world}-{i}"));
         let is_free = |name: &String| !self.0.join(format!("{name}.mcap")).exists();
         names.find(is_free).expect("numbers do not end")

@@ -15,10 +15,11 @@ use baudbot_proto::v1;
 use baudbot_recording::{Digests, RecordingFile, checksum, header, saved};
 use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
-use tonic::Status;
+use tonic::{Code, Status};
 
 use crate::convert;
 use crate::letter::{Frame, RecordingReport};
+use crate::log::event;
 use crate::observers::{Eye, View};
 use crate::pace::Pace;
 pub(crate) use folder::Folder;
@@ -29,9 +30,8 @@ use scribe::{Scribe, Sent};
 pub(crate) struct RecordConfig {
     /// What people call it.
     pub(crate) name: String,
+    /// Where there is no file yet.
     pub(crate) path: PathBuf,
-    /// Whether a file that is there may be replaced.
-    pub(crate) replace: bool,
     /// Frames a simulated second of what an observer sees; 0 for none.
     pub(crate) look_hz: f64,
 }
@@ -61,7 +61,13 @@ pub(crate) struct Recorder {
     /// How often the world has begun anew since it was asked for.
     life: u32,
     scribe: Scribe,
+    /// The world follows a clock, and does not wait for the disk.
+    is_hurried: bool,
+    /// Nothing is recorded any more, as something went wrong.
+    is_over: bool,
     bundle: Vec<Entry>,
+    /// What the scribe had no room for.
+    backlog: Vec<Vec<Entry>>,
     digests: Digests,
     first_tick: u64,
     ticks: u64,
@@ -91,17 +97,13 @@ impl Recorder {
         pace: Pace,
         View { world, .. }: View<'_>,
     ) -> Result<Self, Status> {
-        let file = if config.replace {
-            RecordingFile::create(&config.path)
-        } else {
-            RecordingFile::create_new(&config.path)
-        };
+        let file = RecordingFile::create(&config.path);
         let file = file.map_err(|error| cannot_write(&config.path, &error))?;
         let scenario = world.scenario();
         let header = header(name, world.origin(), Some(convert::pace_to(pace)));
         let described = || (world.time().as_ns(), convert::world_description(scenario));
         let described = (config.look_hz > 0.0).then(described);
-        let scribe = Scribe::start(file, header, described, matches!(pace, Pace::Timed { .. }))?;
+        let scribe = Scribe::start(file, header, described)?;
         let every = (config.look_hz > 0.0).then(|| {
             let ticks = 1e9 / config.look_hz / scenario.step_ns() as f64;
             (Eye::of_all(world), ticks.round().max(1.0) as u64)
@@ -110,6 +112,9 @@ impl Recorder {
             config,
             life,
             scribe,
+            is_hurried: is_hurried(pace),
+            is_over: false,
+            backlog: Vec::new(),
             bundle: vec![Entry::State(saved::state(world))],
             digests: Digests::default(),
             first_tick: world.tick(),
@@ -131,7 +136,12 @@ impl Recorder {
 
     /// Whether it wants to see the world in the tick that comes, which must not be ahead of its brains then.
     pub(crate) fn looks(&self) -> bool {
-        self.eye.is_some() || self.is_mark_due()
+        !self.is_over && (self.eye.is_some() || self.is_mark_due())
+    }
+
+    /// The world has another pace.
+    pub(crate) fn set_pace(&mut self, pace: Pace) {
+        self.is_hurried = is_hurried(pace);
     }
 
     /// A mark takes at most a hundredth of the time, if a second is enough for that.
@@ -142,6 +152,9 @@ impl Recorder {
 
     /// A tick has begun. `is_sure`: no brain has yet to answer an earlier one.
     pub(crate) fn begun(&mut self, view: View<'_>, is_sure: bool) {
+        if self.is_over {
+            return;
+        }
         let world = view.world;
         self.ticks = world.tick().saturating_sub(self.first_tick);
         self.digests.note(world);
@@ -185,6 +198,9 @@ impl Recorder {
         (tick, start): (u64, SimTime),
         inputs: impl Iterator<Item = (usize, SimTime, Vec<u8>, Option<u64>)>,
     ) {
+        if self.is_over {
+            return;
+        }
         let inputs: Vec<_> = inputs.map(|input| recorded(start, input)).collect();
         if !inputs.is_empty() {
             self.bundle.push(Entry::Inputs(v1::RecordedInputs { tick, changes: Vec::new(), inputs }));
@@ -205,28 +221,68 @@ impl Recorder {
 
     fn send(&mut self) {
         let bundle = std::mem::replace(&mut self.bundle, Vec::with_capacity(BUNDLE));
-        if self.scribe.send(bundle) == Sent::TooSlow {
+        if self.is_over {
+            return;
+        }
+        if !self.backlog.is_empty() {
+            self.backlog.push(bundle);
+        } else if let Sent::Full(bundle) = self.scribe.send(bundle) {
+            self.backlog.push(bundle);
+        }
+        if self.is_hurried && self.is_stuck() {
+            self.backlog.clear();
             self.scribe.fail("the disk is slower than the world, which follows the clock");
         }
+        self.is_over = self.scribe.progress().1.is_some();
     }
 
-    /// Ends it as the world stands, between two ticks or within one, and not ahead of its brains; `reply` learns how the
-    /// file is when it is closed.
-    pub(crate) fn stop(mut self, world: &World, reply: Option<oneshot::Sender<RecordingReport>>) {
-        self.ticks = world.tick().saturating_sub(self.first_tick);
-        self.close_bundle(world);
+    /// Whether something waits for the disk. Then the world does, if it does not follow a clock.
+    pub(crate) fn is_stuck(&self) -> bool {
+        !self.backlog.is_empty()
+    }
+
+    /// Waits for the disk; on the world's own thread.
+    pub(crate) fn wait_for_disk(&mut self) {
+        self.backlog.drain(..).for_each(|bundle| self.scribe.send_at_last(bundle));
+    }
+
+    /// Ends it as the world stands, between two ticks or within one; `reply` learns how the file is when it is closed.
+    /// `is_sure`: no brain has yet to answer. Otherwise the file ends with the last mark.
+    pub(crate) fn stop(
+        mut self,
+        world: &World,
+        is_sure: bool,
+        reply: Option<oneshot::Sender<RecordingReport>>,
+    ) {
+        if !self.is_over && is_sure {
+            self.ticks = world.tick().saturating_sub(self.first_tick);
+            self.close_bundle(world);
+        }
+        self.wait_for_disk();
         let report = self.report();
         self.scribe.close(report, reply);
     }
 
-    /// The world goes on from another state: this recording is over, and the next begins.
-    pub(crate) fn begin_anew(self, old: &World, name: &str, pace: Pace, view: View<'_>) -> Option<Self> {
-        let (first, life) = (self.config.clone(), self.life + 1);
-        self.stop(old, None);
-        let next = Self::begin(first.next(life), life, name, pace, view);
+    /// The world goes on from another state: this recording is over, and the next begins, in the next file that is not
+    /// there yet.
+    pub(crate) fn begin_anew(
+        self,
+        (old, is_sure): (&World, bool),
+        name: &str,
+        pace: Pace,
+        view: View<'_>,
+    ) -> Option<Self> {
+        let (first, mut life) = (self.config.clone(), self.life + 1);
+        self.stop(old, is_sure, None);
+        let next = loop {
+            match Self::begin(first.next(life), life, name, pace, view) {
+                Err(status) if status.code() == Code::AlreadyExists && life < MAX_LIVES => life += 1,
+                next => break next,
+            }
+        };
         // The number is counted from the first name.
         let next = next.map(|next| Self { config: first, ..next });
-        next.map_err(|status| tracing::error!(world = name, error = status.message(), "the recording ends"))
+        next.map_err(|status| event!(view, error, problem = status.message(), "recording ended by a reset"))
             .ok()
     }
 
@@ -236,6 +292,10 @@ impl Recorder {
         let (bytes, problem) = self.scribe.progress();
         RecordingReport { name, bytes, ticks: self.ticks, problem }
     }
+}
+
+fn is_hurried(pace: Pace) -> bool {
+    matches!(pace, Pace::Timed { .. })
 }
 
 fn recorded(
@@ -261,7 +321,12 @@ fn words(intervention: &Intervention) -> String {
 pub(crate) fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
     let text = format!("recording: cannot write {}: {error}", path.display());
     match error.kind() {
-        std::io::ErrorKind::AlreadyExists => Status::already_exists(text),
+        std::io::ErrorKind::AlreadyExists => {
+            let path = path.display();
+            Status::already_exists(format!(
+                "recording: {path} is there already, and no file is replaced; name another, or delete it"
+            ))
+        }
         _ => Status::failed_precondition(text),
     }
 }
@@ -278,6 +343,9 @@ const MARK_AT_LAST: Duration = Duration::from_millis(800);
 
 /// From state to state, who replays simulates so many ticks.
 const STATE_EVERY_TICKS: u64 = 6000;
+
+/// Files of one recording.
+const MAX_LIVES: u32 = 100_000;
 
 /// Entries that go to the scribe at once.
 const BUNDLE: usize = 512;

@@ -19,8 +19,6 @@ pub(super) struct Scribe {
     work: Option<SyncSender<Work>>,
     thread: Option<JoinHandle<()>>,
     progress: Arc<Progress>,
-    /// Whether the world must not wait.
-    hurried: bool,
 }
 
 enum Work {
@@ -37,21 +35,19 @@ struct Progress {
 }
 
 /// Whether a bundle was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sent {
     /// Or nothing is written any more.
     Taken,
-    /// Too much waits to be written.
-    TooSlow,
+    /// Too much waits to be written; here it is.
+    Full(Vec<Entry>),
 }
 
 impl Scribe {
-    /// `described`: what the world is and since when, if it is looked at. `hurried`: the world follows a clock, and does not wait for the disk.
+    /// `described`: what the world is and since when, if it is looked at.
     pub(super) fn start(
         file: RecordingFile,
         header: v1::RecordingHeader,
         described: Option<(u64, v1::DescribeWorldResponse)>,
-        hurried: bool,
     ) -> Result<Self, Status> {
         let (work, to_do) = sync_channel(BUNDLES);
         let progress = Arc::new(Progress::default());
@@ -60,19 +56,23 @@ impl Scribe {
         let thread = thread.spawn(move || write_all(file, &header, described.as_ref(), &to_do, &own));
         let thread = thread
             .map_err(|error| Status::resource_exhausted(format!("no thread for a recording: {error}")))?;
-        Ok(Self { work: Some(work), thread: Some(thread), progress, hurried })
+        Ok(Self { work: Some(work), thread: Some(thread), progress })
     }
 
+    /// Never waits.
     pub(super) fn send(&self, bundle: Vec<Entry>) -> Sent {
         let Some(work) = &self.work else { return Sent::Taken };
-        if !self.hurried {
+        match work.try_send(Work::Bundle(bundle)) {
+            Err(TrySendError::Full(Work::Bundle(bundle))) => Sent::Full(bundle),
+            Ok(()) | Err(_) => Sent::Taken,
+        }
+    }
+
+    /// Waits until there is room.
+    pub(super) fn send_at_last(&self, bundle: Vec<Entry>) {
+        if let Some(work) = &self.work {
             // The thread takes all until it is dropped.
             let _ = work.send(Work::Bundle(bundle));
-            return Sent::Taken;
-        }
-        match work.try_send(Work::Bundle(bundle)) {
-            Err(TrySendError::Full(_)) => Sent::TooSlow,
-            Ok(()) | Err(TrySendError::Disconnected(_)) => Sent::Taken,
         }
     }
 
@@ -120,10 +120,6 @@ impl Progress {
         let problem = self.problem.lock().unwrap_or_else(PoisonError::into_inner).clone();
         (self.bytes.load(Ordering::Relaxed), problem)
     }
-
-    fn has_failed(&self) -> bool {
-        self.problem.lock().unwrap_or_else(PoisonError::into_inner).is_some()
-    }
 }
 
 /// The life of the thread. After an error it takes what comes, and throws it away.
@@ -137,12 +133,14 @@ fn write_all(
     let length = file.length();
     let mut writer = begin(file, header, described).map_err(|error| progress.fail(error.to_string())).ok();
     let mut waiting = None;
+    let mut is_whole = writer.is_some();
     while let Ok(work) = work.recv() {
         match work {
             Work::Bundle(bundle) => {
-                if let Some(open) = writer.as_mut().filter(|_| !progress.has_failed())
+                if let Some(open) = writer.as_mut().filter(|_| is_whole)
                     && let Err(error) = bundle.into_iter().try_for_each(|entry| write(open, entry))
                 {
+                    is_whole = false;
                     progress.fail(error.to_string());
                 }
                 progress.bytes.store(length.load(Ordering::Relaxed), Ordering::Relaxed);
@@ -154,7 +152,7 @@ fn write_all(
         }
     }
     if let Some(open) = writer.take() {
-        if progress.has_failed() {
+        if !is_whole {
             // It ends where it is whole.
             open.abandon();
         } else if let Err(error) = open.finish() {

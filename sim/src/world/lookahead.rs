@@ -74,9 +74,9 @@ impl World {
     }
 
     /// The answer to a step that was left open: what the brain wrote, and when it was done; `None` if it left its robot
-    /// out. Does nothing if no step of this robot is open.
-    pub fn supply(&mut self, robot: usize, written: Option<(SimTime, &[u8])>) {
-        let Some(place) = self.ahead.0.iter().position(|turn| turn.robot == robot) else { return };
+    /// out. Does nothing and is `false` if no step of this robot is open.
+    pub fn supply(&mut self, robot: usize, written: Option<(SimTime, &[u8])>) -> bool {
+        let Some(place) = self.ahead.0.iter().position(|turn| turn.robot == robot) else { return false };
         let turn = self.ahead.0.remove(place);
         let (spec, state) = (&self.scenario.robots()[robot], &mut self.state.robots[robot]);
         if let Some((done, bytes)) = written {
@@ -85,5 +85,6 @@ impl World {
             state.write(spec, done, bytes);
         }
         state.step_over(spec, turn.at);
+        true
     }
 }
