@@ -85,6 +85,7 @@ fn check_folder(folder: &Path) -> anyhow::Result<()> {
 /// When there is a page if nobody says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Viewing {
+    /// It is what the server is for: others reach it only if they are told where.
     Always,
     /// Who keeps a server to a socket's file wants nobody else to reach it.
     IfOpen,
@@ -121,7 +122,7 @@ impl<'a> Serving<'a> {
     /// Serves until somebody stops it.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
         let Self { mut builder, listen, worlds } = self;
-        let listening = addresses(listen)?;
+        let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
         }
@@ -141,8 +142,8 @@ impl<'a> Serving<'a> {
     }
 }
 
-fn addresses(args: &ListenArgs) -> anyhow::Result<Vec<Address>> {
-    if args.listen.is_empty() {
+fn addresses(args: &ListenArgs, viewing: Viewing) -> anyhow::Result<Vec<Address>> {
+    if args.listen.is_empty() && viewing == Viewing::IfOpen {
         return Ok(vec![DEFAULT_ADDRESS.parse()?]);
     }
     Ok(args.listen.clone())
