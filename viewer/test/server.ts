@@ -104,7 +104,8 @@ test("a world is paused and stepped", { timeout: 60_000 }, async () => {
   const page = await open(WANDER);
   await page.getByTestId("pause").click();
   await page.waitForFunction(() => document.title.includes("paused"));
-  await page.waitForTimeout(500);
+  // The world may stand between two frames; the page asks for the last tick when it sees after a second that it stands.
+  await page.waitForTimeout(2500);
   const tick = await page.evaluate(() => window.baudbotViewer.tick);
   await page.waitForTimeout(300);
   assert.equal(await page.evaluate(() => window.baudbotViewer.tick), tick, "it stands");
