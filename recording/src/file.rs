@@ -27,9 +27,7 @@ impl RecordingFile {
     pub fn length(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.bytes)
     }
-}
 
-impl RecordingFile {
     /// Nothing is written any more.
     pub(crate) fn close(&mut self) {
         self.failed = true;

@@ -120,11 +120,9 @@ impl Tape {
         self.states.sort_by_key(|(tick, _)| *tick);
         self.marks.sort_by_key(|mark| mark.tick);
         // Of two marks that begin at one tick the later knows more: a change by hand may have come between.
-        let marks = &self.marks;
-        let is_known = |i: usize| marks.get(i + 1).is_some_and(|next| next.first_tick <= marks[i].first_tick);
-        let known: Vec<_> = (0..marks.len()).map(is_known).collect();
-        let mut known = known.into_iter();
-        self.marks.retain(|_| known.next() == Some(false));
+        self.marks.reverse();
+        self.marks.dedup_by(|earlier, later| later.first_tick <= earlier.first_tick);
+        self.marks.reverse();
         Ok(self)
     }
 

@@ -6,6 +6,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Page } from "playwright-core";
 import { beforeTheMock } from "./browser_kit";
+import { settled } from "./settled";
 
 const { options, shots, open } = beforeTheMock();
 
@@ -42,8 +43,7 @@ test("a world is paused, stepped and run", options, async () => {
   const page = await open("#world=arena&robot=carol");
   await page.getByTestId("pause").click();
   await page.waitForFunction(() => document.title.includes("paused"));
-  await page.waitForTimeout(1500);
-  const before = await state(page);
+  const before = { tick: await settled(async () => (await state(page)).tick) };
   await page.getByTestId("step-10").click();
   await page.waitForFunction((tick) => window.baudbotViewer.tick === tick + 10, before.tick);
   await page.keyboard.press(".");
@@ -76,17 +76,14 @@ test("a robot is driven, and stands when it is let go", options, async () => {
   await page.getByTestId("drive").click();
   await page.getByTestId("arena-canvas").focus();
   await page.keyboard.down("w");
-  await page.waitForTimeout(700);
-  const to = (await state(page)).pose;
-  assert.ok(from && to && Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m) > 0.05, "it has moved");
+  await page.waitForFunction((from) => {
+    const to = window.baudbotViewer.pose;
+    return from && to && Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m) > 0.05;
+  }, from);
   await page.keyboard.up("w");
   await page.keyboard.press("Escape");
   await page.waitForFunction(() => document.querySelector<HTMLElement>("[data-testid=pad]")?.hidden);
-  // Frames that were on their way still show it roll.
-  await page.waitForTimeout(500);
-  const rest = (await state(page)).pose;
-  await page.waitForTimeout(500);
-  assert.deepEqual((await state(page)).pose, rest);
+  await settled(async () => (await state(page)).pose, 500);
   await page.close();
 });
 

@@ -209,6 +209,9 @@ impl Recorder {
 
     /// A change by hand before this tick.
     pub(crate) fn change(&mut self, tick: u64, intervention: &Intervention) {
+        if self.is_over {
+            return;
+        }
         let changes = vec![baudbot_recording::change(intervention)];
         self.event(tick, v1::ReplayEventKind::Change, words(intervention));
         self.bundle.push(Entry::Inputs(v1::RecordedInputs { tick, changes, inputs: Vec::new() }));
@@ -216,6 +219,9 @@ impl Recorder {
 
     /// Something happened.
     pub(crate) fn event(&mut self, tick: u64, kind: v1::ReplayEventKind, text: String) {
+        if self.is_over {
+            return;
+        }
         self.bundle.push(Entry::Event(v1::RecordedEvent { tick, kind: kind.into(), text }));
     }
 
