@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use baudbot_server::{Lockstep, Pace, Watchdog, WatchdogPolicy};
+use baudbot_server::{Address, Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::bench::BenchArgs;
@@ -277,6 +277,14 @@ pub(crate) struct WatchArgs {
     /// Print one frame and stop
     #[arg(long)]
     pub(crate) once: bool,
+    /// Show it in Foxglove, which connects to ws://IP:PORT, instead of here
+    ///
+    /// Needs a program that was built with `--features foxglove`. docs/foxglove.md has a layout.
+    #[arg(
+        long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765",
+        conflicts_with = "once"
+    )]
+    pub(crate) foxglove: Option<Address>,
 }
 
 /// Changes of a scenario.

@@ -8,7 +8,8 @@
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    `text` lays out columns, and `viewer` leads to a page.
+//!    `text` lays out columns, `viewer` leads to a page, and
+//!    `foxglove` lets another program look.
 //! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
@@ -26,6 +27,7 @@ mod diagram;
 mod drawing;
 mod error;
 mod export;
+mod foxglove;
 mod link;
 mod logs;
 mod map;

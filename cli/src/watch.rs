@@ -14,10 +14,16 @@ use crate::error::from_server;
 use crate::map::Map;
 use crate::signals::Stop;
 use crate::text::{NOTHING, table};
-use crate::{connect, text};
+use crate::{connect, foxglove, text};
 
 pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    if let Some(at) = &args.foxglove {
+        return tokio::select! {
+            gone = foxglove::pass_on(&args.server, at) => gone,
+            () = stop.wait() => Ok(()),
+        };
+    }
     let in_place = std::io::stdout().is_terminal() && !args.once;
     let shown = tokio::select! {
         shown = show(args, in_place) => shown,

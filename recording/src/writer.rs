@@ -40,7 +40,6 @@ struct Channels {
 
 /// What other programs look at.
 struct Shown {
-    frames: u16,
     looks: Looks,
     channels: BTreeMap<Arc<str>, u16>,
 }
@@ -115,11 +114,10 @@ impl<W: Write + Seek> Writer<W> {
     /// If it cannot be written.
     pub fn world(&mut self, time_ns: u64, world: &v1::DescribeWorldResponse) -> Result<()> {
         let own = channel(&mut self.mcap, topic::WORLD, "DescribeWorldResponse")?;
-        let frames = channel(&mut self.mcap, topic::FRAMES, "WatchResponse")?;
         self.write(own, time_ns, world)?;
         let looks = Looks::new(world);
         let opening = looks.opening(time_ns);
-        self.shown = Some(Shown { frames, looks, channels: BTreeMap::new() });
+        self.shown = Some(Shown { looks, channels: BTreeMap::new() });
         self.look(opening)
     }
 
@@ -129,9 +127,8 @@ impl<W: Write + Seek> Writer<W> {
     /// If it cannot be written.
     pub fn frame(&mut self, frame: &v1::WatchResponse) -> Result<()> {
         let Some(shown) = &mut self.shown else { return Ok(()) };
-        let (own, looks) = (shown.frames, shown.looks.frame(frame));
-        self.write(own, frame.time_ns, frame)?;
-        self.look(looks)
+        let looks = shown.looks.frame(frame);
+        self.look([Look::of_frame(frame)].into_iter().chain(looks))
     }
 
     fn look(&mut self, looks: impl IntoIterator<Item = Look>) -> Result<()> {

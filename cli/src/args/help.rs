@@ -89,7 +89,8 @@ A scenario uses one as `preset = \"khepera-1\"`: a robot's in [[robots]], others
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:
   baudbot watch                                  the only world at 127.0.0.1:7400
-  baudbot watch --world wander --once";
+  baudbot watch --world wander --once
+  baudbot watch --foxglove                       Foxglove then opens ws://127.0.0.1:8765";
 
 pub(super) const BENCH_EXAMPLES: &str = "\
 Examples:

@@ -5,6 +5,7 @@ mod budget;
 mod devices;
 mod diagrams;
 mod export;
+mod foxglove;
 mod logs;
 #[cfg(feature = "otel")]
 mod otel;

@@ -2,8 +2,12 @@
 
 use std::sync::{Arc, LazyLock};
 
+use baudbot_proto::v1;
 use foxglove::messages::{FrameTransforms, Grid, LaserScan, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use prost::Message;
+
+use crate::{schema, topic};
 
 /// One message for an MCAP file, or for whoever shows it.
 #[derive(Clone, Debug)]
@@ -28,6 +32,17 @@ pub(super) trait Shown: Encode {
 }
 
 impl Look {
+    /// A frame itself, as it is recorded: what Foxglove's plots and tables take their values from.
+    pub fn of_frame(frame: &v1::WatchResponse) -> Self {
+        static TOPIC: LazyLock<Arc<str>> = LazyLock::new(|| topic::FRAMES.into());
+        static SCHEMA: LazyLock<LookSchema> = LazyLock::new(|| {
+            let name = format!("{}.WatchResponse", schema::PACKAGE);
+            Schema::new(name, "protobuf", schema::of("WatchResponse"))
+        });
+        let (topic, data) = (Arc::clone(&TOPIC), frame.encode_to_vec());
+        Self { topic, schema: &SCHEMA, time_ns: frame.time_ns, data }
+    }
+
     pub(super) fn new<M: Shown>(topic: &Arc<str>, time_ns: u64, message: &M) -> Self {
         let mut data = Vec::with_capacity(message.encoded_len().unwrap_or(0));
         message.encode(&mut data).expect("a vector has room for any message");

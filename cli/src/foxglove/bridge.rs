@@ -1,0 +1,142 @@
+//! From an observer's frames to whoever has connected, by Foxglove's protocol.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use anyhow::{Context, bail};
+use baudbot_proto::v1;
+use baudbot_recording::foxglove::{Look, Looks};
+use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
+use foxglove::{PartialMetadata, RawChannel, SinkId, WebSocketServerHandle};
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
+
+use crate::args::ConnectArgs;
+use crate::error::from_server;
+use crate::{connect, text};
+
+/// Passes a world on until the server is gone.
+pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Result<()> {
+    let channel = connect::channel(&server.connect).await?;
+    let v1::WorldStatus { world, time_ns, .. } = connect::world(channel.clone(), server).await?;
+    let mut observe = connect::observe(channel);
+    let described = observe.describe_world(v1::DescribeWorldRequest { world: world.clone() }).await;
+    let described = described.map_err(|status| from_server(&status))?.into_inner();
+    let details = described.robots.iter().take(DETAILS).map(|robot| robot.robot.clone()).collect();
+    let request = v1::WatchRequest { world: world.clone(), details, ..Default::default() };
+    let frames = observe.watch(request).await;
+    let mut frames = frames.map_err(|status| from_server(&status))?.into_inner();
+
+    let (subscribed, mut subscriptions) = unbounded_channel();
+    let mut show = Show::start(&world, &described, at, Subscribed(subscribed)).await?;
+    show.open(time_ns);
+    loop {
+        tokio::select! {
+            frame = frames.message() => match frame.map_err(|status| from_server(&status))? {
+                Some(frame) => show.frame(&frame),
+                None => bail!("the server closed the connection"),
+            },
+            Some((who, topic)) = subscriptions.recv() => show.again(who, &topic),
+        }
+    }
+}
+
+/// What those who have connected are shown.
+struct Show {
+    context: Arc<foxglove::Context>,
+    server: WebSocketServerHandle,
+    looks: Looks,
+    channels: BTreeMap<Arc<str>, Arc<RawChannel>>,
+    /// Of each topic, for those who come late.
+    last: BTreeMap<Arc<str>, Look>,
+    time_ns: u64,
+    has_ended: bool,
+}
+
+impl Show {
+    async fn start(
+        world: &str,
+        described: &v1::DescribeWorldResponse,
+        at: SocketAddr,
+        subscribed: Subscribed,
+    ) -> anyhow::Result<Self> {
+        let context = foxglove::Context::new();
+        let server = context.websocket_server().name(format!("baudbot: {world}"));
+        let server = server.capabilities([Capability::Time]).listener(Arc::new(subscribed));
+        let server = server.bind(at.ip().to_string(), at.port()).start().await;
+        let server = server.with_context(|| format!("--foxglove={at}: cannot listen there"))?;
+        let at = SocketAddr::new(at.ip(), server.port());
+        text::print(&format!("world {world} for Foxglove: ws://{at}\nin a browser: {}\n", server.app_url()))?;
+        let looks = Looks::new(described);
+        let (channels, last) = (BTreeMap::new(), BTreeMap::new());
+        Ok(Self { context, server, looks, channels, last, time_ns: 0, has_ended: false })
+    }
+
+    /// What stands still, and what robots look like.
+    fn open(&mut self, time_ns: u64) {
+        self.looks.opening(time_ns).into_iter().for_each(|look| self.log(look));
+    }
+
+    fn frame(&mut self, frame: &v1::WatchResponse) {
+        if frame.time_ns < self.time_ns {
+            // A reset: what was shown of the time that is to come is wrong.
+            self.last.clear();
+            self.has_ended = false;
+            self.server.clear_session(None);
+            self.open(frame.time_ns);
+        }
+        self.time_ns = frame.time_ns;
+        self.server.broadcast_time(frame.time_ns);
+        self.log(Look::of_frame(frame));
+        let looks = self.looks.frame(frame);
+        looks.into_iter().for_each(|look| self.log(look));
+        for (kind, text) in self.events(frame) {
+            let look = self.looks.event(frame.time_ns, kind, &text);
+            self.log(look);
+        }
+    }
+
+    fn events(&mut self, frame: &v1::WatchResponse) -> Vec<(v1::ReplayEventKind, String)> {
+        let hits = frame.collisions.iter();
+        let hits =
+            hits.map(|hit| (v1::ReplayEventKind::Collision, format!("{} ran into {}", hit.robot, hit.with)));
+        let mut events: Vec<_> = hits.collect();
+        let has_ended = !frame.ending.is_empty();
+        if has_ended && !std::mem::replace(&mut self.has_ended, has_ended) {
+            events.push((v1::ReplayEventKind::Ending, frame.ending.clone()));
+        }
+        events
+    }
+
+    fn log(&mut self, look: Look) {
+        let channel = self.channels.entry(Arc::clone(&look.topic)).or_insert_with(|| {
+            let channel = self.context.channel_builder(&*look.topic).schema(look.schema.clone());
+            let channel = channel.message_encoding(&look.schema.encoding).build_raw();
+            channel.expect("a channel with a schema and an encoding")
+        });
+        channel.log_with_meta(&look.data, PartialMetadata::with_log_time(look.time_ns));
+        self.last.insert(Arc::clone(&look.topic), look);
+    }
+
+    /// The last word of a topic, for one who has just subscribed to it: what is said once would otherwise be missed, and
+    /// a world that stands says nothing.
+    fn again(&self, who: Option<SinkId>, topic: &str) {
+        if let (Some(channel), Some(look)) = (self.channels.get(topic), self.last.get(topic)) {
+            let time = PartialMetadata::with_log_time(look.time_ns);
+            channel.log_with_meta_to_sink(&look.data, time, who);
+        }
+    }
+}
+
+/// Tells who has subscribed to which topic.
+struct Subscribed(UnboundedSender<(Option<SinkId>, String)>);
+
+impl ServerListener for Subscribed {
+    fn on_subscribe(&self, client: Client, channel: ChannelView) {
+        // Nobody is shown anything any more when nobody receives this.
+        let _ = self.0.send((client.sink_id(), channel.topic().to_owned()));
+    }
+}
+
+/// As many robots as a server tells details of.
+const DETAILS: usize = 64;
