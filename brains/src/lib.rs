@@ -24,14 +24,25 @@
 //! ```
 
 pub mod avoid;
+pub mod behavior;
 pub mod catalogue;
+pub mod cognition;
+pub mod composed;
 pub mod constant;
+pub mod decision;
+pub mod description;
 pub mod navigate;
+pub mod potential;
+pub mod process;
 pub mod program;
+pub mod registry;
+pub mod senses;
 pub mod wander;
 
 mod chance;
+mod courier;
 mod parameter;
+mod standard;
 #[cfg(test)]
 mod test_body;
 

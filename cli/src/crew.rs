@@ -1,7 +1,5 @@
 //! Brains as `--brain` arguments name them.
 
-use std::collections::BTreeSet;
-
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Summary};
 use baudbot_experiment::crew::{self, CrewError};
@@ -49,14 +47,7 @@ impl Crew {
     }
 }
 
-/// Refuses a name that is in no catalogue before anything is started for it.
+/// Refuses a brain that is not there, or whose file is wrong, before anything is started for it.
 pub(crate) fn check_name(description: &str) -> anyhow::Result<()> {
-    let name = description.split(':').next().unwrap_or_default();
-    let entries = catalogue::catalogue();
-    if entries.iter().any(|entry| entry.name == name) {
-        return Ok(());
-    }
-    let names: BTreeSet<_> = entries.iter().map(|entry| entry.name).collect();
-    let names: Vec<_> = names.into_iter().collect();
-    Err(Refused::error(format!("there is no brain `{name}`; there are: {}", names.join(", "))))
+    catalogue::check(description).map_err(|error| Refused::error(error.to_string()))
 }

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use baudbot_proto::v1::Belief;
+
 use crate::error::Error;
 use crate::fleet::Fleet;
 use crate::robot::Robot;
@@ -12,11 +14,21 @@ use crate::turn::{Signals, Turn, Until};
 pub trait Brain {
     /// One step. It is called once a turn, in order.
     fn step(&mut self, turn: &Turn) -> Action;
+
+    /// What it believes and does, for people who look. [`run`] and [`run_fleet`] ask for it some 20 times a simulated second
+    /// and [publish](Robot::publish) it. `None`: nothing.
+    fn belief(&mut self) -> Option<Belief> {
+        None
+    }
 }
 
 impl<B: Brain + ?Sized> Brain for Box<B> {
     fn step(&mut self, turn: &Turn) -> Action {
         (**self).step(turn)
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        (**self).belief()
     }
 }
 
@@ -114,11 +126,16 @@ pub struct Summary {
 /// # Errors
 /// See [`Robot::turn`].
 pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result<Summary, Error> {
-    let mut summary = Summary::default();
+    let (mut summary, mut looks) = (Summary::default(), Looks::default());
     while let Some(turn) = robot.turn().await? {
         summary.turns += 1;
         summary.last_tick = turn.tick;
         robot.act(brain.step(&turn)).await?;
+        if looks.is_due(turn.at_ns)
+            && let Some(belief) = brain.belief()
+        {
+            robot.publish(belief).await?;
+        }
     }
     Ok(summary)
 }
@@ -132,7 +149,7 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
     if brains.len() != fleet.bodies().len() {
         return Err(Error::Brains { robots: fleet.bodies().len(), brains: brains.len() });
     }
-    let mut summary = Summary::default();
+    let (mut summary, mut looks) = (Summary::default(), Looks::default());
     while let Some(turns) = fleet.turns().await? {
         let mut actions = Vec::with_capacity(turns.len());
         for (robot, turn) in &turns {
@@ -143,6 +160,33 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
             }
         }
         fleet.act(&actions).await?;
+        if looks.is_due(turns.first().map_or(0, |(_, turn)| turn.at_ns)) {
+            for (robot, _) in &turns {
+                if let Some(belief) = brains.get_mut(*robot).and_then(Brain::belief) {
+                    fleet.publish(*robot, belief).await?;
+                }
+            }
+        }
     }
     Ok(summary)
 }
+
+/// When people look.
+#[derive(Default)]
+struct Looks {
+    next_ns: u64,
+}
+
+impl Looks {
+    fn is_due(&mut self, at_ns: u64) -> bool {
+        // A world that was reset begins at 0 again.
+        let is_due = at_ns >= self.next_ns || self.next_ns - at_ns > EVERY_NS;
+        if is_due {
+            self.next_ns = at_ns + EVERY_NS;
+        }
+        is_due
+    }
+}
+
+/// People see no more than some 20 pictures a second as such, in nanoseconds.
+const EVERY_NS: u64 = 50_000_000;

@@ -1,0 +1,94 @@
+//! Going to a charger and standing there until the battery is full.
+
+use baudbot_client::{Body, Signals};
+use baudbot_geometry::{Point, math};
+use serde::Deserialize;
+
+use super::steering::{Helm, Steering};
+use crate::process::{Moment, MotorBehavior};
+use crate::senses::Source;
+
+/// Where the charger is, and when it is enough.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Where the charger is, `[x, y]` in metres, in the frame of the believed pose.
+    pub charger_m: [f64; 2],
+    /// It stands within this distance, in metres.
+    #[serde(default = "reached_m")]
+    pub reached_m: f64,
+    /// What says how full the battery is, from 0 to 1: `SENSOR.PART`.
+    #[serde(default = "battery")]
+    pub battery: String,
+    /// So full is enough.
+    #[serde(default = "full")]
+    pub full: f64,
+    /// Γ of this behaviour until then, once it is there, so that the charger is not left half full.
+    #[serde(default = "stay_gamma")]
+    pub stay_gamma: f64,
+    /// How it steers.
+    #[serde(default)]
+    pub steering: Steering,
+}
+
+fn reached_m() -> f64 {
+    0.1
+}
+
+fn battery() -> String {
+    "gauge.charge".to_owned()
+}
+
+fn full() -> f64 {
+    0.95
+}
+
+fn stay_gamma() -> f64 {
+    5.0
+}
+
+/// A behaviour that charges the battery.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Charge {
+    /// In the repertoire.
+    name: String,
+    charger: Point,
+    parameters: Parameters,
+    battery: Source,
+    helm: Helm,
+}
+
+impl Charge {
+    /// For a robot with this body, by the name that the behaviour has in the repertoire; an error if nothing says how full its battery is.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(name: &str, parameters: Parameters, body: &Body) -> Result<Self, String> {
+        if let Some(problem) = parameters.steering.problem() {
+            return Err(problem);
+        }
+        let battery =
+            Source::parse(&parameters.battery, body).map_err(|error| format!("battery: {error}"))?;
+        let [x, y] = parameters.charger_m;
+        let helm = Helm::new(parameters.steering);
+        Ok(Self { name: name.to_owned(), charger: Point::new(x, y), parameters, battery, helm })
+    }
+}
+
+impl MotorBehavior for Charge {
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        let estimate = moment.beliefs.pose?;
+        let p = &self.parameters;
+        let way = self.charger - estimate.pose.position;
+        if math::hypot(way.x, way.y) <= p.reached_m {
+            let charge = self.battery.first(moment.turn).unwrap_or(0.0);
+            moment.set_gamma(&self.name, if charge < p.full { p.stay_gamma } else { 0.0 });
+            moment.beliefs.intention = format!("charges, {:.0} %", charge * 100.0);
+            moment.beliefs.path.clear();
+            return Some(Signals::default());
+        }
+        moment.beliefs.intention.clear();
+        moment.beliefs.path = vec![self.charger];
+        Some(self.helm.signals(&estimate.pose, math::atan2(way.y, way.x), 1.0))
+    }
+}

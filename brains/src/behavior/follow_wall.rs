@@ -1,0 +1,80 @@
+//! Driving along a wall at a distance, by what sensors on that side see.
+
+use baudbot_client::{Body, Signals};
+use serde::Deserialize;
+
+use crate::process::{Moment, MotorBehavior};
+
+/// How it follows.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parameters {
+    /// Which side the wall is on: `left` or `right`.
+    pub side: Side,
+    /// Name of a sensor that looks to that side.
+    pub sensor: String,
+    /// The reading that is held. Of an IR sensor it is greater the nearer the wall is, of a sonar it is metres.
+    pub reading: f64,
+    /// Signal of both motors on the way.
+    pub forward: f64,
+    /// How much the signals differ for a reading that is off by 1.
+    pub gain: f64,
+    /// They never differ by more than that.
+    pub limit: f64,
+}
+
+/// A side of the robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// To the left of the heading.
+    #[default]
+    Left,
+    /// To the right of it.
+    Right,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { side: Side::Left, sensor: String::new(), reading: 0.3, forward: 0.4, gain: 0.5, limit: 0.3 }
+    }
+}
+
+/// A behaviour that follows a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FollowWall {
+    parameters: Parameters,
+    sensor: usize,
+    is_distance: bool,
+}
+
+impl FollowWall {
+    /// For a robot with this body; an error if it has no such sensor.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+        let Some(sensor) = body.sensor_index(&parameters.sensor) else {
+            let known: Vec<_> = body.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+            return Err(format!(
+                "sensor: there is no `{}`; there are: {}",
+                parameters.sensor,
+                known.join(", ")
+            ));
+        };
+        let is_distance = body.sensors[sensor].kind != "ir";
+        Ok(Self { parameters, sensor, is_distance })
+    }
+}
+
+impl MotorBehavior for FollowWall {
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        let p = &self.parameters;
+        let reading = *moment.turn.readings.get(self.sensor)?.as_ref()?.values.first()?;
+        // Positive: too far from the wall.
+        let far = if self.is_distance { reading - p.reading } else { p.reading - reading };
+        let towards = (p.gain * far).clamp(-p.limit, p.limit) / 2.0;
+        let leftwards = if p.side == Side::Left { towards } else { -towards };
+        Some(Signals { left: p.forward - leftwards, right: p.forward + leftwards })
+    }
+}

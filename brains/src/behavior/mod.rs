@@ -1,0 +1,11 @@
+//! Motor behaviours that repertoires choose among.
+
+pub mod charge;
+pub mod follow_wall;
+pub mod go_to;
+pub(crate) mod steering;
+pub mod taxis;
+pub mod turn_away;
+pub mod whole;
+
+pub use steering::Steering;

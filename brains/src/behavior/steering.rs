@@ -1,0 +1,126 @@
+//! From where to go to wheel speeds: the P-regulation of Wahde 2016, Eqs. (6.4) to (6.7), with pure rotations.
+
+use baudbot_client::Signals;
+use baudbot_geometry::{Pose, angle};
+use serde::Deserialize;
+
+/// Constants of Section 6.2.2, and what a signal is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Steering {
+    /// K_p of (6.5), a radian.
+    pub gain: f64,
+    /// V_nav: speed when driving, in metres a second.
+    pub speed_m_s: f64,
+    /// V_rot: speed of the wheels when turning on the spot, in metres a second.
+    pub rotation_m_s: f64,
+    /// Turns on the spot if the heading is off by more than that, in radians ...
+    pub rotate_above_rad: f64,
+    /// ... until it is off by less than that.
+    pub rotate_until_rad: f64,
+    /// What the wheels make of a signal of 1, in metres a second. No data sheet says it; a robot that is faster or slower
+    /// than that drives faster or slower than it is told to, and goes the same way.
+    pub full_speed_m_s: f64,
+}
+
+impl Default for Steering {
+    fn default() -> Self {
+        Self {
+            gain: 1.5,
+            speed_m_s: 0.2,
+            rotation_m_s: 0.1,
+            rotate_above_rad: std::f64::consts::FRAC_PI_4,
+            rotate_until_rad: std::f64::consts::PI / 36.0,
+            full_speed_m_s: 0.5,
+        }
+    }
+}
+
+/// A way to steer, and whether it turns on the spot now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Helm {
+    steering: Steering,
+    rotates: bool,
+}
+
+impl Helm {
+    pub(crate) fn new(steering: Steering) -> Self {
+        Self { steering, rotates: false }
+    }
+
+    /// Whether it turns on the spot.
+    #[cfg(test)]
+    pub(crate) fn rotates(&self) -> bool {
+        self.rotates
+    }
+
+    /// Speeds of the left and the right wheel that bring the heading of `world_from_robot` to φ_ref, in metres a second.
+    pub(crate) fn wheels(&mut self, world_from_robot: &Pose, heading_rad: f64) -> [f64; 2] {
+        let s = self.steering;
+        let off_rad = angle::difference(heading_rad, world_from_robot.heading);
+        let limit_rad = if self.rotates { s.rotate_until_rad } else { s.rotate_above_rad };
+        self.rotates = off_rad.abs() > limit_rad;
+        if self.rotates {
+            let speed_m_s = s.rotation_m_s.copysign(off_rad);
+            return [-speed_m_s, speed_m_s];
+        }
+        let difference_m_s = s.gain * s.speed_m_s * off_rad;
+        [s.speed_m_s - difference_m_s / 2.0, s.speed_m_s + difference_m_s / 2.0]
+    }
+
+    /// The same as signals, at a part of the speed.
+    pub(crate) fn signals(&mut self, world_from_robot: &Pose, heading_rad: f64, part: f64) -> Signals {
+        let [left, right] = self.wheels(world_from_robot, heading_rad);
+        let part = if self.rotates { 1.0 } else { part };
+        let signal = |speed_m_s: f64| speed_m_s * part / self.steering.full_speed_m_s;
+        Signals { left: signal(left), right: signal(right) }
+    }
+}
+
+impl Steering {
+    /// What is wrong with it, if something is.
+    pub(crate) fn problem(&self) -> Option<String> {
+        let positive = [
+            ("steering.gain", self.gain),
+            ("steering.speed_m_s", self.speed_m_s),
+            ("steering.rotation_m_s", self.rotation_m_s),
+            ("steering.rotate_above_rad", self.rotate_above_rad),
+            ("steering.rotate_until_rad", self.rotate_until_rad),
+            ("steering.full_speed_m_s", self.full_speed_m_s),
+        ];
+        let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
+        wrong.map(|(name, value)| format!("{name}: must be positive, is {value}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The heading's error is that of a first-order loop with the time constant 2R / (K_p V_nav).
+    #[test]
+    fn a_heading_is_reached_as_a_first_order_loop_reaches_it() {
+        let (half_track_m, dt_s) = (0.2, 0.01);
+        let steering = Steering { rotate_above_rad: 3.0, ..Steering::default() };
+        let (mut helm, mut pose) = (Helm::new(steering), Pose::new(0.0, 0.0, 0.0));
+        for _ in 0..100 {
+            let [left, right] = helm.wheels(&pose, 1.0);
+            pose.heading += (right - left) / (2.0 * half_track_m) * dt_s;
+        }
+        assert!((1.0 - pose.heading - 0.471033).abs() < 1e-6, "{}", 1.0 - pose.heading);
+        let exact = baudbot_geometry::math::exp(-1.0 / 1.3333333333333333);
+        assert!((1.0 - pose.heading - exact).abs() < 2e-3);
+    }
+
+    #[test]
+    fn a_large_error_is_turned_away_on_the_spot_until_it_is_small() {
+        let mut helm = Helm::new(Steering::default());
+        let mut at = |heading_rad: f64| helm.wheels(&Pose::new(0.0, 0.0, heading_rad), 0.0);
+        assert_eq!(at(0.8), [0.1, -0.1]);
+        assert_eq!(at(0.1), [0.1, -0.1]);
+        let [left, right] = at(0.08);
+        assert!(left > right && (left + right - 0.4).abs() < 1e-12);
+        let [left, right] = at(-0.7);
+        assert!(left < right && left > 0.0);
+    }
+}

@@ -1,0 +1,86 @@
+//! Turning on the spot away from what is near, as a reflex: to the side that sensors on the other side chose when it began,
+//! and no other way until it ends. Who may change the way dithers in corners.
+
+use baudbot_client::{Body, Signals};
+use serde::Deserialize;
+
+use crate::process::{Moment, MotorBehavior};
+
+/// How it turns.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parameters {
+    /// Size of the motors' signals.
+    pub turn: f64,
+    /// Sensors whose heading is off the robot's by more than this do not count, in radians.
+    pub field_rad: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { turn: 0.4, field_rad: 1.75 }
+    }
+}
+
+/// A reflex that turns away from what infra-red sensors, or those that measure distances, see nearer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurnAway {
+    turn: f64,
+    eyes: Vec<Eye>,
+    leftwards: bool,
+}
+
+/// A sensor that counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Eye {
+    sensor: usize,
+    is_left: bool,
+    /// An IR sensor's reading is greater the nearer something is; a sonar's is a distance.
+    is_distance: bool,
+}
+
+impl TurnAway {
+    /// For a robot with this body; an error if it has nothing that sees how near something is on both sides.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+        let eyes = body.sensors.iter().enumerate().filter_map(|(sensor, described)| {
+            let bearing_rad = baudbot_geometry::angle::wrap(described.mount?.heading_rad);
+            let is_seeing = matches!(described.kind.as_str(), "ir" | "sonar");
+            let counts = is_seeing && bearing_rad != 0.0 && bearing_rad.abs() <= parameters.field_rad;
+            counts.then_some(Eye {
+                sensor,
+                is_left: bearing_rad > 0.0,
+                is_distance: described.kind == "sonar",
+            })
+        });
+        let eyes: Vec<_> = eyes.collect();
+        if !(eyes.iter().any(|eye| eye.is_left) && eyes.iter().any(|eye| !eye.is_left)) {
+            return Err("needs sensors of kind `ir` or `sonar` that look ahead to the left and to the right"
+                .to_owned());
+        }
+        Ok(Self { turn: parameters.turn, eyes, leftwards: false })
+    }
+
+    /// How near something is on a side: a number that is greater the nearer it is.
+    fn nearness(&self, moment: &Moment<'_>, is_left: bool) -> f64 {
+        let eyes = self.eyes.iter().filter(|eye| eye.is_left == is_left);
+        let values = eyes.filter_map(|eye| {
+            let value = *moment.turn.readings.get(eye.sensor)?.as_ref()?.values.first()?;
+            Some(if eye.is_distance { -value } else { value })
+        });
+        values.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl MotorBehavior for TurnAway {
+    fn enter(&mut self, moment: &mut Moment<'_>) {
+        self.leftwards = self.nearness(moment, false) >= self.nearness(moment, true);
+    }
+
+    fn step(&mut self, _: &mut Moment<'_>) -> Option<Signals> {
+        let turn = if self.leftwards { self.turn } else { -self.turn };
+        Some(Signals { left: -turn, right: turn })
+    }
+}

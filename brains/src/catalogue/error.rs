@@ -1,0 +1,89 @@
+//! What can be wrong with a text that describes a brain.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::description::DescriptionError;
+
+/// Why a text describes no brain for a body.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CatalogueError {
+    /// There is no such brain.
+    #[error("no brain `{name}`; there are: {}", known.join(", "))]
+    Brain {
+        /// The name given.
+        name: String,
+        /// Those that exist, the nearest first.
+        known: Vec<&'static str>,
+    },
+    /// The brain has no such parameter.
+    #[error("brain `{brain}` has no parameter `{name}`; it has: {}", known.join(", "))]
+    Parameter {
+        /// Name of the brain.
+        brain: &'static str,
+        /// The name given.
+        name: String,
+        /// Those that it has, the nearest first.
+        known: Vec<&'static str>,
+    },
+    /// A setting without a value.
+    #[error("brain `{brain}`: `{found}` sets no parameter; write NAME=NUMBER")]
+    Setting {
+        /// Name of the brain.
+        brain: &'static str,
+        /// The text given.
+        found: String,
+    },
+    /// A value that is no number.
+    #[error("brain `{brain}`: {parameter} must be a number, not `{found}`")]
+    Number {
+        /// Name of the brain.
+        brain: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The text given.
+        found: String,
+    },
+    /// A number that makes no sense.
+    #[error("brain `{brain}`: {parameter} must be from {} to {}, not {found}", range.start(), range.end())]
+    Range {
+        /// Name of the brain.
+        brain: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The numbers that make sense.
+        range: RangeInclusive<f64>,
+        /// The number given.
+        found: f64,
+    },
+    /// The robot has not the sensors that the brain needs.
+    #[error("brain `{brain}` needs {needed}, but robot `{robot}` has only: {}", found.join(", "))]
+    Sensor {
+        /// Name of the brain.
+        brain: &'static str,
+        /// Name of the robot.
+        robot: String,
+        /// What it needs.
+        needed: &'static str,
+        /// Names of the sensors that there are.
+        found: Vec<String>,
+    },
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {problem}", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// A description in TOML that is wrong, or wrong for this robot.
+    #[error("{brain}: {error}")]
+    Description {
+        /// The file, or the name of one that is part of the program.
+        brain: String,
+        /// What is wrong with it.
+        error: DescriptionError,
+    },
+}

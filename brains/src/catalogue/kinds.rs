@@ -1,0 +1,131 @@
+//! The kinds of brains that are written in Rust.
+
+use baudbot_client::{Body, Brain};
+
+use super::error::CatalogueError;
+use super::nearest::nearest_first;
+use super::{Entry, Setting};
+use crate::chance::Chance;
+use crate::parameter::Parameter;
+use crate::{Avoid, Constant, Navigate, Wander, avoid, constant, navigate, wander};
+
+/// A kind of brain, and how one is made.
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    summary: &'static str,
+    settings: fn() -> Vec<Setting>,
+    make: fn(&Wish<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
+}
+
+/// A brain that is to be made.
+struct Wish<'a> {
+    brain: &'static str,
+    /// `PARAMETER=NUMBER,…`.
+    settings: &'a str,
+    seed: u64,
+    body: &'a Body,
+}
+
+/// All of them, in the order of their names.
+pub(super) const KINDS: &[Kind] = &[
+    Kind {
+        name: "avoid",
+        summary: "wanders without running into what its infra-red sensors see",
+        settings: || settings(avoid::PARAMETERS),
+        make: |wish| {
+            let avoid = Avoid::new(wish.parameters(avoid::PARAMETERS)?, wish.chance(), wish.body);
+            Ok(Box::new(avoid.ok_or_else(|| wish.lacks("a sensor of kind `ir` that looks ahead"))?))
+        },
+    },
+    Kind {
+        name: "constant",
+        summary: "sends the same signals in every step",
+        settings: || settings(constant::PARAMETERS),
+        make: |wish| Ok(Box::new(Constant::new(wish.parameters(constant::PARAMETERS)?))),
+    },
+    Kind {
+        name: "navigate",
+        summary: "drives a distance by its odometer and stops",
+        settings: || settings(navigate::PARAMETERS),
+        make: |wish| {
+            let parameters = wish.parameters(navigate::PARAMETERS)?;
+            let odometer = wish.body.sensor(navigate::ODOMETER);
+            let odometer = odometer.filter(|sensor| sensor.components.len() >= 2);
+            odometer.ok_or_else(|| wish.lacks("a sensor `odometer` with x_m and y_m"))?;
+            Ok(Box::new(Navigate::new(parameters)))
+        },
+    },
+    Kind {
+        name: "wander",
+        summary: "drives on and turns now and then, blindly and at random",
+        settings: || settings(wander::PARAMETERS),
+        make: |wish| Ok(Box::new(Wander::new(wish.parameters(wander::PARAMETERS)?, wish.chance()))),
+    },
+];
+
+impl Kind {
+    pub(super) fn entry(&self) -> Entry {
+        Entry { name: self.name, summary: self.summary.to_owned(), parameters: (self.settings)() }
+    }
+
+    /// Makes one for a robot with this body.
+    pub(super) fn make(
+        &self,
+        settings: &str,
+        seed: u64,
+        body: &Body,
+    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
+        (self.make)(&Wish { brain: self.name, settings, seed, body })
+    }
+}
+
+fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {
+    let mut defaults = P::default();
+    let setting = |parameter: &Parameter<P>| Setting {
+        name: parameter.name,
+        meaning: parameter.meaning,
+        default: *(parameter.field)(&mut defaults),
+        range: parameter.range.clone(),
+    };
+    parameters.iter().map(setting).collect()
+}
+
+impl Wish<'_> {
+    fn chance(&self) -> Chance {
+        Chance::new(self.seed, &format!("{}/{}", self.body.name, self.brain))
+    }
+
+    fn lacks(&self, needed: &'static str) -> CatalogueError {
+        CatalogueError::Sensor {
+            brain: self.brain,
+            robot: self.body.name.clone(),
+            needed,
+            found: self.body.sensors.iter().map(|sensor| sensor.name.clone()).collect(),
+        }
+    }
+
+    /// The default parameters with the changes that the settings make.
+    fn parameters<P: Default>(&self, known: &[Parameter<P>]) -> Result<P, CatalogueError> {
+        let (brain, settings) = (self.brain, self.settings);
+        let mut parameters = P::default();
+        for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
+            let no_setting = || CatalogueError::Setting { brain, found: setting.to_owned() };
+            let (name, value) = setting.split_once('=').ok_or_else(no_setting)?;
+            let (name, value) = (name.trim(), value.trim());
+            let Some(parameter) = known.iter().find(|parameter| parameter.name == name) else {
+                let known = nearest_first(name, known.iter().map(|parameter| parameter.name));
+                return Err(CatalogueError::Parameter { brain, name: name.to_owned(), known });
+            };
+            let parameter_name = parameter.name;
+            let no_number =
+                |_| CatalogueError::Number { brain, parameter: parameter_name, found: value.to_owned() };
+            let found = value.parse().map_err(no_number)?;
+            if !parameter.range.contains(&found) {
+                let range = parameter.range.clone();
+                return Err(CatalogueError::Range { brain, parameter: parameter_name, range, found });
+            }
+            *(parameter.field)(&mut parameters) = found;
+        }
+        Ok(parameters)
+    }
+}

@@ -1,0 +1,151 @@
+//! All brains by name, and the text that describes one: `NAME[:PARAMETER=NUMBER,…]`, or `FILE.toml[:PATH=NUMBER,…]` for one
+//! that is [described](crate::description) in a file.
+
+mod error;
+mod kinds;
+mod nearest;
+mod repertoires;
+
+use std::ops::RangeInclusive;
+
+use baudbot_client::{Body, Brain};
+
+pub use error::CatalogueError;
+use kinds::KINDS;
+pub use nearest::nearest_first;
+use repertoires::Text;
+
+/// A kind of brain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub summary: String,
+    /// What can be set; of a brain that is described in TOML any number can be, by its path.
+    pub parameters: Vec<Setting>,
+}
+
+/// A parameter of a kind of brain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it means, with its unit.
+    pub meaning: &'static str,
+    /// Its value if it is not set.
+    pub default: f64,
+    /// The values that it can be set to.
+    pub range: RangeInclusive<f64>,
+}
+
+/// Makes the brain that `description` describes, such as `wander` or `constant:left=0.5,right=-0.5`, for a
+/// robot with this body. If a parameter is set twice, the last counts.
+///
+/// # Errors
+/// Says what is wrong with the description and what would be right, or which sensor the body lacks.
+pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain + Send>, CatalogueError> {
+    let (name, settings) = description.split_once(':').unwrap_or((description, ""));
+    if let Some(text) = Text::find(name)? {
+        return text.brain(settings, seed, body);
+    }
+    kind(name)?.make(settings, seed, body)
+}
+
+/// Whether there is a brain of this name, or a file. Nothing is said of whether it fits any robot.
+///
+/// # Errors
+/// As [`brain`] says it.
+pub fn check(description: &str) -> Result<(), CatalogueError> {
+    let (name, settings) = description.split_once(':').unwrap_or((description, ""));
+    match Text::find(name)? {
+        Some(text) => text.read(settings).map(drop),
+        None => kind(name).map(drop),
+    }
+}
+
+fn kind(name: &str) -> Result<&'static kinds::Kind, CatalogueError> {
+    KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
+        let known = nearest_first(name, catalogue().into_iter().map(|entry| entry.name));
+        CatalogueError::Brain { name: name.to_owned(), known }
+    })
+}
+
+/// All kinds of brains, for help texts, in the order of their names.
+pub fn catalogue() -> Vec<Entry> {
+    let mut all: Vec<_> = KINDS.iter().map(kinds::Kind::entry).chain(repertoires::entries()).collect();
+    all.sort_by_key(|entry| entry.name);
+    all
+}
+
+/// The brains that are written in Rust.
+pub(crate) fn kinds() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|kind| kind.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use baudbot_client::Action;
+
+    use super::*;
+    use crate::test_body::{body, turn};
+
+    fn error(description: &str) -> String {
+        match brain(description, 1, &body(&[("ir_rear", "ir", 3.1)])) {
+            Ok(_) => panic!("{description} is a brain"),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn parameters_are_set() {
+        let body = body(&[]);
+        let mut constant = brain("constant: left = 0.5, right=-0.25,", 1, &body).unwrap();
+        assert_eq!(constant.step(&turn(&body, 0, &[])), Action::drive(0.5, -0.25));
+        let mut wander = brain("wander:forward=0.1", 1, &body).unwrap();
+        assert_eq!(wander.step(&turn(&body, 0, &[])), Action::drive(0.1, 0.1));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_what_would_be_right() {
+        assert_eq!(
+            error("wonder"),
+            "no brain `wonder`; there are: wander, sweeper, avoid, constant, navigate"
+        );
+        assert_eq!(error(""), "no brain ``; there are: avoid, wander, sweeper, constant, navigate");
+        assert_eq!(
+            error("constant:rigth=1"),
+            "brain `constant` has no parameter `rigth`; it has: right, left"
+        );
+        assert_eq!(error("constant:left"), "brain `constant`: `left` sets no parameter; write NAME=NUMBER");
+        assert_eq!(error("constant:left=full"), "brain `constant`: left must be a number, not `full`");
+        assert_eq!(
+            error("wander:turn_probability=3"),
+            "brain `wander`: turn_probability must be from 0 to 1, not 3"
+        );
+        assert_eq!(error("wander:turn=NaN"), "brain `wander`: turn must be from -10 to 10, not NaN");
+    }
+
+    #[test]
+    fn a_missing_sensor_is_named() {
+        assert_eq!(
+            error("navigate"),
+            "brain `navigate` needs a sensor `odometer` with x_m and y_m, but robot `alice` has only: ir_rear"
+        );
+        assert!(
+            error("avoid").starts_with("brain `avoid` needs a sensor of kind `ir` that looks ahead, but")
+        );
+    }
+
+    #[test]
+    fn every_default_is_within_its_range_and_every_brain_can_be_made() {
+        let body = body(&[("odometer", "odometer", 0.0), ("eye", "ir", 0.0)]);
+        for entry in catalogue() {
+            for setting in &entry.parameters {
+                assert!(setting.range.contains(&setting.default), "{}: {setting:?}", entry.name);
+                let same = format!("{}:{}={}", entry.name, setting.name, setting.default);
+                assert!(brain(&same, 1, &body).is_ok(), "{same}");
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Brains that are described in TOML: those that are part of the program, and files.
+
+use std::path::PathBuf;
+
+use baudbot_client::{Body, Brain};
+
+use super::Entry;
+use super::error::CatalogueError;
+use crate::description::{Description, DescriptionError};
+use crate::registry::Registry;
+
+/// The text of a description, and where it is from.
+pub(super) struct Text {
+    name: String,
+    toml: String,
+}
+
+/// Those that are part of the program.
+const BUILT_IN: &[(&str, &str)] = &[("sweeper", include_str!("../../repertoires/sweeper.toml"))];
+
+/// Those that are part of the program.
+pub(super) fn entries() -> impl Iterator<Item = Entry> {
+    BUILT_IN.iter().map(|&(name, toml)| {
+        let description = Description::parse(toml);
+        let summary = description.as_ref().map_or("", Description::summary).to_owned();
+        Entry { name, summary, parameters: Vec::new() }
+    })
+}
+
+impl Text {
+    /// One of the program's, or a file if the name ends as the names of such files do.
+    pub(super) fn find(name: &str) -> Result<Option<Self>, CatalogueError> {
+        if let Some((_, toml)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+            return Ok(Some(Self { name: format!("brain `{name}`"), toml: (*toml).to_owned() }));
+        }
+        if !name.ends_with(".toml") {
+            return Ok(None);
+        }
+        match std::fs::read_to_string(name) {
+            Ok(toml) => Ok(Some(Self { name: name.to_owned(), toml })),
+            Err(error) => Err(CatalogueError::File { file: PathBuf::from(name), problem: error.to_string() }),
+        }
+    }
+
+    /// With numbers set: `PATH=NUMBER,…`.
+    pub(super) fn read(&self, settings: &str) -> Result<Description, CatalogueError> {
+        let settings = settings.split(',').map(str::trim).filter(|setting| !setting.is_empty());
+        let settings = settings.map(|setting| {
+            let (path, number) = setting.split_once('=').ok_or_else(|| {
+                self.error(DescriptionError {
+                    path: setting.to_owned(),
+                    problem: "sets no number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2"
+                        .to_owned(),
+                })
+            })?;
+            let (path, number) = (path.trim().to_owned(), number.trim());
+            let value = number.parse().ok().filter(|value: &f64| value.is_finite());
+            let value = value.ok_or_else(|| {
+                let problem = format!("must be a number, not `{number}`");
+                self.error(DescriptionError { path: path.clone(), problem })
+            })?;
+            Ok((path, value))
+        });
+        let settings = settings.collect::<Result<Vec<_>, CatalogueError>>()?;
+        Description::with_settings(&self.toml, &settings).map_err(|error| self.error(error))
+    }
+
+    pub(super) fn brain(
+        &self,
+        settings: &str,
+        seed: u64,
+        body: &Body,
+    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
+        let brain = self.read(settings)?.brain(seed, body, &Registry::standard());
+        Ok(Box::new(brain.map_err(|error| self.error(error))?))
+    }
+
+    fn error(&self, error: DescriptionError) -> CatalogueError {
+        CatalogueError::Description { brain: self.name.clone(), error }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_that_are_part_of_the_program_can_be_read_and_say_what_they_do() {
+        for &(name, toml) in BUILT_IN {
+            let description = Description::parse(toml).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(!description.summary().is_empty(), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_file_names_it() {
+        let problem = |name: &str, settings: &str| match Text::find(name) {
+            Ok(Some(text)) => text.read(settings).unwrap_err().to_string(),
+            Ok(None) => panic!("no text"),
+            Err(error) => error.to_string(),
+        };
+        assert!(problem("nowhere.toml", "").starts_with("nowhere.toml: cannot be read: No such file"));
+        let bias = "motor.sweep.utility.bias";
+        assert_eq!(
+            problem("sweeper", &format!("{bias}=much")),
+            format!("brain `sweeper`: {bias}: must be a number, not `much`")
+        );
+        assert!(
+            problem("sweeper", bias).ends_with("write PATH=NUMBER, such as motor.stroll.utility.bias=0.2")
+        );
+    }
+}

@@ -1,0 +1,3 @@
+//! Cognitive processes: what a brain makes of its readings without driving.
+
+pub mod odometer;

@@ -1,0 +1,217 @@
+//! A brain of many processes: what it senses, which of them are active, and what those do.
+//!
+//! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
+//! step, then the one motor behaviour does. Processes that are no longer active are left before others are entered.
+
+use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Signals, Turn};
+
+use crate::courier::Courier;
+use crate::decision::utility::{self, Utility};
+use crate::decision::{Layers, Machine, Tree};
+use crate::process::{Beliefs, CognitiveProcess, Moment, MotorBehavior};
+use crate::senses::Senses;
+
+/// A brain of processes.
+pub struct Composed {
+    senses: Senses,
+    motors: Vec<Motor>,
+    cognitives: Vec<Cognitive>,
+    decision: Decision,
+    /// The motor behaviour that is active; `None` before the first turn.
+    active: Option<usize>,
+    beliefs: Beliefs,
+    gammas: Vec<(String, f64)>,
+    signals: Signals,
+    courier: Courier,
+    stepped_ns: Option<u64>,
+}
+
+/// A motor behaviour of a repertoire.
+pub struct Motor {
+    /// Its name in the repertoire.
+    pub name: String,
+    /// What it does.
+    pub behavior: Box<dyn MotorBehavior>,
+    /// By which it is chosen, where utilities decide.
+    pub utility: Utility,
+}
+
+/// A cognitive process of a repertoire.
+pub struct Cognitive {
+    /// Its name in the repertoire.
+    pub name: String,
+    /// What it does.
+    pub process: Box<dyn CognitiveProcess>,
+    /// By which it is active, where utilities decide. Otherwise it always is.
+    pub utility: Utility,
+    /// Whether it is active.
+    pub active: bool,
+}
+
+/// How the active behaviour is chosen.
+#[derive(Clone, Debug)]
+pub enum Decision {
+    /// By the greatest utility.
+    Utility,
+    /// By a finite-state machine.
+    Machine(Machine),
+    /// By layers.
+    Layers(Layers),
+    /// By a behaviour tree.
+    Tree(Tree),
+}
+
+impl Composed {
+    /// A brain at its start. There must be a motor behaviour, and the decision must choose among these.
+    pub fn new(
+        body: &Body,
+        senses: Senses,
+        motors: Vec<Motor>,
+        cognitives: Vec<Cognitive>,
+        decision: Decision,
+    ) -> Self {
+        Self {
+            senses,
+            motors,
+            cognitives,
+            decision,
+            active: None,
+            beliefs: Beliefs::default(),
+            gammas: Vec::new(),
+            signals: Signals::default(),
+            courier: Courier::new(body),
+            stepped_ns: None,
+        }
+    }
+
+    /// The name of the motor behaviour that is active.
+    pub fn active(&self) -> Option<&str> {
+        Some(self.motors.get(self.active?)?.name.as_str())
+    }
+
+    /// What it believes.
+    pub fn beliefs(&self) -> &Beliefs {
+        &self.beliefs
+    }
+
+    /// Names, utilities, and whether they are active: motor behaviours first, then cognitive processes.
+    pub fn utilities(&self) -> impl Iterator<Item = (&str, f64, bool)> {
+        let motors = self.motors.iter().enumerate();
+        let motors =
+            motors.map(|(i, motor)| (motor.name.as_str(), motor.utility.value(), self.active == Some(i)));
+        let cognitives = self.cognitives.iter();
+        motors
+            .chain(cognitives.map(|process| (process.name.as_str(), process.utility.value(), process.active)))
+    }
+
+    /// Which motor behaviour is to be active, after so many seconds with these state variables.
+    fn decide(&mut self, state: &[f64], dt_s: f64) -> usize {
+        for motor in &mut self.motors {
+            motor.utility.step(state, dt_s);
+        }
+        for process in &mut self.cognitives {
+            process.utility.step(state, dt_s);
+        }
+        match &mut self.decision {
+            Decision::Utility => {
+                let utilities = self.motors.iter().map(|motor| motor.utility.value());
+                utility::greatest(utilities).unwrap_or_default()
+            }
+            Decision::Machine(machine) => machine.step(state),
+            Decision::Layers(layers) => layers.step(state),
+            Decision::Tree(tree) => tree.step(state),
+        }
+    }
+
+    /// Leaves and enters.
+    fn activate(&mut self, chosen: usize, turn: &Turn, dt_s: f64, state: &[f64]) {
+        let by_utility = matches!(self.decision, Decision::Utility);
+        let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
+        let mut moment = Moment { turn, dt_s, state, beliefs, gammas };
+        for process in &mut self.cognitives {
+            let active = !by_utility || process.utility.value() > 0.0;
+            match (process.active, active) {
+                (true, false) => process.process.leave(&mut moment),
+                (false, true) => process.process.enter(&mut moment),
+                _ => {}
+            }
+            process.active = active;
+        }
+        if self.active == Some(chosen) {
+            return;
+        }
+        if let Some(old) = self.active.and_then(|active| self.motors.get_mut(active)) {
+            old.behavior.leave(&mut moment);
+        }
+        moment.beliefs.intention.clear();
+        moment.beliefs.path.clear();
+        if let Some(new) = self.motors.get_mut(chosen) {
+            new.behavior.enter(&mut moment);
+        }
+        self.active = Some(chosen);
+    }
+
+    /// Lets those that are active do their step.
+    fn act(&mut self, turn: &Turn, dt_s: f64, state: &[f64]) {
+        let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
+        let mut moment = Moment { turn, dt_s, state, beliefs, gammas };
+        for process in self.cognitives.iter_mut().filter(|process| process.active) {
+            process.process.step(&mut moment);
+        }
+        let motor = self.active.and_then(|active| self.motors.get_mut(active));
+        if let Some(signals) = motor.and_then(|motor| motor.behavior.step(&mut moment)) {
+            self.signals = signals;
+        }
+    }
+
+    /// Gives processes the Γ that others set for them.
+    fn hand_out_gammas(&mut self) {
+        for (name, gamma) in self.gammas.drain(..) {
+            let motors = self.motors.iter_mut().map(|motor| (&motor.name, &mut motor.utility));
+            let cognitives = self.cognitives.iter_mut().map(|process| (&process.name, &mut process.utility));
+            if let Some((_, utility)) = motors.chain(cognitives).find(|(whose, _)| **whose == name) {
+                utility.set_gamma(gamma);
+            }
+        }
+    }
+}
+
+impl Brain for Composed {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let dt_s = self.stepped_ns.map_or(0.0, |before| turn.at_ns.saturating_sub(before) as f64 * 1e-9);
+        self.stepped_ns = Some(turn.at_ns);
+        let state = self.senses.take(turn).to_vec();
+        let chosen = self.decide(&state, dt_s);
+        self.activate(chosen, turn, dt_s, &state);
+        self.act(turn, dt_s, &state);
+        self.hand_out_gammas();
+        self.courier.send(turn, self.signals)
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        let state = match (self.active(), self.beliefs.intention.as_str()) {
+            (Some(active), "") => active.to_owned(),
+            (Some(active), intention) => format!("{active}: {intention}"),
+            (None, _) => String::new(),
+        };
+        let pose = self.beliefs.pose.map(|estimate| BelievedPose {
+            x_m: estimate.pose.position.x,
+            y_m: estimate.pose.position.y,
+            heading_rad: estimate.pose.heading,
+            covariance_m2: estimate.covariance_m2.map_or_else(Vec::new, |covariance| covariance.to_vec()),
+        });
+        let utilities = self.utilities().map(|(name, value, active)| baudbot_client::Utility {
+            name: name.to_owned(),
+            value,
+            active,
+        });
+        let path = self.beliefs.path.iter().map(|point| Point { x_m: point.x, y_m: point.y });
+        Some(Belief {
+            state,
+            utilities: utilities.collect(),
+            pose,
+            path: path.collect(),
+            ..Belief::default()
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Commands, no more of them than the cable takes.
+
+use baudbot_client::{Action, Body, Signals, Turn};
+
+/// Sends signals when they change, again now and then since a cable may lose them, and never before the last command is off
+/// the cable: one that waits behind others comes too late. A firmware that answers only when asked is asked once for each
+/// answer.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Courier {
+    /// Time that a command takes on the cable.
+    command_ns: u64,
+    /// Whether it is commands that bring the readings.
+    asks: bool,
+    sent: Option<(u64, Signals)>,
+    news: bool,
+}
+
+impl Courier {
+    pub(crate) fn new(body: &Body) -> Self {
+        Self {
+            command_ns: body.command_ns(),
+            asks: body.firmware.period_ns.is_none(),
+            sent: None,
+            news: false,
+        }
+    }
+
+    /// What is done in a turn in which the motors are to have these signals.
+    pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
+        self.news |= turn.has_news();
+        let is_due = self.sent.is_none_or(|(sent_ns, sent)| {
+            let since_ns = turn.at_ns.saturating_sub(sent_ns);
+            let is_other = sent != signals || (self.asks && self.news);
+            since_ns >= self.command_ns && (is_other || since_ns >= self.command_ns.max(REPEAT_NS))
+        });
+        if !is_due {
+            return Action::wait();
+        }
+        self.sent = Some((turn.at_ns, signals));
+        self.news = false;
+        Action::drive(signals.left, signals.right)
+    }
+}
+
+/// So often signals are repeated that stay the same, in nanoseconds.
+const REPEAT_NS: u64 = 100_000_000;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_body::{body, turn};
+
+    const MS: u64 = 1_000_000;
+
+    #[test]
+    fn a_command_waits_for_the_cable_and_is_repeated_now_and_then() {
+        let body = body(&[("front", "ir", 0.0)]);
+        assert!(body.command_ns() > 5 * MS && body.command_ns() < 20 * MS, "{}", body.command_ns());
+        let mut courier = Courier::new(&body);
+        let mut sent = Vec::new();
+        for step in 0..30 {
+            let signals = if step < 2 { Signals::default() } else { Signals { left: 0.5, right: 0.5 } };
+            let turn = turn(&body, step * 10 * MS, &[None]);
+            if courier.send(&turn, signals).signals.is_some() {
+                sent.push(step);
+            }
+        }
+        assert_eq!(sent, [0, 2, 12, 22]);
+    }
+
+    #[test]
+    fn a_firmware_that_answers_when_asked_is_asked_once_for_each_answer() {
+        let mut body = body(&[("front", "ir", 0.0)]);
+        body.firmware.period_ns = None;
+        let mut courier = Courier::new(&body);
+        let mut asked = |at_ms: u64, news: bool| {
+            let turn = turn(&body, at_ms * MS, &[news.then_some(&[0.1][..])]);
+            courier.send(&turn, Signals::default()).signals.is_some()
+        };
+        assert!(asked(0, false));
+        assert!(!asked(40, false) && asked(50, true) && !asked(52, true) && asked(80, false));
+    }
+}

@@ -1,0 +1,79 @@
+//! Conditions such as `front > 0.5`, for the methods of decision that have no utilities.
+
+/// A state variable that is compared with a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// By its place.
+    variable: usize,
+    comparison: Comparison,
+    number: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Comparison {
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+}
+
+impl Condition {
+    /// From a text: `VARIABLE < NUMBER`, or with `<=`, `>` or `>=`. `variables` are their names, in order.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, String> {
+        let parts: Vec<_> = text.split_whitespace().collect();
+        let &[name, comparison, number] = parts.as_slice() else {
+            return Err(format!(
+                "`{text}` is no condition such as `{} > 0.5`",
+                variables.first().unwrap_or(&"z")
+            ));
+        };
+        let Some(variable) = variables.iter().position(|variable| *variable == name) else {
+            return Err(format!("there is no state variable `{name}`; there are: {}", variables.join(", ")));
+        };
+        let comparison = match comparison {
+            "<" => Comparison::Less,
+            "<=" => Comparison::LessOrEqual,
+            ">" => Comparison::Greater,
+            ">=" => Comparison::GreaterOrEqual,
+            other => return Err(format!("`{other}` does not compare; there are: <, <=, >, >=")),
+        };
+        let is_number = number.parse().ok().filter(|number: &f64| number.is_finite());
+        let number = is_number.ok_or_else(|| format!("`{number}` is no number"))?;
+        Ok(Self { variable, comparison, number })
+    }
+
+    /// Whether it holds.
+    pub fn holds(&self, state: &[f64]) -> bool {
+        let Some(value) = state.get(self.variable) else { return false };
+        match self.comparison {
+            Comparison::Less => *value < self.number,
+            Comparison::LessOrEqual => *value <= self.number,
+            Comparison::Greater => *value > self.number,
+            Comparison::GreaterOrEqual => *value >= self.number,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_hold_or_do_not() {
+        let holds = |text| Condition::parse(text, &["a", "b"]).unwrap().holds(&[1.0, -2.0]);
+        assert!(holds("a > 0.5") && holds("a >= 1") && holds("b < -1.9") && holds("b <= -2"));
+        assert!(!holds("a > 1") && !holds("b < -2") && !holds("a <= 0.99"));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let problem = |text| Condition::parse(text, &["a", "b"]).unwrap_err();
+        assert_eq!(problem("a"), "`a` is no condition such as `a > 0.5`");
+        assert_eq!(problem("c > 1"), "there is no state variable `c`; there are: a, b");
+        assert_eq!(problem("a = 1"), "`=` does not compare; there are: <, <=, >, >=");
+        assert_eq!(problem("a > NaN"), "`NaN` is no number");
+    }
+}

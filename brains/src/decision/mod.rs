@@ -1,0 +1,22 @@
+//! Which behaviour is to have the motors: decision-making, Wahde 2016, Chapter 8.
+//!
+//! All methods here are of arbitration (Section 8.1.1): exactly one motor behaviour is active.
+//!
+//! | method | decides | from |
+//! |---|---|---|
+//! | [`utility`] | by the greatest of utilities that follow the state variables | Section 8.2 |
+//! | [`machine`] | by transitions between behaviours | a finite-state machine, as in Section 5.3 |
+//! | [`layers`] | the first layer whose condition holds | Brooks's subsumption, at its simplest |
+//! | [`tree`] | by a behaviour tree | the field's today, by the crate `bonsai-bt` |
+
+pub mod condition;
+pub mod layers;
+pub mod machine;
+pub mod tree;
+pub mod utility;
+
+pub use condition::Condition;
+pub use layers::Layers;
+pub use machine::{Machine, Transition};
+pub use tree::{Node, Tree};
+pub use utility::{Utility, UtilityFunction};

@@ -1,0 +1,114 @@
+//! Brains described in TOML: repertoire, state variables, utilities, parameters.
+//!
+//! ```toml
+//! [state_variables.front]
+//! of = ["ir_left", "ir_right"]        # sensors, or parts of them: "odometer.x_m"
+//! by = "max"                          # or "min", "sum" with weights, "network" with layers
+//!
+//! [motor.stroll]
+//! kind = "wander"                     # docs/brains.md lists the kinds
+//! parameters = { forward = 0.4 }
+//! utility = { bias = 0.2 }
+//!
+//! [motor.turn_away]
+//! kind = "turn_away"
+//! utility = { bias = -0.3, weights = { front = 3.0 } }
+//! ```
+//!
+//! A description is read in two steps: [`Description::parse`] needs nothing but the text, [`Description::brain`] a robot's body
+//! and a [`Registry`]. All that is wrong is said with its path: `motor.turn_away.utility.weights: there is no state variable
+//! `frnt`; there are: front`.
+
+mod build;
+mod raw;
+
+use baudbot_client::Body;
+use toml::{Table, Value};
+
+use crate::composed::Composed;
+use crate::registry::Registry;
+use raw::Raw;
+
+/// A brain as a text describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    raw: Raw,
+}
+
+/// What is wrong with a description, with its path in the text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{problem}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
+pub struct DescriptionError {
+    /// Which field, such as `motor.charge.parameters`; empty if it is not one field's.
+    pub path: String,
+    /// What is wrong with it, and what would be right.
+    pub problem: String,
+}
+
+impl DescriptionError {
+    pub(super) fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { path: path.into(), problem: problem.into() }
+    }
+}
+
+impl Description {
+    /// Reads a description.
+    ///
+    /// # Errors
+    /// What is wrong with it, without any robot.
+    pub fn parse(toml: &str) -> Result<Self, DescriptionError> {
+        Self::with_settings(toml, &[])
+    }
+
+    /// Reads a description with some of its numbers set to others: paths such as `motor.stroll.utility.bias`, which need not
+    /// stand in the text yet. Tables on the way are made if they are not there.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse), and if a path leads through something that is no table.
+    pub fn with_settings(toml: &str, settings: &[(String, f64)]) -> Result<Self, DescriptionError> {
+        let table: Result<Table, _> = toml.parse();
+        let mut table = table.map_err(|error| DescriptionError::new("", error.to_string().trim_end()))?;
+        for (path, value) in settings {
+            set(&mut table, path, *value)?;
+        }
+        let raw: Result<Raw, _> = serde_path_to_error::deserialize(table);
+        let raw = raw.map_err(|error| {
+            let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
+            DescriptionError::new(if path == "." { "" } else { &path }, problem)
+        })?;
+        raw.check()?;
+        Ok(Self { raw })
+    }
+
+    /// What it says of itself.
+    pub fn summary(&self) -> &str {
+        &self.raw.description
+    }
+
+    /// The brain, for a robot with this body. `seed` chooses its random numbers.
+    ///
+    /// # Errors
+    /// If it names sensors or kinds of processes that are not there, or parameters that these do not have.
+    pub fn brain(&self, seed: u64, body: &Body, registry: &Registry) -> Result<Composed, DescriptionError> {
+        build::brain(&self.raw, seed, body, registry)
+    }
+}
+
+/// Sets a number in a table of tables and arrays.
+fn set(table: &mut Table, path: &str, value: f64) -> Result<(), DescriptionError> {
+    let mut steps: Vec<_> = path.split('.').collect();
+    let last = steps.pop().unwrap_or_default();
+    let mut place = table;
+    for step in steps {
+        let next = place.entry(step).or_insert_with(|| Value::Table(Table::new()));
+        let Value::Table(next) = next else {
+            return Err(DescriptionError::new(path, format!("`{step}` is no table that could have parts")));
+        };
+        place = next;
+    }
+    place.insert(last.to_owned(), Value::Float(value));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! A description as it stands in the text.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Table;
+
+use super::DescriptionError;
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Raw {
+    #[serde(default)]
+    pub(super) description: String,
+    #[serde(default)]
+    pub(super) state_variables: BTreeMap<String, RawVariable>,
+    #[serde(default)]
+    pub(super) motor: BTreeMap<String, RawProcess>,
+    #[serde(default)]
+    pub(super) cognitive: BTreeMap<String, RawProcess>,
+    #[serde(default)]
+    pub(super) decision: RawDecision,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawVariable {
+    pub(super) of: Vec<String>,
+    pub(super) by: By,
+    pub(super) weights: Option<Vec<f64>>,
+    pub(super) network: Option<Vec<Vec<Vec<f64>>>>,
+    pub(super) stale_s: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum By {
+    Sum,
+    Min,
+    Max,
+    Network,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawProcess {
+    pub(super) kind: String,
+    #[serde(default)]
+    pub(super) parameters: Table,
+    #[serde(default)]
+    pub(super) utility: RawUtility,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct RawUtility {
+    pub(super) tau_s: f64,
+    pub(super) bias: f64,
+    pub(super) slope: f64,
+    pub(super) weights: BTreeMap<String, f64>,
+    pub(super) gamma_tau_s: f64,
+}
+
+impl Default for RawUtility {
+    fn default() -> Self {
+        Self { tau_s: 0.1, bias: 0.0, slope: 1.0, weights: BTreeMap::new(), gamma_tau_s: 0.3 }
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(tag = "method", rename_all = "lowercase", deny_unknown_fields)]
+pub(super) enum RawDecision {
+    #[default]
+    Utility,
+    Machine {
+        start: String,
+        #[serde(default)]
+        transitions: Vec<RawTransition>,
+    },
+    Layers {
+        layers: Vec<RawLayer>,
+        base: String,
+    },
+    Tree {
+        start: String,
+        root: RawNode,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTransition {
+    pub(super) from: Option<String>,
+    pub(super) to: String,
+    pub(super) when: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLayer {
+    pub(super) behavior: String,
+    pub(super) when: Vec<String>,
+}
+
+/// A text is a behaviour's name, or a condition if there are spaces in it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "must be a behaviour, a condition, { select = […] }, { sequence = […] } or { invert = … }"
+)]
+pub(super) enum RawNode {
+    Leaf(String),
+    Select { select: Vec<Self> },
+    Sequence { sequence: Vec<Self> },
+    Invert { invert: Box<Self> },
+}
+
+impl Raw {
+    /// What can be said without a robot.
+    pub(super) fn check(&self) -> Result<(), DescriptionError> {
+        if self.motor.is_empty() {
+            return Err(DescriptionError::new(
+                "motor",
+                "has no behaviour; a brain needs one, such as [motor.stand]",
+            ));
+        }
+        for (name, variable) in &self.state_variables {
+            variable.check(&format!("state_variables.{name}"))?;
+        }
+        for (table, processes) in [("motor", &self.motor), ("cognitive", &self.cognitive)] {
+            for (name, process) in processes {
+                if table == "cognitive" && self.motor.contains_key(name) {
+                    let problem = "a motor behaviour has this name already";
+                    return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
+                }
+                process.utility.check(&format!("{table}.{name}.utility"), self)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RawVariable {
+    fn check(&self, path: &str) -> Result<(), DescriptionError> {
+        let problem =
+            |field: &str, problem: &str| Err(DescriptionError::new(format!("{path}.{field}"), problem));
+        if self.of.is_empty() {
+            return problem("of", "names no sensor");
+        }
+        match (self.by, &self.weights, &self.network) {
+            (By::Sum, None, _) => problem("weights", "a sum needs a weight for each value"),
+            (By::Network, _, None) => {
+                problem("network", "a network needs layers of neurons: [[[0.5, -0.5, 0.1]]]")
+            }
+            (by, Some(_), _) if by != By::Sum => problem("weights", "only a sum has weights"),
+            (by, _, Some(_)) if by != By::Network => problem("network", "only by = \"network\" has one"),
+            _ if self.stale_s.is_some_and(|stale_s| !(stale_s.is_finite() && stale_s > 0.0)) => {
+                problem("stale_s", "must be positive")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl RawUtility {
+    fn check(&self, path: &str, raw: &Raw) -> Result<(), DescriptionError> {
+        let positive = [("tau_s", self.tau_s), ("slope", self.slope), ("gamma_tau_s", self.gamma_tau_s)];
+        if let Some((field, value)) =
+            positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0))
+        {
+            return Err(DescriptionError::new(
+                format!("{path}.{field}"),
+                format!("must be positive, is {value}"),
+            ));
+        }
+        if !self.bias.is_finite() {
+            return Err(DescriptionError::new(
+                format!("{path}.bias"),
+                format!("must be finite, is {}", self.bias),
+            ));
+        }
+        for (variable, weight) in &self.weights {
+            let path = || format!("{path}.weights.{variable}");
+            if !raw.state_variables.contains_key(variable) {
+                let known: Vec<_> = raw.state_variables.keys().map(String::as_str).collect();
+                let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+                let problem = format!("there is no state variable `{variable}`; there are: {known}");
+                return Err(DescriptionError::new(path(), problem));
+            }
+            if !weight.is_finite() {
+                return Err(DescriptionError::new(path(), format!("must be finite, is {weight}")));
+            }
+        }
+        Ok(())
+    }
+}

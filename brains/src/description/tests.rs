@@ -1,0 +1,196 @@
+//! What descriptions say, and what is wrong with some.
+
+use baudbot_client::{Body, Brain, Signals};
+use serde::Deserialize;
+
+use super::*;
+use crate::process::{Moment, MotorBehavior};
+use crate::test_body::{body, turn};
+
+const REPERTOIRE: &str = r#"
+[state_variables.near]
+of = ["ir_left", "ir_right"]
+by = "max"
+
+[motor.stroll]
+kind = "constant"
+parameters = { left = 0.5, right = 0.5 }
+utility = { bias = 0.2 }
+
+[motor.turn]
+kind = "turn_away"
+parameters = { turn = 0.3 }
+utility = { bias = -0.5, weights = { near = 3.0 } }
+"#;
+
+fn eyes() -> Body {
+    body(&[("ir_left", "ir", 0.7), ("ir_right", "ir", -0.7)])
+}
+
+/// The behaviour that is active after 1 s of each of these readings of both sensors, and the signals in force.
+fn course(toml: &str, readings: &[[f64; 2]]) -> Vec<(String, Signals)> {
+    let body = eyes();
+    let mut brain = Description::parse(toml).unwrap().brain(1, &body, &Registry::standard()).unwrap();
+    let (mut at_ns, mut signals, mut course) = (0, Signals::default(), Vec::new());
+    for [left, right] in readings {
+        for _ in 0..100 {
+            let action = brain.step(&turn(&body, at_ns, &[Some(&[*left]), Some(&[*right])]));
+            signals = action.signals.unwrap_or(signals);
+            at_ns += 10_000_000;
+        }
+        course.push((brain.active().unwrap().to_owned(), signals));
+    }
+    course
+}
+
+fn named(course: &[(String, Signals)]) -> Vec<&str> {
+    course.iter().map(|(name, _)| name.as_str()).collect()
+}
+
+#[test]
+fn the_behaviour_with_the_greatest_utility_has_the_motors() {
+    let course = course(REPERTOIRE, &[[0.0, 0.0], [0.1, 0.4], [0.0, 0.0], [0.4, 0.1]]);
+    assert_eq!(named(&course), ["stroll", "turn", "stroll", "turn"]);
+    assert_eq!(course[0].1, Signals { left: 0.5, right: 0.5 });
+    // Away from the nearer side.
+    assert_eq!(course[1].1, Signals { left: -0.3, right: 0.3 });
+    assert_eq!(course[3].1, Signals { left: 0.3, right: -0.3 });
+}
+
+#[test]
+fn the_same_repertoire_decides_alike_by_a_machine_by_layers_and_by_a_tree() {
+    let machine = r#"
+[decision]
+method = "machine"
+start = "stroll"
+transitions = [
+    { from = "stroll", to = "turn", when = ["near > 0.2"] },
+    { from = "turn", to = "stroll", when = ["near < 0.2"] },
+]"#;
+    let layers = r#"
+[decision]
+method = "layers"
+layers = [{ behavior = "turn", when = ["near > 0.2"] }]
+base = "stroll""#;
+    let tree = r#"
+[decision]
+method = "tree"
+start = "stroll"
+root = { select = [{ sequence = ["near > 0.2", "turn"] }, "stroll"] }"#;
+    let readings = [[0.0, 0.0], [0.1, 0.4], [0.3, 0.0], [0.0, 0.0], [0.4, 0.1]];
+    let by_utility = course(REPERTOIRE, &readings);
+    for decision in [machine, layers, tree] {
+        assert_eq!(course(&format!("{REPERTOIRE}{decision}"), &readings), by_utility, "{decision}");
+    }
+}
+
+/// Turns on the spot; an own behaviour of somebody who uses this crate.
+struct Spin(f64);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpinParameters {
+    turn: f64,
+}
+
+impl MotorBehavior for Spin {
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        moment.set_gamma("stroll", -9.0);
+        Some(Signals { left: -self.0, right: self.0 })
+    }
+}
+
+#[test]
+fn an_own_behaviour_is_named_like_any_other_and_can_set_gammas() {
+    let mut registry = Registry::standard();
+    registry.motor("spin", |parameters: SpinParameters, _| Ok(Spin(parameters.turn)));
+    let spin = "[motor.spin]\nkind = \"spin\"\nparameters = { turn = 0.2 }\nutility = { bias = 0.3 }";
+    let body = eyes();
+    let description = Description::parse(&format!("{REPERTOIRE}{spin}")).unwrap();
+    let mut brain = description.brain(1, &body, &registry).unwrap();
+    for step in 0..200 {
+        brain.step(&turn(&body, step * 10_000_000, &[None, None]));
+    }
+    assert_eq!(brain.active(), Some("spin"));
+    let stroll = brain.utilities().find(|(name, ..)| *name == "stroll").unwrap().1;
+    assert!(stroll < -0.99, "{stroll}");
+    let belief = brain.belief().unwrap();
+    assert_eq!(belief.state, "spin");
+    assert_eq!(belief.utilities.iter().filter(|utility| utility.active).count(), 1);
+}
+
+#[test]
+fn any_brain_is_a_behaviour() {
+    let toml = "[motor.stroll]\nkind = \"wander\"\nparameters = { forward = 0.25 }";
+    assert_eq!(course(toml, &[[0.0, 0.0]]).len(), 1);
+    let brain =
+        Description::parse("[motor.stroll]\nkind = \"wander\"\nparameters = { forwards = 0.25 }").unwrap();
+    let problem = brain.brain(1, &eyes(), &Registry::standard()).err().unwrap().to_string();
+    assert!(
+        problem.starts_with(
+            "motor.stroll.parameters: brain `wander` has no parameter `forwards`; it has: forward,"
+        ),
+        "{problem}"
+    );
+}
+
+#[test]
+fn numbers_are_set_from_outside() {
+    let settings =
+        [("motor.turn.utility.bias".to_owned(), -9.0), ("motor.stroll.parameters.left".to_owned(), 0.1)];
+    let description = Description::with_settings(REPERTOIRE, &settings).unwrap();
+    let body = eyes();
+    let mut brain = description.brain(1, &body, &Registry::standard()).unwrap();
+    let action = brain.step(&turn(&body, 0, &[Some(&[1.0]), Some(&[1.0])]));
+    assert_eq!(action.signals, Some(Signals { left: 0.1, right: 0.5 }));
+    let through = [("motor.turn.kind.x".to_owned(), 1.0)];
+    let problem = Description::with_settings(REPERTOIRE, &through).unwrap_err().to_string();
+    assert_eq!(problem, "motor.turn.kind.x: `kind` is no table that could have parts");
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_path() {
+    let problem = |from: &str, to: &str| {
+        let text = REPERTOIRE.replace(from, to);
+        assert_ne!(text, REPERTOIRE);
+        match Description::parse(&text) {
+            Err(error) => error.to_string(),
+            Ok(description) => {
+                description.brain(1, &eyes(), &Registry::standard()).err().expect("a problem").to_string()
+            }
+        }
+    };
+    let whole = |text: &str| Description::parse(text).unwrap_err().to_string();
+    assert_eq!(whole(""), "motor: has no behaviour; a brain needs one, such as [motor.stand]");
+    assert!(whole("motor = 1").starts_with("motor: invalid type: integer `1`"), "{}", whole("motor = 1"));
+    assert!(whole("[motor.x").contains("line 1"), "{}", whole("[motor.x"));
+    assert_eq!(
+        problem("{ near =", "{ nar ="),
+        "motor.turn.utility.weights.nar: there is no state variable `nar`; there are: near"
+    );
+    assert_eq!(
+        problem("\"ir_right\"]", "\"ir_rear\"]"),
+        "state_variables.near.of[1]: there is no sensor `ir_rear`; there are: ir_left, ir_right"
+    );
+    assert_eq!(
+        problem("by = \"max\"", "by = \"sum\""),
+        "state_variables.near.weights: a sum needs a weight for each value"
+    );
+    assert_eq!(
+        problem("by = \"max\"", "by = \"sum\"\nweights = [1.0]"),
+        "state_variables.near.weights: there are 1, and the values are 2"
+    );
+    assert!(
+        problem("\"turn_away\"", "\"turn_off\"")
+            .starts_with("motor.turn.kind: there is no kind `turn_off`; there are: avoid, charge, constant"),
+    );
+    assert_eq!(
+        problem("turn = 0.3", "turm = 0.3"),
+        "motor.turn.parameters: turm: unknown field `turm`, expected `turn` or `field_rad`"
+    );
+    assert_eq!(problem("bias = 0.2", "tau_s = 0.0"), "motor.stroll.utility.tau_s: must be positive, is 0");
+    let machine = "[decision]\nmethod = \"layers\"\nbase = \"stroll\"\nlayers = [{ behavior = \"turn\", when = [\"near\"] }]";
+    let description = Description::parse(&format!("{REPERTOIRE}{machine}")).unwrap();
+    let error = description.brain(1, &eyes(), &Registry::standard()).err().unwrap();
+    assert_eq!(error.to_string(), "decision.layers[0].when[0]: `near` is no condition such as `near > 0.5`");
+}

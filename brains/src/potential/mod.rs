@@ -1,0 +1,7 @@
+//! Potential field navigation: Wahde 2016, Section 6.2.2, Eqs. (6.1) to (6.7).
+
+pub mod behavior;
+pub mod field;
+
+pub use behavior::PotentialField;
+pub use field::{Field, Potential};

@@ -1,0 +1,78 @@
+//! The processes of a brain, as Wahde 2016 has them in GPRBS (Sections 5.2 and 8.1): **motor behaviours**, of which exactly
+//! one at a time has the motors, and **cognitive processes**, which use no motors and of which any number is active.
+//!
+//! A process is entered when it is activated, does a step in each turn of the brain while it is active, and is left when it
+//! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
+//! reads that.
+
+use baudbot_client::{Signals, Turn};
+use baudbot_geometry::{Point, Pose};
+
+/// What processes know in a step.
+#[derive(Debug)]
+pub struct Moment<'a> {
+    /// What has come over the cable.
+    pub turn: &'a Turn,
+    /// Since the brain's last step, in seconds.
+    pub dt_s: f64,
+    /// The state variables z, in the order of their description.
+    pub state: &'a [f64],
+    /// What the brain believes. Processes write it for each other.
+    pub beliefs: &'a mut Beliefs,
+    /// Gamma parameters that are set in this step: the name of a process, and its Γ.
+    pub gammas: &'a mut Vec<(String, f64)>,
+}
+
+impl Moment<'_> {
+    /// Sets the Γ of a process, of (8.4): a large positive one activates it soon, a large negative one stops it. It falls
+    /// off by itself. Methods of decision that know no utilities do not heed it.
+    pub fn set_gamma(&mut self, process: &str, gamma: f64) {
+        self.gammas.push((process.to_owned(), gamma));
+    }
+}
+
+/// What a brain believes, in a frame of its own in which it was at (0, 0, 0) at the start unless it knows better.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beliefs {
+    /// Where the robot is: `world_from_robot`.
+    pub pose: Option<Estimate>,
+    /// Where it means to go next, in metres.
+    pub path: Vec<Point>,
+    /// What a behaviour is about, in a few words, for people who look.
+    pub intention: String,
+}
+
+/// A pose, and how sure it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// `world_from_robot`.
+    pub pose: Pose,
+    /// Covariance of x and y: xx, xy and yy, in square metres; `None` if nobody knows.
+    pub covariance_m2: Option<[f64; 3]>,
+    /// It is that of this instant, in nanoseconds.
+    pub at_ns: u64,
+}
+
+/// A process that drives.
+pub trait MotorBehavior: Send {
+    /// It is activated.
+    fn enter(&mut self, _: &mut Moment<'_>) {}
+
+    /// One step. `None` leaves the motors as they are.
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals>;
+
+    /// Another is activated instead.
+    fn leave(&mut self, _: &mut Moment<'_>) {}
+}
+
+/// A process that does not drive.
+pub trait CognitiveProcess: Send {
+    /// It is activated.
+    fn enter(&mut self, _: &mut Moment<'_>) {}
+
+    /// One step.
+    fn step(&mut self, moment: &mut Moment<'_>);
+
+    /// It is active no longer.
+    fn leave(&mut self, _: &mut Moment<'_>) {}
+}

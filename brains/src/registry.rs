@@ -1,0 +1,140 @@
+//! Kinds of processes by name: what a [description](crate::description) may name.
+//!
+//! [`Registry::standard`] has all of this crate's; a program adds its own with [`motor`](Registry::motor) and
+//! [`cognitive`](Registry::cognitive), and then reads descriptions that name them.
+
+use std::collections::BTreeMap;
+
+use baudbot_client::Body;
+use serde::de::DeserializeOwned;
+use toml::Table;
+
+use crate::behavior::whole::Whole;
+use crate::catalogue;
+use crate::chance::Chance;
+use crate::process::{CognitiveProcess, MotorBehavior};
+
+/// What a process is made from.
+pub struct Kit<'a> {
+    /// Its name in the repertoire.
+    pub name: &'a str,
+    /// The robot's body.
+    pub body: &'a Body,
+    /// Chooses the brain's random numbers.
+    pub seed: u64,
+}
+
+impl Kit<'_> {
+    /// Random numbers of the process's own.
+    pub fn chance(&self) -> Chance {
+        Chance::new(self.seed, &format!("{}/{}", self.body.name, self.name))
+    }
+}
+
+type Make<P> = Box<dyn Fn(Table, Kit<'_>) -> Result<Box<P>, String> + Send + Sync>;
+
+/// Kinds of motor behaviours and of cognitive processes.
+#[derive(Default)]
+pub struct Registry {
+    motors: BTreeMap<&'static str, Make<dyn MotorBehavior>>,
+    cognitives: BTreeMap<&'static str, Make<dyn CognitiveProcess>>,
+}
+
+impl Registry {
+    /// Without any.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a kind of motor behaviour. `make` gets its parameters as they are in the description, with defaults where those
+    /// have any, and says in words why it cannot be made: `range_m: must be positive, is -1`.
+    pub fn motor<P, B>(&mut self, kind: &'static str, make: fn(P, Kit<'_>) -> Result<B, String>) -> &mut Self
+    where
+        P: DeserializeOwned + 'static,
+        B: MotorBehavior + 'static,
+    {
+        let make =
+            move |table, kit: Kit<'_>| Ok(Box::new(make(read(table)?, kit)?) as Box<dyn MotorBehavior>);
+        self.motors.insert(kind, Box::new(make));
+        self
+    }
+
+    /// Adds all brains of the [catalogue](crate::catalogue) as motor behaviours, by their names.
+    pub(crate) fn brains(&mut self) -> &mut Self {
+        for name in catalogue::kinds() {
+            let make = move |table, kit: Kit<'_>| {
+                let settings: BTreeMap<String, f64> = read(table)?;
+                let settings: Vec<_> =
+                    settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+                let description = format!("{name}:{}", settings.join(","));
+                let brain =
+                    catalogue::brain(&description, kit.seed, kit.body).map_err(|error| error.to_string())?;
+                Ok(Box::new(Whole(brain)) as Box<dyn MotorBehavior>)
+            };
+            self.motors.insert(name, Box::new(make));
+        }
+        self
+    }
+
+    /// Adds a kind of cognitive process.
+    pub fn cognitive<P, C>(
+        &mut self,
+        kind: &'static str,
+        make: fn(P, Kit<'_>) -> Result<C, String>,
+    ) -> &mut Self
+    where
+        P: DeserializeOwned + 'static,
+        C: CognitiveProcess + 'static,
+    {
+        let make =
+            move |table, kit: Kit<'_>| Ok(Box::new(make(read(table)?, kit)?) as Box<dyn CognitiveProcess>);
+        self.cognitives.insert(kind, Box::new(make));
+        self
+    }
+
+    /// Kinds of motor behaviours, in order.
+    pub fn motors(&self) -> impl Iterator<Item = &'static str> {
+        self.motors.keys().copied()
+    }
+
+    /// Kinds of cognitive processes, in order.
+    pub fn cognitives(&self) -> impl Iterator<Item = &'static str> {
+        self.cognitives.keys().copied()
+    }
+
+    pub(crate) fn make_motor(
+        &self,
+        kind: &str,
+        table: Table,
+        kit: Kit<'_>,
+    ) -> Result<Box<dyn MotorBehavior>, Unmade> {
+        let make = self.motors.get(kind).ok_or_else(|| Unmade::Kind(self.motors().collect()))?;
+        make(table, kit).map_err(Unmade::Parameters)
+    }
+
+    pub(crate) fn make_cognitive(
+        &self,
+        kind: &str,
+        table: Table,
+        kit: Kit<'_>,
+    ) -> Result<Box<dyn CognitiveProcess>, Unmade> {
+        let make = self.cognitives.get(kind).ok_or_else(|| Unmade::Kind(self.cognitives().collect()))?;
+        make(table, kit).map_err(Unmade::Parameters)
+    }
+}
+
+/// Why there is no such process.
+pub(crate) enum Unmade {
+    /// There is no such kind, but these.
+    Kind(Vec<&'static str>),
+    /// What is wrong with its parameters.
+    Parameters(String),
+}
+
+/// Parameters, by name.
+fn read<P: DeserializeOwned>(table: Table) -> Result<P, String> {
+    serde_path_to_error::deserialize(table).map_err(|error| {
+        let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
+        if path == "." { problem } else { format!("{path}: {problem}") }
+    })
+}

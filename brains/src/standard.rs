@@ -1,0 +1,30 @@
+//! The kinds of processes that this crate has, besides its brains.
+
+use crate::behavior::charge::Charge;
+use crate::behavior::follow_wall::FollowWall;
+use crate::behavior::go_to::GoTo;
+use crate::behavior::taxis::Taxis;
+use crate::behavior::turn_away::TurnAway;
+use crate::behavior::{go_to, taxis};
+use crate::cognition::odometer::{self, Odometer};
+use crate::potential::PotentialField;
+use crate::registry::Registry;
+
+impl Registry {
+    /// All kinds of this crate.
+    pub fn standard() -> Self {
+        let mut registry = Self::new();
+        registry
+            .brains()
+            .motor("charge", |parameters, kit| Charge::new(kit.name, parameters, kit.body))
+            .motor("follow_wall", |parameters, kit| FollowWall::new(parameters, kit.body))
+            .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
+            .motor("potential_field", |parameters, _| PotentialField::new(parameters))
+            .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
+            .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
+            .cognitive("odometer", |parameters: odometer::Parameters, kit| {
+                Odometer::new(&parameters, kit.body)
+            });
+        registry
+    }
+}

@@ -1,0 +1,43 @@
+//! The floor-sweeping robot of Section 8.2: a brain of behaviours and utilities, through its cable.
+
+use baudbot_tests::{Pair, scenario};
+
+const SWEEPER: &str = include_str!("../../scenarios/sweeper.toml");
+
+/// The scenario with this seed, for so long, or until the battery is empty.
+fn sweep(brain: &str, seed: u64, minutes: u64) -> Pair {
+    let mut pair = Pair::new(scenario(SWEEPER, &[&format!("seed={seed}")]), brain).unwrap();
+    pair.run(minutes * 6000);
+    pair
+}
+
+fn never_runs_empty(seeds: std::ops::RangeInclusive<u64>, minutes: u64) {
+    for seed in seeds {
+        let pair = sweep("sweeper", seed, minutes);
+        let world = &pair.world;
+        // The hour is over, or it goes on.
+        let ending = world.ending().map(ToString::to_string).unwrap_or_default();
+        assert!(!ending.contains("battery"), "seed {seed}: {ending}");
+        let covered = world.score().covered(world.scenario().rules()).expect("it is counted");
+        assert!(covered > 0.6, "seed {seed}: {covered}");
+    }
+}
+
+#[test]
+fn it_sweeps_and_charges_in_time() {
+    never_runs_empty(1..=3, 25);
+}
+
+/// `cargo test --release -p baudbot-tests --test sweeper -- --ignored`
+#[test]
+#[ignore = "takes a minute"]
+fn it_never_runs_empty_in_an_hour() {
+    never_runs_empty(1..=10, 60);
+}
+
+#[test]
+fn who_never_goes_to_the_charger_runs_empty() {
+    let pair = sweep("sweeper:motor.charge.utility.bias=-2.0", 1, 60);
+    let ending = pair.world.ending().map(ToString::to_string).expect("it runs empty");
+    assert!(ending.contains("battery"), "{ending}");
+}
