@@ -1,5 +1,6 @@
 //! A brain's random numbers.
 
+use baudbot_geometry::normal;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -17,6 +18,12 @@ impl Chance {
     /// Uniform in [0, 1), with 53 random bits.
     pub fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normal, with mean 0 and standard deviation 1.
+    pub fn normal(&mut self) -> f64 {
+        let u = self.uniform();
+        normal::deviate(u, self.uniform())
     }
 
     /// True with this probability.
@@ -47,5 +54,16 @@ mod tests {
     fn numbers_stay_the_same_between_versions() {
         let mut chance = Chance::new(7, "alice/wander");
         assert_eq!([chance.uniform(), chance.uniform()], [0.5728946248146071, 0.7520619467720493]);
+    }
+
+    #[test]
+    fn normal_numbers_have_mean_0_and_variance_1() {
+        let mut chance = Chance::new(1, "bell");
+        let draws: Vec<_> = (0..20_000).map(|_| chance.normal()).collect();
+        let mean = |power| draws.iter().map(|draw: &f64| draw.powi(power)).sum::<f64>() / 20_000.0;
+        // Five standard errors: of the mean 1, of the square √2, of the fourth power √96, each over √20,000.
+        assert!(mean(1).abs() < 0.036, "{}", mean(1));
+        assert!((mean(2) - 1.0).abs() < 0.05, "{}", mean(2));
+        assert!((mean(4) - 3.0).abs() < 0.35, "{}", mean(4));
     }
 }

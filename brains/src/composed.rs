@@ -8,6 +8,7 @@ use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Signals, 
 use crate::courier::Courier;
 use crate::decision::utility::{self, Utility};
 use crate::decision::{Layers, Machine, Tree};
+use crate::estimate::Estimate;
 use crate::process::{Beliefs, CognitiveProcess, Moment, MotorBehavior};
 use crate::senses::Senses;
 
@@ -194,11 +195,11 @@ impl Brain for Composed {
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
         };
-        let pose = self.beliefs.pose.map(|estimate| BelievedPose {
-            x_m: estimate.pose.position.x,
-            y_m: estimate.pose.position.y,
-            heading_rad: estimate.pose.heading,
-            covariance_m2: estimate.covariance_m2.map_or_else(Vec::new, |covariance| covariance.to_vec()),
+        let pose = self.beliefs.pose.map(|Estimate { world_from_robot, covariance }| BelievedPose {
+            x_m: world_from_robot.position.x,
+            y_m: world_from_robot.position.y,
+            heading_rad: world_from_robot.heading,
+            covariance_m2: vec![covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
         });
         let utilities = self.utilities().map(|(name, value, active)| baudbot_client::Utility {
             name: name.to_owned(),

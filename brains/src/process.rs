@@ -6,7 +6,10 @@
 //! reads that.
 
 use baudbot_client::{Signals, Turn};
-use baudbot_geometry::{Point, Pose};
+use baudbot_geometry::Point;
+
+use crate::estimate::Estimate;
+use crate::odometry::Odometry;
 
 /// What processes know in a step.
 #[derive(Debug)]
@@ -34,23 +37,14 @@ impl Moment<'_> {
 /// What a brain believes, in a frame of its own in which it was at (0, 0, 0) at the start unless it knows better.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beliefs {
-    /// Where the robot is: `world_from_robot`.
+    /// Where the robot is.
     pub pose: Option<Estimate>,
+    /// How it came there. Who knows better for an earlier instant, by a scan that came late, corrects this.
+    pub odometry: Option<Odometry>,
     /// Where it means to go next, in metres.
     pub path: Vec<Point>,
     /// What a behaviour is about, in a few words, for people who look.
     pub intention: String,
-}
-
-/// A pose, and how sure it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// `world_from_robot`.
-    pub pose: Pose,
-    /// Covariance of x and y: xx, xy and yy, in square metres; `None` if nobody knows.
-    pub covariance_m2: Option<[f64; 3]>,
-    /// It is that of this instant, in nanoseconds.
-    pub at_ns: u64,
 }
 
 /// A process that drives.

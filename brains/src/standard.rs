@@ -6,7 +6,8 @@ use crate::behavior::go_to::GoTo;
 use crate::behavior::taxis::Taxis;
 use crate::behavior::turn_away::TurnAway;
 use crate::behavior::{go_to, taxis};
-use crate::cognition::odometer::{self, Odometer};
+use crate::cognition::localization::{self, Localize};
+use crate::cognition::odometry::{self, CountWheels};
 use crate::potential::PotentialField;
 use crate::registry::Registry;
 
@@ -22,8 +23,11 @@ impl Registry {
             .motor("potential_field", |parameters, _| PotentialField::new(parameters))
             .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
             .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
-            .cognitive("odometer", |parameters: odometer::Parameters, kit| {
-                Odometer::new(&parameters, kit.body)
+            .cognitive("laser_localization", |parameters: localization::Parameters, kit| {
+                Localize::new(&parameters, kit.body, kit.chance())
+            })
+            .cognitive("odometry", |parameters: odometry::Parameters, kit| {
+                CountWheels::new(&parameters, kit.body)
             });
         registry
     }

@@ -79,7 +79,7 @@ impl MotorBehavior for Charge {
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let estimate = moment.beliefs.pose?;
         let p = &self.parameters;
-        let way = self.charger - estimate.pose.position;
+        let way = self.charger - estimate.world_from_robot.position;
         if math::hypot(way.x, way.y) <= p.reached_m {
             let charge = self.battery.first(moment.turn).unwrap_or(0.0);
             moment.set_gamma(&self.name, if charge < p.full { p.stay_gamma } else { 0.0 });
@@ -89,6 +89,6 @@ impl MotorBehavior for Charge {
         }
         moment.beliefs.intention.clear();
         moment.beliefs.path = vec![self.charger];
-        Some(self.helm.signals(&estimate.pose, math::atan2(way.y, way.x), 1.0))
+        Some(self.helm.signals(&estimate.world_from_robot, math::atan2(way.y, way.x), 1.0))
     }
 }

@@ -93,7 +93,7 @@ impl MotorBehavior for GoTo {
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
-        let signals = self.toward(&estimate.pose);
+        let signals = self.toward(&estimate.world_from_robot);
         moment.beliefs.path = self.points.iter().skip(self.next).copied().collect();
         moment.beliefs.intention = if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
         Some(signals)

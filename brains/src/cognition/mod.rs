@@ -1,3 +1,4 @@
 //! Cognitive processes: what a brain makes of its readings without driving.
 
-pub mod odometer;
+pub mod localization;
+pub mod odometry;

@@ -164,7 +164,7 @@ impl Lock {
 impl MotorBehavior for PotentialField {
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
-        let [left, right] = self.wheels(&estimate.pose, moment.turn.at_ns);
+        let [left, right] = self.wheels(&estimate.world_from_robot, moment.turn.at_ns);
         let full_speed_m_s = self.parameters.steering.full_speed_m_s;
         moment.beliefs.path =
             self.waypoints.iter().map(Potential::center).chain([self.parameters.goal.center()]).collect();

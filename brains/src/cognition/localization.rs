@@ -1,0 +1,182 @@
+//! *Laser localization* as a cognitive process: every few seconds a scan is matched with a map, and odometry is corrected for
+//! the instant at which the scan was taken, with all that came after (Section 6.3.1).
+//!
+//! *Deviation*: in the notes it is a motor behaviour, which stops the robot to scan. A robot that is to stop for it has a
+//! behaviour `constant` with a utility that this process's name can raise: it sets Γ of the behaviour that `stop` names before
+//! it is due. Without `stop` scans are taken in motion, and are skewed by it.
+
+use baudbot_client::Body;
+use baudbot_geometry::{Point, Segment};
+use serde::Deserialize;
+
+use crate::Chance;
+use crate::estimate::Estimate;
+use crate::localization::laser::{self, Shrink};
+use crate::localization::refine;
+use crate::localization::{Map, Scan};
+use crate::process::{CognitiveProcess, Moment};
+
+/// What is matched with what.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Walls of the map, `[x, y, x, y]` in metres.
+    pub walls_m: Vec<[f64; 4]>,
+    /// Name of the laser.
+    #[serde(default = "laser_name")]
+    pub laser: String,
+    /// How wide the laser opens, in radians; negative if it sweeps clockwise. No data sheet says it.
+    pub opening_rad: f64,
+    /// Time from one match to the next, in seconds.
+    #[serde(default = "every_s")]
+    pub every_s: f64,
+    /// How a match is searched.
+    #[serde(default)]
+    pub method: Method,
+    /// So many rays are matched at most.
+    #[serde(default = "rays")]
+    pub rays: usize,
+    /// Poses that the notes' search tries at most: N.
+    #[serde(default = "iterations")]
+    pub iterations: usize,
+    /// Name of a behaviour that stands still, which is to be active while the scan is taken.
+    pub stop: Option<String>,
+}
+
+/// How a match is searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// As in the notes: at random around the odometry's pose, Eq. (6.8).
+    Search,
+    /// By least squares on the rays, robustly.
+    #[default]
+    Refine,
+}
+
+fn laser_name() -> String {
+    "laser".to_owned()
+}
+
+fn every_s() -> f64 {
+    5.0
+}
+
+fn rays() -> usize {
+    171
+}
+
+fn iterations() -> usize {
+    300
+}
+
+/// A process that corrects odometry.
+pub struct Localize {
+    parameters: Parameters,
+    map: Map,
+    sensor: usize,
+    chance: Chance,
+    next_ns: u64,
+    /// Since when it wants the robot to stand.
+    stopped_ns: Option<u64>,
+}
+
+impl Localize {
+    /// For a robot with this body; an error if it has no such laser.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(parameters: &Parameters, body: &Body, chance: Chance) -> Result<Self, String> {
+        let sensor =
+            body.sensor_index(&parameters.laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
+        let Some(sensor) = sensor else {
+            return Err(format!("laser: robot `{}` has no laser called `{}`", body.name, parameters.laser));
+        };
+        if !(parameters.every_s.is_finite() && parameters.every_s >= 0.0) {
+            return Err(format!("every_s: must not be negative, is {}", parameters.every_s));
+        }
+        if !(parameters.opening_rad.is_finite() && parameters.opening_rad != 0.0) {
+            return Err(format!("opening_rad: must not be 0, is {}", parameters.opening_rad));
+        }
+        if parameters.rays == 0 {
+            return Err("rays: must be at least 1".to_owned());
+        }
+        let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
+        let walls = parameters.walls_m.iter().map(wall).collect();
+        let map = Map::new(walls, Vec::new()).map_err(|error| format!("walls_m: {error}"))?;
+        let parameters = parameters.clone();
+        Ok(Self { parameters, map, sensor, chance, next_ns: 0, stopped_ns: None })
+    }
+
+    /// The scan that has just come, if one has, and when it was taken. Of a robot that is to stand for it, only one that
+    /// began when it stood.
+    fn scan(&self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
+        let reading = moment.turn.readings.get(self.sensor)?.as_ref().filter(|reading| reading.readable)?;
+        let at_ns = reading.sampled_at_ns.unwrap_or(moment.turn.at_ns);
+        if self.parameters.stop.is_some()
+            && self.stopped_ns.is_none_or(|stopped_ns| at_ns < stopped_ns + SETTLE_NS)
+        {
+            return None;
+        }
+        let sensor = moment.turn.body.sensors.get(self.sensor)?;
+        let scan = Scan::of(sensor, self.parameters.opening_rad, reading)?;
+        Some((at_ns, scan.thinned(self.parameters.rays)))
+    }
+
+    /// Where the robot was when this scan was taken, if the map says so.
+    fn locate(&mut self, scan: &Scan, guess: Estimate) -> Option<Estimate> {
+        match self.parameters.method {
+            Method::Search => {
+                let iterations = self.parameters.iterations;
+                let search =
+                    laser::Parameters { iterations, shrink: Some(Shrink::default()), ..Default::default() };
+                let found =
+                    laser::localize(&self.map, scan, &guess.world_from_robot, &search, &mut self.chance);
+                (found.error < GOOD_ERROR).then(|| Estimate::within(found.world_from_robot, 0.02, 0.01))
+            }
+            Method::Refine => {
+                let unsure = Estimate::within(guess.world_from_robot, 0.05, 0.05);
+                let guess = Estimate { covariance: guess.covariance + unsure.covariance, ..guess };
+                let found = refine::refine(&self.map, scan, &guess, &Default::default(), &mut self.chance);
+                (found.fit > GOOD_FIT).then_some(found.estimate)
+            }
+        }
+    }
+}
+
+impl CognitiveProcess for Localize {
+    fn step(&mut self, moment: &mut Moment<'_>) {
+        let at_ns = moment.turn.at_ns;
+        if at_ns < self.next_ns || moment.beliefs.odometry.is_none() {
+            return;
+        }
+        if let Some(stop) = &self.parameters.stop {
+            self.stopped_ns.get_or_insert(at_ns);
+            moment.set_gamma(stop, STOP_GAMMA);
+        }
+        let Some((taken_ns, scan)) = self.scan(moment) else { return };
+        let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.at(taken_ns));
+        let Some(guess) = guess else { return };
+        let found = self.locate(&scan, guess);
+        if let (Some(estimate), Some(odometry)) = (found, &mut moment.beliefs.odometry) {
+            odometry.correct(taken_ns, estimate);
+            moment.beliefs.pose = Some(odometry.estimate());
+        }
+        // Who has not found itself tries again with the next scan.
+        let pause_s = if found.is_some() { self.parameters.every_s } else { 0.0 };
+        self.next_ns = at_ns + (pause_s * 1e9) as u64;
+        if let Some(stop) = self.parameters.stop.as_ref().filter(|_| found.is_some()) {
+            moment.set_gamma(stop, 0.0);
+            self.stopped_ns = None;
+        }
+    }
+}
+
+/// So long a robot takes to stand still, in nanoseconds.
+const SETTLE_NS: u64 = 500_000_000;
+/// Γ of the behaviour that is to stand still.
+const STOP_GAMMA: f64 = 10.0;
+/// A matching error (6.8) that is greater is none of this map's.
+const GOOD_ERROR: f64 = 0.1;
+/// A part of the rays that is less is none of this map's.
+const GOOD_FIT: f64 = 0.5;

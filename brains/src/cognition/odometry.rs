@@ -1,0 +1,81 @@
+//! The cognitive process *Odometry*: where the robot is, by counting what its wheels do.
+
+use baudbot_client::Body;
+use baudbot_geometry::Pose;
+use serde::Deserialize;
+
+use crate::estimate::Estimate;
+use crate::odometry::{self, Odometry};
+use crate::process::{CognitiveProcess, Moment};
+
+/// What it counts by.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parameters {
+    /// Name of a sensor of kind `encoders` or `odometer`.
+    pub sensor: String,
+    /// Where the robot starts, `[x in m, y in m, heading in rad]`. Without it encoders start at the origin, and an odometer
+    /// where it says.
+    pub start: Option<[f64; 3]>,
+    /// Variance of the error of a wheel's way, in square metres for each metre that it goes.
+    pub variance_m2_per_m: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { sensor: "odometer".to_owned(), start: None, variance_m2_per_m: 1e-4 }
+    }
+}
+
+/// A process that believes its wheels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountWheels {
+    parameters: odometry::Parameters,
+    sensor: String,
+    start: Option<Pose>,
+}
+
+impl CountWheels {
+    /// For a robot with this body; an error if it has no such sensor.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+        let Some(known) = odometry::Parameters::of(body, &parameters.sensor) else {
+            let (robot, sensor) = (&body.name, &parameters.sensor);
+            return Err(format!("sensor: robot `{robot}` has no encoders and no odometer called `{sensor}`"));
+        };
+        let variance_m2_per_m = parameters.variance_m2_per_m;
+        if !(variance_m2_per_m.is_finite() && variance_m2_per_m >= 0.0) {
+            return Err(format!("variance_m2_per_m: must not be negative, is {variance_m2_per_m}"));
+        }
+        let is_odometer = body.sensor(&parameters.sensor).is_some_and(|sensor| sensor.kind == "odometer");
+        let start = parameters.start.map(|[x, y, heading]| Pose::new(x, y, heading));
+        let start = start.or_else(|| (!is_odometer).then(|| Pose::new(0.0, 0.0, 0.0)));
+        let known = odometry::Parameters { variance_m2_per_m, ..known };
+        Ok(Self { parameters: known, sensor: parameters.sensor.clone(), start })
+    }
+
+    /// Where it starts, once that is known.
+    fn start(&self, moment: &Moment<'_>) -> Option<Odometry> {
+        let reading = moment.turn.reading(&self.sensor)?;
+        let at_ns = reading.sampled_at_ns.unwrap_or(moment.turn.at_ns);
+        let said = match *reading.values.as_slice() {
+            [x, y, heading, ..] => Some(Pose::new(x, y, heading)),
+            _ => None,
+        };
+        Some(Odometry::new(self.parameters, at_ns, Estimate::exact(self.start.or(said)?)))
+    }
+}
+
+impl CognitiveProcess for CountWheels {
+    fn step(&mut self, moment: &mut Moment<'_>) {
+        if moment.beliefs.odometry.is_none() {
+            moment.beliefs.odometry = self.start(moment);
+        }
+        if let Some(odometry) = &mut moment.beliefs.odometry {
+            odometry.read(moment.turn, &self.sensor);
+            moment.beliefs.pose = Some(odometry.estimate());
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Where a robot believes it is, and how sure it is of that.
+
+use baudbot_geometry::{Pose, math};
+use nalgebra::{Matrix3, Vector3};
+
+/// A pose with the covariance of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Robot in the world.
+    pub world_from_robot: Pose,
+    /// Of x and y in metres, along the world's axes, and of the heading in radians.
+    pub covariance: Matrix3<f64>,
+}
+
+impl Estimate {
+    /// A pose that is known exactly.
+    #[must_use]
+    pub fn exact(world_from_robot: Pose) -> Self {
+        Self { world_from_robot, covariance: Matrix3::zeros() }
+    }
+
+    /// A pose with these standard deviations along each axis, in metres, and of the heading, in radians.
+    #[must_use]
+    pub fn within(world_from_robot: Pose, sd_m: f64, sd_rad: f64) -> Self {
+        let variances = Vector3::new(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad);
+        Self { world_from_robot, covariance: Matrix3::from_diagonal(&variances) }
+    }
+
+    /// The root of the mean square distance of the true position from the estimated one, in metres.
+    #[must_use]
+    pub fn position_sd_m(&self) -> f64 {
+        math::sqrt(self.covariance[(0, 0)] + self.covariance[(1, 1)])
+    }
+
+    /// The standard deviation of the heading, in radians.
+    #[must_use]
+    pub fn heading_sd_rad(&self) -> f64 {
+        math::sqrt(self.covariance[(2, 2)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deviations_are_those_that_it_was_made_with() {
+        let estimate = Estimate::within(Pose::new(1.0, 2.0, 3.0), 0.3, 0.05);
+        assert!((estimate.position_sd_m() - 0.3 * 2.0_f64.sqrt()).abs() < 1e-15);
+        assert!((estimate.heading_sd_rad() - 0.05).abs() < 1e-15);
+        assert_eq!(Estimate::exact(Pose::new(1.0, 2.0, 3.0)).position_sd_m(), 0.0);
+    }
+}

@@ -1,0 +1,24 @@
+//! Where a robot is in a known map, by its laser. Wahde 2016, §6.3.
+//!
+//! 1. [`scan`] is what the laser saw, [`map`] what it would see from a pose.
+//! 2. [`laser`] is the notes' *Laser localization*: a random search around a guess.
+//! 3. [`refine`] finds the same pose with far fewer virtual scans, and says how sure it is.
+//! 4. [`particles`] follows many poses at once, and finds a robot that is lost.
+//! 5. [`deskew`] mends a scan that was taken while the robot moved.
+//!
+//! Each is given the pose from [`odometry`](crate::odometry), and gives it back better.
+
+pub mod deskew;
+pub mod laser;
+pub mod map;
+pub mod particles;
+pub mod refine;
+pub mod scan;
+
+#[cfg(test)]
+mod test_arena;
+#[cfg(test)]
+mod tracking_tests;
+
+pub use map::{Map, VirtualLaser};
+pub use scan::Scan;

@@ -1,0 +1,231 @@
+//! Dead reckoning: where the wheels have taken the robot. Wahde 2016, §2.1, Eqs. (2.5) to (2.9).
+//!
+//! Between two readings the wheels went l and r metres. With half the track R
+//!
+//! ```text
+//! d = (l + r) / 2    Δφ = (r − l) / 2R    μ = φ + Δφ / 2
+//! x' = x + c cos μ   y' = y + c sin μ     φ' = φ + Δφ      c = d sin(Δφ/2) / (Δφ/2)
+//! ```
+//!
+//! The ways' errors are independent, with variances k |l| and k |r|. With F the derivative of the new pose by
+//! the old one and G that by the ways, the covariance becomes F Σ Fᵀ + G diag(k |l|, k |r|) Gᵀ.
+//!
+//! *Deviations.*
+//!
+//! - The notes leave open how the integrals (2.7) to (2.9) are computed. This is the midpoint rule, but with
+//!   the chord c of the arc in place of its length d. So it is exact if the speeds were constant, however
+//!   long ago the last reading was.
+//! - The notes say that the error grows, not how. G neglects that c differs from d. Only what is independent
+//!   from metre to metre is in k: a wheel that is larger than its data sheet says makes an error of another kind,
+//!   which grows faster, so take k larger than the wheels' noise.
+//!
+//! The scan of a laser arrives late, and says where the robot was when it was taken. Therefore the last
+//! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] mends it, and all that came after.
+
+mod step;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use baudbot_client::{Body, Encoding, Turn};
+use baudbot_geometry::{Pose, math};
+
+use crate::estimate::Estimate;
+use step::Step;
+
+/// What must be known of the wheels, and how much is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Half the distance between the wheels, R of (2.6), in metres.
+    pub half_track_m: f64,
+    /// Way of the left and of the right wheel from one count to the next, in metres.
+    pub m_per_count: [f64; 2],
+    /// Counts after which a counter begins again, a power of 2 on the wire; `None` if it never does.
+    pub modulus: Option<f64>,
+    /// Variance of the error of a wheel's way, in square metres, for each metre that it goes.
+    pub variance_m2_per_m: f64,
+    /// How many past readings are kept, at least 1.
+    pub history: usize,
+}
+
+/// Where the robot is by its wheels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Odometry {
+    parameters: Parameters,
+    /// The newest last; never empty.
+    past: VecDeque<Past>,
+    last: Option<Last>,
+}
+
+/// An instant, the pose at it, and the way that led there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Past {
+    at_ns: u64,
+    step: Step,
+    estimate: Estimate,
+}
+
+/// The last reading, to which the next one is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Last {
+    Counts([f64; 2]),
+    Odometer(Pose),
+}
+
+impl Parameters {
+    /// Those of a body with the encoders of this name, or with the odometer; `None` if there is no such
+    /// sensor, or its data sheet does not say what it counts, as that of a step counter. No data sheet
+    /// says how good the wheels are: here they err by a centimetre after a metre.
+    #[must_use]
+    pub fn of(body: &Body, sensor: &str) -> Option<Self> {
+        let sensor = body.sensor(sensor)?;
+        let counts = if sensor.kind == ODOMETER { 1 } else { sensor.counts_per_turn? };
+        let modulus = match sensor.components.first()?.encoding {
+            Encoding::Counter { bits } => Some((1_u64 << bits.min(32)) as f64),
+            Encoding::Float64 | Encoding::Level { .. } | Encoding::Signed { .. } => None,
+        };
+        Some(Self {
+            half_track_m: body.half_track_m,
+            m_per_count: [TAU * body.wheel_radius_m / f64::from(counts); 2],
+            modulus,
+            variance_m2_per_m: 1e-4,
+            history: 256,
+        })
+    }
+}
+
+impl Odometry {
+    /// Starts with this estimate. Readings are compared with the first one to come.
+    #[must_use]
+    pub fn new(parameters: Parameters, at_ns: u64, start: Estimate) -> Self {
+        let past = VecDeque::from([Past { at_ns, step: Step::default(), estimate: start }]);
+        Self { parameters, past, last: None }
+    }
+
+    /// Takes the reading of this sensor, encoders or an odometer, if the turn brought a new one. Its instant is
+    /// that of its sample, or of the turn if the protocol does not say. Returns whether there was one.
+    pub fn read(&mut self, turn: &Turn, sensor: &str) -> bool {
+        let Some(reading) = turn.reading(sensor).filter(|reading| reading.readable) else { return false };
+        let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
+        let is_odometer = turn.body.sensor(sensor).is_some_and(|sensor| sensor.kind == ODOMETER);
+        if !reading.values.iter().all(|value| value.is_finite()) {
+            return false;
+        }
+        match *reading.values.as_slice() {
+            [x, y, heading, ..] if is_odometer => self.odometer(at_ns, Pose::new(x, y, heading)),
+            [left, right, ..] if !is_odometer => self.encoders(at_ns, [left, right]),
+            _ => return false,
+        }
+        true
+    }
+
+    /// A reading of both encoders, which must know the direction, sampled at this instant. Counts that
+    /// were missed are in the next reading; but between two of them a wheel must not make half the modulus.
+    pub fn encoders(&mut self, at_ns: u64, counts: [f64; 2]) {
+        if let Some(Last::Counts(before)) = self.last.replace(Last::Counts(counts)) {
+            let [left, right] = [0, 1].map(|i| {
+                self.parameters.m_per_count[i] * unwrapped(counts[i] - before[i], self.parameters.modulus)
+            });
+            self.advance(at_ns, Step::of_wheels(left, right, self.parameters.half_track_m));
+        }
+    }
+
+    /// A reading of an odometer, which has its own idea of a world, sampled at this instant. Only its changes
+    /// count.
+    pub fn odometer(&mut self, at_ns: u64, odometer_from_robot: Pose) {
+        if let Some(Last::Odometer(before)) = self.last.replace(Last::Odometer(odometer_from_robot)) {
+            let then_from_now = before.inverse().compose(&odometer_from_robot);
+            self.advance(at_ns, Step::of_motion(then_from_now, self.parameters.half_track_m));
+        }
+    }
+
+    /// Where the robot was at the last reading.
+    #[must_use]
+    pub fn estimate(&self) -> Estimate {
+        self.newest().estimate
+    }
+
+    /// When the last reading was sampled.
+    #[must_use]
+    pub fn at_ns(&self) -> u64 {
+        self.newest().at_ns
+    }
+
+    /// Where the robot was at an earlier instant, `None` if that is forgotten. It is taken to have gone evenly
+    /// between readings, and to stand since the last one.
+    #[must_use]
+    pub fn at(&self, at_ns: u64) -> Option<Estimate> {
+        let after = self.past.partition_point(|past| past.at_ns < at_ns);
+        let Some(next) = self.past.get(after) else { return Some(self.estimate()) };
+        if next.at_ns == at_ns {
+            return Some(next.estimate);
+        }
+        let before = &self.past[after.checked_sub(1)?];
+        let part = next.step.part(fraction(before.at_ns, at_ns, next.at_ns));
+        Some(self.stepped(&before.estimate, &part))
+    }
+
+    /// Replaces the estimate by a better one, and forgets the old.
+    pub fn reset(&mut self, estimate: Estimate) {
+        let at_ns = self.at_ns();
+        self.past.clear();
+        self.past.push_back(Past { at_ns, step: Step::default(), estimate });
+    }
+
+    /// Replaces the estimate of an earlier instant by a better one, and goes again all the way from there.
+    /// Returns false, and changes nothing, if that instant is forgotten.
+    pub fn correct(&mut self, at_ns: u64, estimate: Estimate) -> bool {
+        let after = self.past.partition_point(|past| past.at_ns <= at_ns);
+        let Some(before) = after.checked_sub(1).and_then(|before| self.past.get(before)) else {
+            return false;
+        };
+        let mut again: Vec<_> = self.past.range(after..).copied().collect();
+        if let Some(first) = again.first_mut() {
+            first.step = first.step.rest(fraction(before.at_ns, at_ns, first.at_ns));
+        }
+        self.past.clear();
+        self.past.push_back(Past { at_ns, step: Step::default(), estimate });
+        again.into_iter().for_each(|past| self.advance(past.at_ns, past.step));
+        true
+    }
+
+    fn newest(&self) -> &Past {
+        self.past.back().expect("the past begins with the start and is never emptied")
+    }
+
+    /// Goes one step. One that is not newer than the last moves the robot, but not time.
+    fn advance(&mut self, at_ns: u64, step: Step) {
+        let newest = *self.newest();
+        let estimate = self.stepped(&newest.estimate, &step);
+        if at_ns <= newest.at_ns {
+            let last = self.past.len() - 1;
+            let step = newest.step.then(&step);
+            self.past[last] = Past { at_ns: newest.at_ns, step, estimate };
+            return;
+        }
+        // One more than the readings: the first is where they start from.
+        while self.past.len() > self.parameters.history.max(1) {
+            self.past.pop_front();
+        }
+        self.past.push_back(Past { at_ns, step, estimate });
+    }
+
+    fn stepped(&self, estimate: &Estimate, step: &Step) -> Estimate {
+        step.apply(estimate, self.parameters.half_track_m, self.parameters.variance_m2_per_m)
+    }
+}
+
+/// The difference of two counts, the shorter way around.
+fn unwrapped(difference: f64, modulus: Option<f64>) -> f64 {
+    modulus.map_or(difference, |modulus| math::remainder(difference, modulus))
+}
+
+/// Which part of the time between two instants has gone at a third.
+fn fraction(from_ns: u64, at_ns: u64, to_ns: u64) -> f64 {
+    at_ns.saturating_sub(from_ns) as f64 / to_ns.saturating_sub(from_ns).max(1) as f64
+}
+
+/// The kind of sensor that says x, y and heading.
+const ODOMETER: &str = "odometer";
