@@ -20,15 +20,15 @@ impl Chance {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Normal, with mean 0 and standard deviation 1.
-    pub fn normal(&mut self) -> f64 {
-        let u = self.uniform();
-        normal::deviate(u, self.uniform())
-    }
-
     /// True with this probability.
     pub fn happens(&mut self, probability: f64) -> bool {
         self.uniform() < probability
+    }
+
+    /// Normal, with mean 0 and standard deviation 1.
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (self.uniform(), self.uniform());
+        normal::deviate(u, v)
     }
 }
 

@@ -23,6 +23,7 @@
 //! # }
 //! ```
 
+pub mod animals;
 pub mod avoid;
 pub mod behavior;
 pub mod catalogue;
@@ -30,11 +31,13 @@ pub mod cognition;
 pub mod composed;
 pub mod constant;
 pub mod decision;
+pub mod decision_theory;
 pub mod description;
 pub mod estimate;
 pub mod localization;
 pub mod navigate;
 pub mod odometry;
+pub mod planning;
 pub mod potential;
 pub mod process;
 pub mod program;

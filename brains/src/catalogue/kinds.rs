@@ -5,6 +5,9 @@ use baudbot_client::{Body, Brain};
 use super::error::CatalogueError;
 use super::nearest::nearest_first;
 use super::{Entry, Setting};
+use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
+use crate::animals::larva::brain::{self as larva, LarvaBrain};
+use crate::animals::woodlice::brain::{self as woodlice, WoodlouseBrain};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 use crate::{Avoid, Constant, Navigate, Wander, avoid, constant, navigate, wander};
@@ -44,6 +47,28 @@ pub(super) const KINDS: &[Kind] = &[
         make: |wish| Ok(Box::new(Constant::new(wish.parameters(constant::PARAMETERS)?))),
     },
     Kind {
+        name: "ecoli",
+        summary: "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
+        settings: || settings(ecoli::PARAMETERS),
+        make: |wish| {
+            let brain = EColiBrain::new(wish.parameters(ecoli::PARAMETERS)?, wish.chance(), wish.body);
+            Ok(Box::new(
+                brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
+            ))
+        },
+    },
+    Kind {
+        name: "larva",
+        summary: "crawls away from light as a fly's larva does, by swinging its head, until it is tired of it",
+        settings: || settings(larva::PARAMETERS),
+        make: |wish| {
+            let brain = LarvaBrain::new(wish.parameters(larva::PARAMETERS)?, wish.chance(), wish.body);
+            Ok(Box::new(
+                brain.ok_or_else(|| wish.lacks("a sensor of kind `light`, `photoresistor` or `field`"))?,
+            ))
+        },
+    },
+    Kind {
         name: "navigate",
         summary: "drives a distance by its odometer and stops",
         settings: || settings(navigate::PARAMETERS),
@@ -60,6 +85,17 @@ pub(super) const KINDS: &[Kind] = &[
         summary: "drives on and turns now and then, blindly and at random",
         settings: || settings(wander::PARAMETERS),
         make: |wish| Ok(Box::new(Wander::new(wish.parameters(wander::PARAMETERS)?, wish.chance()))),
+    },
+    Kind {
+        name: "woodlouse",
+        summary: "is quick where it is dry and slow where it is damp, and so stays where it is damp",
+        settings: || settings(woodlice::PARAMETERS),
+        make: |wish| {
+            let brain = WoodlouseBrain::new(wish.parameters(woodlice::PARAMETERS)?, wish.chance(), wish.body);
+            Ok(Box::new(
+                brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
+            ))
+        },
     },
 ];
 

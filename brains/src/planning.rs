@@ -1,0 +1,53 @@
+//! Ways through a known map: Wahde 2016, §6.2.1.
+//!
+//! A [`Grid`] divides the plane into square cells, free or blocked. On it these find a way from cell to cell:
+//!
+//! | function | finds | from |
+//! |---|---|---|
+//! | [`walk`] | some way, or a dead end | Fig. 6.7, as it is printed |
+//! | [`greedy`] | a way, quickly | §6.2.1, with an open list |
+//! | [`dijkstra`] | a shortest way | Fig. 6.9 |
+//! | [`a_star`] | a shortest way, sooner | named in §6.2.1; Hart, Nilsson and Raphael 1968 |
+//! | [`theta_star`] | a way that may turn by any angle | Nash, Daniel, Koenig and Felner 2007 |
+//!
+//! A [`CellGrid`] covers the free part of a grid with few large convex cells instead, and finds a way that runs
+//! straight on through them: Fig. 6.6.
+//!
+//! ```
+//! use baudbot_brains::planning::{Grid, Heuristic, Moves, a_star};
+//! let sketch = Grid::from_text("S.#.\n..#.\n...T")?;
+//! let plan = a_star(&sketch.grid, sketch.start?, sketch.target?, Moves::EightNoCut, Heuristic::Octile)?;
+//! assert_eq!(plan.cells.len(), 5);
+//! assert!((plan.length_m - (3.0 + 2.0_f64.sqrt())).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod best_first;
+mod cells;
+mod crossing;
+mod funnel;
+mod grid;
+mod heuristic;
+mod inflate;
+mod moves;
+mod plan;
+mod rectangles;
+mod search;
+mod sight;
+mod text;
+mod theta;
+mod walker;
+
+#[cfg(test)]
+mod tests;
+
+pub use cells::{CellGrid, Door, Route};
+pub use grid::{Cell, Grid, GridError};
+pub use heuristic::Heuristic;
+pub use moves::Moves;
+pub use plan::{End, Plan, PlanError};
+pub use search::{a_star, dijkstra, greedy};
+pub use sight::line_of_sight;
+pub use text::Sketch;
+pub use theta::theta_star;
+pub use walker::walk;

@@ -1,0 +1,109 @@
+//! What a search finds, and why it finds nothing.
+
+use std::fmt;
+
+use baudbot_geometry::Point;
+use thiserror::Error;
+
+use super::grid::{Cell, Grid};
+
+/// A way through a grid, and what was looked at to find it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The way from the start to the target, both included: all cells one after the other, but of
+    /// [`theta_star`](super::theta_star) only those where it turns.
+    pub cells: Vec<Cell>,
+    /// Length of the way from cell centre to cell centre, in metres.
+    pub length_m: f64,
+    /// The cells whose neighbours were looked at, in this order, and at last the target.
+    pub expanded: Vec<Cell>,
+    /// The cells that were ever given a cost, in this order: light green in Figs. 6.8 and 6.10.
+    pub touched: Vec<Cell>,
+}
+
+impl Plan {
+    /// The centres of the cells of the way.
+    pub fn points(&self, grid: &Grid) -> Vec<Point> {
+        self.cells.iter().map(|&cell| grid.center(cell)).collect()
+    }
+}
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlanError {
+    /// An end that is not in the grid.
+    #[error("the {end} ({}, {}) is outside of the grid of {columns} columns by {rows} rows", cell.column, cell.row)]
+    Outside {
+        /// Which end.
+        end: End,
+        /// Where it should be.
+        cell: Cell,
+        /// Columns of the grid.
+        columns: usize,
+        /// Rows of the grid.
+        rows: usize,
+    },
+    /// An end, as a point, that is not in the grid.
+    #[error("the {end} ({} m, {} m) is outside of the map", point.x, point.y)]
+    OffMap {
+        /// Which end.
+        end: End,
+        /// Where it should be.
+        point: Point,
+    },
+    /// An end in a wall, or too near to one.
+    #[error("the {end} is in the blocked cell ({}, {})", cell.column, cell.row)]
+    Blocked {
+        /// Which end.
+        end: End,
+        /// Its cell.
+        cell: Cell,
+    },
+    /// Walls part the ends.
+    #[error("no way leads from cell ({}, {}) to cell ({}, {})", start.column, start.row, target.column, target.row)]
+    Unreachable {
+        /// Where it should begin.
+        start: Cell,
+        /// Where it should end.
+        target: Cell,
+    },
+    /// The walker of Fig. 6.7 has visited all neighbours. There may be a way.
+    #[error("dead end in cell ({}, {}) after {moves} moves: all its neighbours were visited", cell.column, cell.row)]
+    DeadEnd {
+        /// Where it stands.
+        cell: Cell,
+        /// How many moves it made.
+        moves: usize,
+    },
+}
+
+/// An end of a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Where it begins.
+    Start,
+    /// Where it leads to.
+    Target,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Start => "start",
+            Self::Target => "target",
+        })
+    }
+}
+
+/// Both ends must be free cells.
+pub(super) fn check_ends(grid: &Grid, start: Cell, target: Cell) -> Result<(), PlanError> {
+    for (end, cell) in [(End::Start, start), (End::Target, target)] {
+        if !grid.contains(cell) {
+            return Err(PlanError::Outside { end, cell, columns: grid.columns(), rows: grid.rows() });
+        }
+        if !grid.is_free(cell) {
+            return Err(PlanError::Blocked { end, cell });
+        }
+    }
+    Ok(())
+}

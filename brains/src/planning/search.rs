@@ -1,0 +1,111 @@
+//! Dijkstra's algorithm, A\* and greedy best-first search: one loop, three orders of the open list.
+//!
+//! | search | takes first the node with the least | finds |
+//! |---|---|---|
+//! | [`dijkstra`], Fig. 6.9 | way from the start | a shortest way |
+//! | [`a_star`] | way from the start + estimate of the way left | a shortest way, if no estimate is too large |
+//! | [`greedy`] | estimate of the way left | some way |
+//!
+//! Deviations: the notes' best-first search of Fig. 6.7 has no open list and gets stuck; here it is
+//! [`walk`](super::walk). Fig. 6.9 stops once the target has been reached, by which we mean once it is the current
+//! node: a shorter way to it can be found until then.
+
+use super::best_first::{Found, Graph, best_first};
+use super::grid::{Cell, Grid};
+use super::heuristic::Heuristic;
+use super::moves::Moves;
+use super::plan::{Plan, PlanError, check_ends};
+
+/// A shortest way, by Dijkstra's algorithm: Fig. 6.9.
+///
+/// # Errors
+/// If an end is outside of the grid or blocked, or no way leads from one to the other.
+pub fn dijkstra(grid: &Grid, start: Cell, target: Cell, moves: Moves) -> Result<Plan, PlanError> {
+    search(&Search { grid, target, moves, order: Order::Cost }, start)
+}
+
+/// A shortest way, by A\*: Dijkstra's algorithm drawn towards the target. The way is a shortest one if the
+/// heuristic never estimates too much for the moves.
+///
+/// # Errors
+/// As [`dijkstra`].
+pub fn a_star(
+    grid: &Grid,
+    start: Cell,
+    target: Cell,
+    moves: Moves,
+    heuristic: Heuristic,
+) -> Result<Plan, PlanError> {
+    search(&Search { grid, target, moves, order: Order::Sum(heuristic) }, start)
+}
+
+/// Some way, by greedy best-first search: always on from the cell that seems nearest to the target, of all that
+/// were touched. It looks at few cells, and finds a way if there is one.
+///
+/// # Errors
+/// As [`dijkstra`].
+pub fn greedy(
+    grid: &Grid,
+    start: Cell,
+    target: Cell,
+    moves: Moves,
+    heuristic: Heuristic,
+) -> Result<Plan, PlanError> {
+    search(&Search { grid, target, moves, order: Order::Estimate(heuristic) }, start)
+}
+
+struct Search<'a> {
+    grid: &'a Grid,
+    target: Cell,
+    moves: Moves,
+    order: Order,
+}
+
+#[derive(Clone, Copy)]
+enum Order {
+    Cost,
+    Sum(Heuristic),
+    Estimate(Heuristic),
+}
+
+impl Graph for Search<'_> {
+    fn neighbours(&self, node: usize) -> impl Iterator<Item = (usize, f64)> {
+        let neighbours = self.moves.neighbours(self.grid, self.grid.cell(node));
+        neighbours.map(|(cell, step)| (self.grid.number(cell), step))
+    }
+
+    fn estimate(&self, node: usize) -> f64 {
+        match self.order {
+            Order::Cost => 0.0,
+            Order::Sum(heuristic) | Order::Estimate(heuristic) => {
+                heuristic.estimate(self.grid.cell(node), self.target)
+            }
+        }
+    }
+
+    fn rank(&self, cost: f64, estimate: f64) -> f64 {
+        match self.order {
+            Order::Cost => cost,
+            Order::Sum(_) => cost + estimate,
+            Order::Estimate(_) => estimate,
+        }
+    }
+}
+
+fn search(search: &Search<'_>, start: Cell) -> Result<Plan, PlanError> {
+    plan(search.grid, search, start, search.target)
+}
+
+/// Searches a graph whose nodes are the cells of a grid.
+pub(super) fn plan(grid: &Grid, graph: &impl Graph, start: Cell, target: Cell) -> Result<Plan, PlanError> {
+    check_ends(grid, start, target)?;
+    let found = best_first(graph, grid.len(), grid.number(start), grid.number(target));
+    let Found { path, cost, expanded, touched } = found.ok_or(PlanError::Unreachable { start, target })?;
+    let cells = |nodes: Vec<usize>| nodes.into_iter().map(|node| grid.cell(node)).collect();
+    Ok(Plan {
+        cells: cells(path),
+        length_m: cost * grid.cell_m(),
+        expanded: cells(expanded),
+        touched: cells(touched),
+    })
+}
