@@ -1,19 +1,20 @@
 //! Brains for baudbot's robots. A brain knows its robot's data sheet and what came over the cable, and no
 //! path leads from this crate to the simulator: what works here could work on a real robot.
 //!
-//! | brain | does | from |
-//! |---|---|---|
-//! | [`Constant`] | sends the same signals in every step | |
-//! | [`Wander`] | drives on and turns on the spot now and then, at random | Wahde 2016, §5.3.2 |
-//! | [`Navigate`] | drives a distance by its odometer and stops | Wahde 2016, §5.4 |
-//! | [`Avoid`] | wanders without running into what its infra-red sensors see | |
+//! From what a brain is to what it is made of:
 //!
-//! Each is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
+//! 1. [`catalogue`] has all brains by name, and makes one from a text such as `wander:turn=0.6`. [`program`] is the rest of a
+//!    program that runs one.
+//! 2. Brains that are written out: [`Avoid`], [`Constant`], [`Navigate`], [`Wander`], and the [`animals`].
+//! 3. Brains of many processes: [`process`] says what motor behaviours and cognitive processes are, [`description`] reads
+//!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
+//!    [`decision`] it chooses.
+//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`localization`], [`planning`] and
+//!    [`potential`] are what these think with; [`decision_theory`] is on its own.
+//!
+//! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
 //! that the same turns give the same actions.
-//!
-//! [`catalogue`] makes any of them from a text such as `wander:turn=0.6`, for command lines; [`program`] is
-//! the rest of a program that runs one.
 //!
 //! ```
 //! use baudbot_brains::catalogue;

@@ -1,16 +1,47 @@
 //! The rest of a program that runs one brain: its command line, and its robot.
+//!
+//! [`main`] runs one of the catalogue. [`described`] runs those that are [described](crate::description) in a file, and may
+//! name kinds of processes that the program adds to the [`Registry`].
 
 use std::process::ExitCode;
 
 use anyhow::Context;
-use baudbot_client::{connect, run};
+use baudbot_client::{Body, Brain, connect, run};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use crate::catalogue::{self, Entry, catalogue};
+use crate::description::Description;
+use crate::registry::Registry;
 
 /// Runs the brain called `name` as a program: attaches it to a robot and lets it drive until the run is over.
 pub fn main(name: &str) -> ExitCode {
-    match start(name) {
+    ended(name, start(name))
+}
+
+/// Runs a brain that the file describes which the command line names, with these kinds of processes.
+///
+/// ```no_run
+/// use baudbot_brains::program;
+/// use baudbot_brains::registry::Registry;
+///
+/// fn main() -> std::process::ExitCode {
+///     let mut registry = Registry::standard();
+///     // registry.motor("spin", |parameters: SpinParameters, _| Ok(Spin::new(parameters)));
+///     program::described(&registry)
+/// }
+/// ```
+pub fn described(registry: &Registry) -> ExitCode {
+    let arguments = description_command().get_matches();
+    let file = text(&arguments, "file");
+    let make = |seed, body: &Body| {
+        let toml = std::fs::read_to_string(file)?;
+        Ok(Description::parse(&toml)?.brain(seed, body, registry)?)
+    };
+    ended(file, block_on(drive(file, &arguments, make)))
+}
+
+fn ended(name: &str, result: anyhow::Result<()>) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{name}: {error}");
@@ -19,22 +50,31 @@ pub fn main(name: &str) -> ExitCode {
     }
 }
 
+fn block_on(driving: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
+    tokio::runtime::Builder::new_current_thread().enable_all().build()?.block_on(driving)
+}
+
 fn start(name: &str) -> anyhow::Result<()> {
     let entry = catalogue().into_iter().find(|entry| entry.name == name).context("no such brain")?;
     let arguments = command(&entry).get_matches();
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(drive(&entry, &arguments))
+    let make = |seed, body: &Body| Ok(catalogue::brain(&description(&entry, &arguments), seed, body)?);
+    block_on(drive(entry.name, &arguments, make))
 }
 
-async fn drive(entry: &Entry, arguments: &ArgMatches) -> anyhow::Result<()> {
-    let [address, world, name] = ["connect", "world", "robot"].map(|id| text(arguments, id));
+/// Attaches, and drives until the run is over.
+async fn drive<B: Brain>(
+    name: &str,
+    arguments: &ArgMatches,
+    make: impl FnOnce(u64, &Body) -> anyhow::Result<B>,
+) -> anyhow::Result<()> {
+    let [address, world, robot_name] = ["connect", "world", "robot"].map(|id| text(arguments, id));
     let seed = arguments.get_one("seed").copied().unwrap_or_default();
-    let client = connect(address).await?.brain(entry.name).thinks_as_scenario();
-    let mut robot = client.attach(world, name).await?;
-    let mut brain = catalogue::brain(&description(entry, arguments), seed, robot.body())?;
-    println!("{}: drives `{name}` of `{world}` at {address}", entry.name);
+    let client = connect(address).await?.brain(name).thinks_as_scenario();
+    let mut robot = client.attach(world, robot_name).await?;
+    let mut brain = make(seed, robot.body())?;
+    println!("{name}: drives `{robot_name}` of `{world}` at {address}");
     let summary = run(&mut robot, &mut brain).await?;
-    println!("{}: the run is over after {} turns, at tick {}", entry.name, summary.turns, summary.last_tick);
+    println!("{name}: the run is over after {} turns, at tick {}", summary.turns, summary.last_tick);
     Ok(())
 }
 
@@ -49,27 +89,29 @@ fn text<'a>(arguments: &'a ArgMatches, id: &str) -> &'a str {
 }
 
 fn command(entry: &Entry) -> Command {
-    let option = |name: &'static str, value: &'static str, help: &'static str| {
-        Arg::new(name).long(name).value_name(value).help(help)
-    };
-    Command::new(entry.name)
-        .about(format!("A brain that {}", entry.summary))
-        .arg(
-            option("connect", "ADDRESS", "The server: HOST:PORT, http://HOST:PORT or unix:/PATH")
-                .default_value("127.0.0.1:7400"),
-        )
+    let setting = option("param", "NAME=NUMBER", "Sets a parameter; may be given several times");
+    let command = Command::new(entry.name).about(format!("A brain that {}", entry.summary));
+    with_robot(command).arg(setting.action(clap::ArgAction::Append)).after_help(settings(entry))
+}
+
+fn description_command() -> Command {
+    let file = Arg::new("file").value_name("FILE").help("The brain's description, in TOML").required(true);
+    with_robot(Command::new("brain").about("A brain that a file describes").arg(file))
+}
+
+fn option(name: &'static str, value: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).value_name(value).help(help)
+}
+
+/// Which robot it drives.
+fn with_robot(command: Command) -> Command {
+    let connect = option("connect", "ADDRESS", "The server: HOST:PORT, http://HOST:PORT or unix:/PATH");
+    let seed = option("seed", "SEED", "Chooses the brain's random numbers");
+    command
+        .arg(connect.default_value("127.0.0.1:7400"))
         .arg(option("world", "WORLD", "Name of the world").required(true))
         .arg(option("robot", "ROBOT", "Name of the robot").default_value("robot"))
-        .arg(
-            option("seed", "SEED", "Chooses the brain's random numbers")
-                .default_value("1")
-                .value_parser(value_parser!(u64)),
-        )
-        .arg(
-            option("param", "NAME=NUMBER", "Sets a parameter; may be given several times")
-                .action(clap::ArgAction::Append),
-        )
-        .after_help(settings(entry))
+        .arg(seed.default_value("1").value_parser(value_parser!(u64)))
 }
 
 /// What can be set, a line each.
@@ -91,6 +133,11 @@ mod tests {
             command(&entry).debug_assert();
             assert!(settings(&entry).lines().count() > entry.parameters.len());
         }
+    }
+
+    #[test]
+    fn the_command_line_of_described_brains_is_sound() {
+        description_command().debug_assert();
     }
 
     #[test]

@@ -194,3 +194,51 @@ fn what_is_wrong_is_said_with_its_path() {
     let error = description.brain(1, &eyes(), &Registry::standard()).err().unwrap();
     assert_eq!(error.to_string(), "decision.layers[0].when[0]: `near` is no condition such as `near > 0.5`");
 }
+
+/// `docs/brains.md` as people copy it.
+mod docs {
+    use super::*;
+    use crate::catalogue::catalogue;
+
+    const DOCS: &str = include_str!("../../../docs/brains.md");
+
+    fn blocks() -> impl Iterator<Item = &'static str> {
+        let blocks = DOCS.split("```toml\n").skip(1);
+        blocks.map(|rest| rest.split("```").next().unwrap())
+    }
+
+    #[test]
+    fn its_descriptions_make_brains_and_its_decisions_fit_the_first() {
+        let eyes = ["ir_left", "ir_front_left", "ir_front", "ir_front_right", "ir_right"];
+        let headings = [1.0, 0.5, 0.0, -0.5, -1.0];
+        let sensors: Vec<_> =
+            eyes.iter().zip(headings).map(|(name, heading)| (*name, "ir", heading)).collect();
+        let body = body(&sensors);
+        let mut registry = Registry::standard();
+        #[derive(Deserialize)]
+        struct Forward {
+            forward: f64,
+        }
+        registry.motor("weave", |parameters: Forward, _| Ok(Spin(parameters.forward)));
+        let first = blocks().find(|block| block.contains("[motor.")).unwrap();
+        let mut decisions = 0;
+        for block in blocks().filter(|block| !block.contains("[dependencies]")) {
+            let is_decision = block.starts_with("[decision]");
+            decisions += u32::from(is_decision);
+            let toml = if is_decision { format!("{first}\n{block}") } else { block.to_owned() };
+            let brain =
+                Description::parse(&toml).and_then(|description| description.brain(1, &body, &registry));
+            assert!(brain.is_ok(), "{toml}\n{:?}", brain.err());
+        }
+        assert_eq!(decisions, 3);
+    }
+
+    #[test]
+    fn it_names_every_brain_and_every_kind_of_process() {
+        let registry = Registry::standard();
+        let names = catalogue().into_iter().map(|entry| entry.name).collect::<Vec<_>>();
+        for name in names.into_iter().chain(registry.motors()).chain(registry.cognitives()) {
+            assert!(DOCS.contains(&format!("| `{name}` |")), "{name}");
+        }
+    }
+}
