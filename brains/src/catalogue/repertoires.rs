@@ -16,7 +16,10 @@ pub(super) struct Text {
 }
 
 /// Those that are part of the program.
-const BUILT_IN: &[(&str, &str)] = &[("sweeper", include_str!("../../repertoires/sweeper.toml"))];
+const BUILT_IN: &[(&str, &str)] = &[
+    ("sweeper", include_str!("../../repertoires/sweeper.toml")),
+    ("tour", include_str!("../../repertoires/tour.toml")),
+];
 
 /// Those that are part of the program.
 pub(super) fn entries() -> impl Iterator<Item = Entry> {

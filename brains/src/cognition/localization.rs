@@ -1,9 +1,8 @@
 //! *Laser localization* as a cognitive process: every few seconds a scan is matched with a map, and odometry is corrected for
 //! the instant at which the scan was taken, with all that came after (Section 6.3.1).
 //!
-//! *Deviation*: in the notes it is a motor behaviour, which stops the robot to scan. A robot that is to stop for it has a
-//! behaviour `constant` with a utility that this process's name can raise: it sets Γ of the behaviour that `stop` names before
-//! it is due. Without `stop` scans are taken in motion, and are skewed by it.
+//! *Deviation*: in the notes it is a motor behaviour, which stops the robot to scan. Here a robot stops if `stop` names a
+//! behaviour that stands still: its Γ is raised until the scan is there. Otherwise scans are taken in motion.
 
 use baudbot_client::Body;
 use baudbot_geometry::{Point, Segment};
@@ -11,9 +10,9 @@ use serde::Deserialize;
 
 use crate::Chance;
 use crate::estimate::Estimate;
+use crate::localization::deskew::{Sweep, deskew};
 use crate::localization::laser::{self, Shrink};
-use crate::localization::refine;
-use crate::localization::{Map, Scan};
+use crate::localization::{Map, Scan, refine};
 use crate::process::{CognitiveProcess, Moment};
 
 /// What is matched with what.
@@ -27,6 +26,10 @@ pub struct Parameters {
     pub laser: String,
     /// How wide the laser opens, in radians; negative if it sweeps clockwise. No data sheet says it.
     pub opening_rad: f64,
+    /// How long a sweep takes, in seconds: what bends the scan of a robot that moves is mended by its odometry. No data sheet
+    /// says it, either.
+    #[serde(default)]
+    pub sweep_s: f64,
     /// Time from one match to the next, in seconds.
     #[serde(default = "every_s")]
     pub every_s: f64,
@@ -98,6 +101,9 @@ impl Localize {
         if !(parameters.opening_rad.is_finite() && parameters.opening_rad != 0.0) {
             return Err(format!("opening_rad: must not be 0, is {}", parameters.opening_rad));
         }
+        if !(parameters.sweep_s.is_finite() && parameters.sweep_s >= 0.0) {
+            return Err(format!("sweep_s: must not be negative, is {}", parameters.sweep_s));
+        }
         if parameters.rays == 0 {
             return Err("rays: must be at least 1".to_owned());
         }
@@ -119,8 +125,18 @@ impl Localize {
             return None;
         }
         let sensor = moment.turn.body.sensors.get(self.sensor)?;
-        let scan = Scan::of(sensor, self.parameters.opening_rad, reading)?;
-        Some((at_ns, scan.thinned(self.parameters.rays)))
+        let scan = Scan::of(sensor, self.parameters.opening_rad, reading)?.thinned(self.parameters.rays);
+        self.straightened(&scan, at_ns, moment)
+    }
+
+    /// The scan as if it had been taken at the end of its sweep, and that instant.
+    fn straightened(&self, scan: &Scan, begun_ns: u64, moment: &Moment<'_>) -> Option<(u64, Scan)> {
+        let ended_ns = begun_ns + (self.parameters.sweep_s * 1e9) as u64;
+        let [right_ns, left_ns] =
+            if self.parameters.opening_rad < 0.0 { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
+        let odometry = moment.beliefs.odometry.as_ref()?;
+        let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
+        Some((ended_ns, deskew(scan, Sweep { right_ns, left_ns }, ended_ns, pose_at)?))
     }
 
     /// Where the robot was when this scan was taken, if the map says so.

@@ -1,0 +1,83 @@
+//! Fig. 6.14 through cables: a robot whose odometer errs by metres is kept on its way by a laser on USB.
+
+use std::sync::{Arc, Mutex};
+
+use baudbot_brains::composed::Composed;
+use baudbot_brains::description::Description;
+use baudbot_brains::registry::Registry;
+use baudbot_client::{Action, Brain, Turn};
+use baudbot_tests::{Pair, body, scenario};
+
+const SCENARIO: &str = include_str!("../../scenarios/tour.toml");
+const BRAIN: &str = include_str!("../../brains/repertoires/tour.toml");
+
+/// A brain, and where it believes to be, for a test that knows the truth.
+struct Witness {
+    brain: Composed,
+    believed_m: Arc<Mutex<Option<[f64; 2]>>>,
+}
+
+impl Brain for Witness {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let action = self.brain.step(turn);
+        let position = self.brain.beliefs().pose.map(|estimate| estimate.world_from_robot.position);
+        *self.believed_m.lock().unwrap() = position.map(|at| [at.x, at.y]);
+        action
+    }
+}
+
+/// How a tour of 48 m went.
+#[derive(Debug)]
+struct Tour {
+    /// Root of the mean square distance of what is believed from what is, in metres.
+    believed_m: f64,
+    /// The greatest distance of what the odometer says from what is, in metres.
+    odometer_m: f64,
+    collisions: u64,
+}
+
+fn tour(seed: u64) -> Tour {
+    let scenario = scenario(SCENARIO, &[&format!("seed={seed}")]);
+    let description = Description::parse(BRAIN).unwrap();
+    let brain = description.brain(seed, &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
+    let believed_m = Arc::new(Mutex::new(None));
+    let mut pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+    let (mut squares, mut count, mut driven_m, mut last) = (0.0, 0.0, 0.0, [2.0, 2.0]);
+    let mut tour = Tour { believed_m: 0.0, odometer_m: 0.0, collisions: 0 };
+    while driven_m < 48.0 && pair.world.ending().is_none() {
+        pair.tick(|_| {});
+        let robot = pair.world.robots().next().unwrap();
+        let at = robot.motion().pose.position;
+        driven_m += (at.x - last[0]).hypot(at.y - last[1]);
+        last = [at.x, at.y];
+        let Some([x, y]) = *believed_m.lock().unwrap() else { continue };
+        squares += (at.x - x).powi(2) + (at.y - y).powi(2);
+        count += 1.0;
+        let odometer = robot.sensors().nth(1).unwrap().sample;
+        tour.odometer_m = tour.odometer_m.max((at.x - odometer[0]).hypot(at.y - odometer[1]));
+        tour.collisions += pair.world.collisions().len() as u64;
+    }
+    assert!(driven_m >= 48.0, "it got only {driven_m} m far: {:?}", pair.world.ending());
+    tour.believed_m = (squares / count as f64).sqrt();
+    tour
+}
+
+fn keeps_its_way(seeds: std::ops::RangeInclusive<u64>) {
+    for seed in seeds {
+        let tour = tour(seed);
+        println!("seed {seed}: {tour:?}");
+        assert!(tour.believed_m <= 0.06 && tour.odometer_m > 1.0 && tour.collisions == 0, "{seed}: {tour:?}");
+    }
+}
+
+#[test]
+fn a_laser_keeps_a_robot_on_its_way_whose_odometer_errs_by_metres() {
+    keeps_its_way(1..=2);
+}
+
+/// `cargo test --release -p baudbot-tests --test localization -- --ignored --nocapture`
+#[test]
+#[ignore = "takes a minute"]
+fn with_ten_seeds() {
+    keeps_its_way(1..=10);
+}
