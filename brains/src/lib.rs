@@ -5,12 +5,12 @@
 //!
 //! 1. [`catalogue`] has all brains by name, and makes one from a text such as `wander:turn=0.6`. [`program`] is the rest of a
 //!    program that runs one.
-//! 2. Brains that are written out: [`Avoid`], [`Constant`], [`Navigate`], [`Wander`], and the [`animals`].
+//! 2. Brains that are written out: [`Avoid`], [`Constant`], [`Explore`], [`Navigate`], [`Wander`], and the [`animals`].
 //! 3. Brains of many processes: [`process`] says what motor behaviours and cognitive processes are, [`description`] reads
 //!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
 //!    [`decision`] it chooses.
-//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`localization`], [`planning`] and
-//!    [`potential`] are what these think with; [`decision_theory`] is on its own.
+//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`localization`], [`mapping`],
+//!    [`exploration`], [`planning`] and [`potential`] are what these think with; [`decision_theory`] is on its own.
 //!
 //! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
@@ -35,7 +35,9 @@ pub mod decision;
 pub mod decision_theory;
 pub mod description;
 pub mod estimate;
+pub mod exploration;
 pub mod localization;
+pub mod mapping;
 pub mod navigate;
 pub mod odometry;
 pub mod planning;
@@ -56,5 +58,6 @@ mod test_body;
 pub use avoid::Avoid;
 pub use chance::Chance;
 pub use constant::Constant;
+pub use exploration::Explore;
 pub use navigate::Navigate;
 pub use wander::Wander;

@@ -9,8 +9,9 @@ use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
 use crate::animals::larva::brain::{self as larva, LarvaBrain};
 use crate::animals::woodlice::brain::{self as woodlice, WoodlouseBrain};
 use crate::chance::Chance;
+use crate::exploration::brain as explore;
 use crate::parameter::Parameter;
-use crate::{Avoid, Constant, Navigate, Wander, avoid, constant, navigate, wander};
+use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigate, wander};
 
 /// A kind of brain, and how one is made.
 pub(super) struct Kind {
@@ -55,6 +56,16 @@ pub(super) const KINDS: &[Kind] = &[
             Ok(Box::new(
                 brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
             ))
+        },
+    },
+    Kind {
+        name: "explore",
+        summary: "goes where its laser sees every part of the floor",
+        settings: || settings(explore::PARAMETERS),
+        make: |wish| {
+            let explore = Explore::new(wish.parameters(explore::PARAMETERS)?, wish.body);
+            let needed = "a sensor of kind `laser` and a sensor `odometer` with x_m, y_m and heading_rad";
+            Ok(Box::new(explore.ok_or_else(|| wish.lacks(needed))?))
         },
     },
     Kind {

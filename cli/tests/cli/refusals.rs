@@ -67,10 +67,7 @@ fn a_file_that_is_too_long_is_not_read() {
 #[test]
 fn brains_that_do_not_fit_are_refused() {
     let brain = |brain| refusal(2, &["run", "--seconds", "1", "--brain", brain]);
-    assert_eq!(
-        brain("genius"),
-        "no brain `genius`; there are: ecoli, larva, avoid, navigate, sweeper, wander, constant, woodlouse"
-    );
+    assert!(brain("genius").starts_with("no brain `genius`; there are: "));
     assert_eq!(brain("bob=avoid"), "--brain: there is no robot `bob`; there are: robot");
     assert!(brain("navigate").contains("needs a sensor `odometer`"));
     assert!(brain("constant:left=fast").contains("left must be a number"));

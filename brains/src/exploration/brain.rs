@@ -1,0 +1,275 @@
+//! A brain that explores: Wahde 2016, §6.1.
+//!
+//! It needs a laser range finder and an odometer, which it believes. For proximity it uses whatever infra-red sensors
+//! and sonars look ahead; they should be mounted lower than the laser.
+//!
+//! Each new reading of the odometer is a step of its [`Explorer`]. Turns and ways become motor signals by proportional
+//! control of heading and speed, closed over the odometer.
+//!
+//! *Deviations.*
+//!
+//! - A scan goes with the pose that the odometer says for the instant at which it was begun. One that was taken in a
+//!   quick turn is bent, and is left out.
+//! - Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
+//! - Lasers that sweep clockwise, and those on a turret, are not understood.
+
+use baudbot_client::{Action, Body, Brain, Mount, Sensor, Turn};
+use baudbot_geometry::{Direction, Point, Pose, angle, math};
+
+use super::placement::Placement;
+use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
+use crate::mapping::Scan;
+use crate::navigate::ODOMETER;
+
+mod parameters;
+#[cfg(test)]
+mod tests;
+mod track;
+
+pub(crate) use parameters::PARAMETERS;
+pub use parameters::Parameters;
+use track::Track;
+
+/// A brain that explores.
+pub struct Explore {
+    parameters: Parameters,
+    explorer: Box<dyn Explorer + Send>,
+    half_track_m: f64,
+    radius_m: f64,
+    laser: Laser,
+    feelers: Vec<Feeler>,
+    /// Time that a command takes on the wire.
+    command_ns: u64,
+    track: Track,
+    /// Since when, and where, the robot ought to have been driving.
+    driving_since: Option<(u64, Point)>,
+    command: Command,
+    sent_ns: Option<u64>,
+    heard_ns: Option<u64>,
+}
+
+struct Laser {
+    sensor: usize,
+    range_m: f64,
+    robot_from_sensor: Pose,
+    /// A reading that is newer than the odometer's last.
+    waiting: Option<(u64, Vec<f64>)>,
+    scan: Option<Scan>,
+}
+
+/// A sensor for proximity.
+#[derive(Clone, Copy, Debug)]
+struct Feeler {
+    sensor: usize,
+    robot_from_sensor: Pose,
+    is_sonar: bool,
+    is_near: bool,
+}
+
+impl Explore {
+    /// A brain at its start for a robot with this body; `None` if it has no laser, or no odometer.
+    pub fn new(parameters: Parameters, body: &Body) -> Option<Self> {
+        body.sensor(ODOMETER).filter(|sensor| sensor.values() >= 3)?;
+        let sensor = body.sensors.iter().position(|sensor| sensor.kind == "laser")?;
+        let (range_m, robot_from_sensor) = (body.sensors[sensor].range_m?, mount(&body.sensors[sensor]));
+        let explorer = explorer(&parameters, body.radius_m, range_m);
+        let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
+            sensor,
+            robot_from_sensor: mount(described),
+            is_sonar: described.kind == "sonar",
+            is_near: false,
+        };
+        let feelers = body.sensors.iter().enumerate();
+        let feelers =
+            feelers.filter(|(_, sensor)| ["ir", "sonar"].contains(&sensor.kind.as_str())).map(feeler);
+        Some(Self {
+            parameters,
+            explorer,
+            half_track_m: body.half_track_m,
+            radius_m: body.radius_m,
+            laser: Laser { sensor, range_m, robot_from_sensor, waiting: None, scan: None },
+            feelers: feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect(),
+            command_ns: body.command_ns(),
+            track: Track::default(),
+            driving_since: None,
+            command: Command::Wait,
+            sent_ns: None,
+            heard_ns: None,
+        })
+    }
+
+    /// What the explorer last wanted.
+    pub const fn command(&self) -> Command {
+        self.command
+    }
+
+    /// Takes in what is new; says whether the odometer had news.
+    fn look(&mut self, turn: &Turn) -> bool {
+        let mut has_news = false;
+        if let Some(reading) = turn.reading(ODOMETER).filter(|reading| reading.readable)
+            && let &[x, y, heading, ..] = reading.values.as_slice()
+        {
+            self.track.add(reading.sampled_at_ns.unwrap_or(turn.at_ns), Pose::new(x, y, heading));
+            self.heard_ns = Some(turn.at_ns);
+            has_news = true;
+        }
+        let scan = turn.readings.get(self.laser.sensor).and_then(Option::as_ref);
+        if let Some(scan) = scan.filter(|scan| scan.readable) {
+            self.laser.waiting = Some((scan.sampled_at_ns.unwrap_or(turn.at_ns), scan.values.clone()));
+        }
+        for feeler in &mut self.feelers {
+            let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
+            if let Some(&value) =
+                reading.filter(|reading| reading.readable).and_then(|new| new.values.first())
+            {
+                feeler.is_near = feeler.feels(value, self.radius_m, &self.parameters);
+            }
+        }
+        self.place_scan();
+        has_news
+    }
+
+    /// Gives a scan that waits its pose, once the odometer knows it.
+    fn place_scan(&mut self) {
+        let Some((sampled_ns, _)) = self.laser.waiting else { return };
+        if self.track.last().is_none_or(|(last_ns, _)| last_ns < sampled_ns) {
+            return;
+        }
+        let Some((_, distances_m)) = self.laser.waiting.take() else { return };
+        let Some((world_from_robot, turn_rate)) = self.track.at(sampled_ns) else { return };
+        if turn_rate.abs() > BENT_RAD_S {
+            return;
+        }
+        self.laser.scan = Some(Scan {
+            world_from_robot,
+            robot_from_sensor: self.laser.robot_from_sensor,
+            opening_rad: self.parameters.opening_rad,
+            range_m: self.laser.range_m,
+            distances_m,
+        });
+    }
+
+    /// Whether it ought to drive and has not moved for too long.
+    fn is_stalled(&mut self, at_ns: u64, here: Point) -> bool {
+        if !matches!(self.command, Command::Drive { .. }) {
+            self.driving_since = None;
+            return false;
+        }
+        let since = self.driving_since.get_or_insert((at_ns, here));
+        if (here - since.1).norm() > MOVED_M {
+            *since = (at_ns, here);
+        }
+        at_ns.saturating_sub(since.0) > STALLED_NS
+    }
+
+    /// Signals of the left and the right motor.
+    fn signals(&self, here: &Pose) -> (f64, f64) {
+        let p = &self.parameters;
+        let (speed, turn_rate) = match self.command {
+            Command::Wait | Command::Done | Command::Failed(_) => (0.0, 0.0),
+            Command::Turn { heading_rad } => {
+                let aside = angle::difference(heading_rad, here.heading);
+                let rate = (TURN_GAIN_HZ * aside.abs())
+                    .clamp(LEAST_RATE_RAD_S.min(p.turn_rate_rad_s), p.turn_rate_rad_s);
+                (0.0, rate.copysign(aside))
+            }
+            Command::Drive { to } => {
+                let aside = angle::difference(approach::heading_to(here, to), here.heading);
+                let way_m = (to - here.position).norm();
+                let speed = (SPEED_GAIN_HZ * way_m).clamp(LEAST_SPEED_M_S.min(p.speed_m_s), p.speed_m_s);
+                let rate = (TURN_GAIN_HZ * aside).clamp(-p.turn_rate_rad_s, p.turn_rate_rad_s);
+                (speed * math::cos(aside).max(0.0), rate)
+            }
+        };
+        let wheel = |side: f64| (speed + side * turn_rate * self.half_track_m) / p.full_speed_m_s;
+        (wheel(-1.0), wheel(1.0))
+    }
+
+    fn act(&mut self, turn: &Turn, has_news: bool) -> Action {
+        let at_ns = turn.at_ns;
+        let stale_ns = (self.parameters.stale_s * 1e9) as u64;
+        let is_blind = self.heard_ns.is_none_or(|heard_ns| at_ns.saturating_sub(heard_ns) > stale_ns);
+        let pause_ns = if is_blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
+        let is_free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
+        if !is_free || !(is_blind || has_news) {
+            return Action::wait();
+        }
+        self.sent_ns = Some(at_ns);
+        let Some((_, here)) = self.track.last().filter(|_| !is_blind) else { return Action::drive(0.0, 0.0) };
+        let is_near = self.feelers.iter().any(|feeler| feeler.is_near);
+        let near = self.is_stalled(at_ns, here.position) || is_near;
+        let input = Input { world_from_robot: here, scan: self.laser.scan.as_ref(), near };
+        self.command = self.explorer.step(&input);
+        let (left, right) = self.signals(&here);
+        Action::drive(left, right)
+    }
+}
+
+impl Brain for Explore {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let has_news = self.look(turn);
+        let action = self.act(turn, has_news);
+        action.until_message_or(turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS)))
+    }
+}
+
+impl Feeler {
+    /// Whether what a sensor reads is near and in the way.
+    fn feels(&self, value: f64, radius_m: f64, parameters: &Parameters) -> bool {
+        if !self.is_sonar {
+            return value >= parameters.near_reading;
+        }
+        let forward = self.robot_from_sensor.direction();
+        let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
+        let ahead_m = point_in_robot - Point::new(parameters.near_m, 0.0);
+        point_in_robot.x > 0.0 && ahead_m.norm() < radius_m + ALMOST_M
+    }
+}
+
+fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
+    let Parameters { distance_m, margin_m, width_rad, separation_m, cell_m, .. } = *parameters;
+    let half_width_m = radius_m + ROOM_M;
+    if parameters.method >= 0.5 {
+        let defaults = frontiers::Parameters::default();
+        return Box::new(Frontiers::new(frontiers::Parameters { cell_m, half_width_m, ..defaults }));
+    }
+    Box::new(Nodes::new(nodes::Parameters {
+        placement: Placement { distance_m, margin_m, width_rad, separation_m },
+        sight_m: parameters.sight_m.min(range_m),
+        half_width_m,
+        ..nodes::Parameters::default()
+    }))
+}
+
+fn mount(sensor: &Sensor) -> Pose {
+    let Mount { x_m, y_m, heading_rad, .. } = sensor.mount.unwrap_or_default();
+    Pose::new(x_m, y_m, heading_rad)
+}
+
+fn looks_ahead(robot_from_sensor: &Pose) -> bool {
+    Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
+}
+
+/// Room beside the robot on its way, in metres.
+const ROOM_M: f64 = 0.05;
+/// Room that there must be beside a disc that is a little ahead, in metres.
+const ALMOST_M: f64 = 0.02;
+/// Cosine of the greatest angle at which a sensor looks ahead: 80°.
+const AHEAD_COS: f64 = 0.17;
+/// A scan that was begun at a greater turn rate than this, in rad/s, is left out. In the 67 ms of a URG-04LX's sweep
+/// it is bent by 0.01 rad.
+const BENT_RAD_S: f64 = 0.2;
+/// Turn rate for each radian to be turned.
+const TURN_GAIN_HZ: f64 = 2.0;
+/// Least rate of a turn, in rad/s: motors stand still below some signal.
+const LEAST_RATE_RAD_S: f64 = 0.15;
+/// Speed for each metre that is left.
+const SPEED_GAIN_HZ: f64 = 1.5;
+/// Least speed, in m/s.
+const LEAST_SPEED_M_S: f64 = 0.08;
+/// A robot that moves goes so far, in metres, ...
+const MOVED_M: f64 = 0.02;
+/// ... in so many nanoseconds.
+const STALLED_NS: u64 = 2_000_000_000;
+/// A blind robot says so often that it stands still, in nanoseconds.
+const REPEAT_NS: u64 = 100_000_000;

@@ -1,0 +1,148 @@
+//! How a robot explores.
+
+use std::f64::consts::PI;
+
+use crate::exploration::{frontiers, nodes};
+use crate::parameter::Parameter;
+
+/// How a robot explores. The lengths of the methods that are not here have their own defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// 0: by nodes; 1: by frontiers. What is in between is rounded.
+    pub method: f64,
+    /// Angle from the laser's first ray to its last, in radians. No data sheet says it; the default is a URG-04LX's.
+    pub opening_rad: f64,
+    /// How far away from the robot nodes are placed, D, in metres.
+    pub distance_m: f64,
+    /// Room behind a node, Δ, in metres.
+    pub margin_m: f64,
+    /// Width of a feasible angular interval, `γ_min`, in radians.
+    pub width_rad: f64,
+    /// How far apart nodes are, d, in metres.
+    pub separation_m: f64,
+    /// How far away a node may be that is gone to directly, L, in metres. If the laser's range is less, that counts.
+    pub sight_m: f64,
+    /// Side of the cells in which frontiers are found, in metres.
+    pub cell_m: f64,
+    /// Speed at which it drives, in m/s.
+    pub speed_m_s: f64,
+    /// Rate at which it turns on the spot, in rad/s.
+    pub turn_rate_rad_s: f64,
+    /// Speed of a wheel at signal 1, in m/s, about: what is wrong with it the odometer shows.
+    pub full_speed_m_s: f64,
+    /// What a sonar finds this close to the robot on its way is near, in metres.
+    pub near_m: f64,
+    /// An infra-red reading from which something is near.
+    pub near_reading: f64,
+    /// After so long without a reading of the odometer it stands still, in seconds.
+    pub stale_s: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let nodes = nodes::Parameters::default();
+        Self {
+            method: 0.0,
+            opening_rad: 681.0 * PI / 512.0,
+            distance_m: nodes.placement.distance_m,
+            margin_m: nodes.placement.margin_m,
+            width_rad: nodes.placement.width_rad,
+            separation_m: nodes.placement.separation_m,
+            sight_m: nodes.sight_m,
+            cell_m: frontiers::Parameters::default().cell_m,
+            speed_m_s: 0.3,
+            turn_rate_rad_s: 0.8,
+            full_speed_m_s: 0.8,
+            near_m: 0.15,
+            near_reading: 0.4,
+            stale_s: 0.5,
+        }
+    }
+}
+
+pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
+    Parameter {
+        name: "method",
+        meaning: "0: by nodes (Wahde 2016, §6.1); 1: by frontiers (Yamauchi 1997)",
+        range: 0.0..=1.0,
+        field: |p| &mut p.method,
+    },
+    Parameter {
+        name: "opening_rad",
+        meaning: "angle from the laser's first ray to its last, in radians",
+        range: 0.1..=2.0 * PI,
+        field: |p| &mut p.opening_rad,
+    },
+    Parameter {
+        name: "distance_m",
+        meaning: "how far away nodes are placed, in metres",
+        range: 0.1..=100.0,
+        field: |p| &mut p.distance_m,
+    },
+    Parameter {
+        name: "margin_m",
+        meaning: "room behind a node, in metres",
+        range: 0.0..=100.0,
+        field: |p| &mut p.margin_m,
+    },
+    Parameter {
+        name: "width_rad",
+        meaning: "width of a feasible angular interval, in radians",
+        range: 0.0..=2.0 * PI,
+        field: |p| &mut p.width_rad,
+    },
+    Parameter {
+        name: "separation_m",
+        meaning: "how far apart nodes are, in metres",
+        range: 0.1..=100.0,
+        field: |p| &mut p.separation_m,
+    },
+    Parameter {
+        name: "sight_m",
+        meaning: "how far away a node may be that is gone to directly, in metres",
+        range: 0.0..=1000.0,
+        field: |p| &mut p.sight_m,
+    },
+    Parameter {
+        name: "cell_m",
+        meaning: "side of the cells in which frontiers are found, in metres",
+        range: 0.02..=10.0,
+        field: |p| &mut p.cell_m,
+    },
+    Parameter {
+        name: "speed_m_s",
+        meaning: "speed at which it drives, in m/s",
+        range: 0.001..=100.0,
+        field: |p| &mut p.speed_m_s,
+    },
+    Parameter {
+        name: "turn_rate_rad_s",
+        meaning: "rate at which it turns on the spot, in rad/s",
+        range: 0.001..=100.0,
+        field: |p| &mut p.turn_rate_rad_s,
+    },
+    Parameter {
+        name: "full_speed_m_s",
+        meaning: "speed of a wheel at signal 1, in m/s",
+        range: 0.001..=100.0,
+        field: |p| &mut p.full_speed_m_s,
+    },
+    Parameter {
+        name: "near_m",
+        meaning: "what a sonar finds this close on its way is near, in metres",
+        range: 0.0..=100.0,
+        field: |p| &mut p.near_m,
+    },
+    Parameter {
+        name: "near_reading",
+        meaning: "infra-red reading from which something is near",
+        range: 0.0..=1.0,
+        field: |p| &mut p.near_reading,
+    },
+    Parameter {
+        name: "stale_s",
+        meaning: "time without a reading of the odometer after which it stands still, in seconds",
+        range: 0.01..=60.0,
+        field: |p| &mut p.stale_s,
+    },
+];

@@ -1,0 +1,94 @@
+//! What the brain makes of readings, one turn after the other.
+
+use baudbot_client::Signals;
+
+use super::*;
+use crate::test_body::{body, turn};
+
+const SENSORS: [(&str, &str, f64); 3] =
+    [("odometer", "odometer", 0.0), ("laser", "laser", 0.0), ("sonar", "sonar", 0.0)];
+
+/// What the brain sends for these readings of odometer, laser and sonar, 0.1 s after the last.
+struct Robot {
+    brain: Explore,
+    body: Body,
+    at_ns: u64,
+}
+
+impl Robot {
+    fn new(method: f64) -> Self {
+        let body = body(&SENSORS);
+        let parameters = Parameters { method, ..Parameters::default() };
+        Self { brain: Explore::new(parameters, &body).unwrap(), body, at_ns: 0 }
+    }
+
+    fn step(&mut self, pose: [f64; 3], rays: Option<f64>, sonar_m: f64) -> Signals {
+        self.at_ns += 100_000_000;
+        let rays = rays.map(|distance_m| vec![distance_m; 101]);
+        let readings = [Some(pose.as_slice()), rays.as_deref(), Some(&[sonar_m])];
+        self.brain.step(&turn(&self.body, self.at_ns, &readings)).signals.unwrap()
+    }
+}
+
+#[test]
+fn it_stands_until_it_has_a_scan_and_then_turns_to_look_behind() {
+    for method in [0.0, 1.0] {
+        let mut robot = Robot::new(method);
+        assert_eq!(robot.step([0.0, 0.0, 0.0], None, 1.0), Signals { left: 0.0, right: 0.0 });
+        let signals = robot.step([0.0, 0.0, 0.0], Some(0.9), 1.0);
+        assert_eq!(signals.left, -signals.right, "on the spot: {:?}", robot.brain.command());
+        assert!(signals.right.abs() > 0.1, "{signals:?}");
+    }
+}
+
+#[test]
+fn a_scan_of_a_quick_turn_is_left_out() {
+    let mut robot = Robot::new(0.0);
+    robot.step([0.0, 0.0, 0.0], None, 1.0);
+    robot.step([0.0, 0.0, 0.1], Some(3.0), 1.0);
+    assert_eq!(robot.brain.laser.scan, None, "1 rad/s");
+    robot.step([0.0, 0.0, 0.11], Some(3.0), 1.0);
+    assert_eq!(robot.brain.laser.scan.as_ref().unwrap().world_from_robot.heading, 0.11);
+}
+
+#[test]
+fn only_what_is_in_the_way_is_near() {
+    let parameters = Parameters::default();
+    let feels = |heading: f64, distance_m: f64| {
+        let robot_from_sensor = Pose::new(0.2 * heading.cos(), 0.2 * heading.sin(), heading);
+        let feeler = Feeler { sensor: 0, robot_from_sensor, is_sonar: true, is_near: false };
+        feeler.feels(distance_m, 0.2, &parameters)
+    };
+    assert!(feels(0.0, 0.16) && !feels(0.0, 0.18));
+    assert!(feels(1.0, 0.05) && !feels(1.0, 0.12), "ahead on the left");
+    assert!(!feels(1.5, 0.05), "beside it");
+}
+
+#[test]
+fn it_stands_still_when_the_odometer_is_silent() {
+    let mut robot = Robot::new(0.0);
+    robot.step([0.0, 0.0, 0.0], Some(3.0), 1.0);
+    robot.at_ns += 1_000_000_000;
+    let action = robot.brain.step(&turn(&robot.body, robot.at_ns, &[None, None, None]));
+    assert_eq!(action.signals, Some(Signals { left: 0.0, right: 0.0 }));
+}
+
+#[test]
+fn it_needs_a_laser_and_an_odometer() {
+    assert!(Explore::new(Parameters::default(), &body(&SENSORS[..1])).is_none());
+    assert!(Explore::new(Parameters::default(), &body(&SENSORS[1..])).is_none());
+    assert!(Explore::new(Parameters::default(), &body(&SENSORS[..2])).is_some());
+}
+
+#[test]
+fn a_robot_that_does_not_move_takes_something_to_be_near() {
+    let mut robot = Robot::new(0.0);
+    robot.brain.command = Command::Drive { to: Point::new(1.0, 0.0) };
+    let here = Point::new(0.0, 0.0);
+    assert!(!robot.brain.is_stalled(0, here));
+    assert!(!robot.brain.is_stalled(1_900_000_000, here));
+    assert!(robot.brain.is_stalled(2_100_000_000, here));
+    assert!(
+        !robot.brain.is_stalled(2_200_000_000, Point::new(0.1, 0.0)) || robot.brain.driving_since.is_some()
+    );
+}

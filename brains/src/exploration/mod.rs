@@ -1,0 +1,75 @@
+//! Exploration of an unknown arena: Wahde 2016, §6.1. A robot goes where it must so that its laser sees every part
+//! of the floor.
+//!
+//! | explorer | goes to | from |
+//! |---|---|---|
+//! | [`Nodes`] | nodes that it has placed about a metre around each other | Wahde 2016, §6.1 |
+//! | [`Frontiers`] | the nearest place from which something unknown can be seen | Yamauchi 1997 |
+//!
+//! An [`Explorer`] is a state machine without a body: it is told where the robot is believed to be and what it has
+//! seen, and says where to turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body.
+
+mod approach;
+pub mod brain;
+pub mod frontiers;
+pub mod graph;
+pub mod nodes;
+pub mod placement;
+
+#[cfg(test)]
+mod arena;
+
+use baudbot_geometry::{Point, Pose};
+
+use crate::mapping::Scan;
+
+pub use brain::Explore;
+pub use frontiers::Frontiers;
+pub use nodes::Nodes;
+
+/// What a robot knows in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input<'a> {
+    /// Where it is believed to be.
+    pub world_from_robot: Pose,
+    /// Its laser's last scan; `None` until there is one.
+    pub scan: Option<&'a Scan>,
+    /// Something is close ahead, the notes' proximity detection. It should see what is too low for the laser.
+    pub near: bool,
+}
+
+/// What the robot shall do until the next step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command {
+    /// Stand still; a scan from here is wanted.
+    Wait,
+    /// Turn on the spot to this heading.
+    Turn {
+        /// In the world, in radians.
+        heading_rad: f64,
+    },
+    /// Drive straight on to a point, which is ahead.
+    Drive {
+        /// In the world, in metres.
+        to: Point,
+    },
+    /// Stand still: nothing is left to be explored.
+    Done,
+    /// Stand still: it cannot go on.
+    Failed(Failure),
+}
+
+/// Why an exploration has ended too early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// Whichever way it turns, something is in the way.
+    Stuck,
+    /// There is more to be explored than it can remember.
+    TooLarge,
+}
+
+/// A method of exploration.
+pub trait Explorer {
+    /// One step; the more often it is called, the earlier the robot stops in front of something.
+    fn step(&mut self, input: &Input<'_>) -> Command;
+}

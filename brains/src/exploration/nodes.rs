@@ -1,0 +1,355 @@
+//! Exploration by nodes: Wahde 2016, §6.1, after Wahde and Sandberg, AMiRE 2009.
+//!
+//! The robot places pending nodes around itself, goes to the one that is nearest by the length of the path, and
+//! places nodes again. What it reaches is completed, and what proximity keeps it from is unreachable. It is done when
+//! no node is pending. Since nodes that are not unreachable are at least d apart, that is at some time the case in
+//! any arena with walls.
+//!
+//! Between nodes it goes along the ways on which they were placed, but directly to a target within L if a scan shows
+//! that nothing is in the way.
+//!
+//! *Deviations.*
+//!
+//! - At the start the robot places nodes, makes half a turn, and places nodes again. Otherwise one that looks at a wall
+//!   at the start is done at once.
+//! - The notes set the active node to one that was found unreachable. Here it stays the node from which the robot came,
+//!   since that is where the ways are.
+//! - The notes do not say how they avoid the deadlock of Fig. 6.3. Here a robot that is stopped between two nodes takes
+//!   the way to be blocked in this direction only. It goes straight to that completed node in sight from which the
+//!   path to the target is the shortest, or back.
+//! - An unreachable node is tried again, when no node is pending, from another side: from a completed node that saw a
+//!   clear way to it, and only if nothing that was reached is within d of it. Otherwise one node that could not be reached
+//!   in a door costs a room.
+
+use baudbot_geometry::{Point, Pose, angle};
+
+use super::approach::{Approach, heading_to, turn};
+use super::graph::{Graph, Retry, Status, Ways};
+use super::placement::Placement;
+use super::{Command, Explorer, Failure, Input};
+use crate::mapping::View;
+
+/// The lengths of the method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// D, Δ, `γ_min` and d.
+    pub placement: Placement,
+    /// A node is reached within this distance, a, in metres.
+    pub reach_m: f64,
+    /// How far away a target may be that is gone to directly, L, in metres: at most the laser's range.
+    pub sight_m: f64,
+    /// Half the width that a direct way must have, in metres: the robot's radius and a little more.
+    pub half_width_m: f64,
+    /// How often an unreachable node is tried, from another side each time.
+    pub attempts: usize,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.8, separation_m: 0.75 };
+        Self { placement, reach_m: 0.1, sight_m: 3.0, half_width_m: 0.25, attempts: 3 }
+    }
+}
+
+/// A robot that explores by nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nodes {
+    parameters: Parameters,
+    graph: Graph,
+    /// Where it was last.
+    active: usize,
+    target: Option<usize>,
+    /// From these nodes the direct way to the target was not to be gone.
+    not_directly_from: Vec<usize>,
+    /// Where it could not go since it was at the active node.
+    tried: Vec<usize>,
+    /// Where it has turned aside since then, between nodes.
+    trail: Vec<Point>,
+    state: State,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Start,
+    /// Places the first nodes once it faces this way.
+    LookBack {
+        heading_rad: f64,
+    },
+    /// At the active node, which is new, to place others around it.
+    Place,
+    /// At a node or on the way.
+    Decide,
+    /// Looks whether the way to a node is clear.
+    Look {
+        node: usize,
+    },
+    Go(Leg),
+    Ended(Command),
+}
+
+/// A straight way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Leg {
+    approach: Approach,
+    /// The node that is there; `None` if it is a place where the robot turned aside.
+    node: Option<usize>,
+    /// The node where it began; `None` if it began elsewhere.
+    from: Option<usize>,
+    /// Along a way of the graph.
+    is_edge: bool,
+}
+
+impl Explorer for Nodes {
+    fn step(&mut self, input: &Input<'_>) -> Command {
+        if self.graph.nodes().len() > MOST_NODES {
+            self.state = State::Ended(Command::Failed(Failure::TooLarge));
+        }
+        loop {
+            // Each turn of the loop reaches, blocks or gives up a node, so there are not many.
+            if let Some(command) = self.advance(input) {
+                return command;
+            }
+        }
+    }
+}
+
+impl Nodes {
+    /// A robot at its start.
+    #[must_use]
+    pub fn new(parameters: Parameters) -> Self {
+        Self {
+            parameters,
+            graph: Graph::default(),
+            active: 0,
+            target: None,
+            not_directly_from: Vec::new(),
+            tried: Vec::new(),
+            trail: Vec::new(),
+            state: State::Start,
+        }
+    }
+
+    /// The nodes so far.
+    #[must_use]
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The node to which the robot is on its way, if there is one.
+    #[must_use]
+    pub fn target(&self) -> Option<usize> {
+        self.target
+    }
+
+    /// What to do in this state; `None` if it has become another.
+    fn advance(&mut self, input: &Input<'_>) -> Option<Command> {
+        let here = &input.world_from_robot;
+        match self.state {
+            State::Start => {
+                if let Some(wait) = self.place(input, here.heading) {
+                    return Some(wait);
+                }
+                self.state =
+                    State::LookBack { heading_rad: angle::wrap(here.heading + std::f64::consts::PI) };
+            }
+            State::LookBack { heading_rad } => {
+                if let Some(turn) = self.place(input, heading_rad) {
+                    return Some(turn);
+                }
+                self.state = State::Decide;
+            }
+            State::Place => {
+                if let Some(wait) = self.place(input, here.heading) {
+                    return Some(wait);
+                }
+                self.state = State::Decide;
+            }
+            State::Decide => self.state = self.decide(here),
+            State::Look { node } => return self.look(input, node),
+            State::Go(leg) => return self.go(input, leg),
+            State::Ended(command) => return Some(command),
+        }
+        None
+    }
+
+    /// Places nodes around the active one by a scan in this direction; what to do until there is one.
+    fn place(&mut self, input: &Input<'_>, heading_rad: f64) -> Option<Command> {
+        let here = &input.world_from_robot;
+        if let Some(turn) = turn(here, heading_rad) {
+            return Some(turn);
+        }
+        let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
+        if self.graph.nodes().is_empty() {
+            self.active = self.graph.add(here.position, Status::Completed);
+        }
+        self.graph.complete(self.active, scan.clone());
+        let placement = &self.parameters.placement;
+        for place in placement.places(scan) {
+            if self.graph.has_room(place, placement.separation_m) {
+                let node = self.graph.add(place, Status::Pending);
+                self.graph.join(self.active, node);
+            }
+        }
+        None
+    }
+
+    /// Where to go next.
+    fn decide(&mut self, here: &Pose) -> State {
+        loop {
+            let Some(target) = self.choose(here) else { return State::Ended(Command::Done) };
+            let ways = self.graph.ways_to(target);
+            let state = if self.distance(here, self.active) <= self.parameters.reach_m {
+                self.leave(here, target, &ways)
+            } else {
+                self.rejoin(here, target, &ways)
+            };
+            if let Some(state) = state {
+                return state;
+            }
+            self.graph.give_up(target, self.active);
+        }
+    }
+
+    /// The target, as long as it is pending; then the nearest pending node by the length of the path, of those at
+    /// the same distance the one that needs the least turn.
+    fn choose(&mut self, here: &Pose) -> Option<usize> {
+        let is_pending = |target: &usize| self.graph.nodes()[*target].status == Status::Pending;
+        if let Some(target) = self.target.filter(is_pending) {
+            return Some(target);
+        }
+        let ways = self.graph.ways_from(self.active);
+        let length = |node: &usize| {
+            let way_m = ways.length(*node);
+            let turn_rad = angle::difference(heading_to(here, self.graph.place(*node)), here.heading);
+            way_m + TURN_COSTS_M * turn_rad.abs()
+        };
+        let pending = self.graph.having(Status::Pending).map(|node| (length(&node), node));
+        let nearest = pending.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, node)| node);
+        let Parameters { placement, sight_m, half_width_m, attempts, .. } = self.parameters;
+        let retry = Retry { attempts, separation_m: placement.separation_m, sight_m, half_width_m };
+        self.target = nearest.or_else(|| self.graph.retry(self.active, &retry));
+        self.not_directly_from.clear();
+        self.target
+    }
+
+    /// From the active node on; `None` if there is no way to the target.
+    fn leave(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
+        let next = ways.next(self.active);
+        let is_near = self.distance(here, target) <= self.parameters.sight_m;
+        if next != Some(target) && is_near && !self.not_directly_from.contains(&self.active) {
+            return Some(State::Look { node: target });
+        }
+        let next = next?;
+        let to = self.graph.place(next);
+        let leg =
+            Leg { approach: Approach::new(to), node: Some(next), from: Some(self.active), is_edge: true };
+        Some(State::Go(leg))
+    }
+
+    /// From between two nodes on; `None` if there is no way to the target.
+    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
+        let in_sight = |node: &usize| self.distance(here, *node) <= self.parameters.sight_m;
+        let nodes = self.graph.having(Status::Completed).chain([target]);
+        let nodes = nodes.filter(|node| *node == self.active || in_sight(node));
+        let ways = nodes.map(|node| (self.distance(here, node) + ways.length(node), node));
+        let mut ways = ways.filter(|(length, _)| length.is_finite()).peekable();
+        ways.peek()?;
+        let untried = ways.filter(|(_, node)| !self.tried.contains(node));
+        Some(match untried.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, node)) if node == self.active => State::Go(self.back()),
+            Some((_, node)) => State::Look { node },
+            None => State::Ended(Command::Failed(Failure::Stuck)),
+        })
+    }
+
+    /// The way that it came: nothing was in it.
+    fn back(&self) -> Leg {
+        let (to, node) = match self.trail.last() {
+            Some(&place) => (place, None),
+            None => (self.graph.place(self.active), Some(self.active)),
+        };
+        Leg { approach: Approach::new(to), node, from: None, is_edge: false }
+    }
+
+    /// Faces a node, and goes there if the scan says that it can.
+    fn look(&mut self, input: &Input<'_>, node: usize) -> Option<Command> {
+        let here = &input.world_from_robot;
+        if let Some(turn) = turn(here, heading_to(here, self.graph.place(node))) {
+            return Some(turn);
+        }
+        let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
+        if scan.view(self.graph.place(node), self.parameters.half_width_m) == View::Clear {
+            let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
+            if !at_node {
+                self.trail.push(here.position);
+            }
+            let (to, from) = (self.graph.place(node), at_node.then_some(self.active));
+            self.state =
+                State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge: false });
+        } else {
+            self.not_directly_from.push(self.active);
+            self.tried.push(node);
+            self.state = State::Decide;
+        }
+        None
+    }
+
+    fn go(&mut self, input: &Input<'_>, mut leg: Leg) -> Option<Command> {
+        let here = &input.world_from_robot;
+        let Some(command) = leg.approach.step(here, self.parameters.reach_m) else {
+            self.arrive(&leg);
+            return None;
+        };
+        if input.near && matches!(command, Command::Drive { .. }) {
+            self.stop(&leg);
+            return None;
+        }
+        self.state = State::Go(leg);
+        Some(command)
+    }
+
+    fn arrive(&mut self, leg: &Leg) {
+        self.state = State::Decide;
+        let Some(node) = leg.node else {
+            self.trail.pop();
+            return;
+        };
+        if let Some(from) = leg.from {
+            self.graph.join(from, node);
+        }
+        self.active = node;
+        self.tried.clear();
+        self.trail.clear();
+        if self.graph.nodes()[node].status == Status::Pending {
+            self.state = State::Place;
+        }
+    }
+
+    /// Something is in the way.
+    fn stop(&mut self, leg: &Leg) {
+        self.state = State::Decide;
+        let node = leg.node.unwrap_or(self.active);
+        self.tried.push(node);
+        self.not_directly_from.push(self.active);
+        if leg.is_edge {
+            self.graph.block(self.active, node);
+            if self.target == Some(node) {
+                self.graph.give_up(node, self.active);
+            }
+        }
+    }
+
+    fn distance(&self, here: &Pose, node: usize) -> f64 {
+        (self.graph.place(node) - here.position).norm()
+    }
+}
+
+/// How much longer a way may be that spares a turn of 1 rad, in metres: so little that it decides only between nodes
+/// at the same distance.
+const TURN_COSTS_M: f64 = 0.05;
+
+/// More nodes than that are not an arena with walls.
+const MOST_NODES: usize = 1000;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,136 @@
+//! Whole explorations, by a robot that knows where it is.
+
+use super::*;
+use crate::exploration::arena::{Arena, Run};
+
+/// Explores from a pose to the end, and proves in each step that nodes keep their distance.
+fn explore(arena: &Arena, start: Pose) -> (Run, Nodes) {
+    let mut nodes = Nodes::new(Parameters::default());
+    let run = arena.run(&mut nodes, start, nodes_keep_their_distance);
+    assert_eq!(run.end, Command::Done, "{start:?}: {run:?}");
+    assert!(run.least_room_m > 0.0, "{start:?}: {run:?}");
+    (run, nodes)
+}
+
+fn nodes_keep_their_distance(explorer: &Nodes) {
+    let kept: Vec<_> =
+        explorer.graph.nodes().iter().filter(|node| node.status != Status::Unreachable).collect();
+    for (i, a) in kept.iter().enumerate() {
+        for b in &kept[..i] {
+            let distance = (a.place - b.place).norm();
+            assert!(distance >= 0.75 - 1e-9, "{} and {} are {distance} m apart", a.place, b.place);
+        }
+    }
+}
+
+/// Explores from so many random starts, and returns the mean and the greatest length of the path.
+fn explore_from_random_starts(arena: &Arena, count: usize) -> (f64, f64) {
+    let mut paths = Vec::new();
+    for start in arena.starts(count) {
+        let (run, _) = explore(arena, start);
+        assert!(run.sensed >= 0.995, "{start:?}: {run:?}");
+        paths.push(run.path_m);
+    }
+    (paths.iter().sum::<f64>() / count as f64, paths.into_iter().fold(0.0, f64::max))
+}
+
+const FIXED: [f64; 3] = [1.0, 1.0, std::f64::consts::FRAC_PI_4];
+
+#[test]
+fn a_room_with_a_low_box_is_seen_and_the_box_is_found() {
+    let [x, y, heading] = FIXED;
+    let (run, nodes) = explore(&Arena::room(), Pose::new(x, y, heading));
+    assert!(run.sensed >= 0.995, "{run:?}");
+    let on_box = |node: &usize| {
+        let place = nodes.graph.place(*node);
+        (3.0..=4.0).contains(&place.x) && (1.0..=2.0).contains(&place.y)
+    };
+    assert!(nodes.graph.having(Status::Completed).all(|node| !on_box(&node)), "{run:?}");
+    assert_eq!(nodes.graph.having(Status::Pending).count(), 0);
+}
+
+#[test]
+fn a_room_is_seen_from_30_random_starts() {
+    let (mean, most) = explore_from_random_starts(&Arena::room(), 30);
+    assert!(mean < 30.0 && most < 60.0, "mean {mean} m, most {most} m");
+}
+
+#[test]
+fn an_office_is_seen() {
+    let [x, y, heading] = FIXED;
+    let (run, _) = explore(&Arena::office(), Pose::new(x, y, heading));
+    assert!(run.sensed >= 0.995 && run.path_m <= 120.0, "{run:?}");
+}
+
+#[test]
+fn an_office_is_seen_from_6_random_starts() {
+    let (mean, most) = explore_from_random_starts(&Arena::office(), 6);
+    assert!(most <= 120.0, "mean {mean} m, most {most} m");
+}
+
+#[test]
+#[ignore = "10 s; the same with 6 runs always"]
+fn an_office_is_seen_from_30_random_starts() {
+    let (mean, most) = explore_from_random_starts(&Arena::office(), 30);
+    println!("mean {mean} m, most {most} m");
+    assert!(most <= 120.0, "mean {mean} m, most {most} m");
+}
+
+/// Half a turn at the start shows what is behind a robot that looks at a wall.
+#[test]
+fn a_robot_that_looks_at_a_wall_turns_round() {
+    for heading in [0.0, 1.0, 2.0, 3.0, -1.0, -2.0] {
+        let (run, _) = explore(&Arena::room(), Pose::new(0.3, 0.3, heading));
+        assert!(run.sensed >= 0.995, "{heading}: {run:?}");
+    }
+}
+
+/// Nothing is seen within range, so there is always room for another node.
+#[test]
+fn an_arena_without_walls_is_given_up() {
+    let mut nodes = Nodes::new(Parameters::default());
+    let mut here = Pose::new(0.0, 0.0, 0.0);
+    for _ in 0..20_000 {
+        let scan = crate::mapping::Scan {
+            world_from_robot: here,
+            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 4.0,
+            range_m: 4.0,
+            distances_m: vec![-1.0; 41],
+        };
+        // It is at once where it wants to be.
+        match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: false }) {
+            Command::Turn { heading_rad } => here.heading = heading_rad,
+            Command::Drive { to } => here.position = to,
+            Command::Wait => {}
+            end => return assert_eq!(end, Command::Failed(Failure::TooLarge)),
+        }
+    }
+    panic!("{} nodes and no end", nodes.graph.nodes().len());
+}
+
+#[test]
+fn a_robot_that_can_go_nowhere_is_done() {
+    let end = |distance_m: f64| {
+        let mut nodes = Nodes::new(Parameters::default());
+        let mut here = Pose::new(0.0, 0.0, 0.0);
+        for _ in 0..1000 {
+            let scan = crate::mapping::Scan {
+                world_from_robot: here,
+                robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 4.0,
+                range_m: 4.0,
+                distances_m: vec![distance_m; 41],
+            };
+            match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: true }) {
+                Command::Turn { heading_rad } => here.heading = heading_rad,
+                Command::Drive { .. } => panic!("drives though something is near"),
+                Command::Wait => {}
+                end => return end,
+            }
+        }
+        panic!("no end");
+    };
+    assert_eq!(end(0.5), Command::Done, "no node was placed");
+    assert_eq!(end(3.0), Command::Done, "no node can be reached");
+}

@@ -1,0 +1,85 @@
+//! Frontiers: B. Yamauchi, *A frontier-based approach for autonomous exploration*, CIRA 1997.
+//!
+//! A frontier is where what is known to be free ends at what is unknown: a free cell with an unknown one at one of its
+//! four sides. Frontier cells that touch, at a corner too, are one group.
+
+use super::occupancy::{Cell, Occupancy, Occupied};
+
+/// Whether a cell is on a frontier.
+#[must_use]
+pub fn is_frontier(grid: &Occupancy, cell: Cell) -> bool {
+    let is_unknown = |(columns, rows)| grid.state(cell.offset(columns, rows)) == Occupied::Unknown;
+    grid.state(cell) == Occupied::Free && SIDES.into_iter().any(is_unknown)
+}
+
+/// All frontier cells for which `counts` holds, in groups that touch.
+#[must_use]
+pub fn groups(grid: &Occupancy, counts: impl Fn(Cell) -> bool) -> Vec<Vec<Cell>> {
+    let mut waiting: Vec<bool> = grid.cells().map(|cell| is_frontier(grid, cell) && counts(cell)).collect();
+    let mut groups = Vec::new();
+    for (place, cell) in grid.cells().enumerate() {
+        if !std::mem::take(&mut waiting[place]) {
+            continue;
+        }
+        let mut group = vec![cell];
+        let mut next = 0;
+        while let Some(&cell) = group.get(next) {
+            next += 1;
+            let around = (-1..=1).flat_map(|row| (-1..=1).map(move |column| cell.offset(column, row)));
+            group.extend(
+                around.filter(|cell| {
+                    grid.place(*cell).is_some_and(|place| std::mem::take(&mut waiting[place]))
+                }),
+            );
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+const SIDES: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use baudbot_geometry::Pose;
+
+    use super::*;
+    use crate::mapping::Scan;
+
+    /// What half a turn sees of a corridor of 2 m whose walls are to the left and to the right.
+    fn corridor() -> Occupancy {
+        let mut grid = Occupancy::new(0.1);
+        let rays = 1000;
+        let mut scan = Scan {
+            world_from_robot: Pose::new(0.03, 0.03, 0.0),
+            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: PI,
+            range_m: 3.0,
+            distances_m: vec![-1.0; rays],
+        };
+        for i in 0..rays {
+            scan.distances_m[i] = 1.0 / scan.bearing_rad(i).sin().abs();
+        }
+        assert!(grid.add(&scan));
+        grid
+    }
+
+    #[test]
+    fn a_corridor_has_a_frontier_ahead_and_one_behind() {
+        let groups = groups(&corridor(), |_| true);
+        let mut columns: Vec<_> = groups.iter().map(|group| group[0].column).collect();
+        columns.sort_unstable();
+        assert_eq!(columns.len(), 2, "{columns:?}");
+        assert!((-1..=0).contains(&columns[0]) && columns[1] >= 27, "{columns:?}");
+        assert!(groups.iter().all(|group| group.len() >= 18), "they are as wide as the corridor");
+    }
+
+    #[test]
+    fn only_cells_that_count_are_found() {
+        let grid = corridor();
+        assert_eq!(groups(&grid, |cell| cell.column > 5).len(), 1);
+        assert_eq!(groups(&Occupancy::new(0.1), |_| true), Vec::<Vec<Cell>>::new());
+    }
+}

@@ -1,0 +1,302 @@
+//! An occupancy grid from scans with known poses: H. Moravec and A. Elfes 1985, with the log-odds that S. Thrun et al.,
+//! *Probabilistic Robotics* (2005), §9.2, use.
+//!
+//! For each cell the grid keeps l = ln(p / (1 - p)) of the probability p that something is there. A scan adds
+//! `l_hit` to a cell in which a ray met something, and takes `l_miss` from one that rays only went through.
+//!
+//! *Deviations.* A scan changes each cell once, and a hit counts more than any number of rays that passed: otherwise
+//! the many rays along a wall wipe out what few of them met. Rays have no width.
+
+use baudbot_geometry::{Point, math};
+
+use super::raster::line;
+use super::scan::Scan;
+
+/// A square of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Cell {
+    /// Its x, in cells.
+    pub column: i32,
+    /// Its y, in cells.
+    pub row: i32,
+}
+
+/// What is known of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occupied {
+    /// Nothing is there.
+    Free,
+    /// Something is there.
+    Occupied,
+    /// It was not seen, or it was seen both ways.
+    Unknown,
+}
+
+/// A grid over that part of the plane that was seen. It grows as needed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Occupancy {
+    cell_m: f64,
+    /// The cell of the first value.
+    first: Cell,
+    columns: i32,
+    rows: i32,
+    log_odds: Vec<f32>,
+    /// For each cell the number of the last scan that changed it.
+    changed: Vec<u32>,
+    scans: u32,
+}
+
+impl Cell {
+    /// The cell around a point that is given in units of a cell's side.
+    #[must_use]
+    pub fn at(point: Point) -> Self {
+        // Conversions saturate, and what is not a number is 0.
+        Self { column: math::floor(point.x) as i32, row: math::floor(point.y) as i32 }
+    }
+
+    /// The cell so many columns and rows away.
+    #[must_use]
+    pub fn offset(self, columns: i32, rows: i32) -> Self {
+        Self { column: self.column.saturating_add(columns), row: self.row.saturating_add(rows) }
+    }
+
+    /// The square of the distance between two cells' centres, in cells.
+    #[must_use]
+    pub fn distance_squared(self, other: Self) -> i64 {
+        let (x, y) = (self.column.abs_diff(other.column), self.row.abs_diff(other.row));
+        i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y)
+    }
+}
+
+impl Occupancy {
+    /// A grid of cells with this side, in metres, of which nothing is known.
+    ///
+    /// # Panics
+    /// If the side is not positive.
+    #[must_use]
+    pub fn new(cell_m: f64) -> Self {
+        assert!(cell_m > 0.0, "a cell has a side");
+        let first = Cell { column: 0, row: 0 };
+        Self { cell_m, first, columns: 0, rows: 0, log_odds: vec![], changed: vec![], scans: 0 }
+    }
+
+    /// Side of a cell, in metres.
+    #[must_use]
+    pub fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
+    /// The cell around a point.
+    #[must_use]
+    pub fn cell(&self, point: Point) -> Cell {
+        Cell::at(point / self.cell_m)
+    }
+
+    /// The centre of a cell, in metres in the world.
+    #[must_use]
+    pub fn center(&self, cell: Cell) -> Point {
+        Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5) * self.cell_m
+    }
+
+    /// What is known of a cell.
+    #[must_use]
+    pub fn state(&self, cell: Cell) -> Occupied {
+        let log_odds = self.place(cell).map_or(0.0, |place| self.log_odds[place]);
+        if log_odds > 0.0 {
+            Occupied::Occupied
+        } else if log_odds < 0.0 {
+            Occupied::Free
+        } else {
+            Occupied::Unknown
+        }
+    }
+
+    /// The cells that the grid has, known or not, row by row.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> {
+        let (first, columns) = (self.first, self.columns.max(1));
+        (0..self.columns * self.rows).map(move |i| first.offset(i % columns, i / columns))
+    }
+
+    /// The place of a cell in the order of [`cells`](Self::cells); `None` if the grid has not grown so far.
+    pub(super) fn place(&self, cell: Cell) -> Option<usize> {
+        let (column, row) =
+            (cell.column.checked_sub(self.first.column)?, cell.row.checked_sub(self.first.row)?);
+        let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
+        is_in.then(|| row as usize * self.columns as usize + column as usize)
+    }
+
+    /// All cells that the straight line between two points goes through, in order.
+    pub fn line(&self, from: Point, to: Point) -> impl Iterator<Item = Cell> + use<> {
+        line(from / self.cell_m, to / self.cell_m)
+    }
+
+    /// Adds a scan. Says whether it did: a scan that would make the grid larger than 4 million cells is left out.
+    pub fn add(&mut self, scan: &Scan) -> bool {
+        let from = scan.world_from_sensor().position;
+        let ends: Vec<_> = scan.ends().collect();
+        if !self.grow(ends.iter().map(|(end, _)| *end).chain([from])) {
+            return false;
+        }
+        self.scans += 1;
+        for &(end, _) in ends.iter().filter(|(_, met)| *met) {
+            self.change(self.cell(end), HIT);
+        }
+        for (end, _) in ends {
+            for cell in self.line(from, end) {
+                self.change(cell, MISS);
+            }
+        }
+        true
+    }
+
+    /// A disc about a point is free, such as a robot's place.
+    pub fn free_disc(&mut self, center: Point, radius_m: f64) {
+        let corner = baudbot_geometry::Vector::new(radius_m, radius_m);
+        if !self.grow([center - corner, center + corner].into_iter()) {
+            return;
+        }
+        self.scans += 1;
+        let (low, high) = (self.cell(center - corner), self.cell(center + corner));
+        for row in low.row..=high.row {
+            for column in low.column..=high.column {
+                let cell = Cell { column, row };
+                if (self.center(cell) - center).norm() <= radius_m {
+                    self.change(cell, MISS);
+                }
+            }
+        }
+    }
+
+    /// Changes a cell, unless this scan already did.
+    fn change(&mut self, cell: Cell, by: f32) {
+        let Some(place) = self.place(cell) else { return };
+        if self.changed[place] != self.scans {
+            self.changed[place] = self.scans;
+            self.log_odds[place] = (self.log_odds[place] + by).clamp(-MOST, MOST);
+        }
+    }
+
+    /// Makes the grid so large that it has these points' cells; says whether that is not too large.
+    fn grow(&mut self, points: impl Iterator<Item = Point>) -> bool {
+        let is_new = self.log_odds.is_empty();
+        let old = (!is_new).then(|| (self.first, self.first.offset(self.columns - 1, self.rows - 1)));
+        let cells = points.map(|point| (self.cell(point), self.cell(point)));
+        let union = |a: (Cell, Cell), b: (Cell, Cell)| {
+            let low = Cell { column: a.0.column.min(b.0.column), row: a.0.row.min(b.0.row) };
+            (low, Cell { column: a.1.column.max(b.1.column), row: a.1.row.max(b.1.row) })
+        };
+        let Some(all) = cells.chain(old).reduce(union) else { return true };
+        if Some(all) == old {
+            return true;
+        }
+        let (low, high) = (all.0.offset(-SPARE, -SPARE), all.1.offset(SPARE, SPARE));
+        let (columns, rows) = (
+            i64::from(high.column) - i64::from(low.column) + 1,
+            i64::from(high.row) - i64::from(low.row) + 1,
+        );
+        if columns.saturating_mul(rows) > MOST_CELLS {
+            return false;
+        }
+        let before =
+            std::mem::replace(self, Self { first: low, scans: self.scans, ..Self::new(self.cell_m) });
+        (self.columns, self.rows) = (columns as i32, rows as i32);
+        self.log_odds = vec![0.0; (columns * rows) as usize];
+        self.changed = vec![0; self.log_odds.len()];
+        for (place, cell) in before.cells().enumerate() {
+            if let Some(new) = self.place(cell) {
+                self.log_odds[new] = before.log_odds[place];
+            }
+        }
+        true
+    }
+}
+
+/// What a ray adds that met something, `l_hit`: p = 0.7.
+const HIT: f32 = 0.847;
+/// What rays add that only went through, −`l_miss`: p = 0.4.
+const MISS: f32 = -0.405;
+/// Cells are never surer than this, p = 0.97, so that what has moved is believed in a few scans.
+const MOST: f32 = 3.5;
+/// So many cells more than needed on each side, so that not every scan makes the grid grow.
+const SPARE: i32 = 16;
+/// A square kilometre in cells of half a metre, or 200 m by 200 m in cells of 10 cm.
+const MOST_CELLS: i64 = 4_000_000;
+
+#[cfg(test)]
+mod tests {
+    use baudbot_geometry::Pose;
+
+    use super::*;
+
+    fn scan(x: f64, distances_m: &[f64]) -> Scan {
+        Scan {
+            world_from_robot: Pose::new(x, 0.05, 0.0),
+            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 0.0,
+            range_m: 2.0,
+            distances_m: distances_m.to_vec(),
+        }
+    }
+
+    fn states(grid: &Occupancy, columns: std::ops::Range<i32>) -> String {
+        let letter = |column| match grid.state(Cell { column, row: 0 }) {
+            Occupied::Free => '.',
+            Occupied::Occupied => '#',
+            Occupied::Unknown => '?',
+        };
+        columns.map(letter).collect()
+    }
+
+    #[test]
+    fn a_ray_frees_what_it_goes_through_and_occupies_where_it_ends() {
+        let mut grid = Occupancy::new(0.1);
+        assert!(grid.add(&scan(0.05, &[0.5])));
+        assert_eq!(states(&grid, -2..8), "??.....#??");
+        let mut grid = Occupancy::new(0.1);
+        assert!(grid.add(&scan(0.05, &[-1.0])));
+        assert_eq!(states(&grid, 18..23), "...??", "2 m from 0.05 end in cell 20");
+    }
+
+    #[test]
+    fn a_hit_counts_more_than_rays_that_pass_in_the_same_scan() {
+        let mut grid = Occupancy::new(0.1);
+        assert!(grid.add(&scan(0.05, &[0.5, 1.0, 1.0, 1.0, 1.0])));
+        assert_eq!(states(&grid, 4..12), ".#....#?");
+    }
+
+    #[test]
+    fn what_has_gone_away_is_forgotten_after_some_scans() {
+        let mut grid = Occupancy::new(0.1);
+        for _ in 0..100 {
+            grid.add(&scan(0.05, &[0.5]));
+        }
+        let scans = (1..100).find(|_| {
+            grid.add(&scan(0.05, &[1.0]));
+            states(&grid, 5..6) == "."
+        });
+        assert_eq!(scans, Some(9), "3.5 / 0.405");
+    }
+
+    #[test]
+    fn growing_keeps_what_is_known_in_every_direction() {
+        let mut grid = Occupancy::new(0.1);
+        for x in [0.05, 10.05, -20.05] {
+            assert!(grid.add(&scan(x, &[0.5])));
+        }
+        assert_eq!(states(&grid, 0..7), ".....#?");
+        assert_eq!(states(&grid, 100..107), ".....#?");
+        assert_eq!(grid.cells().count(), (grid.columns * grid.rows) as usize);
+        assert_eq!(grid.cells().filter(|cell| grid.state(*cell) == Occupied::Occupied).count(), 3);
+    }
+
+    #[test]
+    fn a_grid_does_not_grow_without_bound() {
+        let mut grid = Occupancy::new(0.1);
+        assert!(grid.add(&scan(0.05, &[0.5])));
+        for x in [1e6, -1e9, 1e300, f64::INFINITY, f64::NAN] {
+            grid.add(&scan(x, &[0.5]));
+            assert!(grid.log_odds.len() < 4_000_000, "{x}");
+        }
+        assert_eq!(states(&grid, 1..7), "....#?");
+    }
+}

@@ -1,0 +1,156 @@
+//! A laser's scan, and where it was taken.
+
+use baudbot_geometry::{Direction, Point, Pose, Segment, angle};
+
+/// Distances all around a sensor's forward direction, taken at a pose that is believed.
+///
+/// All rays count as taken at once. A mirror that turns while the robot does bends a scan; who makes scans of
+/// readings leaves out those that are bent too much.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    /// The robot's pose when the scan was taken.
+    pub world_from_robot: Pose,
+    /// Where the sensor sits, and where it looks.
+    pub robot_from_sensor: Pose,
+    /// Angle in radians from the first ray, the rightmost, to the last.
+    pub opening_rad: f64,
+    /// How far the rays reach, in metres.
+    pub range_m: f64,
+    /// A distance in metres for each ray, from right to left. What is not in (0, range] says that the ray met
+    /// nothing, as the notes' −1 does.
+    pub distances_m: Vec<f64>,
+}
+
+/// What a scan says about a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Nothing that was seen is in the way.
+    Clear,
+    /// Something is in the way.
+    Blocked,
+    /// The way leads out of the sensor's opening angle, or farther than its range.
+    Unseen,
+}
+
+impl Scan {
+    /// The sensor's pose when the scan was taken.
+    #[must_use]
+    pub fn world_from_sensor(&self) -> Pose {
+        self.world_from_robot.compose(&self.robot_from_sensor)
+    }
+
+    /// The angle of ray `i` to the sensor's forward direction, in radians; Wahde 2016, Eq. (3.14). One ray alone
+    /// looks ahead.
+    #[must_use]
+    pub fn bearing_rad(&self, i: usize) -> f64 {
+        match self.distances_m.len() {
+            0 | 1 => 0.0,
+            rays => self.opening_rad * (i as f64 / (rays - 1) as f64 - 0.5),
+        }
+    }
+
+    /// How far ray `i` ran before it met something, in metres; `None` if it met nothing, or is none.
+    #[must_use]
+    pub fn distance_m(&self, i: usize) -> Option<f64> {
+        let distance_m = *self.distances_m.get(i)?;
+        (distance_m > 0.0 && distance_m <= self.range_m).then_some(distance_m)
+    }
+
+    /// The end of each ray in the world, and whether it met something there. A ray that met nothing ends at the
+    /// range.
+    pub fn ends(&self) -> impl Iterator<Item = (Point, bool)> {
+        let world_from_sensor = self.world_from_sensor();
+        let forward = world_from_sensor.direction();
+        (0..self.distances_m.len()).map(move |i| {
+            let direction = forward.rotate(Direction::from_angle(self.bearing_rad(i)));
+            let met = self.distance_m(i);
+            let end = world_from_sensor.position + direction.vector() * met.unwrap_or(self.range_m);
+            (end, met.is_some())
+        })
+    }
+
+    /// Whether it was taken from about here: within 5 cm and 0.1 rad.
+    #[must_use]
+    pub fn is_from(&self, world_from_robot: &Pose) -> bool {
+        let turned = angle::difference(self.world_from_robot.heading, world_from_robot.heading);
+        let moved = (self.world_from_robot.position - world_from_robot.position).norm();
+        moved <= HERE_M && turned.abs() <= HERE_RAD
+    }
+
+    /// Whether a disc of radius `half_width_m` can go from where the robot was straight to the point `to`, as far as
+    /// the scan says. What is behind the robot is in no way.
+    #[must_use]
+    pub fn view(&self, to: Point, half_width_m: f64) -> View {
+        let way = Segment { start: self.world_from_robot.position, end: to };
+        let along = way.end - way.start;
+        let in_way = |point: Point| {
+            (point - way.start).dot(&along) > 0.0 && way.distance_squared(point) < half_width_m * half_width_m
+        };
+        if self.ends().any(|(end, met)| met && in_way(end)) {
+            return View::Blocked;
+        }
+        let world_from_sensor = self.world_from_sensor();
+        let to_target = to - world_from_sensor.position;
+        let bearing = angle::difference(
+            baudbot_geometry::math::atan2(to_target.y, to_target.x),
+            world_from_sensor.heading,
+        );
+        let seen = bearing.abs() <= 0.5 * self.opening_rad - SIDE_RAD && to_target.norm() <= self.range_m;
+        if seen { View::Clear } else { View::Unseen }
+    }
+}
+
+/// A scan counts as taken here if the robot has moved less than this, in metres, ...
+const HERE_M: f64 = 0.05;
+
+/// ... and has turned less than this, in radians.
+const HERE_RAD: f64 = 0.1;
+
+/// So far within the opening angle a way must lead, in radians, that what is beside it is seen too.
+const SIDE_RAD: f64 = 0.2;
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    /// Five rays over half a turn, from (1, 2), looking up.
+    fn scan(distances_m: [f64; 5]) -> Scan {
+        Scan {
+            world_from_robot: Pose::new(1.0, 2.0, FRAC_PI_2),
+            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: PI,
+            range_m: 4.0,
+            distances_m: distances_m.to_vec(),
+        }
+    }
+
+    #[test]
+    fn rays_run_from_right_to_left_and_end_where_they_met_something() {
+        let ends: Vec<_> = scan([0.5, -1.0, 3.0, 9.0, 1.0]).ends().collect();
+        let expected = [(1.5, 2.0, true), (1.0 + 8_f64.sqrt(), 2.0 + 8_f64.sqrt(), false), (1.0, 5.0, true)];
+        for ((end, met), (x, y, expected)) in ends.iter().zip(expected) {
+            assert!((end - Point::new(x, y)).norm() < 1e-12, "{end} is not ({x}, {y})");
+            assert_eq!(*met, expected);
+        }
+        assert!(!ends[3].1, "beyond the range is nothing");
+    }
+
+    #[test]
+    fn a_way_is_clear_blocked_or_unseen() {
+        let scan = scan([0.5, -1.0, 2.0, -1.0, 0.5]);
+        assert_eq!(scan.view(Point::new(1.0, 3.5), 0.25), View::Clear);
+        assert_eq!(scan.view(Point::new(1.0, 3.8), 0.25), View::Blocked, "too near to what is behind it");
+        assert_eq!(scan.view(Point::new(1.0, 3.5), 0.6), View::Blocked, "too wide between the sides");
+        assert_eq!(scan.view(Point::new(1.0, 1.0), 0.25), View::Unseen, "behind");
+    }
+
+    #[test]
+    fn a_scan_is_from_here_until_the_robot_has_gone_on() {
+        let scan = scan([1.0; 5]);
+        assert!(scan.is_from(&Pose::new(1.04, 2.0, FRAC_PI_2 - 0.09)));
+        assert!(!scan.is_from(&Pose::new(1.06, 2.0, FRAC_PI_2)));
+        assert!(!scan.is_from(&Pose::new(1.0, 2.0, FRAC_PI_2 + 0.11)));
+    }
+}
