@@ -36,7 +36,7 @@ impl MotorBehavior for Weave {
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         self.elapsed_s += moment.dt_s;
-        let leftwards = (self.elapsed_s / self.parameters.half_period_s) as u64 % 2 == 0;
+        let leftwards = ((self.elapsed_s / self.parameters.half_period_s) as u64).is_multiple_of(2);
         let lean = if leftwards { 0.3 } else { -0.3 };
         moment.beliefs.intention = if leftwards { "to the left" } else { "to the right" }.to_owned();
         let forward = self.parameters.forward;

@@ -41,7 +41,8 @@ fn tour(seed: u64) -> Tour {
     let description = Description::parse(BRAIN).unwrap();
     let brain = description.brain(seed, &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
     let believed_m = Arc::new(Mutex::new(None));
-    let mut pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+    let mut pair =
+        Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
     let (mut squares, mut count, mut driven_m, mut last) = (0.0, 0.0, 0.0, [2.0, 2.0]);
     let mut tour = Tour { believed_m: 0.0, odometer_m: 0.0, collisions: 0 };
     while driven_m < 48.0 && pair.world.ending().is_none() {
@@ -58,7 +59,7 @@ fn tour(seed: u64) -> Tour {
         tour.collisions += pair.world.collisions().len() as u64;
     }
     assert!(driven_m >= 48.0, "it got only {driven_m} m far: {:?}", pair.world.ending());
-    tour.believed_m = (squares / count as f64).sqrt();
+    tour.believed_m = f64::sqrt(squares / count);
     tour
 }
 

@@ -19,6 +19,7 @@ pub(super) struct Text {
 const BUILT_IN: &[(&str, &str)] = &[
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
+    ("wedge", include_str!("../../repertoires/wedge.toml")),
 ];
 
 /// Those that are part of the program.
