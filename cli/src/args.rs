@@ -3,6 +3,7 @@
 mod bench;
 mod export;
 mod help;
+mod new;
 mod places;
 mod record;
 
@@ -19,6 +20,7 @@ use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
 };
+pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 use crate::error::Refused;
@@ -76,6 +78,9 @@ pub(crate) enum Command {
     /// Makes tables, traces, pictures and films of a recording, or says what is in it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),
+    /// Makes a small project to begin with
+    #[command(subcommand)]
+    New(NewCommand),
     /// Shows a world of a server as it moves
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),

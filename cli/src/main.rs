@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `preset`, `export`, `watch` and
-//!    `bench` are the commands, one a file or folder.
+//! 2. `run`, `sweep`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `preset`, `export`, `watch`, `new`
+//!    and `bench` are the commands, one a file or folder.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
@@ -31,6 +31,7 @@ mod foxglove;
 mod link;
 mod logs;
 mod map;
+mod new;
 #[cfg(feature = "otel")]
 mod otel;
 mod preset;
@@ -54,7 +55,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::Parser;
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, NewCommand};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -88,6 +89,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Preset(args) => preset::preset(&args),
         Command::Bench(args) => return bench::bench(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
+        Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
     }?;
     Ok(ExitCode::SUCCESS)

@@ -7,6 +7,7 @@ mod diagrams;
 mod export;
 mod foxglove;
 mod logs;
+mod new;
 #[cfg(feature = "otel")]
 mod otel;
 mod presets;

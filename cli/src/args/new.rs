@@ -1,0 +1,38 @@
+//! `baudbot new`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum NewCommand {
+    /// Makes a project of a brain that attaches to a robot and drives it
+    #[command(after_long_help = EXAMPLES)]
+    Brain(NewBrainArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct NewBrainArgs {
+    /// The project's folder, which must not be there yet, or empty; its name is the project's
+    pub(crate) folder: PathBuf,
+    /// The language
+    #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
+    pub(crate) lang: Language,
+    /// For Rust: where baudbot's source is [default: where this program was built]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) baudbot: Option<PathBuf>,
+}
+
+/// What a project can be written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Language {
+    /// With behaviours of baudbot's, and one of its own
+    Rust,
+    /// With nothing but the contract
+    Python,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  baudbot new brain weaver                       a brain of behaviours in Rust
+  baudbot new brain timid --lang python          a brain in Python";

@@ -1,0 +1,113 @@
+//! `baudbot new brain`: a small project that attaches to a robot and drives it.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use prost::Message;
+use prost_types::FileDescriptorSet;
+
+use crate::args::{Language, NewBrainArgs};
+use crate::error::Refused;
+use crate::text;
+
+/// A file of a project: its path, its text, and whether it is a program.
+type File = (&'static str, Vec<u8>, bool);
+
+pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
+    let folder = &args.folder;
+    let is_taken =
+        fs::read_dir(folder).map(|mut entries| entries.next().is_some()).unwrap_or(folder.exists());
+    if is_taken {
+        return Err(Refused::error(format!("{}: is there already, and not empty", folder.display())));
+    }
+    let name = package_name(folder)?;
+    let (files, first) = match args.lang {
+        Language::Rust => (rust(&name, &source(args)?), "cargo run --release -- brain.toml --world wander"),
+        Language::Python => {
+            (python(&name)?, "see README.md for what to install; then: .venv/bin/python brain.py")
+        }
+    };
+    for (path, text, is_program) in files {
+        write(&folder.join(path), &text, is_program)?;
+    }
+    text::print(&format!(
+        "{} is there. In one terminal:\n  baudbot serve wander\nIn another, in that folder:\n  {first}\n",
+        folder.display()
+    ))
+}
+
+/// The folder's name as that of a package: small letters, digits and hyphens.
+fn package_name(folder: &Path) -> anyhow::Result<String> {
+    let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    let is_good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    if name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_good) {
+        return Ok(name.to_owned());
+    }
+    Err(Refused::error(format!(
+        "{}: a project's folder is named like its package: a small letter, then small letters, digits, - and _",
+        folder.display()
+    )))
+}
+
+/// Where baudbot's crates are: they are in no registry.
+fn source(args: &NewBrainArgs) -> anyhow::Result<String> {
+    let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned);
+    let source = args.baudbot.clone().or(built_from).unwrap_or_else(|| PathBuf::from("baudbot"));
+    if !source.join("brains/Cargo.toml").is_file() {
+        return Err(Refused::error(format!(
+            "--baudbot {}: baudbot's source is not there; name the folder of a clone",
+            source.display()
+        )));
+    }
+    let source = source.canonicalize().with_context(|| source.display().to_string())?;
+    Ok(source.display().to_string())
+}
+
+fn rust(name: &str, baudbot: &str) -> Vec<File> {
+    let fill = |template: &str| template.replace("{name}", name).replace("{baudbot}", baudbot).into_bytes();
+    vec![
+        ("Cargo.toml", fill(include_str!("../templates/rust/Cargo.toml")), false),
+        ("README.md", fill(include_str!("../templates/rust/README.md")), false),
+        ("brain.toml", fill(include_str!("../templates/rust/brain.toml")), false),
+        ("src/main.rs", include_bytes!("../templates/rust/main.rs").to_vec(), false),
+        (".gitignore", b"/target\n".to_vec(), false),
+    ]
+}
+
+fn python(name: &str) -> anyhow::Result<Vec<File>> {
+    let set = FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS)?;
+    let ours = set.file.iter().map(|file| file.name()).filter(|name| name.starts_with("baudbot/"));
+    let generate = include_str!("../templates/python/generate.sh");
+    let generate = generate.replace("{protos}", &ours.collect::<Vec<_>>().join(" "));
+    let readme = include_str!("../templates/python/README.md").replace("{name}", name);
+    // The example, where its stubs are beside it.
+    let example = include_str!("../../client/python/examples/avoid.py");
+    let brain =
+        example.replace(".resolve().parent.parent", ".resolve().parent").replace("avoid.py", "brain.py");
+    let brain = brain
+        .replace("proto/baudbot/v1/brain_link.proto", "baudbot.binpb")
+        .replace("../README.md", "README.md");
+    Ok(vec![
+        ("README.md", readme.into_bytes(), false),
+        ("baudbot.binpb", baudbot_proto::DESCRIPTORS.to_vec(), false),
+        ("brain.py", brain.into_bytes(), true),
+        ("generate.sh", generate.into_bytes(), true),
+        ("requirements.txt", include_bytes!("../templates/python/requirements.txt").to_vec(), false),
+        (".gitignore", b"/.venv\n/generated\n".to_vec(), false),
+    ])
+}
+
+fn write(path: &Path, text: &[u8], is_program: bool) -> anyhow::Result<()> {
+    let written = || -> std::io::Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(path, text)?;
+        let mode = if is_program { 0o755 } else { 0o644 };
+        fs::set_permissions(path, fs::Permissions::from_mode(mode))
+    };
+    written().with_context(|| format!("cannot write {}", path.display()))
+}

@@ -1,0 +1,39 @@
+//! A brain for a robot of baudbot's: behaviours of the crate `baudbot-brains`, and one of its own. `brain.toml` says which of
+//! them the brain has, and when each is useful.
+
+use std::process::ExitCode;
+
+use baudbot_brains::process::{Moment, MotorBehavior};
+use baudbot_brains::program;
+use baudbot_brains::registry::Registry;
+use baudbot_client::Signals;
+use serde::Deserialize;
+
+/// What `brain.toml` says under `parameters`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    forward: f64,
+}
+
+/// Drives in wavy lines.
+struct Weave {
+    parameters: Parameters,
+    elapsed_s: f64,
+}
+
+impl MotorBehavior for Weave {
+    /// Called in each step in which the behaviour has the motors. `moment.turn` has the readings.
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        self.elapsed_s += moment.dt_s;
+        let lean = if (self.elapsed_s as u64).is_multiple_of(2) { 0.3 } else { -0.3 };
+        let forward = self.parameters.forward;
+        Some(Signals { left: forward * (1.0 - lean), right: forward * (1.0 + lean) })
+    }
+}
+
+fn main() -> ExitCode {
+    let mut registry = Registry::standard();
+    registry.motor("weave", |parameters: Parameters, _| Ok(Weave { parameters, elapsed_s: 0.0 }));
+    program::described(&registry)
+}

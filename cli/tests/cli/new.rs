@@ -1,0 +1,49 @@
+//! `baudbot new`; `./test` builds what it makes.
+
+use std::path::Path;
+
+use crate::{baudbot, good};
+
+fn folder(name: &str) -> String {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_project_in_rust_names_the_crates_of_this_one() {
+    let folder = folder("weaver");
+    let said = good(&["new", "brain", &folder]);
+    assert!(said.starts_with(&format!("{folder} is there.")), "{said}");
+    let read = |name: &str| std::fs::read_to_string(Path::new(&folder).join(name)).unwrap();
+    assert!(read("Cargo.toml").contains("name = \"weaver\""));
+    assert!(read("src/main.rs").contains("impl MotorBehavior for Weave"));
+    for name in ["Cargo.toml", "README.md"] {
+        assert!(!read(name).contains("{baudbot}") && !read(name).contains("{name}"), "{name}");
+    }
+    let (code, _, err) = baudbot(&["new", "brain", &folder]);
+    assert_eq!((code, err), (2, format!("error: {folder}: is there already, and not empty\n")));
+}
+
+#[test]
+fn a_project_in_python_has_the_contract_with_it() {
+    let folder = folder("timid");
+    good(&["new", "brain", &folder, "--lang", "python"]);
+    let read = |name: &str| std::fs::read(Path::new(&folder).join(name)).unwrap();
+    assert_eq!(read("baudbot.binpb"), baudbot_proto::DESCRIPTORS);
+    let generate = String::from_utf8(read("generate.sh")).unwrap();
+    assert!(
+        generate.contains(" baudbot/v1/brain_link.proto") && !generate.contains("{protos}"),
+        "{generate}"
+    );
+    let brain = String::from_utf8(read("brain.py")).unwrap();
+    assert!(brain.contains("PYTHON = Path(__file__).resolve().parent\n"), "{brain}");
+}
+
+#[test]
+fn what_cannot_be_made_is_refused() {
+    let (code, _, err) = baudbot(&["new", "brain", "My Brain"]);
+    assert!(code == 2 && err.contains("a small letter, then small letters, digits, - and _"), "{err}");
+    let (code, _, err) = baudbot(&["new", "brain", &folder("lost"), "--baudbot", "/nowhere"]);
+    assert!(code == 2 && err.contains("--baudbot /nowhere: baudbot's source is not there"), "{err}");
+}
