@@ -32,7 +32,7 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let job = Job { brain, robots };
     let mut crew = Crew::attach(Client::from_channel(channel), &world.world, job, args.seed).await?;
     eprintln!("driving {names} of world {}", world.world);
-    let summary = crew.run().await?;
+    let summary = crew.run(|| eprintln!("the operator has restarted the brain of {names}")).await?;
     if crew.is_closed() {
         bail!("the server closed the connection before the run was over");
     }

@@ -1,7 +1,8 @@
 //! Brains as `--brain` arguments name them.
 
+use anyhow::Context;
 use baudbot_brains::catalogue;
-use baudbot_client::{Client, Summary};
+use baudbot_client::{Client, Error, Summary};
 use baudbot_experiment::crew::{self, CrewError};
 use baudbot_sim::robot::RobotSpec;
 
@@ -22,28 +23,50 @@ pub(crate) fn share_out(arguments: &[String], robots: &[RobotSpec]) -> anyhow::R
 }
 
 /// A job that is being done.
-pub(crate) struct Crew(crew::Crew);
+pub(crate) struct Crew {
+    crew: crew::Crew,
+    /// What it is made from, again if the operator wants that.
+    client: Client,
+    world: String,
+    job: Job,
+    seed: u64,
+}
 
 impl Crew {
     /// Takes hold of the robots and makes their brains.
     pub(crate) async fn attach(client: Client, world: &str, job: Job, seed: u64) -> anyhow::Result<Self> {
-        match crew::Crew::attach(client, world, job, seed).await {
-            Ok(crew) => Ok(Self(crew)),
-            Err(CrewError::Brain(error)) => Err(Refused::error(error.to_string())),
-            Err(error) => Err(error.into()),
-        }
+        let crew = attach(&client, world, &job, seed).await?;
+        Ok(Self { crew, client, world: world.to_owned(), job, seed })
     }
 
-    /// Drives the robots until the run is over or the server closes the stream.
-    pub(crate) async fn run(&mut self) -> anyhow::Result<Summary> {
-        let summary = self.0.run().await;
-        summary
-            .map_err(|error| anyhow::Error::from(error).context(format!("brain `{}` failed", self.0.brain())))
+    /// Drives the robots until the run is over or the server closes the stream. Brains that the operator restarts are
+    /// made anew, which is told; the summary is of those that were the last.
+    pub(crate) async fn run(&mut self, tell_restarted: impl Fn()) -> anyhow::Result<Summary> {
+        loop {
+            match self.crew.run().await {
+                Err(Error::Restart) => {
+                    self.crew = attach(&self.client, &self.world, &self.job, self.seed).await?;
+                    tell_restarted();
+                }
+                summary => {
+                    let failed = || format!("brain `{}` failed", self.crew.brain());
+                    return summary.with_context(failed);
+                }
+            }
+        }
     }
 
     /// Whether the server has closed the stream.
     pub(crate) fn is_closed(&self) -> bool {
-        self.0.is_closed()
+        self.crew.is_closed()
+    }
+}
+
+async fn attach(client: &Client, world: &str, job: &Job, seed: u64) -> anyhow::Result<crew::Crew> {
+    match crew::Crew::attach(client.clone(), world, job.clone(), seed).await {
+        Ok(crew) => Ok(crew),
+        Err(CrewError::Brain(error)) => Err(Refused::error(error.to_string())),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -18,8 +18,10 @@ type File = (&'static str, Vec<u8>, bool);
 
 pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     let folder = &args.folder;
-    let is_taken =
-        fs::read_dir(folder).map(|mut entries| entries.next().is_some()).unwrap_or(folder.exists());
+    let is_taken = match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(_) => folder.exists(),
+    };
     if is_taken {
         return Err(Refused::error(format!("{}: is there already, and not empty", folder.display())));
     }

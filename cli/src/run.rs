@@ -231,7 +231,7 @@ impl Running<'_> {
             let client = Client::from_channel(channel.clone());
             let mut crew = Crew::attach(client, &self.plan.world, job.clone(), self.plan.seed).await?;
             // The crew holds its robots until all is over.
-            brains.spawn(async move { crew.run().await.map(|_| crew) });
+            brains.spawn(async move { crew.run(|| ()).await.map(|_| crew) });
         }
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;

@@ -2,6 +2,7 @@
 
 use std::error::Error as StdError;
 
+use baudbot_proto::{REASON, RESTART};
 use baudbot_wire::LayoutError;
 use thiserror::Error;
 use tonic::Code;
@@ -31,6 +32,11 @@ pub enum Error {
         /// The server's words.
         message: String,
     },
+    /// The operator wants the brain to begin anew. A program that can makes its brain afresh and attaches it to the same
+    /// robots, which are free by now; one that cannot ends, as one that was thrown off ([`Status`](Self::Status) with
+    /// [`Code::Aborted`]) does.
+    #[error("the operator wants this brain to begin anew, which its program does not do")]
+    Restart,
     /// The connection broke.
     #[error("the connection to the server is lost ({message})")]
     Lost {
@@ -118,6 +124,9 @@ impl From<tonic::Status> for Error {
         // A status that the transport makes up says from what; one that the server sent has no source.
         if let Some(source) = status.source() {
             return Self::Lost { message: root(source).to_string() };
+        }
+        if status.metadata().get(REASON).is_some_and(|reason| reason == RESTART) {
+            return Self::Restart;
         }
         Self::Status { code: status.code(), message: status.message().to_owned() }
     }

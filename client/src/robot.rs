@@ -53,7 +53,8 @@ impl Robot {
     ///
     /// # Errors
     /// [`Error::Status`] if the server ends the stream with an error (the world was deleted, the watchdog
-    /// lost patience, the connection broke), [`Error::Protocol`] if it breaks the contract.
+    /// lost patience, the operator has thrown the brain off), [`Error::Restart`] if the operator wants it to begin anew,
+    /// [`Error::Lost`] if the connection broke, [`Error::Protocol`] if the server breaks the contract.
     pub async fn turn(&mut self) -> Result<Option<Turn>, Error> {
         loop {
             let Some((tick, mut parts)) = self.session.turn().await? else { return Ok(None) };

@@ -9,5 +9,11 @@ pub mod v1 {
     tonic::include_proto!("baudbot.v1");
 }
 
+/// The trailer that says why an Attach has ended, where its status alone does not.
+pub const REASON: &str = "baudbot-reason";
+
+/// The reason that the operator restarts the brain.
+pub const RESTART: &str = "restart";
+
 /// The contract as a serialised `FileDescriptorSet`, for server reflection.
 pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));

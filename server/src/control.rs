@@ -12,6 +12,7 @@ use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
 
+use crate::blocking::blocking;
 use crate::convert;
 use crate::letter::{Letter, Order, Report};
 use crate::pace::Pace;
@@ -44,11 +45,6 @@ async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> 
         (report, status)
     };
     blocking(work).await
-}
-
-/// Work that takes a while, in which others must not wait.
-async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Status> {
-    tokio::task::spawn_blocking(work).await.map_err(|error| Status::internal(error.to_string()))
 }
 
 /// The world that is asked for, by its scenario or by its state, and a name for it.

@@ -8,6 +8,7 @@ use baudbot_proto::v1;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::battery::BatteryState;
 use baudbot_sim::collision::Collision;
+use baudbot_sim::coverage::Coverage;
 use baudbot_sim::drive::{Motion, Wheels};
 use baudbot_sim::{Intervention, Reading, RobotView, Scenario, SimTime, World};
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
@@ -28,6 +29,8 @@ pub(crate) enum Letter {
     /// Asks what is being replayed, if anything is.
     DescribeReplay(oneshot::Sender<Option<SharedTape>>),
     Measure(oneshot::Sender<Measures>),
+    /// Asks which cells of the floor are covered.
+    Cover(oneshot::Sender<CoverageReport>),
     Watch(Watch),
     Attach(Attach, oneshot::Sender<Result<Attached, Status>>),
     Step {
@@ -84,6 +87,8 @@ pub(crate) enum Order {
     /// Throws the brain of the robot of this name off.
     DetachBrain {
         robot: String,
+        /// It is to begin anew, if its program can.
+        restart: bool,
     },
     Delete,
 }
@@ -224,6 +229,22 @@ impl Score {
         let (covered, sensed) = (score.covered(scenario.rules()), score.sensed(scenario.rules()));
         let something = covered.is_some() || sensed.is_some() || !zones.is_empty();
         something.then_some(Self { covered, sensed, zones })
+    }
+}
+
+/// Which cells of the floor are covered and sensed.
+pub(crate) struct CoverageReport {
+    pub(crate) tick: u64,
+    pub(crate) scenario: Arc<Scenario>,
+    /// `None` if that is not counted.
+    pub(crate) coverage: Option<Coverage>,
+}
+
+impl CoverageReport {
+    /// A copy of the world's bits: what they say is found out where no world waits for it.
+    pub(crate) fn of(world: &World) -> Self {
+        let scenario = Arc::clone(world.scenario());
+        Self { tick: world.tick(), scenario, coverage: world.score().coverage().cloned() }
     }
 }
 

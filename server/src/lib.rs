@@ -36,6 +36,7 @@
 
 mod address;
 mod beliefs;
+mod blocking;
 mod brain_link;
 mod columns;
 mod control;

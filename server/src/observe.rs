@@ -10,6 +10,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status};
 
+use crate::blocking::blocking;
 use crate::convert;
 use crate::details::MAX_DETAILS;
 use crate::letter::{Letter, Watch};
@@ -35,6 +36,21 @@ impl ObserveService for Observe {
         let world = self.registry.find("world", &request.get_ref().world)?;
         let scenario = world.ask(Letter::Describe).await?;
         Ok(Response::new(convert::world_description(&scenario)))
+    }
+
+    async fn get_coverage(
+        &self,
+        request: Request<v1::GetCoverageRequest>,
+    ) -> Result<Response<v1::GetCoverageResponse>, Status> {
+        let world = self.registry.find("world", &request.get_ref().world)?;
+        let report = world.ask(Letter::Cover).await?;
+        // Of millions of cells this takes a while.
+        let told = blocking(move || convert::coverage(&report)).await?;
+        let none = || {
+            let text = "counts no coverage; metrics.cell_m in its scenario switches it on";
+            Status::failed_precondition(format!("world: `{}` {text}", world.name()))
+        };
+        Ok(Response::new(told.ok_or_else(none)?))
     }
 
     type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchResponse, Status>> + Send>>;

@@ -36,6 +36,11 @@ pub struct Rules {
 }
 
 impl Rules {
+    /// Whether it is counted what the rays of a sensor reach.
+    pub fn count_sensed(&self) -> bool {
+        self.floor.is_some() && self.sensed_by.iter().any(Option::is_some)
+    }
+
     /// Whether any of them can end a run.
     pub fn end_runs(&self) -> bool {
         self.collisions.is_some()
@@ -75,6 +80,11 @@ impl Score {
             && floor(self) == floor(other)
     }
 
+    /// Which cells of the floor are covered and sensed, if that is counted.
+    pub fn coverage(&self) -> Option<&Coverage> {
+        self.coverage.as_ref()
+    }
+
     /// Share of the free floor that bodies have covered, if that is counted.
     pub fn covered(&self, rules: &Rules) -> Option<f64> {
         Some(self.coverage.as_ref()?.floor_fraction(rules.floor.as_ref()?))
@@ -82,8 +92,8 @@ impl Score {
 
     /// Share of the free floor that the rays of the chosen sensor have reached, if that is counted.
     pub fn sensed(&self, rules: &Rules) -> Option<f64> {
-        rules.sensed_by.iter().find(|sensor| sensor.is_some())?;
-        Some(self.coverage.as_ref()?.sensed_fraction(rules.floor.as_ref()?))
+        let coverage = self.coverage.as_ref().filter(|_| rules.count_sensed())?;
+        Some(coverage.sensed_fraction(rules.floor.as_ref()?))
     }
 
     /// For each zone, in the scenario's order, whether any robot has been there.

@@ -365,3 +365,27 @@ proptest! {
         }
     }
 }
+
+/// The cells that runs tell, and how many cells they are of.
+fn told(floor: &Floor, runs: &[u32]) -> (Vec<(usize, usize)>, usize) {
+    let each = runs.iter().enumerate().flat_map(|(i, &run)| std::iter::repeat_n(i % 2 == 1, run as usize));
+    let all: Vec<_> = each.collect();
+    let present = cells(floor).zip(&all).filter(|(_, present)| **present);
+    (present.map(|(cell, _)| cell).collect(), all.len())
+}
+
+#[test]
+fn runs_tell_every_cell_of_the_grid() {
+    let floor = cluttered();
+    let mut coverage = Coverage::new(&floor);
+    coverage.cover_swept(&floor, &disc(0.3, 0.3, 0.2), &disc(2.0, 0.5, 0.2));
+    coverage.sense_ray(&floor, Point::new(0.3, 0.4), Point::new(3.1, 0.6));
+    let all = floor.columns() * floor.rows();
+    assert!(!all.is_multiple_of(64), "the last word is not full");
+    assert_eq!(told(&floor, &floor.free_runs()), (free_where(&floor, |_| true), all));
+    assert_eq!(told(&floor, &coverage.covered_runs(&floor)), (covered(&floor, &coverage), all));
+    let sensed = cells(&floor).filter(|&(column, row)| coverage.is_sensed(&floor, column, row));
+    assert_eq!(told(&floor, &coverage.sensed_runs(&floor)), (sensed.collect(), all));
+    assert_eq!(Coverage::new(&floor).covered_runs(&floor), [all as u32]);
+    assert_eq!(floor.corner(), Point::new(-0.3, 0.0));
+}

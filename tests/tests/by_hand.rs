@@ -1,11 +1,15 @@
 //! What an operator changes by hand in a world of a server.
 
-use baudbot_client::{Belief, GridMap, Signals, Utility};
+use std::time::Duration;
+
+use baudbot_client::{Belief, Error, GridMap, Robot, Signals, Utility};
 use baudbot_proto::v1;
+use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use baudbot_proto::v1::intervene_request::Intervention;
-use baudbot_server::{Lockstep, Pace, Server};
-use baudbot_tests::system::{client, lockstep, operator, serve, status};
+use baudbot_server::{Lockstep, Pace, Server, WatchdogPolicy};
+use baudbot_tests::system::{client, lockstep, operator, serve, status, watched};
 use baudbot_tests::{WANDER, scenario};
+use tokio_stream::StreamExt;
 use tonic::Code;
 
 async fn intervene(server: &Server, intervention: Intervention) -> Result<v1::WorldStatus, tonic::Status> {
@@ -22,6 +26,10 @@ fn place(x_m: f64, y_m: f64) -> Intervention {
     Intervention::PlaceRobot(v1::PlaceRobot { robot: "robot".into(), x_m, y_m, heading_rad: 0.0 })
 }
 
+fn detach(restart: bool) -> Intervention {
+    Intervention::DetachBrain(v1::DetachBrain { robot: "robot".into(), restart })
+}
+
 #[tokio::test]
 async fn a_change_within_a_tick_waits_for_its_end() {
     let server = serve(scenario(WANDER, &[]), lockstep()).await;
@@ -29,7 +37,7 @@ async fn a_change_within_a_tick_waits_for_its_end() {
     let first = robot.turn().await.unwrap().unwrap();
     let changed = intervene(&server, place(0.1, 0.2));
     let mut changed = Box::pin(changed);
-    let soon = std::time::Duration::from_millis(50);
+    let soon = Duration::from_millis(50);
     assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
     robot.drive(Signals { left: 0.0, right: 0.0 }).await.unwrap();
     assert_eq!(changed.await.unwrap().tick, first.tick + 1);
@@ -43,7 +51,7 @@ async fn a_reset_forgets_what_was_to_be_changed() {
     let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
     robot.turn().await.unwrap().unwrap();
     let mut changed = Box::pin(intervene(&server, place(0.1, 0.2)));
-    let soon = std::time::Duration::from_millis(50);
+    let soon = Duration::from_millis(50);
     assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
     let mut operator = operator(&server).await;
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
@@ -115,12 +123,13 @@ async fn what_cannot_be_is_refused_with_a_reason() {
     let empty = v1::InterveneRequest { world: "w".into(), intervention: None };
     let status = operator(&server).await.intervene(empty).await.unwrap_err();
     assert_eq!((status.code(), status.message()), (Code::InvalidArgument, "intervention: must be set"));
-    let robot = || "robot".to_owned();
-    let (code, text) = refused(Intervention::DetachBrain(v1::DetachBrain { robot: robot() })).await;
-    assert_eq!(
-        (code, text.as_str()),
-        (Code::FailedPrecondition, "detach_brain.robot: robot `robot` has no brain")
-    );
+    for restart in [false, true] {
+        let (code, text) = refused(detach(restart)).await;
+        assert_eq!(
+            (code, text.as_str()),
+            (Code::FailedPrecondition, "detach_brain.robot: robot `robot` has no brain")
+        );
+    }
     server.shutdown().await;
 }
 
@@ -136,16 +145,27 @@ async fn a_pulled_cable_shows_in_the_losses_and_a_reset_plugs_it_in() {
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     let lost = async || status(&server).await.robots[0].uplink.unwrap().lost_bytes;
     while lost().await < 100 {
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        tokio::time::sleep(Duration::from_millis(5)).await;
     }
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
     operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     while status(&server).await.tick < 200 {
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        tokio::time::sleep(Duration::from_millis(5)).await;
     }
     assert_eq!(lost().await, 0);
     server.shutdown().await;
+}
+
+/// Why a robot's stream ends.
+async fn ending(robot: &mut Robot) -> Error {
+    loop {
+        match robot.turn().await {
+            Ok(Some(_)) => {}
+            Ok(None) => panic!("no reason"),
+            Err(error) => break error,
+        }
+    }
 }
 
 #[tokio::test]
@@ -154,17 +174,67 @@ async fn a_brain_that_is_thrown_off_learns_it_and_may_come_again() {
     let client = client(&server).await;
     let mut robot = client.attach("w", "robot").await.unwrap();
     robot.turn().await.unwrap().unwrap();
-    let detach = Intervention::DetachBrain(v1::DetachBrain { robot: "robot".into() });
-    assert!(!intervene(&server, detach).await.unwrap().robots[0].attached);
-    let error = loop {
-        match robot.turn().await {
-            Ok(Some(_)) => {}
-            Ok(None) => panic!("no reason"),
-            Err(error) => break error.to_string(),
-        }
-    };
-    assert!(error.contains("the operator has detached this brain"), "{error}");
+    assert!(!intervene(&server, detach(false)).await.unwrap().robots[0].attached);
+    let error = ending(&mut robot).await;
+    assert!(matches!(error, Error::Status { code: Code::Aborted, .. }), "{error:?}");
+    assert!(error.to_string().contains("the operator has detached this brain"), "{error}");
     let mut again = client.attach("w", "robot").await.unwrap();
     again.turn().await.unwrap().unwrap();
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_brain_that_is_restarted_learns_it_and_its_robot_is_free_for_another() {
+    for policy in [WatchdogPolicy::Wait, WatchdogPolicy::GoOn] {
+        let server = serve(scenario(WANDER, &["end.after_s=1.0"]), watched(10_000, policy)).await;
+        let client = client(&server).await;
+        let mut robot = client.attach("w", "robot").await.unwrap();
+        robot.turn().await.unwrap().unwrap();
+        robot.pass().await.unwrap();
+        let open = robot.turn().await.unwrap().unwrap();
+        assert!(!intervene(&server, detach(true)).await.unwrap().robots[0].attached);
+        let error = ending(&mut robot).await;
+        assert!(matches!(error, Error::Restart), "{error:?}");
+        if policy == WatchdogPolicy::Wait {
+            tokio::time::sleep(Duration::from_millis(50)).await;
+            let stands = status(&server).await;
+            assert_eq!((stands.state(), stands.tick), (v1::WorldState::WaitingForBrains, open.tick));
+        } else {
+            while status(&server).await.ending.is_empty() {
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+        }
+        let mut again = client.attach("w", "robot").await.unwrap();
+        let first = again.turn().await.unwrap().map(|turn| turn.tick);
+        assert_eq!(
+            first,
+            (policy == WatchdogPolicy::Wait).then_some(open.tick),
+            "the open Turn is handed on"
+        );
+        server.shutdown().await;
+    }
+}
+
+#[tokio::test]
+async fn programs_in_any_language_find_the_reason_in_a_trailer() {
+    let server = serve(scenario(WANDER, &[]), lockstep()).await;
+    for (restart, reason) in [(true, Some("restart")), (false, None)] {
+        let hello = v1::Hello { world: "w".into(), robots: vec!["robot".into()], ..Default::default() };
+        let hello = v1::AttachRequest { request: Some(v1::attach_request::Request::Hello(hello)) };
+        // The brain's side stays open.
+        let requests = tokio_stream::once(hello).chain(tokio_stream::pending());
+        let mut link = BrainLinkServiceClient::new(server.channel().await.unwrap());
+        let mut responses = link.attach(requests).await.unwrap().into_inner();
+        responses.message().await.unwrap().unwrap();
+        intervene(&server, detach(restart)).await.unwrap();
+        let status = loop {
+            match responses.message().await {
+                Ok(response) => assert!(response.is_some(), "it ends with a status"),
+                Err(status) => break status,
+            }
+        };
+        let told = status.metadata().get("baudbot-reason").map(|reason| reason.to_str().unwrap());
+        assert_eq!((status.code(), told), (Code::Aborted, reason));
+    }
     server.shutdown().await;
 }

@@ -217,8 +217,9 @@ async fn lateness_is_counted_in_seconds_by_the_wall_clock() {
 #[tokio::test]
 async fn a_brain_that_does_not_answer_is_seen_while_it_does_not() {
     let server = serve(watched(600_000, WatchdogPolicy::Wait)).await;
-    let _silent = client(&server).await.attach("w", "robot").await.unwrap();
+    // The Turn is open before the brain knows that it is attached.
     let begun = Instant::now();
+    let _silent = client(&server).await.attach("w", "robot").await.unwrap();
     let metrics = loop {
         let metrics = Metrics::of(&server).await;
         if metrics.of_robot("baudbot_brain_oldest_open_turn_seconds") > 0.3 {

@@ -17,7 +17,10 @@ fn wedge(brain: &str, y_m: f64, seconds: u64) -> ([f64; 2], Option<String>) {
 #[test]
 fn a_robot_that_is_locked_in_a_potential_field_gets_out() {
     let ([x, y], ending) = wedge("wedge:motor.follow.parameters.escape_after_s=0", 0.0, 60);
-    assert!(ending.is_none() && (x - 0.385).abs() < 0.03 && y.abs() < 0.03, "it stays locked: {x} {y} {ending:?}");
+    assert!(
+        ending.is_none() && (x - 0.385).abs() < 0.03 && y.abs() < 0.03,
+        "it stays locked: {x} {y} {ending:?}"
+    );
     for y_m in [-0.6, -0.3, 0.0, 0.3, 0.6] {
         let (at, ending) = wedge("wedge", y_m, 120);
         assert!(ending.as_ref().is_some_and(|ending| ending.contains("goal")), "{y_m}: {at:?} {ending:?}");

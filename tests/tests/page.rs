@@ -171,6 +171,29 @@ async fn a_page_operates_a_world_and_sees_it_move() {
 }
 
 #[tokio::test]
+async fn a_page_gets_the_map_of_a_floor_that_is_counted() {
+    let server = serve(lockstep()).await;
+    let mut page = Page::open(&server).await;
+    let ask = |world: &str| Asked::GetCoverage(v1::GetCoverageRequest { world: world.into() });
+    let (code, message) = page.failure(1, ask("w")).await;
+    assert_eq!(code, "FAILED_PRECONDITION");
+    assert!(message.contains("metrics.cell_m"), "{message}");
+    let counted = v1::CreateWorldRequest {
+        world: "counted".into(),
+        scenario_toml: WANDER.into(),
+        overrides: vec!["metrics.cell_m=0.1".into()],
+        paused: true,
+        ..Default::default()
+    };
+    page.ask(2, Asked::CreateWorld(counted)).await;
+    let Answer::CreateWorld(_) = page.answer(2).await else { panic!() };
+    page.ask(3, ask("counted")).await;
+    let Answer::GetCoverage(map) = page.answer(3).await else { panic!() };
+    assert_eq!(map.free.iter().sum::<u32>(), map.columns * map.rows);
+    server.shutdown().await;
+}
+
+#[tokio::test]
 async fn calls_that_fail_say_why_and_the_page_goes_on() {
     let server = serve(lockstep()).await;
     let mut page = Page::open(&server).await;

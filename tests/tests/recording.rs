@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use baudbot_client::{Client, Error};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::intervene_request::Intervention;
@@ -299,6 +300,65 @@ async fn a_brain_that_is_given_up_while_the_world_is_ahead_is_replayed() {
         assert_eq!(replayed(&folder.join(format!("{recording}.mcap"))), (300, hash));
         server.shutdown().await;
     }
+}
+
+/// Drives the robot of world `w`, and begins anew when the operator says so; how often.
+async fn drive_and_restart(client: Client) -> u32 {
+    let client = client.thinks_as_scenario();
+    for restarts in 0.. {
+        let mut robot = client.attach("w", "robot").await.unwrap();
+        let mut brain = baudbot_brains::catalogue::brain("wander:forward=0.3", 5, robot.body()).unwrap();
+        match baudbot_client::run(&mut robot, &mut brain).await {
+            Err(Error::Restart) => {}
+            done => {
+                done.unwrap();
+                return restarts;
+            }
+        }
+    }
+    unreachable!("a run has an end")
+}
+
+/// Records and replays a run of 20 s whose brain is restarted some times: how often that was done, and how often the
+/// brain's program has begun anew.
+async fn restarted(folder: &Path, pace: Pace, recording: &str) -> (u32, u32) {
+    let slow = ["robots.robot.brain.thinking_us=20000.0", "robots.robot.link.baud=2400"];
+    let server =
+        with_folder(folder, pace, &[&slow[..], &["end.after_s=20.0", "collision=stop-robot"]].concat()).await;
+    let mut operator = operator(&server).await;
+    let start = v1::StartRecordingRequest { recording: recording.to_owned(), ..named("w") };
+    operator.start_recording(start).await.unwrap();
+    let program = tokio::spawn(drive_and_restart(client(&server).await));
+    let mut done = 0;
+    for tick in [100, 500, 900] {
+        while status(&server).await.tick < tick {}
+        let restart = v1::DetachBrain { robot: "robot".into(), restart: true };
+        let change = Some(Intervention::DetachBrain(restart));
+        // One that has not come back yet cannot be thrown off.
+        let asked = v1::InterveneRequest { world: "w".into(), intervention: change };
+        done += u32::from(operator.intervene(asked).await.is_ok());
+    }
+    let begun = program.await.unwrap();
+    let hash = status(&server).await.state_hash;
+    stop(&mut operator).await;
+    let file = folder.join(format!("{recording}.mcap"));
+    assert_eq!(replayed(&file), (2000, hash));
+    let tape = Tape::open(&file).unwrap();
+    let text = "the brain of `robot` is gone: the operator restarts this brain";
+    let told = tape.events().iter().filter(|event| event.text == text).count();
+    assert_eq!(told, done as usize, "{:?}", tape.events());
+    server.shutdown().await;
+    (done, begun)
+}
+
+#[tokio::test]
+async fn a_brain_that_is_restarted_is_replayed() {
+    let folder = folder();
+    // The world goes ahead of its brain, and waits for another.
+    assert_eq!(restarted(&folder, lockstep(), "waits").await, (3, 3));
+    // It goes on alone: it may be over when the brain is there again, which is nothing to begin anew for.
+    let (done, begun) = restarted(&folder, watched(10_000, WatchdogPolicy::GoOn), "goes-on").await;
+    assert!(begun > 0 && begun <= done, "{begun} of {done}");
 }
 
 #[tokio::test]

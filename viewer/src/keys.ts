@@ -68,6 +68,7 @@ function press(desk: Desk, event: KeyboardEvent): boolean {
     r: () => arena.toggle("rays"),
     g: () => arena.toggle("ghost"),
     b: () => arena.toggle("belief"),
+    c: () => arena.toggle("coverage"),
     m: () => desk.toolbar.toggleMove(),
     d: () => (replayer ? undefined : drive.start()),
     q: () => hands.turn(Math.PI / 12),

@@ -14,6 +14,7 @@ import { Drive } from "./net/drive";
 import { Orders } from "./net/orders";
 import { Recordings } from "./net/recordings";
 import { Replayer } from "./net/replayer";
+import { Surveyor } from "./net/surveyor";
 import { Watcher } from "./net/watcher";
 import { ChartPanel } from "./panels/chart";
 import { Controls } from "./panels/controls";
@@ -56,6 +57,7 @@ const canvas = el("canvas", {
   attributes: { tabindex: "0" },
 });
 const arena = new Arena(canvas, store, themes.theme);
+const surveyor = new Surveyor(connection, store, () => arena.layers.coverage);
 const hands = new Hands(arena, (held) => void putDown(held));
 const help = helpDialog();
 const toolbar = new Toolbar(
@@ -70,7 +72,7 @@ const chart = new ChartPanel(store, themes.theme);
 const robot = new RobotPanel(store, chart, new HandSection(store, orders, drive), themes.theme);
 const timing = new TimingPanel(store, themes.theme);
 const controls = new Controls(store, orders, new RecordControl(store, recordings));
-const film = new FilmDialog({ store, connection, watcher, orders, replayer, arena });
+const film = new FilmDialog({ store, connection, watcher, surveyor, orders, replayer, arena });
 const replay = new ReplayBar(store, orders, replayer, () => film.show(), themes.theme);
 const status = new StatusBar(store, connection, watcher);
 const pad = new Pad(drive);
@@ -78,7 +80,10 @@ const pad = new Pad(drive);
 lay();
 store.on("worlds", () => toolbar.allowMove(!replayer.isOn));
 store.on("world", () => toolbar.allowMove(!replayer.isOn));
-arena.changed = () => toolbar.refresh();
+arena.changed = () => {
+  toolbar.refresh();
+  surveyor.look();
+};
 themes.changed = (theme) => {
   for (const part of [arena, chart, robot, timing, replay]) part.setTheme(theme);
 };

@@ -27,6 +27,10 @@ export interface ViewerForTests {
   /** The chosen robot's trail, in metres. */
   readonly trail: [number, number][];
   readonly lastError: string;
+  /** The tick of the map of covered cells that is shown, if one is. */
+  readonly coverageTick: number | undefined;
+  /** Where a place in the world is on the canvas, in CSS pixels. */
+  pixelAt(x_m: number, y_m: number): [number, number];
 }
 
 declare global {
@@ -83,6 +87,10 @@ export function exposeForTests({ store, arena, watcher, replayer }: Parts): void
     get lastError() {
       return store.lastError;
     },
+    get coverageTick() {
+      return store.coverage && Number(store.coverage.tick);
+    },
+    pixelAt: (x_m, y_m) => toPixel(arena.view, x_m, y_m),
   };
   window.baudbotViewer = Object.freeze(exposed);
 }

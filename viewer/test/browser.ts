@@ -8,7 +8,7 @@ import type { Page } from "playwright-core";
 import { beforeTheMock } from "./browser_kit";
 import { settled } from "./settled";
 
-const { options, shots, open } = beforeTheMock();
+const { options, shots, open, mock } = beforeTheMock();
 
 const state = (page: Page) =>
   page.evaluate(() => {
@@ -91,6 +91,22 @@ test("who holds a robot is told", options, async () => {
   const page = await open("#world=second&robot=alice");
   await page.getByTestId("drive").click();
   await page.waitForFunction(() => window.baudbotViewer.lastError.includes("holds `alice`"));
+  await page.close();
+});
+
+test("a brain is restarted, and thrown off", options, async () => {
+  const page = await open("#world=second&robot=bob");
+  const body = () => mock().worlds.get("second")!.bodies[1]!;
+  const restart = page.getByTestId("restart");
+  assert.match((await restart.getAttribute("title")) ?? "", /does not know how simply goes/);
+  await restart.click();
+  while (body().restarts === 0) await page.waitForTimeout(50);
+  assert.equal(body().brain, "avoid");
+  await page.getByTestId("detach").click();
+  // Of a robot without a brain there is none to begin anew.
+  await page.waitForFunction(() => document.querySelector<HTMLButtonElement>("[data-testid=restart]")?.disabled);
+  assert.deepEqual([body().restarts, body().brain], [1, ""]);
+  body().brain = "avoid";
   await page.close();
 });
 

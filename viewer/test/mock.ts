@@ -105,6 +105,8 @@ class Session {
         return this.open(request.value.recording, request.value.world);
       case "describeWorld":
         return { case: "describeWorld", value: this.find(request.value.world).description };
+      case "getCoverage":
+        return this.map(this.find(request.value.world));
       case "watch":
         return this.watch(call, this.find(request.value.world), request.value.everyTicks, request.value.details);
       case "attach":
@@ -223,7 +225,9 @@ class Session {
       Object.assign(body, { x_m: what.value.xM, y_m: what.value.yM, heading_rad: what.value.headingRad });
     }
     if (what.case === "pullCable") body.cable = !what.value.pulled;
-    if (what.case === "detachBrain") body.brain = "";
+    // The programs of made-up brains know how to begin them anew.
+    if (what.case === "detachBrain" && what.value.restart) body.restarts++;
+    else if (what.case === "detachBrain") body.brain = "";
   }
 
   private create(name: string, toml: string, saved: Uint8Array): Reply {
@@ -246,6 +250,12 @@ class Session {
     const since = world.tick > 200n ? world.tick - 200n : 0n;
     this.reply(call, { case: "watch", value: world.frame(details, since) });
     this.watches.push({ call, world, every: every || 5n, details, shown: world.tick });
+  }
+
+  private map(world: MockWorld): Reply {
+    world.mapsAsked++;
+    if (!world.counts) throw new Refusal("FAILED_PRECONDITION", `world: \`${world.name}\` counts no coverage`);
+    return { case: "getCoverage", value: world.floor.map(world.tick) };
   }
 
   private attach(call: number, { request }: AttachRequest): undefined {
@@ -350,7 +360,7 @@ export interface Mock {
 export async function serve(port: number, robots: number): Promise<Mock> {
   const worlds = new Map([
     ["arena", new MockWorld("arena", robots)],
-    ["second", new MockWorld("second", 3)],
+    ["second", new MockWorld("second", 3, false)],
   ]);
   const folder = files();
   const posted: Mock["posted"] = [];

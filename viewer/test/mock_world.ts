@@ -11,6 +11,7 @@ import {
   type WatchResponse,
 } from "../src/gen/baudbot/v1/observe_pb";
 import { PaceSchema, WorldState, WorldStatusSchema, type Pace, type WorldStatus } from "../src/gen/baudbot/v1/world_pb";
+import { MockFloor, SENSED_M } from "./mock_floor";
 import { describe, IRS, LASER, PILLAR, ROOM, STEP_NS, WHEELS } from "./mock_scene";
 
 interface Body {
@@ -22,6 +23,8 @@ interface Body {
   counts: [number, number];
   collided: boolean;
   brain: string;
+  /** How often its brain has begun anew. */
+  restarts: number;
   cable: boolean;
 }
 
@@ -35,11 +38,16 @@ export class MockWorld {
   lost = 0n;
   recording: { recording: string; bytes: bigint; ticks: bigint; problem: string } | undefined;
   baud = 9600;
+  readonly floor = new MockFloor();
+  /** How often the map of its floor was asked for. */
+  mapsAsked = 0;
   readonly snapshots = new Map<bigint, { tick: bigint; bodies: Body[] }>();
 
   constructor(
     readonly name: string,
     readonly robots: number,
+    /** Whether it counts which cells of its floor are covered. */
+    readonly counts = true,
   ) {
     this.description = describe(robots);
     this.reset();
@@ -47,6 +55,7 @@ export class MockWorld {
 
   reset(): void {
     this.tick = 0n;
+    this.floor.clear();
     this.bodies = this.description.robots.map((robot, i) => ({
       x_m: this.robots === 3 ? ([-1, 0.3, -0.5][i] ?? 0) : -2.6 + 5.2 * frac(i * 0.61803),
       y_m: this.robots === 3 ? ([0, 0.5, -0.9][i] ?? 0) : -1.7 + 3.4 * frac(i * 0.7548),
@@ -56,6 +65,7 @@ export class MockWorld {
       counts: [0, 0],
       collided: false,
       cable: true,
+      restarts: 0,
       brain: robot.robot === "carol" ? "" : "avoid",
     }));
   }
@@ -73,7 +83,10 @@ export class MockWorld {
     }
     this.bodies.forEach((body, i) => {
       if (body.brain === "avoid") this.steer(body, i);
-      this.roll(body, this.description.robots[i]?.radiusM ?? 0.2);
+      const radius_m = this.description.robots[i]?.radiusM ?? 0.2;
+      this.roll(body, radius_m);
+      this.floor.mark(this.floor.covered, body.x_m, body.y_m, radius_m);
+      this.floor.mark(this.floor.sensed, body.x_m, body.y_m, radius_m + SENSED_M);
     });
   }
 
@@ -290,7 +303,7 @@ export class MockWorld {
         { thing: "door", xM: -0.2, yM: 1.3, headingRad: 0.8 * Math.sin(this.time_s / 2) },
       ],
       score: {
-        covered: Math.min(1, this.time_s / 300),
+        ...(this.counts && this.floor.score),
         goals: 1,
         goalsReached: 0,
         zones: [{ zone: "goal", goal: true }, { zone: "dock" }],

@@ -20,6 +20,8 @@ const shots = process.env.SHOTS;
 
 let server: ChildProcess;
 let brain: ChildProcess;
+/** What the brain's program complains of. */
+let complaints = "";
 let browser: Browser;
 let link: string;
 /** The server's recordings. */
@@ -29,7 +31,7 @@ before(async () => {
   folder = await mkdtemp(join(tmpdir(), "baudbot-recordings-"));
   const free = ["--listen", "127.0.0.1:0", "--viewer", "127.0.0.1:0", "--recordings", folder];
   // A robot whose cable is out may run into something, and the others want to go on.
-  const worlds = ["wander", "khepera", "--set", "collision=stop-robot"];
+  const worlds = ["wander", "khepera", "--set", "collision=stop-robot", "--set", "metrics.cell_m=0.02"];
   server = spawn(PROGRAM, ["serve", ...worlds, ...free], { stdio: ["ignore", "pipe", "inherit"] });
   const lines = createInterface({ input: server.stdout! });
   let address = "";
@@ -40,7 +42,8 @@ before(async () => {
   }
   assert.ok(address && link, "the server says where it is");
   const who = ["--connect", address, "--world", "wander", "--robot", "robot"];
-  brain = spawn(PROGRAM, ["brain", "avoid", ...who], { stdio: ["ignore", "ignore", "inherit"] });
+  brain = spawn(PROGRAM, ["brain", "avoid", ...who], { stdio: ["ignore", "ignore", "pipe"] });
+  brain.stderr?.on("data", (text) => (complaints += text));
   browser = await chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
 });
 
@@ -97,6 +100,25 @@ test("a robot moves, its readings have ages, its cycles are drawn", { timeout: 6
   const timing = await picture(page, "timing-canvas");
   await other(timing, () => picture(page, "timing-canvas"), "the diagram is live");
   if (shots) await page.screenshot({ path: `${shots}/viewer-light.png` });
+  await page.close();
+});
+
+test("the floor that the robot has covered is tinted", { timeout: 60_000 }, async () => {
+  const page = await open(WANDER);
+  await page.waitForFunction(() => window.baudbotViewer.coverageTick !== undefined);
+  await page.getByTestId("pause").click();
+  const still = () => page.evaluate(() => [window.baudbotViewer.tick, window.baudbotViewer.coverageTick]);
+  const [tick, coverageTick] = await settled(still, 2500);
+  assert.equal(coverageTick, tick, "a world that stands is asked for its last map");
+  const tinted = await picture(page, "arena-canvas");
+  await page.getByTestId("layer-coverage").click();
+  await other(tinted, () => picture(page, "arena-canvas"), "the layer is gone");
+  await page.getByTestId("layer-coverage").click();
+  await page.waitForFunction(
+    (tinted) => document.querySelector<HTMLCanvasElement>("[data-testid=arena-canvas]")?.toDataURL() === tinted,
+    tinted,
+  );
+  await page.getByTestId("run").click();
   await page.close();
 });
 
@@ -200,5 +222,29 @@ test("a run is recorded, and gone through forwards and backwards", { timeout: 90
   await page.getByTestId("replay-fork").click();
   await page.getByTestId("replay-bar").waitFor({ state: "hidden" });
   assert.deepEqual(await readdir(folder), ["wander-1.mcap"]);
+  await page.close();
+});
+
+test("a brain is restarted by its program, and goes when it is thrown off", { timeout: 60_000 }, async () => {
+  const page = await open(WANDER);
+  const until = async (what: string) => {
+    const begun = Date.now();
+    while (!complaints.includes(what)) {
+      assert.ok(Date.now() - begun < 20_000, complaints);
+      await page.waitForTimeout(50);
+    }
+  };
+  await page.getByTestId("restart").click();
+  await until("the operator has restarted the brain of robot\n");
+  await page.getByTestId("run").click();
+  const from = await page.evaluate(() => window.baudbotViewer.pose);
+  await page.waitForFunction((from) => {
+    const now = window.baudbotViewer.pose;
+    return now !== undefined && from !== undefined && Math.hypot(now.x_m - from.x_m, now.y_m - from.y_m) > 0.1;
+  }, from);
+  assert.equal(brain.exitCode, null);
+  await page.getByTestId("detach").click();
+  await until("the operator has detached this brain");
+  await page.waitForFunction(() => document.querySelector<HTMLButtonElement>("[data-testid=restart]")?.disabled);
   await page.close();
 });

@@ -97,6 +97,38 @@ fn a_brain_that_loses_its_server_says_so() {
 }
 
 #[test]
+fn a_brain_that_is_restarted_begins_anew_and_one_that_is_thrown_off_goes() {
+    let (_server, tcp, unix) = serve("restart.sock", &["wander"]);
+    let mut brain = Running::start(&["brain", "constant", "--connect", &tcp]);
+    assert_eq!(brain.first_complaint(), DRIVING);
+    for _ in 0..2 {
+        detach_brain(&unix, true).unwrap();
+        assert_eq!(brain.first_complaint(), "the operator has restarted the brain of robot\n");
+    }
+    // It has its name, and its robot.
+    let (code, _, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
+    assert_eq!(code, 1, "{err}");
+    assert!(err.contains("robot `robot` of world `wander` is held by brain `constant`"), "{err}");
+    detach_brain(&unix, false).unwrap();
+    let (code, _, err) = brain.end();
+    assert_eq!(code, 1, "{err}");
+    assert!(err.contains("the operator has detached this brain"), "{err}");
+}
+
+/// Throws the brain of the robot of `wander` off.
+#[tokio::main(flavor = "current_thread")]
+pub(crate) async fn detach_brain(address: &str, restart: bool) -> Result<(), tonic::Status> {
+    let server =
+        tonic::transport::Endpoint::from_shared(address.to_owned()).unwrap().connect().await.unwrap();
+    let detach = v1::DetachBrain { robot: "robot".to_owned(), restart };
+    let request = v1::InterveneRequest {
+        world: "wander".to_owned(),
+        intervention: Some(v1::intervene_request::Intervention::DetachBrain(detach)),
+    };
+    v1::control_service_client::ControlServiceClient::new(server).intervene(request).await.map(drop)
+}
+
+#[test]
 fn a_robot_has_one_brain() {
     let (_server, tcp, unix) = serve("held.sock", &["wander", "--paused"]);
     let mut first = Running::start(&["brain", "constant", "--connect", &tcp]);

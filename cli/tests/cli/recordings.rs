@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::processes::detach_brain;
 use crate::{Running, baudbot, command, good, place, said};
 
 fn text(path: &Path) -> &str {
@@ -91,6 +92,41 @@ fn ten_robots_are_replayed_in_lockstep_and_in_real_time() {
         let args = ["--pace", "scaled:4", "--seconds", "4", "--viewer", "off"];
         record_and_replay(text(&path), &args, &file);
     }
+}
+
+#[test]
+fn a_run_in_lockstep_whose_brain_is_restarted_is_replayed() {
+    let (socket, file) = (format!("unix:{}", place("restarted.sock").display()), place("restarted.mcap"));
+    let mut run = Running::start(&[
+        "run",
+        "wander",
+        "--seconds",
+        "400",
+        "--set",
+        "collision=stop-robot",
+        "--json",
+        "--listen",
+        &socket,
+        "--record",
+        text(&file),
+    ]);
+    assert_eq!(run.first_complaint(), format!("listening on {socket}\n"));
+    let mut restarts = 0;
+    while restarts < 3 {
+        // Neither before it has come, nor before it has come again.
+        restarts += u32::from(detach_brain(&socket, true).is_ok());
+    }
+    let (code, out, err) = run.end();
+    assert_eq!(code, 0, "{err}");
+    let summary: Value = serde_json::from_str(&out).unwrap();
+    let (code, out, err) = baudbot(&["replay", text(&file), "--json"]);
+    assert_eq!(code, 0, "{err}");
+    let found: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&found["identical"], &found["state_hash"]), (&Value::Bool(true), &summary["state_hash"]));
+    assert_eq!(found["last_tick"], 40_000, "{found}");
+    let events = good(&["export", text(&file), "--events", "-", "--quiet"]);
+    let restarted = events.matches("the operator restarts this brain").count();
+    assert_eq!(restarted, 3, "{events}");
 }
 
 #[test]

@@ -173,6 +173,27 @@ async fn a_refusal_keeps_its_code_and_words() {
 }
 
 #[tokio::test]
+async fn a_brain_that_is_to_begin_anew_is_told_apart_from_one_that_is_thrown_off() {
+    let ending = async |status: Status| {
+        let script = vec![Hear, welcome(&["alice"]), turn(0, &[]), Fail(status)];
+        let (client, _requests) = serve(script).await;
+        let mut robot = client.attach("room", "alice").await.unwrap();
+        run(&mut robot, &mut Mirror).await.unwrap_err()
+    };
+    let with_reason = |reason: &'static str| {
+        let mut status = Status::aborted("by hand");
+        status.metadata_mut().insert("baudbot-reason", reason.parse().unwrap());
+        status
+    };
+    assert!(matches!(ending(with_reason("restart")).await, Error::Restart));
+    // Servers to come may have other reasons.
+    for status in [Status::aborted("by hand"), with_reason("tea")] {
+        let error = ending(status).await;
+        assert!(matches!(error, Error::Status { code: Code::Aborted, .. }), "{error}");
+    }
+}
+
+#[tokio::test]
 async fn a_server_is_reached_over_tcp_and_over_a_unix_socket() {
     let script = vec![Hear, welcome(&["alice"]), turn(0, &[0.5]), Hear, ended(0)];
     let tcp = TcpListener::bind("127.0.0.1:0").await.unwrap();

@@ -8,7 +8,8 @@ use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
 
-use super::{Control, blocking, status_of};
+use super::{Control, status_of};
+use crate::blocking::blocking;
 use crate::convert;
 use crate::letter::{Letter, Order, RecordingReport};
 use crate::pace::Pace;

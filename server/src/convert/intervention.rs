@@ -11,7 +11,9 @@ use crate::letter::Order;
 pub(crate) fn intervention(asked: Option<Asked>) -> Result<Order, Status> {
     let intervention = match asked {
         None => return Err(Status::invalid_argument("intervention: must be set")),
-        Some(Asked::DetachBrain(v1::DetachBrain { robot })) => return Ok(Order::DetachBrain { robot }),
+        Some(Asked::DetachBrain(v1::DetachBrain { robot, restart })) => {
+            return Ok(Order::DetachBrain { robot, restart });
+        }
         Some(Asked::PlaceRobot(v1::PlaceRobot { robot, x_m, y_m, heading_rad })) => {
             Intervention::PlaceRobot { robot, pose: Pose::new(x_m, y_m, heading_rad) }
         }

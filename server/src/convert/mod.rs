@@ -1,10 +1,11 @@
 //! Between the contract's types and the domain's: the only folder that names both.
 //!
-//! A file for each who asks: `brain`, `observe` and `detail`, and `status`, `budget`, `intervention` and `replay` for the
-//! operator. This one has what they share.
+//! A file for each who asks: `brain`, `observe`, `detail` and `coverage`, and `status`, `budget`, `intervention` and
+//! `replay` for the operator. This one has what they share.
 
 mod brain;
 mod budget;
+mod coverage;
 mod detail;
 mod intervention;
 mod observe;
@@ -18,6 +19,7 @@ use crate::letter::{Charge, Score};
 
 pub(crate) use brain::{delivery, welcome, writes};
 pub(crate) use budget::robot_budget;
+pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;
 pub(crate) use observe::{frame, world_description};
 pub use pace::pace_of;

@@ -179,7 +179,7 @@ pub(super) fn looks(letter: &Letter) -> bool {
             // A replay is never ahead.
             Order::Seek { .. } | Order::Fork(_) => false,
         },
-        Letter::Watch { .. } => true,
+        Letter::Watch { .. } | Letter::Cover(_) => true,
         // Numbers only, and who wants to know why a world stands must not wait for that.
         Letter::Measure(_)
         | Letter::Describe(_)

@@ -9,7 +9,7 @@ use tonic::Status;
 
 use super::{Host, Pending, ahead, sender};
 use crate::endpoint::{Thinking, Write};
-use crate::letter::{Attach, Attached, Lease, Letter};
+use crate::letter::{Attach, Attached, CoverageReport, Lease, Letter};
 use crate::log::event;
 use crate::observers::View;
 use crate::pace::WatchdogPolicy;
@@ -31,6 +31,7 @@ impl Host {
             Letter::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
             Letter::DescribeReplay(reply) => drop(reply.send(self.tape())),
             Letter::Measure(reply) => drop(reply.send(self.measure())),
+            Letter::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world))),
             Letter::Watch(watch) => {
                 let view = View {
                     name: &self.name,

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use baudbot_proto::{REASON, RESTART};
 use baudbot_sim::{InterventionError, World};
 use tokio::sync::oneshot;
 use tonic::Status;
+use tonic::metadata::MetadataValue;
 
 use super::replay::Replaying;
 use super::stopwatch::Stopwatch;
@@ -90,8 +92,8 @@ impl Host {
                 }
                 return;
             }
-            Order::DetachBrain { robot } => {
-                return match self.detach_brain(&robot) {
+            Order::DetachBrain { robot, restart } => {
+                return match self.detach_brain(&robot, restart) {
                     Ok(()) => self.open(Letter::Order(Order::Report, reply)),
                     Err(status) => drop(reply.send(Err(status))),
                 };
@@ -147,8 +149,8 @@ impl Host {
         }
     }
 
-    /// Throws a robot's brain off.
-    fn detach_brain(&mut self, robot: &str) -> Result<(), Status> {
+    /// Throws a robot's brain off, for good or to begin anew.
+    fn detach_brain(&mut self, robot: &str, restart: bool) -> Result<(), Status> {
         let robots = self.world.scenario().robots();
         let Some(i) = robots.iter().position(|spec| spec.name == robot) else {
             return Err(Status::not_found(format!(
@@ -160,7 +162,8 @@ impl Host {
             let text = format!("detach_brain.robot: robot `{robot}` has no brain");
             return Err(Status::failed_precondition(text));
         };
-        self.close(session, Status::aborted("the operator has detached this brain"));
+        let why = if restart { restarted() } else { Status::aborted("the operator has detached this brain") };
+        self.close(session, why);
         Ok(())
     }
 
@@ -273,6 +276,13 @@ impl Host {
             recording: self.recorder.as_ref().map(Recorder::report),
         }
     }
+}
+
+/// Why the stream of a brain ends that is to begin anew. Who does not know the trailer goes as if thrown off.
+fn restarted() -> Status {
+    let mut status = Status::aborted("the operator restarts this brain");
+    status.metadata_mut().insert(REASON, MetadataValue::from_static(RESTART));
+    status
 }
 
 fn refused(error: &InterventionError) -> Status {

@@ -279,6 +279,7 @@ async fn unary(channel: Channel, asked: Asked) -> Result<Answer, Status> {
         Asked::SeekReplay(r) => Answer::SeekReplay(inner(control.seek_replay(r).await)?),
         Asked::ForkReplay(r) => Answer::ForkReplay(inner(control.fork_replay(r).await)?),
         Asked::DescribeWorld(r) => Answer::DescribeWorld(inner(observe.describe_world(r).await)?),
+        Asked::GetCoverage(r) => Answer::GetCoverage(inner(observe.get_coverage(r).await)?),
         // Streams, and what is no call, do not come here.
         Asked::Watch(_) | Asked::Attach(_) | Asked::Close(_) => {
             return Err(Status::internal("request: is no call with one answer"));

@@ -91,11 +91,13 @@ impl Bits {
         self.words.len() * WORD
     }
 
-    fn runs(&self) -> Vec<u32> {
+    /// The lengths of runs of the numbers below `limit`, in turn of absent and of present ones, beginning with
+    /// absent ones.
+    pub(super) fn runs(&self, limit: usize) -> Vec<u32> {
         let mut runs = Vec::new();
         let (mut from, mut value) = (0, false);
-        while from < self.words.len() * WORD {
-            let end = self.run_end(from, value);
+        while from < limit {
+            let end = self.run_end(from, value).min(limit);
             // A grid has at most a few million cells.
             runs.push((end - from) as u32);
             (from, value) = (end, !value);
@@ -106,7 +108,7 @@ impl Bits {
 
 impl Serialize for Bits {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.runs().serialize(serializer)
+        self.runs(self.words.len() * WORD).serialize(serializer)
     }
 }
 
@@ -184,7 +186,16 @@ mod tests {
             assert_eq!(postcard::from_bytes::<Bits>(&bytes).unwrap(), bits);
             assert!(bytes.len() < 12, "{bytes:?}");
         }
-        assert_eq!(of(128, &[(0, 2), (64, 64)]).runs(), [0, 3, 61, 1, 63]);
+    }
+
+    #[test]
+    fn runs_go_as_far_as_they_are_asked_for() {
+        let bits = of(128, &[(0, 2), (64, 64)]);
+        assert_eq!(bits.runs(128), [0, 3, 61, 1, 63]);
+        assert_eq!(bits.runs(100), [0, 3, 61, 1, 35]);
+        assert_eq!(bits.runs(65), [0, 3, 61, 1]);
+        assert_eq!(bits.runs(2), [0, 2]);
+        assert_eq!(bits.runs(0), []);
     }
 
     #[test]

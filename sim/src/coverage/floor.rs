@@ -1,5 +1,7 @@
 //! The floor of an arena as cells, and what it refuses.
 
+use alloc::vec::Vec;
+
 use baudbot_geometry::{Bounds, Index, Point, math};
 
 use super::bits::Bits;
@@ -87,6 +89,12 @@ impl Floor {
         Ok(Self { grid, free })
     }
 
+    /// The lower left corner of the grid, in metres.
+    #[must_use]
+    pub fn corner(&self) -> Point {
+        self.grid.min
+    }
+
     /// The side of a cell, in metres.
     #[must_use]
     pub fn cell_m(&self) -> f64 {
@@ -121,6 +129,13 @@ impl Floor {
     #[must_use]
     pub fn free_cells(&self) -> usize {
         self.free.count()
+    }
+
+    /// The free cells as lengths of runs, row by row from the lower left: so many that are not free, so many that
+    /// are, and so on. They add up to all cells of the grid.
+    #[must_use]
+    pub fn free_runs(&self) -> Vec<u32> {
+        self.free.runs(self.grid.cells())
     }
 
     pub(super) fn grid(&self) -> &Grid {

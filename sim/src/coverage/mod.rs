@@ -25,6 +25,8 @@ mod floor;
 mod grid;
 mod ray;
 
+use alloc::vec::Vec;
+
 use baudbot_geometry::{Circle, Point, Segment};
 use serde::{Deserialize, Serialize};
 
@@ -104,6 +106,18 @@ impl Coverage {
     #[must_use]
     pub fn sensed_cells(&self) -> usize {
         self.sensed.count()
+    }
+
+    /// The covered cells as lengths of runs, counted as in [`Floor::free_runs`].
+    #[must_use]
+    pub fn covered_runs(&self, floor: &Floor) -> Vec<u32> {
+        self.covered.runs(floor.grid().cells())
+    }
+
+    /// The sensed cells as lengths of runs, counted as in [`Floor::free_runs`].
+    #[must_use]
+    pub fn sensed_runs(&self, floor: &Floor) -> Vec<u32> {
+        self.sensed.runs(floor.grid().cells())
     }
 
     /// Whether the cell is covered. There is none beyond the grid.

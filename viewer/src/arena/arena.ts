@@ -5,20 +5,12 @@ import type { Store } from "../model/store";
 import { Painter } from "./painter";
 import type { Theme } from "./palette";
 import { isFlashing, robotAt } from "./robots";
-import { worldBounds, type Held, type Layers, type Look, type Scene } from "./scene";
+import { FIRST_LAYERS, worldBounds, type Held, type Layers, type Look, type Scene } from "./scene";
 import { fitted, panned, zoomed, type View } from "./view";
 
 export class Arena {
   view: View = { x_m: 0, y_m: 0, scale: 100, width: 100, height: 100 };
-  layers: Layers = {
-    rays: true,
-    trails: true,
-    ghost: true,
-    belief: true,
-    allBeliefs: false,
-    names: true,
-    fields: true,
-  };
+  layers = FIRST_LAYERS;
   follows = false;
   held: Held | undefined;
   /** Frames drawn, for tests. */

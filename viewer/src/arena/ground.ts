@@ -1,6 +1,14 @@
-/** What stands still, drawn once for each view: floor, grid, zones, fields, walls, lamps. */
-import type { DescribeWorldResponse, Outline, Polygon, ScalarField, Zone } from "../gen/baudbot/v1/observe_pb";
+/** What stands still, drawn once for each view: floor, grid, zones, coverage, fields, walls, lamps. */
+import type {
+  DescribeWorldResponse,
+  GetCoverageResponse,
+  Outline,
+  Polygon,
+  ScalarField,
+  Zone,
+} from "../gen/baudbot/v1/observe_pb";
 import { roundStep } from "../model/units";
+import { CoveragePicture } from "./coverage";
 import { blinks, drawLight } from "./lamps";
 import { FIELDS, floorColor, HOLLOW, rgb, solidColors, uses, withAlpha, type Theme } from "./palette";
 import { FONT, label } from "./scene";
@@ -20,6 +28,7 @@ interface Batch {
 export class Ground {
   private readonly batches: Batch[];
   private readonly shades: { image: HTMLCanvasElement; bounds: Bounds }[];
+  private readonly coverage: CoveragePicture;
 
   constructor(
     private readonly description: DescribeWorldResponse,
@@ -27,13 +36,15 @@ export class Ground {
     bounds: Bounds | undefined,
   ) {
     this.batches = batchesOf(description, theme);
+    this.coverage = new CoveragePicture(theme);
     this.shades = bounds ? description.fields.map((field, i) => ({ image: shade(field, i, bounds), bounds })) : [];
   }
 
-  draw(context: Context, view: View, withFields: boolean): void {
+  draw(context: Context, view: View, withFields: boolean, map: GetCoverageResponse | undefined): void {
     context.fillStyle = this.theme.floor;
     context.fillRect(0, 0, view.width, view.height);
     for (const zone of this.description.zones) drawZone(context, view, this.theme, zone);
+    if (map) this.coverage.draw(context, view, map);
     if (withFields) for (const shade of this.shades) drawShade(context, view, shade);
     drawGrid(context, view, this.theme);
     for (const light of this.description.lights) if (!blinks(light)) drawLight(context, view, light);

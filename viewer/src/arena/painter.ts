@@ -1,6 +1,6 @@
 /** Draws the arena: the ground from a picture that is kept as long as the view stays, and all that moves over it. */
 import type { Belief } from "../gen/baudbot/v1/brain_link_pb";
-import type { DescribeWorldResponse } from "../gen/baudbot/v1/observe_pb";
+import type { DescribeWorldResponse, GetCoverageResponse } from "../gen/baudbot/v1/observe_pb";
 import { surface } from "../dom";
 import { poseOf } from "../model/motion";
 import { drawAxes, drawScaleBar } from "./axes";
@@ -19,6 +19,7 @@ const MOST_BELIEFS = 50;
 export class Painter {
   private readonly kept = document.createElement("canvas");
   private keptKey = "";
+  private keptMap: GetCoverageResponse | undefined;
   private ground: { of: DescribeWorldResponse; theme: Theme; ground: Ground } | undefined;
 
   /** One picture. */
@@ -44,7 +45,7 @@ export class Painter {
   }
 
   private paintGround(scene: Scene): void {
-    const { context, view, store, theme } = scene;
+    const { context, view, store, theme, layers } = scene;
     if (!store.description) {
       context.fillStyle = theme.floor;
       context.fillRect(0, 0, view.width, view.height);
@@ -52,10 +53,12 @@ export class Painter {
     }
     const ground = this.groundOf(scene, store.description);
     const { x_m, y_m, scale, width, height } = view;
-    const key = [x_m, y_m, scale, width, height, window.devicePixelRatio, scene.layers.fields].join(" ");
-    if (key !== this.keptKey) {
-      ground.draw(surface(this.kept, width, height), view, scene.layers.fields);
+    const key = [x_m, y_m, scale, width, height, window.devicePixelRatio, layers.fields].join(" ");
+    const map = layers.coverage ? store.coverage : undefined;
+    if (key !== this.keptKey || map !== this.keptMap) {
+      ground.draw(surface(this.kept, width, height), view, layers.fields, map);
       this.keptKey = key;
+      this.keptMap = map;
     }
     context.drawImage(this.kept, 0, 0, width, height);
   }

@@ -4,6 +4,12 @@
  */
 import type { Look, Zone } from "../gen/baudbot/v1/observe_pb";
 
+/** A colour that what is below shines through. */
+export interface Tint {
+  hue: string;
+  opacity: number;
+}
+
 export interface Theme {
   dark: boolean;
   /** Around the floor, and the floor itself. */
@@ -24,6 +30,9 @@ export interface Theme {
   belief: string;
   /** Dead reckoning. */
   ghost: string;
+  /** Cells of the floor that bodies have covered, and those that sensors have reached. */
+  covered: Tint;
+  sensed: Tint;
   late: string;
   /** Behind text that is on a drawing. */
   halo: string;
@@ -45,6 +54,8 @@ export const LIGHT: Theme = {
   chosen: "#1f5fa8",
   belief: "#8e3ad1",
   ghost: "#666f80",
+  covered: { hue: "#86b817", opacity: 0.5 },
+  sensed: { hue: "#86b817", opacity: 0.17 },
   late: "#d0312d",
   halo: "rgba(255,255,255,0.85)",
 };
@@ -65,6 +76,8 @@ export const DARK: Theme = {
   chosen: "#8fc1ff",
   belief: "#c58bff",
   ghost: "#a9b3c3",
+  covered: { hue: "#86b817", opacity: 0.4 },
+  sensed: { hue: "#86b817", opacity: 0.14 },
   late: "#f0605b",
   halo: "rgba(18,22,29,0.8)",
 };

@@ -15,7 +15,21 @@ export interface Layers {
   allBeliefs: boolean;
   names: boolean;
   fields: boolean;
+  /** Cells of the floor that are covered and sensed. */
+  coverage: boolean;
 }
+
+/** What is shown until somebody wants something else. */
+export const FIRST_LAYERS: Layers = {
+  rays: true,
+  trails: true,
+  ghost: true,
+  belief: true,
+  allBeliefs: false,
+  names: true,
+  fields: true,
+  coverage: true,
+};
 
 /** What the arena looks like, whatever it shows. */
 export interface Look {

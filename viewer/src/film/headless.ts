@@ -1,11 +1,13 @@
 /** Makes the film that the page's address asks for, and posts it to the server: there is nobody to look at the page. */
 import { create } from "@bufbuild/protobuf";
 import { DARK, LIGHT } from "../arena/palette";
+import { FIRST_LAYERS } from "../arena/scene";
 import { PauseWorldRequestSchema } from "../gen/baudbot/v1/control_pb";
 import { Store } from "../model/store";
 import { secondsOf } from "../model/units";
 import { ask, connectionHome, type Connection } from "../net/connection";
 import { Orders } from "../net/orders";
+import { Surveyor } from "../net/surveyor";
 import { Watcher } from "../net/watcher";
 import { encoderFor, shoot, TYPES } from "./film";
 import { planFilm } from "./plan";
@@ -57,12 +59,11 @@ async function render(connection: Connection, request: FilmRequest): Promise<Uin
   const range = { first: chosen.replay.firstTick, last: chosen.replay.lastTick };
   const ticks = planFilm(range, secondsOf(chosen.stepNs), request);
   const view = wholeView(store, request.width);
-  const layers = { rays: true, trails: true, ghost: true, belief: true, allBeliefs: false, names: true, fields: true };
   return shoot({
     ticks,
     fps: request.fps,
-    projector: new ReplayProjector(connection, store, watcher),
-    stage: new Stage(store, { theme: request.dark ? DARK : LIGHT, layers, follows: false }, view),
+    projector: new ReplayProjector(connection, store, watcher, new Surveyor(connection, store, () => true)),
+    stage: new Stage(store, { theme: request.dark ? DARK : LIGHT, layers: FIRST_LAYERS, follows: false }, view),
     encoder: await encoderFor(request.format, view, request.fps),
     progress: (done, all) => (document.title = `film ${Math.floor((100 * done) / all)} %`),
   });

@@ -3,6 +3,7 @@ import { create } from "@bufbuild/protobuf";
 import { SeekReplayRequestSchema } from "../gen/baudbot/v1/control_pb";
 import type { Store } from "../model/store";
 import { ask, type Connection } from "../net/connection";
+import type { Surveyor } from "../net/surveyor";
 import type { Watcher } from "../net/watcher";
 import type { Projector } from "./film";
 
@@ -15,6 +16,7 @@ export class ReplayProjector implements Projector {
     private readonly connection: Connection,
     private readonly store: Store,
     private readonly watcher: Watcher,
+    private readonly surveyor: Surveyor,
   ) {}
 
   async show(tick: bigint): Promise<void> {
@@ -23,6 +25,7 @@ export class ReplayProjector implements Projector {
     try {
       await ask(this.connection, "seekReplay", create(SeekReplayRequestSchema, { world, tick }));
       await frame.come();
+      await this.surveyor.survey();
     } finally {
       frame.stop();
     }

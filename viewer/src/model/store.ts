@@ -1,6 +1,6 @@
 /** What the page knows of the server and its worlds. Everything in it is bounded. */
 import type { Belief } from "../gen/baudbot/v1/brain_link_pb";
-import type { DescribeWorldResponse } from "../gen/baudbot/v1/observe_pb";
+import type { DescribeWorldResponse, GetCoverageResponse } from "../gen/baudbot/v1/observe_pb";
 import type { WorldStatus } from "../gen/baudbot/v1/world_pb";
 import { Emitter } from "../emitter";
 import type { Frame } from "../net/frames";
@@ -52,6 +52,8 @@ export class Store extends Emitter<Events> {
   readonly motion = new Motion();
   readonly trails = new Trails();
   readonly beliefs = new Map<number, Belief>();
+  /** Which cells of the floor are covered, as it was not long ago; undefined if the world does not count that. */
+  coverage: GetCoverageResponse | undefined;
   bumps: Bump[] = [];
   /** Frames that came since the page was opened. */
   frames = 0;
@@ -103,7 +105,7 @@ export class Store extends Emitter<Events> {
 
   describe(description: DescribeWorldResponse | undefined): void {
     this.description = description;
-    this.frame = undefined;
+    this.frame = this.coverage = undefined;
     this.forget();
     if (this.robotIndex < 0) this.robot = description?.robots[0]?.robot ?? this.robot;
     this.makeRecord();
@@ -134,6 +136,11 @@ export class Store extends Emitter<Events> {
     this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first, longest);
     this.noteBumps(frame);
     this.emit("frame", frame);
+  }
+
+  setCoverage(map: GetCoverageResponse): void {
+    this.coverage = map;
+    this.emit("drawn", undefined);
   }
 
   note(text: string, kind: Note["kind"] = "info"): void {

@@ -10,6 +10,7 @@ import { bytesText, count, fixed, secondsOf } from "../model/units";
 import type { Connection } from "../net/connection";
 import type { Orders } from "../net/orders";
 import type { Replayer } from "../net/replayer";
+import type { Surveyor } from "../net/surveyor";
 import type { Watcher } from "../net/watcher";
 
 /** What a film is made with. */
@@ -17,6 +18,7 @@ export interface FilmTools {
   store: Store;
   connection: Connection;
   watcher: Watcher;
+  surveyor: Surveyor;
   orders: Orders;
   replayer: Replayer;
   arena: Arena;
@@ -105,7 +107,7 @@ export class FilmDialog {
   }
 
   private async shoot(signal: AbortSignal): Promise<Uint8Array> {
-    const { store, connection, watcher, orders, replayer, arena } = this.tools;
+    const { store, connection, watcher, surveyor, orders, replayer, arena } = this.tools;
     const wish = {
       from_s: Number(this.from.value),
       to_s: Number(this.to.value),
@@ -119,7 +121,7 @@ export class FilmDialog {
     return shoot({
       ticks,
       fps: wish.fps,
-      projector: new ReplayProjector(connection, store, watcher),
+      projector: new ReplayProjector(connection, store, watcher, surveyor),
       stage: new Stage(store, arena.look, view),
       encoder: await encoderFor(this.format.value as Format, view, wish.fps),
       signal,

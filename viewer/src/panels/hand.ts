@@ -16,6 +16,7 @@ export class HandSection {
     attributes: { min: "50", step: "1", list: "bauds" },
   });
   private readonly detach: HTMLButtonElement;
+  private readonly restart: HTMLButtonElement;
   private readonly drive: HTMLButtonElement;
   private readonly set: HTMLButtonElement;
 
@@ -30,7 +31,15 @@ export class HandSection {
       () => void this.pull(),
       { test: "cable" },
     );
-    this.detach = button("Detach brain", "Throw the robot's brain off", () => void this.throwOff(), { test: "detach" });
+    this.detach = button("Detach brain", "Throw the robot's brain off", () => void this.throwOff(false), {
+      test: "detach",
+    });
+    this.restart = button(
+      "Restart brain",
+      "Throw the robot's brain off and have its program begin it anew; a program that does not know how simply goes",
+      () => void this.throwOff(true),
+      { test: "restart" },
+    );
     this.drive = button(
       "Drive",
       "Be its brain: WASD, arrows, a gamepad's left stick, or the pad (d)",
@@ -47,6 +56,7 @@ export class HandSection {
       this.drive,
       this.cable,
       this.detach,
+      this.restart,
       el("span", { class: "joined" }, this.baud, this.set),
       bauds,
     );
@@ -72,6 +82,7 @@ export class HandSection {
     const isReplay = this.store.status?.replay !== undefined;
     this.drive.disabled = this.cable.disabled = this.set.disabled = isReplay;
     this.detach.disabled = isReplay || !(this.store.record?.now?.detail?.attached ?? false);
+    this.restart.disabled = this.detach.disabled;
   }
 
   private get isPulled(): boolean {
@@ -102,8 +113,8 @@ export class HandSection {
     if (done) this.store.note(`${robot}'s cable has ${baud} baud now.`);
   }
 
-  private async throwOff(): Promise<void> {
+  private async throwOff(restart: boolean): Promise<void> {
     const { robot } = this.store;
-    await this.orders.intervene({ case: "detachBrain", value: create(DetachBrainSchema, { robot }) });
+    await this.orders.intervene({ case: "detachBrain", value: create(DetachBrainSchema, { robot, restart }) });
   }
 }

@@ -11,7 +11,7 @@ const KEYS: [string, string][] = [
   ["0", "show all"],
   ["f", "follow the chosen robot"],
   ["[ ]", "the robot before, the next one (click one)"],
-  ["r g b", "rays, ghost (dead reckoning), belief"],
+  ["r g b c", "rays, ghost (dead reckoning), belief, coverage"],
   ["m", "move robots and things by hand; the wheel turns them"],
   ["d", "drive: WASD or arrows, gamepad, pad"],
   ["t", "dark or light"],

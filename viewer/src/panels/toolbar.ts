@@ -12,6 +12,11 @@ const LAYERS: [keyof Layers, string, string][] = [
   ["trails", "Trails", "Ways that robots have come"],
   ["names", "Names", "Names of robots"],
   ["fields", "Fields", "Scalar fields, such as a scent"],
+  [
+    "coverage",
+    "Coverage",
+    "Floor that bodies have covered, and paler what sensors have reached, if that is counted (c)",
+  ],
 ];
 
 export class Toolbar {
