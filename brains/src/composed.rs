@@ -206,7 +206,8 @@ impl Brain for Composed {
             value,
             active,
         });
-        let path = self.beliefs.path.iter().map(|point| Point { x_m: point.x, y_m: point.y });
+        let path =
+            self.beliefs.path.iter().take(SHOWN_POINTS).map(|point| Point { x_m: point.x, y_m: point.y });
         Some(Belief {
             state,
             utilities: utilities.collect(),
@@ -216,3 +217,6 @@ impl Brain for Composed {
         })
     }
 }
+
+/// Nobody needs to see more points of a way.
+const SHOWN_POINTS: usize = 1000;

@@ -11,23 +11,22 @@ pub(crate) struct Courier {
     command_ns: u64,
     /// Whether it is commands that bring the readings.
     asks: bool,
+    /// A greater signal is refused.
+    limit: Option<f64>,
     sent: Option<(u64, Signals)>,
     news: bool,
 }
 
 impl Courier {
     pub(crate) fn new(body: &Body) -> Self {
-        Self {
-            command_ns: body.command_ns(),
-            asks: body.firmware.period_ns.is_none(),
-            sent: None,
-            news: false,
-        }
+        let (asks, limit) = (body.firmware.period_ns.is_none(), body.signal_limit);
+        Self { command_ns: body.command_ns(), asks, limit, sent: None, news: false }
     }
 
     /// What is done in a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
         self.news |= turn.has_news();
+        let signals = self.allowed(signals);
         let is_due = self.sent.is_none_or(|(sent_ns, sent)| {
             let since_ns = turn.at_ns.saturating_sub(sent_ns);
             let is_other = sent != signals || (self.asks && self.news);
@@ -39,6 +38,16 @@ impl Courier {
         self.sent = Some((turn.at_ns, signals));
         self.news = false;
         Action::drive(signals.left, signals.right)
+    }
+
+    /// The same way more slowly, where a wheel would be too fast; standing still, where there is no way.
+    fn allowed(&self, Signals { left, right }: Signals) -> Signals {
+        let largest = left.abs().max(right.abs());
+        if !(left.is_finite() && right.is_finite()) {
+            return Signals::default();
+        }
+        let scale = self.limit.filter(|limit| largest > *limit).map_or(1.0, |limit| limit / largest);
+        Signals { left: left * scale, right: right * scale }
     }
 }
 
@@ -66,6 +75,17 @@ mod tests {
             }
         }
         assert_eq!(sent, [0, 2, 12, 22]);
+    }
+
+    #[test]
+    fn signals_beyond_the_limit_keep_their_way() {
+        let body = body(&[]);
+        let sent = |left, right| {
+            let turn = turn(&body, 0, &[]);
+            Courier::new(&body).send(&turn, Signals { left, right }).signals.unwrap()
+        };
+        assert_eq!(sent(2.0, -1.0), Signals { left: 1.0, right: -0.5 });
+        assert_eq!(sent(0.5, f64::NAN), Signals::default());
     }
 
     #[test]

@@ -48,6 +48,7 @@ pub mod registry;
 pub mod senses;
 pub mod wander;
 
+mod anew;
 mod chance;
 mod courier;
 mod parameter;

@@ -6,9 +6,10 @@
 use std::process::ExitCode;
 
 use anyhow::Context;
-use baudbot_client::{Body, Brain, connect, run};
+use baudbot_client::{Body, Brain, Error, connect, run};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
+use crate::anew::Anew;
 use crate::catalogue::{self, Entry, catalogue};
 use crate::description::Description;
 use crate::registry::Registry;
@@ -33,11 +34,20 @@ pub fn main(name: &str) -> ExitCode {
 pub fn described(registry: &Registry) -> ExitCode {
     let arguments = description_command().get_matches();
     let file = text(&arguments, "file");
-    let make = |seed, body: &Body| {
-        let toml = std::fs::read_to_string(file)?;
-        Ok(Description::parse(&toml)?.brain(seed, body, registry)?)
-    };
-    ended(file, block_on(drive(file, &arguments, make)))
+    ended(
+        file,
+        read(file).and_then(|description| {
+            let make = |seed, body: &Body| {
+                let description = description.clone();
+                Ok(Anew::new(move |body: &Body| description.brain(seed, body, registry), body)?)
+            };
+            block_on(drive(file, &arguments, make))
+        }),
+    )
+}
+
+fn read(file: &str) -> anyhow::Result<Description> {
+    Ok(Description::parse(&std::fs::read_to_string(file)?)?)
 }
 
 fn ended(name: &str, result: anyhow::Result<()>) -> ExitCode {
@@ -65,15 +75,23 @@ fn start(name: &str) -> anyhow::Result<()> {
 async fn drive<B: Brain>(
     name: &str,
     arguments: &ArgMatches,
-    make: impl FnOnce(u64, &Body) -> anyhow::Result<B>,
+    make: impl Fn(u64, &Body) -> anyhow::Result<B>,
 ) -> anyhow::Result<()> {
     let [address, world, robot_name] = ["connect", "world", "robot"].map(|id| text(arguments, id));
     let seed = arguments.get_one("seed").copied().unwrap_or_default();
     let client = connect(address).await?.brain(name).thinks_as_scenario();
-    let mut robot = client.attach(world, robot_name).await?;
-    let mut brain = make(seed, robot.body())?;
-    println!("{name}: drives `{robot_name}` of `{world}` at {address}");
-    let summary = run(&mut robot, &mut brain).await?;
+    let summary = loop {
+        let mut robot = client.clone().attach(world, robot_name).await?;
+        let mut brain = make(seed, robot.body())?;
+        println!("{name}: drives `{robot_name}` of `{world}` at {address}");
+        match run(&mut robot, &mut brain).await {
+            Err(Error::Restart) => println!("{name}: the operator has restarted this brain"),
+            Ok(_) if robot.is_closed() => {
+                anyhow::bail!("the server closed the connection before the run was over")
+            }
+            ended => break ended?,
+        }
+    };
     println!("{name}: the run is over after {} turns, at tick {}", summary.turns, summary.last_tick);
     Ok(())
 }

@@ -22,6 +22,10 @@ pub struct Kit<'a> {
     pub body: &'a Body,
     /// Chooses the brain's random numbers.
     pub seed: u64,
+    /// Names of the motor behaviours of the repertoire.
+    pub motors: &'a [&'a str],
+    /// Whether utilities decide, so that Γ counts.
+    pub by_utility: bool,
 }
 
 impl Kit<'_> {
@@ -69,7 +73,7 @@ impl Registry {
                 let description = format!("{name}:{}", settings.join(","));
                 let brain =
                     catalogue::brain(&description, kit.seed, kit.body).map_err(|error| error.to_string())?;
-                Ok(Box::new(Whole(brain)) as Box<dyn MotorBehavior>)
+                Ok(Box::new(Whole::new(brain)) as Box<dyn MotorBehavior>)
             };
             self.motors.insert(name, Box::new(make));
         }

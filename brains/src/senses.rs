@@ -104,7 +104,10 @@ impl Source {
             begin += component.count;
         }
         let names = described.components.iter().map(|component| component.name.clone());
-        let known = names.filter(|name| !name.is_empty()).chain([format!("0 to {}", all - 1)]).collect();
+        let known = names
+            .filter(|name| !name.is_empty())
+            .chain([format!("0 to {}", all.saturating_sub(1))])
+            .collect();
         Err(SourceError::Part { sensor: name.to_owned(), part: part.to_owned(), known })
     }
 

@@ -24,7 +24,7 @@ impl Registry {
             .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
             .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
             .cognitive("laser_localization", |parameters: localization::Parameters, kit| {
-                Localize::new(&parameters, kit.body, kit.chance())
+                Localize::new(&parameters, &kit)
             })
             .cognitive("odometry", |parameters: odometry::Parameters, kit| {
                 CountWheels::new(&parameters, kit.body)

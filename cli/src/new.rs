@@ -43,7 +43,9 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
 
 /// The folder's name as that of a package: small letters, digits and hyphens.
 fn package_name(folder: &Path) -> anyhow::Result<String> {
-    let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    // `.` has a name, too.
+    let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let name = whole.file_name().and_then(OsStr::to_str).unwrap_or_default();
     let is_good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
     if name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_good) {
         return Ok(name.to_owned());

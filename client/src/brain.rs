@@ -149,7 +149,8 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
     if brains.len() != fleet.bodies().len() {
         return Err(Error::Brains { robots: fleet.bodies().len(), brains: brains.len() });
     }
-    let (mut summary, mut looks) = (Summary::default(), Looks::default());
+    let mut summary = Summary::default();
+    let mut looks: Vec<_> = brains.iter().map(|_| Looks::default()).collect();
     while let Some(turns) = fleet.turns().await? {
         let mut actions = Vec::with_capacity(turns.len());
         for (robot, turn) in &turns {
@@ -160,11 +161,12 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
             }
         }
         fleet.act(&actions).await?;
-        if looks.is_due(turns.first().map_or(0, |(_, turn)| turn.at_ns)) {
-            for (robot, _) in &turns {
-                if let Some(belief) = brains.get_mut(*robot).and_then(Brain::belief) {
-                    fleet.publish(*robot, belief).await?;
-                }
+        for (robot, turn) in &turns {
+            if let (Some(brain), Some(looks)) = (brains.get_mut(*robot), looks.get_mut(*robot))
+                && looks.is_due(turn.at_ns)
+                && let Some(belief) = brain.belief()
+            {
+                fleet.publish(*robot, belief).await?;
             }
         }
     }

@@ -67,6 +67,12 @@ impl Charge {
         if let Some(problem) = parameters.steering.problem() {
             return Err(problem);
         }
+        if parameters.reached_m <= 0.0 {
+            return Err(format!("reached_m: must be positive, is {}", parameters.reached_m));
+        }
+        if !(parameters.full > 0.0 && parameters.full <= 1.0) {
+            return Err(format!("full: must be above 0 and at most 1, is {}", parameters.full));
+        }
         let battery =
             Source::parse(&parameters.battery, body).map_err(|error| format!("battery: {error}"))?;
         let [x, y] = parameters.charger_m;
@@ -77,7 +83,7 @@ impl Charge {
 
 impl MotorBehavior for Charge {
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let estimate = moment.beliefs.pose?;
+        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
         let p = &self.parameters;
         let way = self.charger - estimate.world_from_robot.position;
         if math::hypot(way.x, way.y) <= p.reached_m {

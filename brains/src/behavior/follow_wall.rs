@@ -62,6 +62,9 @@ impl FollowWall {
                 known.join(", ")
             ));
         };
+        if parameters.limit < 0.0 {
+            return Err(format!("limit: must not be negative, is {}", parameters.limit));
+        }
         let is_distance = body.sensors[sensor].kind != "ir";
         Ok(Self { parameters, sensor, is_distance })
     }
@@ -70,7 +73,10 @@ impl FollowWall {
 impl MotorBehavior for FollowWall {
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let p = &self.parameters;
-        let reading = *moment.turn.readings.get(self.sensor)?.as_ref()?.values.first()?;
+        let reading = moment.turn.readings.get(self.sensor).and_then(Option::as_ref);
+        let Some(reading) = reading.and_then(|reading| reading.values.first().copied()) else {
+            return Some(Signals::default());
+        };
         // Positive: too far from the wall.
         let far = if self.is_distance { reading - p.reading } else { p.reading - reading };
         let towards = (p.gain * far).clamp(-p.limit, p.limit) / 2.0;

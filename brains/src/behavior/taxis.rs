@@ -58,7 +58,9 @@ impl Taxis {
 impl MotorBehavior for Taxis {
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let sense = |sensor: usize| moment.turn.readings.get(sensor)?.as_ref()?.values.first().copied();
-        let (left, right) = (sense(self.sensors[0])?, sense(self.sensors[1])?);
+        let (Some(left), Some(right)) = (sense(self.sensors[0]), sense(self.sensors[1])) else {
+            return Some(Signals::default());
+        };
         let sum = left.abs() + right.abs();
         let difference = if sum > 0.0 { (left - right) / sum } else { 0.0 };
         let leftwards = self.gain * difference / 2.0;

@@ -10,6 +10,7 @@ use std::ops::RangeInclusive;
 
 use baudbot_client::{Body, Brain};
 
+use crate::anew::Anew;
 pub use error::CatalogueError;
 use kinds::KINDS;
 pub use nearest::nearest_first;
@@ -40,16 +41,19 @@ pub struct Setting {
 }
 
 /// Makes the brain that `description` describes, such as `wander` or `constant:left=0.5,right=-0.5`, for a
-/// robot with this body. If a parameter is set twice, the last counts.
+/// robot with this body. If a parameter is set twice, the last counts. When its time goes back, because the world was
+/// reset, the brain begins anew.
 ///
 /// # Errors
 /// Says what is wrong with the description and what would be right, or which sensor the body lacks.
 pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain + Send>, CatalogueError> {
     let (name, settings) = description.split_once(':').unwrap_or((description, ""));
     if let Some(text) = Text::find(name)? {
-        return text.brain(settings, seed, body);
+        let description = text.read(settings)?;
+        return Ok(Box::new(Anew::new(move |body: &Body| text.brain(&description, seed, body), body)?));
     }
-    kind(name)?.make(settings, seed, body)
+    let (kind, settings) = (kind(name)?, settings.to_owned());
+    Ok(Box::new(Anew::new(move |body: &Body| kind.make(&settings, seed, body), body)?))
 }
 
 /// Whether there is a brain of this name, or a file. Nothing is said of whether it fits any robot.

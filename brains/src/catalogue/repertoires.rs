@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use baudbot_client::{Body, Brain};
+use baudbot_client::Body;
 
 use super::Entry;
 use super::error::CatalogueError;
+use crate::composed::Composed;
 use crate::description::{Description, DescriptionError};
 use crate::registry::Registry;
 
@@ -71,12 +72,11 @@ impl Text {
 
     pub(super) fn brain(
         &self,
-        settings: &str,
+        description: &Description,
         seed: u64,
         body: &Body,
-    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
-        let brain = self.read(settings)?.brain(seed, body, &Registry::standard());
-        Ok(Box::new(brain.map_err(|error| self.error(error))?))
+    ) -> Result<Composed, CatalogueError> {
+        description.brain(seed, body, &Registry::standard()).map_err(|error| self.error(error))
     }
 
     fn error(&self, error: DescriptionError) -> CatalogueError {

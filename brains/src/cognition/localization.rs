@@ -4,7 +4,6 @@
 //! *Deviation*: in the notes it is a motor behaviour, which stops the robot to scan. Here a robot stops if `stop` names a
 //! behaviour that stands still: its Γ is raised until the scan is there. Otherwise scans are taken in motion.
 
-use baudbot_client::Body;
 use baudbot_geometry::{Point, Segment};
 use serde::Deserialize;
 
@@ -14,6 +13,7 @@ use crate::localization::deskew::{Sweep, deskew};
 use crate::localization::laser::{self, Shrink};
 use crate::localization::{Map, Scan, refine};
 use crate::process::{CognitiveProcess, Moment};
+use crate::registry::Kit;
 
 /// What is matched with what.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -89,20 +89,33 @@ impl Localize {
     ///
     /// # Errors
     /// In words.
-    pub fn new(parameters: &Parameters, body: &Body, chance: Chance) -> Result<Self, String> {
+    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+        let body = kit.body;
         let sensor =
             body.sensor_index(&parameters.laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
         let Some(sensor) = sensor else {
             return Err(format!("laser: robot `{}` has no laser called `{}`", body.name, parameters.laser));
         };
-        if !(parameters.every_s.is_finite() && parameters.every_s >= 0.0) {
-            return Err(format!("every_s: must not be negative, is {}", parameters.every_s));
+        let ranges = [("every_s", parameters.every_s, 1e6), ("sweep_s", parameters.sweep_s, 10.0)];
+        for (name, value, most) in ranges {
+            if !(0.0..=most).contains(&value) {
+                return Err(format!("{name}: must be from 0 to {most}, is {value}"));
+            }
+        }
+        if !(1..=100_000).contains(&parameters.iterations) {
+            return Err(format!("iterations: must be from 1 to 100000, is {}", parameters.iterations));
+        }
+        if let Some(stop) = &parameters.stop {
+            if !kit.motors.contains(&stop.as_str()) {
+                let known = kit.motors.join(", ");
+                return Err(format!("stop: there is no motor behaviour `{stop}`; there are: {known}"));
+            }
+            if !kit.by_utility {
+                return Err("stop: needs a decision by utilities".to_owned());
+            }
         }
         if !(parameters.opening_rad.is_finite() && parameters.opening_rad != 0.0) {
             return Err(format!("opening_rad: must not be 0, is {}", parameters.opening_rad));
-        }
-        if !(parameters.sweep_s.is_finite() && parameters.sweep_s >= 0.0) {
-            return Err(format!("sweep_s: must not be negative, is {}", parameters.sweep_s));
         }
         if parameters.rays == 0 {
             return Err("rays: must be at least 1".to_owned());
@@ -110,7 +123,7 @@ impl Localize {
         let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
         let walls = parameters.walls_m.iter().map(wall).collect();
         let map = Map::new(walls, Vec::new()).map_err(|error| format!("walls_m: {error}"))?;
-        let parameters = parameters.clone();
+        let (parameters, chance) = (parameters.clone(), kit.chance());
         Ok(Self { parameters, map, sensor, chance, next_ns: 0, stopped_ns: None })
     }
 
@@ -118,7 +131,8 @@ impl Localize {
     /// began when it stood.
     fn scan(&self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
         let reading = moment.turn.readings.get(self.sensor)?.as_ref().filter(|reading| reading.readable)?;
-        let at_ns = reading.sampled_at_ns.unwrap_or(moment.turn.at_ns);
+        let sweep_ns = (self.parameters.sweep_s * 1e9) as u64;
+        let at_ns = reading.sampled_at_ns.unwrap_or_else(|| moment.turn.at_ns.saturating_sub(sweep_ns));
         if self.parameters.stop.is_some()
             && self.stopped_ns.is_none_or(|stopped_ns| at_ns < stopped_ns + SETTLE_NS)
         {
@@ -167,8 +181,14 @@ impl CognitiveProcess for Localize {
             return;
         }
         if let Some(stop) = &self.parameters.stop {
-            self.stopped_ns.get_or_insert(at_ns);
-            moment.set_gamma(stop, STOP_GAMMA);
+            let stopped_ns = *self.stopped_ns.get_or_insert(at_ns);
+            let gives_up = at_ns.saturating_sub(stopped_ns) > GIVE_UP_NS;
+            moment.set_gamma(stop, if gives_up { 0.0 } else { STOP_GAMMA });
+            if gives_up {
+                self.stopped_ns = None;
+                self.next_ns = at_ns + (self.parameters.every_s.max(1.0) * 1e9) as u64;
+                return;
+            }
         }
         let Some((taken_ns, scan)) = self.scan(moment) else { return };
         let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.at(taken_ns));
@@ -186,10 +206,16 @@ impl CognitiveProcess for Localize {
             self.stopped_ns = None;
         }
     }
+
+    fn leave(&mut self, _: &mut Moment<'_>) {
+        self.stopped_ns = None;
+    }
 }
 
 /// So long a robot takes to stand still, in nanoseconds.
 const SETTLE_NS: u64 = 500_000_000;
+/// A robot that stands does not find itself any better after this, in nanoseconds.
+const GIVE_UP_NS: u64 = 5_000_000_000;
 /// Γ of the behaviour that is to stand still.
 const STOP_GAMMA: f64 = 10.0;
 /// A matching error (6.8) that is greater is none of this map's.

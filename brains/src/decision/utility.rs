@@ -64,7 +64,7 @@ impl Utility {
 
     /// Γ, which a process sets to activate another or to stop it, and which falls off by itself.
     pub fn set_gamma(&mut self, gamma: f64) {
-        self.gamma = gamma;
+        self.gamma = if gamma.is_finite() { gamma } else { 0.0 };
     }
 
     /// Γ as it is.
@@ -79,6 +79,8 @@ impl Utility {
         let part_s = dt_s / parts;
         for _ in 0..parts as u32 {
             let target = self.function.target(state, self.gamma);
+            // Of a reading that is no number nothing follows.
+            let target = if target.is_finite() { target } else { self.value };
             // After a pause of minutes even the parts are too long; then it is simply where it tends to.
             self.value += (target - self.value) * (part_s / self.function.tau_s).min(1.0);
             self.gamma -= self.gamma * (part_s / self.function.gamma_tau_s).min(1.0);

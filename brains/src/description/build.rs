@@ -15,23 +15,25 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let variables = raw.state_variables.iter().map(|(name, variable)| state_variable(name, variable, body));
     let senses = Senses::new(variables.collect::<Result<_>>()?, body);
     let (mut motors, mut cognitives) = (Vec::new(), Vec::new());
+    let names: Vec<_> = raw.motor.keys().map(String::as_str).collect();
+    let by_utility = raw.decision == RawDecision::Utility;
+    let kit = |name| Kit { name, body, seed, motors: &names, by_utility };
     for (name, process) in &raw.motor {
-        let made = registry.make_motor(&process.kind, process.parameters.clone(), kit(name, seed, body));
+        let made = registry.make_motor(&process.kind, process.parameters.clone(), kit(name.as_str()));
         let behavior = made.map_err(|unmade| problem("motor", name, process, unmade))?;
-        motors.push(Motor { name: name.clone(), behavior, utility: utility(&process.utility, raw) });
+        motors.push(Motor { name: name.clone(), behavior, utility: utility(&process.utility(0.0), raw) });
     }
-    for (name, process) in &raw.cognitive {
-        let made = registry.make_cognitive(&process.kind, process.parameters.clone(), kit(name, seed, body));
+    // Odometry first: the others want to know where the robot is now.
+    let mut ordered: Vec<_> = raw.cognitive.iter().collect();
+    ordered.sort_by_key(|(_, process)| process.kind != "odometry");
+    for (name, process) in ordered {
+        let made = registry.make_cognitive(&process.kind, process.parameters.clone(), kit(name.as_str()));
         let made = made.map_err(|unmade| problem("cognitive", name, process, unmade))?;
-        let utility = utility(&process.utility, raw);
+        let utility = utility(&process.utility(ALWAYS), raw);
         cognitives.push(Cognitive { name: name.clone(), process: made, utility, active: false });
     }
     let decision = Names::of(raw).decision(&raw.decision)?;
     Ok(Composed::new(body, senses, motors, cognitives, decision))
-}
-
-fn kit<'a>(name: &'a str, seed: u64, body: &'a Body) -> Kit<'a> {
-    Kit { name, body, seed }
 }
 
 fn problem(table: &str, name: &str, process: &RawProcess, unmade: Unmade) -> DescriptionError {
@@ -163,3 +165,6 @@ impl<'a> Names<'a> {
         })
     }
 }
+
+/// Bias of a cognitive process of whose utility nothing is said: it is always active.
+const ALWAYS: f64 = 1.0;

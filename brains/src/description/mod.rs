@@ -23,6 +23,7 @@ mod build;
 mod raw;
 
 use baudbot_client::Body;
+use baudbot_geometry::math;
 use toml::{Table, Value};
 
 use crate::composed::Composed;
@@ -61,7 +62,7 @@ impl Description {
     }
 
     /// Reads a description with some of its numbers set to others: paths such as `motor.stroll.utility.bias`, which need not
-    /// stand in the text yet. Tables on the way are made if they are not there.
+    /// stand in the text yet. Numbers in lists cannot be set. Tables on the way are made if they are not there.
     ///
     /// # Errors
     /// As [`parse`](Self::parse), and if a path leads through something that is no table.
@@ -71,6 +72,7 @@ impl Description {
         for (path, value) in settings {
             set(&mut table, path, *value)?;
         }
+        check_finite("", &Value::Table(table.clone()))?;
         let raw: Result<Raw, _> = serde_path_to_error::deserialize(table);
         let raw = raw.map_err(|error| {
             let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
@@ -94,7 +96,22 @@ impl Description {
     }
 }
 
-/// Sets a number in a table of tables and arrays.
+/// TOML knows numbers that are none.
+fn check_finite(path: &str, value: &Value) -> Result<(), DescriptionError> {
+    let part = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match value {
+        Value::Float(number) if !number.is_finite() => {
+            Err(DescriptionError::new(path, format!("must be finite, is {number}")))
+        }
+        Value::Array(all) => {
+            all.iter().enumerate().try_for_each(|(i, one)| check_finite(&format!("{path}[{i}]"), one))
+        }
+        Value::Table(all) => all.iter().try_for_each(|(key, one)| check_finite(&part(key), one)),
+        _ => Ok(()),
+    }
+}
+
+/// Sets a number in a table of tables.
 fn set(table: &mut Table, path: &str, value: f64) -> Result<(), DescriptionError> {
     let mut steps: Vec<_> = path.split('.').collect();
     let last = steps.pop().unwrap_or_default();
@@ -106,7 +123,9 @@ fn set(table: &mut Table, path: &str, value: f64) -> Result<(), DescriptionError
         };
         place = next;
     }
-    place.insert(last.to_owned(), Value::Float(value));
+    // Some numbers must be whole, and those that need not be take whole ones.
+    let is_whole = math::round(value) == value && value.abs() < 9e15;
+    place.insert(last.to_owned(), if is_whole { Value::Integer(value as i64) } else { Value::Float(value) });
     Ok(())
 }
 

@@ -47,8 +47,7 @@ pub(super) struct RawProcess {
     pub(super) kind: String,
     #[serde(default)]
     pub(super) parameters: Table,
-    #[serde(default)]
-    pub(super) utility: RawUtility,
+    pub(super) utility: Option<RawUtility>,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -133,10 +132,17 @@ impl Raw {
                     let problem = "a motor behaviour has this name already";
                     return Err(DescriptionError::new(format!("cognitive.{name}"), problem));
                 }
-                process.utility.check(&format!("{table}.{name}.utility"), self)?;
+                process.utility(0.0).check(&format!("{table}.{name}.utility"), self)?;
             }
         }
         Ok(())
+    }
+}
+
+impl RawProcess {
+    /// Its utility, or one of this bias if nothing is said of it.
+    pub(super) fn utility(&self, bias: f64) -> RawUtility {
+        self.utility.clone().unwrap_or_else(|| RawUtility { bias, ..RawUtility::default() })
     }
 }
 

@@ -195,6 +195,54 @@ fn what_is_wrong_is_said_with_its_path() {
     assert_eq!(error.to_string(), "decision.layers[0].when[0]: `near` is no condition such as `near > 0.5`");
 }
 
+#[test]
+fn numbers_that_make_no_sense_are_refused() {
+    let mut body = eyes();
+    body.sensors.push(crate::test_body::body(&[("laser", "laser", 0.0)]).sensors.remove(0));
+    let problem = |toml: &str| {
+        let brain = Description::parse(toml).and_then(|read| read.brain(1, &body, &Registry::standard()));
+        brain.err().expect("a problem").to_string()
+    };
+    assert_eq!(
+        problem("[motor.a]\nkind = \"go_to\"\nparameters = { points_m = [[0.0, nan]] }"),
+        "motor.a.parameters.points_m[0][1]: must be finite, is NaN"
+    );
+    let wall = "kind = \"follow_wall\"\nparameters = { sensor = \"ir_left\", limit = -0.3 }";
+    assert_eq!(
+        problem(&format!("[motor.a]\n{wall}")),
+        "motor.a.parameters: limit: must not be negative, is -0.3"
+    );
+    let find = |more: &str| {
+        format!(
+            "[motor.a]\nkind = \"constant\"\n[cognitive.find]\nkind = \"laser_localization\"\n\
+             [cognitive.find.parameters]\nwalls_m = []\nopening_rad = 4.0\n{more}"
+        )
+    };
+    let refused = |more: &str| problem(&find(more)).replace("cognitive.find.parameters: ", "");
+    assert_eq!(refused("stop = \"stand\""), "stop: there is no motor behaviour `stand`; there are: a");
+    assert_eq!(
+        refused("stop = \"a\"\n[decision]\nmethod = \"layers\"\nbase = \"a\"\nlayers = []"),
+        "stop: needs a decision by utilities"
+    );
+    assert_eq!(refused("every_s = 1e9"), "every_s: must be from 0 to 1000000, is 1000000000");
+    // Whole numbers can be set, too.
+    let rays = [("cognitive.find.parameters.rays".to_owned(), 85.0)];
+    assert!(
+        Description::with_settings(&find(""), &rays).unwrap().brain(1, &body, &Registry::standard()).is_ok()
+    );
+}
+
+#[test]
+fn a_cognitive_process_of_which_nothing_is_said_is_always_active() {
+    let mut body = eyes();
+    body.sensors.push(crate::test_body::body(&[("odometer", "odometer", 0.0)]).sensors.remove(0));
+    let toml = "[motor.a]\nkind = \"constant\"\n[cognitive.where]\nkind = \"odometry\"";
+    let mut brain = Description::parse(toml).unwrap().brain(1, &body, &Registry::standard()).unwrap();
+    brain.step(&turn(&body, 0, &[None, None, Some(&[1.0, 2.0, 0.5])]));
+    let pose = brain.beliefs().pose.expect("a pose").world_from_robot;
+    assert_eq!((pose.position.x, pose.position.y, pose.heading), (1.0, 2.0, 0.5));
+}
+
 /// `docs/brains.md` as people copy it.
 mod docs {
     use super::*;

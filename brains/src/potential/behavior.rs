@@ -79,6 +79,10 @@ impl PotentialField {
         if let Some(problem) = parameters.steering.problem() {
             return Err(problem);
         }
+        let after_s = parameters.escape_after_s;
+        if !(after_s == 0.0 || (1.0..=1e6).contains(&after_s)) {
+            return Err(format!("escape_after_s: must be 0 or from 1 to 1000000, is {after_s}"));
+        }
         let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
         let named = named.into_iter().flat_map(|(name, all)| {
             all.iter().enumerate().map(move |(i, one)| (format!("{name}[{i}]"), *one))

@@ -154,14 +154,14 @@ impl Brain for EColiBrain {
             self.feel(turn.at_ns);
         }
         if self.sense.is_numb(turn.at_ns) {
-            return self.legs.send(Signals::default(), turn.at_ns);
+            return self.legs.send(Signals::default(), turn);
         }
         self.decide(turn.at_ns);
         let signals = match self.state {
             State::Run { .. } => Signals { left: self.parameters.forward, right: self.parameters.forward },
             State::Tumble { signals, .. } => signals,
         };
-        self.legs.send(signals, turn.at_ns)
+        self.legs.send(signals, turn)
     }
 }
 

@@ -148,7 +148,7 @@ impl Brain for LarvaBrain {
         } else {
             self.crawl(dt_s)
         };
-        self.legs.walk(motion, turn.at_ns)
+        self.legs.walk(motion, turn)
     }
 }
 

@@ -101,7 +101,7 @@ impl Brain for WoodlouseBrain {
         } else {
             self.louse.step(self.sense.mean(), dt_s, &mut self.chance)
         };
-        self.legs.walk(motion, turn.at_ns)
+        self.legs.walk(motion, turn)
     }
 }
 
