@@ -48,7 +48,7 @@ impl Ray {
         if distance >= 0.0 {
             return Some(distance + 0.0); // so that a negative zero becomes a positive one
         }
-        let reach = start.coords.abs().sum() + end.coords.abs().sum();
+        let reach = self.origin.coords.abs().sum() + start.coords.abs().sum() + end.coords.abs().sum();
         let rounding = ROUNDING * reach;
         let segment_in_ray = Segment { start, end };
         let on_segment = segment_in_ray.distance_squared(Point::origin()) <= rounding * rounding;
@@ -111,7 +111,7 @@ fn across(start: Point, end: Point) -> f64 {
 }
 
 /// The relative error of a point in the ray's frame is at most three roundings a coordinate; this leaves
-/// room for as many again.
+/// room for as many again, and for the roundings that put the origin where it is.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 #[cfg(test)]
@@ -180,6 +180,18 @@ mod tests {
         let outward = ray(0.3, 0.7 + 1e-16, FRAC_PI_4);
         assert_eq!(outward.hit_segment(&wall), Some(0.0));
         assert_eq!(ray(0.3, 0.7 + 1e-9, FRAC_PI_4).hit_segment(&wall), None);
+    }
+
+    /// The roundings of a place are as large as its coordinates make them, however short the wall is.
+    #[test]
+    fn far_from_the_middle_of_the_arena_a_place_on_a_wall_is_on_it_too() {
+        let wall = segment(-0.22425640153116194, -4.243607391135637, -0.10756736122549913, -4.245228882838492);
+        let outward = Direction { cos: -0.7346350252042648, sin: -0.6784625116711529 };
+        for part in 0..1000 {
+            let origin = wall.start + (wall.end - wall.start) * (f64::from(part) / 1000.0);
+            let distance = Ray { origin, direction: outward }.hit_segment(&wall);
+            assert!(distance.is_some_and(|distance| distance < 1e-14), "{part} {distance:?}");
+        }
     }
 
     #[test]

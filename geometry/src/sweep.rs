@@ -75,7 +75,7 @@ impl<'a> Sweep<'a> {
         if self.has_few_rays() {
             return self.try_few((a, b, 0.0), |ray| ray.hit_segment(segment));
         }
-        let reach = a.abs().sum() + b.abs().sum();
+        let reach = self.pose.position.coords.abs().sum() + a.abs().sum() + b.abs().sum();
         let nearest = nearest_to_origin(a, b).norm_squared();
         let within = self.range + ROUNDING * reach;
         let is_near = nearest <= within * within;
@@ -271,8 +271,8 @@ const MARGIN_RAD: f64 = 1e-4;
 /// A generous bound on the relative rounding errors here.
 const ROUNDING: f64 = 1e-12;
 
-/// A shape is close if its distance, as a part of its ends', is less than this: then rounding matters to whether
-/// the origin is on it.
+/// A shape is close if its distance, as a part of its ends' and the origin's, is less than this: then rounding
+/// matters to whether the origin is on it.
 const CLOSE: f64 = 1e-9;
 
 /// So few rays are tried one by one.

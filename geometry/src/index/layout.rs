@@ -59,7 +59,7 @@ impl Layout {
     /// Whether the rounding errors of a ray from this origin may be as large as the margin.
     pub(super) fn is_far(&self, origin: Point) -> bool {
         let width = (self.columns + self.rows) as f64 * self.cell;
-        let reach = self.grid_from_world(origin).abs().sum() + width;
+        let reach = origin.coords.abs().sum() + self.grid_from_world(origin).abs().sum() + width;
         ROUNDING * reach > self.margin()
     }
 
