@@ -6,6 +6,7 @@ mod help;
 mod new;
 mod places;
 mod record;
+mod work;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -18,11 +19,13 @@ pub(crate) use self::bench::BenchArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
-    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, WATCH_EXAMPLES,
+    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
+    WATCH_EXAMPLES,
 };
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::error::Refused;
 use crate::logs::{LogFilter, LogFormat};
 
@@ -54,6 +57,9 @@ pub(crate) enum Command {
     /// Runs an experiment: a scenario many times, with some of its fields varied
     #[command(after_long_help = SWEEP_EXAMPLES)]
     Sweep(SweepArgs),
+    /// Looks for the numbers of a brain, or of a scenario, with which an experiment's runs are best
+    #[command(after_long_help = TUNE_EXAMPLES)]
+    Tune(TuneArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
@@ -127,39 +133,6 @@ pub(crate) struct RunArgs {
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]
     pub(crate) listen: ListenArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct SweepArgs {
-    /// An experiment file; docs/experiments.md describes them
-    pub(crate) experiment: PathBuf,
-    /// The folder for what comes of it [default: NAME.sweep here]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Delete what is in that folder of another sweep, and begin anew
-    #[arg(long)]
-    pub(crate) fresh: bool,
-    /// Runs at a time [default: as many as there are processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) jobs: Option<u16>,
-    /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
-    #[arg(long, value_name = "ADDR")]
-    pub(crate) connect: Option<String>,
-    /// Other seeds than the file's: N (1 to N), A..B (both too) or A,B,C
-    #[arg(long, value_name = "SEEDS")]
-    pub(crate) seeds: Option<String>,
-    /// Look for the limit of a field, by its label or path, at which the brain still succeeds
-    #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
-    pub(crate) find: Option<String>,
-    /// Go ahead even if it takes long: more than 10,000 runs, or an hour
-    #[arg(long)]
-    pub(crate) yes: bool,
-    /// Write what is told at the end as one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No progress bar, no notes, no summary (JSON is still written)
-    #[arg(long)]
-    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

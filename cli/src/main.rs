@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `preset`, `export`, `watch`, `new`
-//!    and `bench` are the commands, one a file or folder.
+//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `preset`, `export`, `watch`,
+//!    `new` and `bench` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
@@ -46,8 +46,10 @@ mod summary;
 mod sweep;
 mod text;
 mod trace;
+mod tune;
 mod viewer;
 mod watch;
+mod work;
 mod written;
 
 use std::process::ExitCode;
@@ -80,6 +82,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),
+        Command::Tune(args) => return runtime.block_on(tune::tune(args)),
         Command::Serve(args) => runtime.block_on(serve::serve(&args)),
         Command::Brain(args) => runtime.block_on(brain::brain(args)),
         Command::Replay(args) => return runtime.block_on(replay::replay(&args)),

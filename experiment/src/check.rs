@@ -85,7 +85,15 @@ fn check_paths(experiment: &Experiment, base: &Scenario) -> Result<(), Error> {
         let settings =
             || (0..).zip(&task.cell.levels).flat_map(|(i, level)| level.settings.iter().map(move |s| (i, s)));
         match Setup::new(experiment, &task) {
-            Ok(_) => good.extend(settings().map(|(_, setting)| name(setting).to_owned())),
+            Ok(setup) if wrong_path(&setup).is_none() => {
+                good.extend(settings().map(|(_, setting)| name(setting).to_owned()));
+            }
+            Ok(_) => {
+                let own = task.cell.levels[place].settings.first().map(name).unwrap_or_default();
+                if let Some(error) = wrong_alone(experiment, &task, place) {
+                    bad.entry((place, own.to_owned())).or_insert(error);
+                }
+            }
             Err(error) => {
                 if let Some((i, setting, words)) = missing(&error, settings(), base) {
                     bad.entry((i, name(setting).to_owned())).or_insert(words);
@@ -97,6 +105,28 @@ fn check_paths(experiment: &Experiment, base: &Scenario) -> Result<(), Error> {
         None => Ok(()),
         Some(((i, path), words)) => Err(Error::field(format!("fields[{i}]"), format!("{path}: {words}"))),
     }
+}
+
+/// What a described brain has no place for, if nothing but one field's level is set: then it is this that is wrong.
+fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<String> {
+    let levels = vec![task.cell.levels[place].clone()];
+    let alone = Task { cell: Cell { number: 0, levels }, ..*task };
+    wrong_path(&Setup::new(experiment, &alone).ok()?)
+}
+
+/// What a described brain has no place for.
+fn wrong_path(setup: &Setup) -> Option<String> {
+    let body =
+        |robot: &String| setup.scenario.robots().iter().find(|spec| spec.name == *robot).map(pair::body);
+    let mut all = setup.jobs.iter().flat_map(|job| job.robots.iter().map(move |robot| (job, robot)));
+    all.find_map(|(job, robot)| match catalogue::brain(&job.brain, 1, &body(robot)?) {
+        Err(error @ CatalogueError::Description { .. }) => Some(error.to_string()).filter(|error| {
+            ["unknown field", "missing field", "is no table", "has no parameter"]
+                .iter()
+                .any(|words| error.contains(words))
+        }),
+        _ => None,
+    })
 }
 
 fn first(choice: &Choice) -> Level {

@@ -11,6 +11,7 @@ use crate::nearest::{reworded, unknown};
 use crate::raw::{self, ChartKind, Wants};
 use crate::row;
 use crate::success::Success;
+use crate::tune::Tuning;
 
 /// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Experiment {
     pub success: Option<Success>,
     /// How limits are looked for.
     pub find: Find,
+    /// How the fields are tuned, if they can be.
+    pub tuning: Option<Tuning>,
     /// What is drawn.
     pub charts: Vec<Chart>,
 }
@@ -108,6 +111,14 @@ impl Seeds {
         match text.split(',').map(number).collect::<Result<Vec<_>, _>>()?.as_slice() {
             [count] => Self::up_to(*count),
             seeds => Self::list(seeds.to_vec()),
+        }
+    }
+
+    /// The greatest of them.
+    pub fn last(&self) -> u64 {
+        match self {
+            Self::From(_, last) => *last,
+            Self::List(seeds) => seeds.iter().copied().max().unwrap_or(0),
         }
     }
 
@@ -190,6 +201,7 @@ impl Experiment {
             design: Design::new(raw.design, raw.samples, raw.seed)?,
             charts: charts.collect::<Result<_, _>>()?,
             find: find_of(&raw.find)?,
+            tuning: raw.tune.map(Tuning::new).transpose()?,
             fields,
             success,
         })

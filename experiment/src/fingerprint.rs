@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use baudbot_brains::catalogue;
 use baudbot_sim::Scenario;
 
 use crate::counted::Counted;
+use crate::crew;
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
 use crate::pair::Pair;
@@ -12,11 +14,20 @@ use crate::row::Ran;
 
 /// Equal for experiments whose runs are the same, run by run. What is only told or drawn of the runs makes no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {
+    fingerprint_with(experiment, "")
+}
+
+/// The same of experiments of which runs depend on something else, too.
+pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
     let Experiment { text, brains, seconds, seeds, design, fields, .. } = experiment;
     let choices: Vec<_> = fields.iter().map(|field| &field.choice).collect();
     let figures = INFOS.map(|info| info.name);
+    // What is described may be described in another way tomorrow.
+    let described = brains.iter().map(|brain| catalogue::described(crew::split(brain).1).ok().flatten());
+    let described: Vec<_> = described.collect();
     let mut hash = Hash(OFFSET);
-    let _ = write!(hash, "{:?}", (text, brains, seconds, seeds, design, choices, figures));
+    let _ = write!(hash, "{:?}", (text, brains, described, seconds, seeds, design, choices, figures));
+    let _ = write!(hash, "{own}");
     format!("{:032x}", hash.0)
 }
 
@@ -27,7 +38,7 @@ pub(crate) fn build() -> String {
     let mut hash = Hash(OFFSET);
     for text in PROBES {
         let scenario = Scenario::parse(text).expect("it is part of the program, and its tests read it");
-        let mut pair = Pair::new(scenario, crate::crew::DEFAULT).expect("its only robot has IR sensors");
+        let mut pair = Pair::new(scenario, crew::DEFAULT).expect("its only robot has IR sensors");
         pair.run(PROBE_TICKS);
         let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&pair.world)));
     }

@@ -8,7 +8,7 @@
 //!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `counted`.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
-//! 4. [`find`] looks for the value at which a brain just succeeds.
+//! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
 //! 5. [`chart`] draws, with the elements of [`svg`]; [`columnar`] writes Parquet.
 
 pub mod chart;
@@ -45,6 +45,7 @@ mod sweep;
 pub mod table;
 #[cfg(test)]
 mod tests;
+pub mod tune;
 
 pub use check::check;
 pub use error::Error;
@@ -57,3 +58,4 @@ pub use raw::{ChartKind, Wants};
 pub use row::{Ran, Row, Task};
 pub use success::Success;
 pub use sweep::{Options, Swept, sweep};
+pub use tune::{Tuned, tune};

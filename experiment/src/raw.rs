@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use crate::tune::Method;
+
 /// The whole file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,6 +26,7 @@ pub(crate) struct Experiment {
     pub(crate) success: Option<Table>,
     #[serde(default)]
     pub(crate) find: Find,
+    pub(crate) tune: Option<Tune>,
     #[serde(default)]
     pub(crate) charts: Vec<Chart>,
 }
@@ -67,6 +70,19 @@ pub(crate) struct Find {
     pub(crate) wants: Wants,
     pub(crate) share: Option<f64>,
     pub(crate) tolerance: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Tune {
+    #[serde(default)]
+    pub(crate) method: Method,
+    #[serde(default)]
+    pub(crate) maximize: Table,
+    pub(crate) population: Option<u64>,
+    pub(crate) generations: Option<u64>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) check_seeds: Option<u64>,
 }
 
 /// Which end of a field's values is sought.

@@ -72,16 +72,12 @@ fn set_parameter(jobs: &mut [Job], name: &str, value: &str) -> Result<(), String
     let mut known = Vec::new();
     let mut found = false;
     for job in jobs {
-        let kind = job.brain.split(':').next().unwrap_or_default();
-        let entry = catalogue::catalogue().into_iter().find(|entry| entry.name == kind);
-        let names: Vec<_> =
-            entry.iter().flat_map(|entry| &entry.parameters).map(|setting| setting.name).collect();
-        if names.contains(&name) {
+        if catalogue::takes(&job.brain, name) {
             let and = if job.brain.contains(':') { ',' } else { ':' };
             job.brain += &format!("{and}{name}={value}");
             found = true;
         }
-        known.extend(names);
+        known.extend(catalogue::parameters(&job.brain));
     }
     if found { Ok(()) } else { Err(unknown("parameter of a brain", name, &known)) }
 }

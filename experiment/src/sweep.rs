@@ -60,25 +60,20 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
     check(experiment)?;
     let folder = Folder::take(options.out)?;
     let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
-    // What is there is deleted only once nothing can refuse this sweep any more.
-    let at = folder.file(if options.fresh { FRESH } else { JOURNAL });
-    if options.fresh {
-        folder.remove(FRESH)?;
-    }
-    let mut journal = Journal::open(&at, &header)?;
+    let mut journal = begin_journal(&folder, &header, options.fresh)?;
     let resumed = journal.done();
     let name = world_name(folder.id(), options.out);
     let mut runner = Runner { experiment, options, journal: &mut journal, total, name };
     if !options.confirmed {
         let pilot = runner.pilot();
-        if pilot.is_err() && options.fresh {
-            folder.remove(FRESH)?;
+        if pilot.is_err() {
+            forget_journal(&folder, options.fresh)?;
         }
         pilot?;
     }
     if options.fresh {
         remove_outputs(&folder)?;
-        runner.journal.move_to(&folder.file(JOURNAL))?;
+        keep_journal(&folder, runner.journal)?;
     }
     runner.rest()?;
     let done = journal.done();
@@ -144,6 +139,24 @@ impl Runner<'_> {
         let synced = self.journal.sync();
         worked.and(synced).map(|()| time)
     }
+}
+
+/// The journal in a folder, or a fresh one beside it: what is there is deleted only once nothing can refuse to go on.
+pub(crate) fn begin_journal(folder: &Folder, header: &Header, fresh: bool) -> Result<Journal, Error> {
+    if fresh {
+        folder.remove(FRESH)?;
+    }
+    Journal::open(&folder.file(if fresh { FRESH } else { JOURNAL }), header)
+}
+
+/// A fresh journal is not wanted after all.
+pub(crate) fn forget_journal(folder: &Folder, fresh: bool) -> Result<(), Error> {
+    if fresh { folder.remove(FRESH) } else { Ok(()) }
+}
+
+/// A fresh journal takes the place of what is there.
+pub(crate) fn keep_journal(folder: &Folder, journal: &mut Journal) -> Result<(), Error> {
+    journal.move_to(&folder.file(JOURNAL))
 }
 
 /// All that is made of the journal.

@@ -185,7 +185,8 @@ mod tests {
     /// The roundings of a place are as large as its coordinates make them, however short the wall is.
     #[test]
     fn far_from_the_middle_of_the_arena_a_place_on_a_wall_is_on_it_too() {
-        let wall = segment(-0.22425640153116194, -4.243607391135637, -0.10756736122549913, -4.245228882838492);
+        let wall =
+            segment(-0.22425640153116194, -4.243607391135637, -0.10756736122549913, -4.245228882838492);
         let outward = Direction { cos: -0.7346350252042648, sin: -0.6784625116711529 };
         for part in 0..1000 {
             let origin = wall.start + (wall.end - wall.start) * (f64::from(part) / 1000.0);

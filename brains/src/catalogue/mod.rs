@@ -68,6 +68,30 @@ pub fn check(description: &str) -> Result<(), CatalogueError> {
     }
 }
 
+/// The text of a brain that is described in TOML, with what is set of it; `None` if the brain is written in Rust.
+///
+/// # Errors
+/// If there is no such file, or what is set cannot be.
+pub fn described(description: &str) -> Result<Option<String>, CatalogueError> {
+    let (name, settings) = description.split_once(':').unwrap_or((description, ""));
+    Text::find(name)?.map(|text| text.edited(settings)).transpose()
+}
+
+/// Names of what can be set of a brain that is written in Rust; none of one that is described.
+pub fn parameters(description: &str) -> Vec<&'static str> {
+    let name = description.split(':').next().unwrap_or_default();
+    let entry = catalogue().into_iter().find(|entry| entry.name == name);
+    entry.iter().flat_map(|entry| &entry.parameters).map(|setting| setting.name).collect()
+}
+
+/// Whether a parameter of this name can be set of a brain. Of one that is described each path can be: whether it leads to
+/// anything is seen when the brain is made.
+pub fn takes(description: &str, parameter: &str) -> bool {
+    let name = description.split(':').next().unwrap_or_default();
+    let is_path = || parameter.contains('.') && matches!(Text::find(name), Ok(Some(_)));
+    parameters(description).contains(&parameter) || is_path()
+}
+
 fn kind(name: &str) -> Result<&'static kinds::Kind, CatalogueError> {
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
         let known = nearest_first(name, catalogue().into_iter().map(|entry| entry.name));

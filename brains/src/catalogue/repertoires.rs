@@ -7,7 +7,7 @@ use baudbot_client::Body;
 use super::Entry;
 use super::error::CatalogueError;
 use crate::composed::Composed;
-use crate::description::{Description, DescriptionError};
+use crate::description::{Description, DescriptionError, edited};
 use crate::registry::Registry;
 
 /// The text of a description, and where it is from.
@@ -49,6 +49,16 @@ impl Text {
 
     /// With numbers set: `PATH=NUMBER,…`.
     pub(super) fn read(&self, settings: &str) -> Result<Description, CatalogueError> {
+        let settings = self.settings(settings)?;
+        Description::with_settings(&self.toml, &settings).map_err(|error| self.error(error))
+    }
+
+    /// The text with numbers set: `PATH=NUMBER,…`.
+    pub(super) fn edited(&self, settings: &str) -> Result<String, CatalogueError> {
+        edited(&self.toml, &self.settings(settings)?).map_err(|error| self.error(error))
+    }
+
+    fn settings(&self, settings: &str) -> Result<Vec<(String, f64)>, CatalogueError> {
         let settings = settings.split(',').map(str::trim).filter(|setting| !setting.is_empty());
         let settings = settings.map(|setting| {
             let (path, number) = setting.split_once('=').ok_or_else(|| {
@@ -66,8 +76,7 @@ impl Text {
             })?;
             Ok((path, value))
         });
-        let settings = settings.collect::<Result<Vec<_>, CatalogueError>>()?;
-        Description::with_settings(&self.toml, &settings).map_err(|error| self.error(error))
+        settings.collect()
     }
 
     pub(super) fn brain(

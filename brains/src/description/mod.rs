@@ -20,14 +20,15 @@
 //! `frnt`; there are: front`.
 
 mod build;
+mod edited;
 mod raw;
 
 use baudbot_client::Body;
-use baudbot_geometry::math;
 use toml::{Table, Value};
 
 use crate::composed::Composed;
 use crate::registry::Registry;
+pub(crate) use edited::edited;
 use raw::Raw;
 
 /// A brain as a text describes it.
@@ -67,11 +68,9 @@ impl Description {
     /// # Errors
     /// As [`parse`](Self::parse), and if a path leads through something that is no table.
     pub fn with_settings(toml: &str, settings: &[(String, f64)]) -> Result<Self, DescriptionError> {
+        let toml = if settings.is_empty() { toml.to_owned() } else { edited(toml, settings)? };
         let table: Result<Table, _> = toml.parse();
-        let mut table = table.map_err(|error| DescriptionError::new("", error.to_string().trim_end()))?;
-        for (path, value) in settings {
-            set(&mut table, path, *value)?;
-        }
+        let table = table.map_err(|error| DescriptionError::new("", error.to_string().trim_end()))?;
         check_finite("", &Value::Table(table.clone()))?;
         let raw: Result<Raw, _> = serde_path_to_error::deserialize(table);
         let raw = raw.map_err(|error| {
@@ -109,24 +108,6 @@ fn check_finite(path: &str, value: &Value) -> Result<(), DescriptionError> {
         Value::Table(all) => all.iter().try_for_each(|(key, one)| check_finite(&part(key), one)),
         _ => Ok(()),
     }
-}
-
-/// Sets a number in a table of tables.
-fn set(table: &mut Table, path: &str, value: f64) -> Result<(), DescriptionError> {
-    let mut steps: Vec<_> = path.split('.').collect();
-    let last = steps.pop().unwrap_or_default();
-    let mut place = table;
-    for step in steps {
-        let next = place.entry(step).or_insert_with(|| Value::Table(Table::new()));
-        let Value::Table(next) = next else {
-            return Err(DescriptionError::new(path, format!("`{step}` is no table that could have parts")));
-        };
-        place = next;
-    }
-    // Some numbers must be whole, and those that need not be take whole ones.
-    let is_whole = math::round(value) == value && value.abs() < 9e15;
-    place.insert(last.to_owned(), if is_whole { Value::Integer(value as i64) } else { Value::Float(value) });
-    Ok(())
 }
 
 #[cfg(test)]

@@ -32,6 +32,17 @@ DIR gets rows.jsonl (a line a run, as they end), and at the end rows.csv, rows.p
 sweep that was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, goes on where it was when the same command
 is given again. The exit code is 1 if some of the runs could not be.";
 
+pub(super) const TUNE_EXAMPLES: &str = "\
+Examples:
+  baudbot tune experiments/tune-sweeper.toml
+  baudbot tune my.toml --out /tmp/my --jobs 2
+  baudbot tune my.toml --seeds 101..105          the same with other seeds
+
+The experiment file has a table [tune], which says what is made large, and a range for each of its fields. DIR gets
+rows.jsonl (a line a run), and at the end candidates.csv, trace.svg, summary.txt and, if the brain is one that is described
+in TOML, best.toml, for --brain. A tuning that was stopped goes on where it was when the same command is given again, and
+one that is over does if the file asks for more generations.";
+
 pub(super) const SERVE_EXAMPLES: &str = "\
 Examples:
   baudbot serve                                  wander at 127.0.0.1:7400, in real time

@@ -17,6 +17,7 @@ mod refusals;
 mod runs;
 mod sweep;
 mod timelines;
+mod tune;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;

@@ -197,7 +197,8 @@ fn legend(canvas: &mut Canvas, frame: &Frame, title: &str, lines: &[Line]) {
 }
 
 /// Of Okabe's and Ito's set, which the colour-blind tell apart.
-const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#4d4d4d"];
+pub(super) const COLORS: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#4d4d4d"];
 
 /// Size of the plot, in pixels.
 const PLOT: (f64, f64) = (560.0, 330.0);

@@ -1,11 +1,13 @@
 //! Charts of an experiment as pictures in SVG: lines with their bands of 95 %, or a field of colours.
 //!
-//! `axis` is a scale with its ticks, `lines` and `heat` draw, `page` is what both have: title, frame, legend.
+//! `axis` is a scale with its ticks, `lines` and `heat` draw, `page` is what both have: title, frame, legend. `trace` is
+//! the way of a tuning.
 
 mod axis;
 mod heat;
 mod lines;
 mod page;
+pub(crate) mod trace;
 
 use std::collections::BTreeMap;
 

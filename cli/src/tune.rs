@@ -1,0 +1,53 @@
+//! `baudbot tune`: the numbers with which an experiment's runs are best.
+
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+use baudbot_experiment::{Experiment, Tuned};
+
+use crate::args::{TuneArgs, WorkArgs};
+use crate::signals::INTERRUPTED;
+use crate::{text, work};
+
+pub(crate) async fn tune(args: TuneArgs) -> anyhow::Result<ExitCode> {
+    let experiment = work::read(&args.work)?;
+    work::until_stopped(move |stop| run(&experiment, &args.work, stop)).await
+}
+
+fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
+    let out = work::out(args, experiment, "tune");
+    let bar = work::progress(args.quiet);
+    let progress = |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    };
+    let tuned = baudbot_experiment::tune(experiment, &work::options(args, &out, stop, &progress));
+    bar.finish_and_clear();
+    let tuned = tuned.map_err(|error| work::from_experiment(args, error))?;
+    if tuned.interrupted {
+        let journal = out.join("rows.jsonl");
+        let candidates = tuned.candidates.len();
+        let journal = journal.display();
+        eprintln!(
+            "stopped after {candidates} candidates, which {journal} has; the same command goes on from there"
+        );
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    show(experiment, args, &tuned)?;
+    Ok(if tuned.best().is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What a person or a program is told at the end.
+fn show(experiment: &Experiment, args: &WorkArgs, tuned: &Tuned) -> anyhow::Result<()> {
+    if args.json {
+        let json = serde_json::to_string_pretty(&tuned.json(experiment));
+        text::print(&format!("{}\n", json.context("cannot write what was found")?))?;
+    } else if !args.quiet {
+        text::print(&tuned.text(experiment))?;
+        for file in &tuned.files {
+            eprintln!("wrote {}", file.display());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! A candidate: numbers for all fields, and what came of its runs.
+
+use crate::choice::{Level, Range};
+use crate::experiment::Experiment;
+use crate::row::Row;
+use crate::statistics::Sample;
+
+use super::goal::Goal;
+
+/// A set of numbers that was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Its number; 0 is the untuned brain.
+    pub number: u64,
+    /// The generation that it is of, from 1; 0 is the untuned brain.
+    pub generation: usize,
+    /// The numbers, in the order of the fields; none for the untuned brain.
+    pub values: Vec<f64>,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of some runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Scores of the runs that had one.
+    pub scores: Sample,
+    /// Runs that succeeded, if anything counts as success.
+    pub succeeded: u64,
+    /// Runs.
+    pub runs: u64,
+    /// Why a run could not be, or had no score.
+    pub error: Option<String>,
+}
+
+impl Outcome {
+    pub(super) fn of<'a>(experiment: &Experiment, goal: &Goal, rows: impl Iterator<Item = &'a Row>) -> Self {
+        let mut outcome = Self::default();
+        for row in rows {
+            outcome.runs += 1;
+            outcome.succeeded += u64::from(experiment.succeeded(row).unwrap_or(true));
+            let score = row.outcome.as_ref().map_err(Clone::clone).and_then(|ran| {
+                let lacks = |figure: crate::figures::Figure| {
+                    format!("`{}` was not counted, and so there is no score", figure.info().name)
+                };
+                goal.score(&ran.figures).map_err(lacks)
+            });
+            match score {
+                Ok(score) => outcome.scores.add(score),
+                Err(error) => outcome.error = outcome.error.or(Some(error)),
+            }
+        }
+        outcome
+    }
+
+    /// The mean score, if all runs have one.
+    pub fn score(&self) -> Option<f64> {
+        self.scores.mean().filter(|_| self.error.is_none())
+    }
+
+    /// What is made small: one of whose runs more succeed is better than any of which fewer do, and what has no score is worst.
+    pub(super) fn cost(&self) -> f64 {
+        let failed = 1.0 - self.succeeded as f64 / self.runs.max(1) as f64;
+        self.score().map_or(WORST, |score| (failed * FAILURE - score).min(WORST))
+    }
+}
+
+/// The number of a range at a share of it, with no more digits than matter: to a ten-thousandth of the range. So it can be
+/// written down, and what is written is what was run.
+pub(super) fn number_at(range: &Range, share: f64) -> f64 {
+    let number = range.at(share);
+    if range.whole {
+        return number;
+    }
+    let text = if range.log {
+        format!("{number:.3e}")
+    } else {
+        let decimals = (4.0 - (range.to - range.from).log10()).ceil().clamp(0.0, 300.0) as usize;
+        format!("{number:.decimals$}")
+    };
+    text.parse::<f64>().unwrap_or(number).clamp(range.from, range.to)
+}
+
+pub(super) fn levels(ranges: &[Range], values: &[f64]) -> Vec<Level> {
+    ranges.iter().zip(values).map(|(range, value)| range.level(*value)).collect()
+}
+
+/// What costs a candidate of which all runs fail.
+const FAILURE: f64 = 1e6;
+
+/// The cost of a candidate without a score.
+const WORST: f64 = 1e9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn range(from: f64, to: f64, log: bool, whole: bool) -> Range {
+        Range { target: "brain.forward".into(), from, to, log, whole }
+    }
+
+    #[test]
+    fn numbers_have_no_more_digits_than_matter() {
+        assert_eq!(number_at(&range(1.0, 3.0, false, false), 1.0 / 3.0), 1.6667);
+        assert_eq!(number_at(&range(0.0, 0.05, false, false), 0.123_456_78), 0.006_173);
+        assert_eq!(number_at(&range(-2000.0, 2000.0, false, false), 0.6), 400.0);
+        assert_eq!(number_at(&range(0.001, 1.0, true, false), 0.5), 0.03162);
+        assert_eq!(number_at(&range(1.0, 9.0, false, true), 0.3), 3.0);
+        assert_eq!(number_at(&range(0.0, 0.123_456_789, false, false), 1.0), 0.123_456_789);
+    }
+
+    #[test]
+    fn success_comes_before_score_and_what_has_none_is_worst() {
+        let outcome = |score: f64, succeeded| {
+            let mut scores = Sample::default();
+            scores.add(score);
+            Outcome { scores, succeeded, runs: 2, error: None }
+        };
+        let costs = [outcome(0.1, 2), outcome(0.9, 1), outcome(0.9, 0)].map(|outcome| outcome.cost());
+        assert!(costs.is_sorted(), "{costs:?}");
+        assert!(outcome(0.9, 2).cost() < costs[0]);
+        assert!(Outcome { error: Some("none".into()), ..outcome(5.0, 2) }.cost() > costs[2]);
+    }
+}

@@ -1,0 +1,45 @@
+//! What lets an optimizer be asked for its next candidates: it is run from its beginning, and is told again what was found.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The costs that are known, in the order in which the optimizer asks for them, and the points for which it asked beyond those.
+#[derive(Clone, Debug)]
+pub(super) struct Ledger(Arc<Mutex<Pages>>);
+
+#[derive(Debug)]
+struct Pages {
+    known: Vec<f64>,
+    read: usize,
+    asked: Vec<Vec<f64>>,
+}
+
+impl Ledger {
+    /// With the costs of all earlier generations.
+    pub(super) fn new(past: &[Vec<f64>]) -> Self {
+        let known = past.concat();
+        Self(Arc::new(Mutex::new(Pages { known, read: 0, asked: Vec::new() })))
+    }
+
+    /// The cost of the next point. Of one that is new nothing is known, and what it is told does not matter: the optimizer is
+    /// run no further than the end of that generation.
+    pub(super) fn cost(&self, point: &[f64]) -> f64 {
+        let mut pages = self.pages();
+        let place = pages.read;
+        pages.read += 1;
+        if let Some(cost) = pages.known.get(place) {
+            return *cost;
+        }
+        pages.asked.push(point.to_vec());
+        0.0
+    }
+
+    /// The points that were new.
+    pub(super) fn into_asked(self) -> Vec<Vec<f64>> {
+        std::mem::take(&mut self.pages().asked)
+    }
+
+    fn pages(&self) -> MutexGuard<'_, Pages> {
+        // It is never left in a state that makes no sense.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
