@@ -1,4 +1,4 @@
-//! A brain that begins anew when its time does: after a reset of the world, or when the world goes back to a state of before.
+//! A brain that begins anew when its time does: after a reset of the world, or when that goes back to an earlier state.
 
 use baudbot_client::{Action, Belief, Body, Brain, Turn};
 

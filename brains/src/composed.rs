@@ -1,7 +1,7 @@
 //! A brain of many processes: what it senses, which of them are active, and what those do.
 //!
 //! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
-//! step, then the one motor behaviour does. Processes that are no longer active are left before others are entered.
+//! step, then the one motor behaviour does. A motor behaviour is left before another is entered.
 
 use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Signals, Turn};
 

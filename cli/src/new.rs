@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 use prost::Message;
@@ -29,7 +29,7 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     let (files, first) = match args.lang {
         Language::Rust => (rust(&name, &source(args)?), "cargo run --release -- brain.toml --world wander"),
         Language::Python => {
-            (python(&name)?, "see README.md for what to install; then: .venv/bin/python brain.py")
+            (python(&name)?, ".venv/bin/python brain.py   (README.md says what to install before)")
         }
     };
     for (path, text, is_program) in files {
@@ -47,6 +47,12 @@ fn package_name(folder: &Path) -> anyhow::Result<String> {
     let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let name = whole.file_name().and_then(OsStr::to_str).unwrap_or_default();
     let is_good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    if RESERVED.contains(&name) {
+        let folder = folder.display();
+        return Err(Refused::error(format!(
+            "{folder}: no package may be called `{name}`; choose another name"
+        )));
+    }
     if name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_good) {
         return Ok(name.to_owned());
     }
@@ -58,8 +64,8 @@ fn package_name(folder: &Path) -> anyhow::Result<String> {
 
 /// Where baudbot's crates are: they are in no registry.
 fn source(args: &NewBrainArgs) -> anyhow::Result<String> {
-    let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned);
-    let source = args.baudbot.clone().or(built_from).unwrap_or_else(|| PathBuf::from("baudbot"));
+    let built_from = || Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let source = args.baudbot.clone().unwrap_or_else(built_from);
     if !source.join("brains/Cargo.toml").is_file() {
         return Err(Refused::error(format!(
             "--baudbot {}: baudbot's source is not there; name the folder of a clone",
@@ -115,3 +121,50 @@ fn write(path: &Path, text: &[u8], is_program: bool) -> anyhow::Result<()> {
     };
     written().with_context(|| format!("cannot write {}", path.display()))
 }
+
+/// Folders of cargo's own, and words of Rust: no program can be called so.
+const RESERVED: &[&str] = &[
+    "abstract",
+    "as",
+    "async",
+    "await",
+    "become",
+    "box",
+    "break",
+    "build",
+    "const",
+    "continue",
+    "crate",
+    "deps",
+    "do",
+    "dyn",
+    "else",
+    "enum",
+    "examples",
+    "extern",
+    "false",
+    "final",
+    "fn",
+    "for",
+    "if",
+    "impl",
+    "in",
+    "incremental",
+    "let",
+    "loop",
+    "macro",
+    "match",
+    "mod",
+    "move",
+    "mut",
+    "override",
+    "pub",
+    "ref",
+    "return",
+    "self",
+    "static",
+    "struct",
+    "super",
+    "test",
+    "trait",
+];

@@ -59,7 +59,8 @@ pub struct Charge {
 }
 
 impl Charge {
-    /// For a robot with this body, by the name that the behaviour has in the repertoire; an error if nothing says how full its battery is.
+    /// For a robot with this body, by the name that the behaviour has in the repertoire; an error if nothing says how full its
+    /// battery is.
     ///
     /// # Errors
     /// In words.

@@ -123,6 +123,12 @@ impl Raw {
                 "has no behaviour; a brain needs one, such as [motor.stand]",
             ));
         }
+        let processes = self.motor.len() + self.cognitive.len();
+        if processes > MOST_PROCESSES {
+            let problem =
+                format!("has {processes} processes with `cognitive`; there may be {MOST_PROCESSES}");
+            return Err(DescriptionError::new("motor", problem));
+        }
         for (name, variable) in &self.state_variables {
             variable.check(&format!("state_variables.{name}"))?;
         }
@@ -200,3 +206,6 @@ impl RawUtility {
         Ok(())
     }
 }
+
+/// Of so many a brain may say how useful it finds them.
+const MOST_PROCESSES: usize = 256;

@@ -233,6 +233,15 @@ fn numbers_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn there_are_no_more_processes_than_a_brain_may_speak_of() {
+    let stand = |i: usize| format!("[motor.stand_{i}]\nkind = \"constant\"\nutility = {{ bias = 0.1 }}\n");
+    let parse = |count: usize| Description::parse(&(0..count).map(stand).collect::<String>());
+    assert!(parse(256).is_ok());
+    let error = parse(257).unwrap_err().to_string();
+    assert_eq!(error, "motor: has 257 processes with `cognitive`; there may be 256");
+}
+
+#[test]
 fn a_cognitive_process_of_which_nothing_is_said_is_always_active() {
     let mut body = eyes();
     body.sensors.push(crate::test_body::body(&[("odometer", "odometer", 0.0)]).sensors.remove(0));

@@ -44,6 +44,8 @@ fn a_project_in_python_has_the_contract_with_it() {
 fn what_cannot_be_made_is_refused() {
     let (code, _, err) = baudbot(&["new", "brain", "My Brain"]);
     assert!(code == 2 && err.contains("a small letter, then small letters, digits, - and _"), "{err}");
+    let (code, _, err) = baudbot(&["new", "brain", &folder("deps")]);
+    assert!(code == 2 && err.contains("no package may be called `deps`"), "{err}");
     let (code, _, err) = baudbot(&["new", "brain", &folder("lost"), "--baudbot", "/nowhere"]);
     assert!(code == 2 && err.contains("--baudbot /nowhere: baudbot's source is not there"), "{err}");
 }
