@@ -13,7 +13,8 @@
 //! or a [`Motion`]. Lengths are in metres and times in seconds, at the scale of a small robot. The notes give
 //! equations for the first three and words for the others; where a number is ours, the model says so.
 //!
-//! [`ecoli::EColiBrain`], [`woodlice::WoodlouseBrain`] and [`larva::LarvaBrain`] put such a model into a robot.
+//! [`ecoli::EColiBrain`], [`stentor::StentorBrain`], [`woodlice::WoodlouseBrain`], [`larva::LarvaBrain`] and
+//! [`ant::AntBrain`] put such a model into a robot.
 
 pub mod ant;
 pub mod colony;

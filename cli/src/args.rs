@@ -5,6 +5,7 @@ mod export;
 mod help;
 mod new;
 mod places;
+mod plan;
 mod record;
 mod work;
 
@@ -24,6 +25,7 @@ use self::help::{
 };
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
+pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::error::Refused;
@@ -78,6 +80,9 @@ pub(crate) enum Command {
     /// Says what a control cycle of each robot costs, whether it fits into a step, and what would mend it
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
+    /// Finds a way through a scenario's arena, and shows which cells were looked at for it
+    #[command(after_long_help = plan::EXAMPLES)]
+    Plan(PlanArgs),
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),

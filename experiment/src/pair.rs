@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{
-    Action, Actuator, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading, Sensor,
-    Turn,
+    Action, Actuator, Belief, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading,
+    Sensor, Turn,
 };
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::firmware::{Mode, Protocol as SimProtocol};
@@ -122,6 +122,11 @@ impl Pair {
         let inputs: Vec<_> =
             answers.iter().map(|(robot, at, bytes)| Input { robot: *robot, at: *at, bytes }).collect();
         self.world.finish(&inputs);
+    }
+
+    /// What the brain of the robot in this place believes, as people who look are told.
+    pub fn belief(&mut self, robot: usize) -> Option<Belief> {
+        self.brains.get_mut(robot)?.as_mut()?.brain.belief()
     }
 
     /// As many ticks, or fewer if the run ends.

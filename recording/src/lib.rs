@@ -1,7 +1,7 @@
 //! Runs as files: what is recorded, read, replayed and held against the recording.
 //!
 //! A recording is an MCAP file. What makes the run again is in messages of `baudbot.v1` ([`topic`] lists them): the scenario,
-//! states, and every input with its tick. What people look at beside that is there for other tools. A [`Writer`] writes one,
+//! states, and every input with its tick. What people look at beside that is there for other tools; [`Frames`] reads it. A [`Writer`] writes one,
 //! a [`Tape`] is what was read of one, a [`Replay`] is the world that does it again and is held against it. A single state
 //! by value is the shortest of recordings: [`saved`].
 
@@ -10,6 +10,7 @@ mod digest;
 mod error;
 mod file;
 pub mod foxglove;
+mod frames;
 mod reader;
 mod replay;
 pub mod saved;
@@ -22,6 +23,7 @@ pub use change::{change, intervention};
 pub use digest::Digests;
 pub use error::{RecordingError, WriteError};
 pub use file::RecordingFile;
+pub use frames::Frames;
 pub use replay::{Difference, Replay};
 pub use tape::Tape;
 pub use writer::{Writer, checksum, header};

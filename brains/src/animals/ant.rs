@@ -6,12 +6,16 @@
 //! - [`Snapshot`]: when it left, it remembered what it saw about the nest, and compares.
 //!
 //! [`Ant`] puts them together: it forages, returns by the vector, and then searches until what it sees is what it
-//! remembers. The notes give no numbers, so all are ours.
+//! remembers. The notes give no numbers, so all are ours. [`AntBrain`] is a robot that does as it does.
 
+pub(crate) mod brain;
+
+mod landmarks;
 mod path;
 mod snapshot;
 mod spiral;
 
+pub use brain::{AntBrain, Parameters as BrainParameters};
 pub use path::PathIntegrator;
 pub use snapshot::Snapshot;
 pub use spiral::Spiral;

@@ -9,6 +9,12 @@
 //! have quick and weak integrators, and expensive ones slow and strong ones. The first activation of each is at a
 //! time that does not depend on the step. Afterwards feeding and detaching take turns ever more quickly the shorter
 //! the steps are, as a relay without hysteresis does; only their order means something there.
+//!
+//! [`StentorBrain`] is a robot that does as it does.
+
+pub(crate) mod brain;
+
+pub use brain::{Parameters as BrainParameters, StentorBrain};
 
 use super::leaky_integrator::LeakyIntegrator;
 use crate::decision_theory::choose;

@@ -5,8 +5,10 @@ use baudbot_client::{Body, Brain};
 use super::error::CatalogueError;
 use super::nearest::nearest_first;
 use super::{Entry, Setting};
+use crate::animals::ant::brain::{self as ant, AntBrain};
 use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
 use crate::animals::larva::brain::{self as larva, LarvaBrain};
+use crate::animals::stentor::brain::{self as stentor, StentorBrain};
 use crate::animals::woodlice::brain::{self as woodlice, WoodlouseBrain};
 use crate::chance::Chance;
 use crate::exploration::brain as explore;
@@ -32,6 +34,16 @@ struct Wish<'a> {
 
 /// All of them, in the order of their names.
 pub(super) const KINDS: &[Kind] = &[
+    Kind {
+        name: "ant",
+        summary: "goes out on a winding way and home by its vector and by what it remembers of landmarks",
+        settings: || settings(ant::PARAMETERS),
+        make: |wish| {
+            let brain = AntBrain::new(wish.parameters(ant::PARAMETERS)?, wish.chance(), wish.body);
+            let needed = "a sensor of kind `laser` and a sensor of kind `odometer`";
+            Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
+        },
+    },
     Kind {
         name: "avoid",
         summary: "wanders without running into what its infra-red sensors see",
@@ -89,6 +101,16 @@ pub(super) const KINDS: &[Kind] = &[
             let odometer = odometer.filter(|sensor| sensor.components.len() >= 2);
             odometer.ok_or_else(|| wish.lacks("a sensor `odometer` with x_m and y_m"))?;
             Ok(Box::new(Navigate::new(parameters)))
+        },
+    },
+    Kind {
+        name: "stentor",
+        summary: "sits still; against what troubles it turns, backs off, contracts and at last drives off",
+        settings: || settings(stentor::PARAMETERS),
+        make: |wish| {
+            let brain = StentorBrain::new(wish.parameters(stentor::PARAMETERS)?, wish.chance(), wish.body);
+            let needed = "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`";
+            Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
         },
     },
     Kind {

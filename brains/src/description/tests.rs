@@ -180,10 +180,9 @@ fn what_is_wrong_is_said_with_its_path() {
         problem("by = \"max\"", "by = \"sum\"\nweights = [1.0]"),
         "state_variables.near.weights: there are 1, and the values are 2"
     );
-    assert!(
-        problem("\"turn_away\"", "\"turn_off\"")
-            .starts_with("motor.turn.kind: there is no kind `turn_off`; there are: avoid, charge, constant"),
-    );
+    assert!(problem("\"turn_away\"", "\"turn_off\"").starts_with(
+        "motor.turn.kind: there is no kind `turn_off`; there are: ant, avoid, charge, constant"
+    ),);
     assert_eq!(
         problem("turn = 0.3", "turm = 0.3"),
         "motor.turn.parameters: turm: unknown field `turm`, expected `turn` or `field_rad`"

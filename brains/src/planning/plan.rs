@@ -74,6 +74,8 @@ pub enum PlanError {
         cell: Cell,
         /// How many moves it made.
         moves: usize,
+        /// Its way until there, the start included.
+        walked: Vec<Cell>,
     },
 }
 

@@ -138,7 +138,8 @@ fn the_walker_gets_stuck_where_a_search_does_not() {
     // The corridor draws it in, and it never goes back.
     let task = Task::new("..###.\nS...#T\n..###.\n......");
     let stuck = walk(&task.grid, task.start, task.target, Four, Euclidean);
-    assert_eq!(stuck, Err(PlanError::DeadEnd { cell: Cell { column: 3, row: 1 }, moves: 3 }));
+    let walked: Vec<_> = (0..4).map(|column| Cell { column, row: 1 }).collect();
+    assert_eq!(stuck, Err(PlanError::DeadEnd { cell: walked[3], moves: 3, walked }));
     assert_eq!([task.dijkstra(Four).length_m, task.greedy(Four).length_m], [9.0, 9.0]);
 }
 

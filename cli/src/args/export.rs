@@ -23,6 +23,15 @@ pub(crate) struct ExportArgs {
     /// Draw the arena from above with the ways of the robots
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+    /// Write what brains believed as a table: state, pose, and each process's utility and whether it was active
+    #[arg(long, value_name = "FILE")]
+    pub(crate) beliefs_csv: Option<PathBuf>,
+    /// Draw utilities over time, and which processes were active
+    #[arg(long, value_name = "FILE")]
+    pub(crate) utilities_svg: Option<PathBuf>,
+    /// With --utilities-svg, draw this column of --csv above, such as a sensor's readings; may be given several times
+    #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
+    pub(crate) with: Vec<String>,
     /// Make a film of the viewer's picture, as a GIF; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
@@ -36,7 +45,7 @@ pub(crate) struct ExportArgs {
     #[command(flatten)]
     pub(crate) film: FilmArgs,
     /// Write the summary as one JSON object
-    #[arg(long, conflicts_with_all = ["csv", "parquet", "timeline", "events", "svg", "gif", "webm"])]
+    #[arg(long, conflicts_with_all = OUTPUTS)]
     pub(crate) json: bool,
     /// No progress bar and no notes
     #[arg(long)]
@@ -99,12 +108,18 @@ impl ExportArgs {
             ("--timeline", &self.timeline),
             ("--events", &self.events),
             ("--svg", &self.svg),
+            ("--beliefs-csv", &self.beliefs_csv),
+            ("--utilities-svg", &self.utilities_svg),
             ("--gif", &self.gif),
             ("--webm", &self.webm),
         ];
         all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
     }
 }
+
+/// What is not written beside a summary.
+const OUTPUTS: [&str; 9] =
+    ["csv", "parquet", "timeline", "events", "svg", "beliefs_csv", "utilities_svg", "gif", "webm"];
 
 fn positive(text: &str) -> Result<f64, String> {
     let fits = |number: &f64| *number > 0.0 && number.is_finite();
@@ -118,6 +133,7 @@ Examples:
   baudbot export run.mcap --parquet run.parquet --hz 10
   baudbot export run.mcap --timeline run.pftrace --from-s 12 --to-s 14
   baudbot export run.mcap --events - --quiet | grep collision
+  baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
   baudbot export run.mcap --gif run.gif --speed 4
 
 The run is simulated again from what was recorded. Should it come out differently than it was, a warning says from where

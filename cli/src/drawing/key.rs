@@ -11,7 +11,7 @@ use super::labels::{shortened, without_middle, wrapped};
 use super::palette::{self, FIELDS, INK, LAMP, MOVER, PALE_INK, hue};
 use super::view::{drawn, rectangle};
 use super::xml::{Canvas, Element};
-use super::{senses, things};
+use super::{Shown, senses, things};
 use crate::text::{NOTHING, count};
 
 /// The sensors of a kind of robot.
@@ -58,7 +58,7 @@ pub(super) fn of_rest() -> Block {
 }
 
 /// Zones, lamps, fields and marks, those on robots if they are drawn; none if there is nothing to tell.
-pub(super) fn of_surroundings(scenario: &Scenario, with_robots: bool) -> Option<Block> {
+pub(super) fn of_surroundings(scenario: &Scenario, shown: Shown<'_>) -> Option<Block> {
     let mut canvas = Canvas::default();
     let mut y = 12.0;
     let mut entry = |mark: Element, what: &str| {
@@ -69,15 +69,15 @@ pub(super) fn of_surroundings(scenario: &Scenario, with_robots: bool) -> Option<
         }
         y += 2.0;
     };
-    for (mark, what) in entries(scenario, with_robots).into_iter().take(MOST_ROWS) {
+    for (mark, what) in entries(scenario, shown).into_iter().take(MOST_ROWS) {
         entry(mark, &what);
     }
     (y > 12.0).then_some(Block { canvas, height: y - 8.0 })
 }
 
-fn entries(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
+fn entries(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     let around = scenario.surroundings();
-    let mut entries = marks(scenario, with_robots);
+    let mut entries = marks(scenario, shown);
     for zone in &around.zones {
         let (hue, uses) = palette::uses(zone);
         let fill = match (zone.floor, uses.len()) {
@@ -104,7 +104,8 @@ fn entries(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
 }
 
 /// Marks of which there is at least one in the picture.
-fn marks(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
+fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
+    let (with_robots, with_wheels) = (matches!(shown, Shown::Starts), !matches!(shown, Shown::Route(_)));
     let arena = scenario.arena();
     let low = arena.polygons().iter().map(|polygon| &polygon.look);
     let mut looks = low.chain(arena.pillars().iter().map(|pillar| &pillar.look));
@@ -131,7 +132,7 @@ fn marks(scenario: &Scenario, with_robots: bool) -> Vec<(Element, String)> {
         ),
         (!scenario.movables().is_empty(), movable.set("stroke", "#78603c"), "can be pushed"),
         (
-            devices.any(|device| matches!(device, Device::Encoders(_))),
+            with_wheels && devices.any(|device| matches!(device, Device::Encoders(_))),
             wheel.set("stroke-width", "1"),
             "a wheel with an encoder",
         ),

@@ -1,4 +1,5 @@
-//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows; and the ways that robots went in it.
+//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows; and the ways that robots
+//! went in it (`baudbot export --svg`) or could go (`baudbot plan --svg`).
 //!
 //! From the picture inwards:
 //!
@@ -6,7 +7,7 @@
 //! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
 //!    and `kinds` finds robots that are alike.
 //! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
-//!    `trails` draws over it where robots went.
+//!    `trails` draws over it where robots went, `route` a way that was planned.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, `labels` finds room for names,
 //!    `palette` has the colours, and `baudbot_experiment::svg`, here `xml`, writes elements.
 //!
@@ -23,6 +24,7 @@ mod kinds;
 mod labels;
 mod lens;
 mod palette;
+mod route;
 mod senses;
 #[cfg(test)]
 mod tests;
@@ -40,28 +42,49 @@ use self::block::{Block, GAP, WIDTH};
 use self::kinds::Kind;
 use self::labels::{Labels, Style};
 pub(crate) use self::labels::{shortened, width, without_middle, wrapped};
-pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER};
+pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER, TRAILS};
+pub(crate) use self::route::Route;
 pub(crate) use self::trails::{Collision, Trail, Trails};
-use self::view::{View, rectangle};
+use self::view::View;
+pub(crate) use self::view::{Place, drawn, path, rectangle, simplified};
 pub(crate) use baudbot_experiment::svg as xml;
 use xml::{Canvas, Element, px};
 
 /// The picture of a scenario at its start. `label` is what it is called if it has no name.
 pub(crate) fn draw(scenario: &Scenario, label: &str) -> String {
-    picture(scenario, label, None)
+    picture(scenario, label, Shown::Starts)
 }
 
 /// The picture of a scenario with the ways that its robots went. What they sense is left out: it is of their starts.
 pub(crate) fn draw_trails(scenario: &Scenario, label: &str, trails: &Trails) -> String {
-    picture(scenario, label, Some(trails))
+    picture(scenario, label, Shown::Trails(trails))
 }
 
-fn picture(scenario: &Scenario, label: &str, trails: Option<&Trails>) -> String {
+/// The picture of a scenario without its robots, and with a way that was planned in it.
+pub(crate) fn draw_route(scenario: &Scenario, label: &str, route: &Route) -> String {
+    picture(scenario, label, Shown::Route(route))
+}
+
+/// What is shown in the arena.
+#[derive(Clone, Copy)]
+enum Shown<'a> {
+    /// Robots where they start, and what they sense there.
+    Starts,
+    /// Where they went.
+    Trails(&'a Trails),
+    /// Where one could go.
+    Route(&'a Route),
+}
+
+fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let world = World::new(Arc::new(scenario.clone()));
     let onlooker = Onlooker::new(&world);
     let kinds = kinds::of(scenario.robots());
     let start = extent::of(scenario);
-    let went = trails.and_then(|trails| trails.bounds(scenario.robots()));
+    let went = match shown {
+        Shown::Trails(trails) => trails.bounds(scenario.robots()),
+        Shown::Starts | Shown::Route(_) => None,
+    };
     let bounds = went.map_or(start, |went| start.union(&went));
     let is_wide = bounds.size().x > 1.5 * bounds.size().y;
     let most = if is_wide { (960.0, 700.0) } else { (660.0, 760.0) };
@@ -69,8 +92,11 @@ fn picture(scenario: &Scenario, label: &str, trails: Option<&Trails>) -> String 
     let text_room = if is_wide { most.0 } else { scale * bounds.size().x + GAP + WIDTH };
     let head = head(scenario, label, text_room);
     let view = View { world: bounds, scale, left: frame::LEFT, top: head.height };
-    let lenses = if trails.is_some() { Lenses::none() } else { Lenses::new(&kinds, scale) };
-    let plan = Plan { view, world: &world, onlooker: &onlooker, kinds: &kinds, lenses: &lenses, trails };
+    let lenses = match shown {
+        Shown::Starts => Lenses::new(&kinds, scale),
+        Shown::Trails(_) | Shown::Route(_) => Lenses::none(),
+    };
+    let plan = Plan { view, world: &world, onlooker: &onlooker, kinds: &kinds, lenses: &lenses, shown };
     let mut canvas = Canvas::default();
     canvas.append(&head.canvas);
     plan.draw(&mut canvas);
@@ -145,7 +171,7 @@ fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
 }
 
 /// Where columns begin: one beside a plan that leaves room there, and as many below it as are not wider.
-fn columns(plan: &View, is_wide: bool) -> Vec<view::Place> {
+fn columns(plan: &View, is_wide: bool) -> Vec<Place> {
     let beside = (!is_wide).then_some((plan.left + plan.width() + GAP, plan.top));
     let fit = ((plan.width() + GAP + 4.0) / (WIDTH + GAP)).floor() as usize;
     let bottom = plan.top + plan.height() + frame::BELOW;
@@ -160,15 +186,21 @@ struct Plan<'a> {
     onlooker: &'a Onlooker<'a>,
     kinds: &'a [Kind<'a>],
     lenses: &'a Lenses<'a>,
-    trails: Option<&'a Trails>,
+    shown: Shown<'a>,
 }
 
 impl Plan<'_> {
     /// What stands beside it or below it.
     fn blocks(&self) -> Vec<Block> {
-        let surroundings = key::of_surroundings(self.world.scenario(), self.trails.is_none());
-        if let Some(trails) = self.trails {
-            return [trails::key(self.world.scenario(), trails)].into_iter().chain(surroundings).collect();
+        let scenario = self.world.scenario();
+        let surroundings = key::of_surroundings(scenario, self.shown);
+        let own = match self.shown {
+            Shown::Starts => None,
+            Shown::Trails(trails) => Some(trails::key(scenario, trails)),
+            Shown::Route(route) => Some(route::key(route)),
+        };
+        if let Some(own) = own {
+            return [own].into_iter().chain(surroundings).collect();
         }
         let sizes = (self.lenses.height, self.view.scale);
         let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, self.world, self.onlooker, sizes);
@@ -183,12 +215,16 @@ impl Plan<'_> {
         canvas.put(Element::new("clipPath").set("id", "plan").with(view.frame()));
         canvas.open(Element::group().set("clip-path", "url(#plan)"));
         ground::draw(canvas, view, scenario);
+        if let Shown::Route(route) = self.shown {
+            route::draw_cells(canvas, view, route);
+        }
         frame::grid(canvas, view);
         walls::draw(canvas, view, scenario.arena());
         things::draw(canvas, view, scenario, true);
-        match self.trails {
-            None => self.draw_robots(canvas),
-            Some(trails) => {
+        match self.shown {
+            Shown::Starts => self.draw_robots(canvas),
+            Shown::Route(route) => route::draw_way(canvas, view, route),
+            Shown::Trails(trails) => {
                 canvas.open(Element::group().set("opacity", "0.4"));
                 scenario.robots().iter().for_each(|robot| body::draw(canvas, view, robot));
                 canvas.close("g");
@@ -227,12 +263,14 @@ impl Plan<'_> {
     /// Names: the robots' first, then what is nearest to what a reader asks.
     fn label(&self, labels: &mut Labels) {
         let (view, scenario): (&View, &Scenario) = (&self.view, self.world.scenario());
-        let (robots, lenses) = (scenario.robots(), self.lenses);
+        let lenses = self.lenses;
+        let robots = if matches!(self.shown, Shown::Route(_)) { &[] } else { scenario.robots() };
         for robot in robots {
             labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
         }
         let outside = walls::label_inside(labels, view, scenario.arena());
-        let is_told = |kind: &&Kind<'_>| !lenses.has(kind) && robots.len() <= CROWD && self.trails.is_none();
+        let is_start = matches!(self.shown, Shown::Starts);
+        let is_told = |kind: &&Kind<'_>| !lenses.has(kind) && robots.len() <= CROWD && is_start;
         for kind in self.kinds.iter().filter(is_told) {
             lens::label_sensors(labels, view, self.onlooker, kind);
         }
@@ -241,7 +279,7 @@ impl Plan<'_> {
             let (x, y) = view.at(robot.start.pose.position);
             let lens = lenses.kinds.iter().find(|kind| kind.first == i);
             let above = lens.map(|kind| lens::above(view, kind, lenses.height));
-            let color = self.trails.map_or_else(|| palette::ROBOT.to_owned(), |_| trails::color(robots, i));
+            let color = if is_start { palette::ROBOT.to_owned() } else { trails::color(robots, i) };
             let style = Style { size: 12.0, color: &color, bold: true };
             let off = view.length(body::reach(robot)) + 10.0;
             let side = off + 0.5 * width(&robot.name, 13.0);

@@ -30,7 +30,7 @@ pub(super) const FIELDS: [&str; 4] = ["#cc3311", "#009988", "#aa4499", "#999933"
 pub(super) const HOLLOW: &str = "#0077bb";
 
 /// Ways of robots that have no colour of their own, in turn.
-pub(super) const TRAILS: [&str; 12] = [
+pub(crate) const TRAILS: [&str; 12] = [
     "#0072b2", "#d55e00", "#009e73", "#aa4499", "#b58900", "#332288", "#882255", "#56b4e9", "#117733",
     "#cc79a7", "#44aa99", "#6b6b6b",
 ];

@@ -151,7 +151,7 @@ fn a_fan_ends_where_the_ray_does() {
     let onlooker = Onlooker::new(&world);
     senses::mounts(&mut canvas, &view, &onlooker, (0, &world.scenario().robots()[0]));
     let (start, end) = (view.at([0.2, 0.0].into()), view.at([0.7, 0.0].into()));
-    let line = view::path([start, end]);
+    let line = path([start, end]);
     let drawn = canvas.into_text();
     assert!(drawn.contains(&line), "{line} is not in {drawn}");
 }

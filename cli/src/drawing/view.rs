@@ -20,7 +20,7 @@ pub(super) struct View {
 }
 
 /// A place in the picture, in pixels.
-pub(super) type Place = (f64, f64);
+pub(crate) type Place = (f64, f64);
 
 impl View {
     pub(super) fn width(&self) -> f64 {
@@ -74,13 +74,13 @@ impl View {
 }
 
 /// A rectangle by its upper left corner and its size, in pixels.
-pub(super) fn rectangle((x, y): Place, (width, height): (f64, f64)) -> Element {
+pub(crate) fn rectangle((x, y): Place, (width, height): (f64, f64)) -> Element {
     let at = Element::new("rect").number("x", x).number("y", y);
     at.number("width", width).number("height", height)
 }
 
 /// A line through places, as the data of a path.
-pub(super) fn path(places: impl IntoIterator<Item = Place>) -> String {
+pub(crate) fn path(places: impl IntoIterator<Item = Place>) -> String {
     let mut data = String::new();
     for (i, (x, y)) in places.into_iter().enumerate() {
         let _ = write!(data, "{}{} {}", if i == 0 { 'M' } else { 'L' }, px(x), px(y));
@@ -89,7 +89,7 @@ pub(super) fn path(places: impl IntoIterator<Item = Place>) -> String {
 }
 
 /// An element that is a path.
-pub(super) fn drawn(data: &str) -> Element {
+pub(crate) fn drawn(data: &str) -> Element {
     Element::new("path").set("d", data)
 }
 
@@ -117,7 +117,7 @@ pub(super) fn arrow_head(from: Place, to: Place, size: f64) -> String {
 }
 
 /// Leaves out the points of a line without which it is nowhere off by more than `tolerance` pixels.
-pub(super) fn simplified(places: &[Place], tolerance: f64) -> Vec<Place> {
+pub(crate) fn simplified(places: &[Place], tolerance: f64) -> Vec<Place> {
     let mut keep = vec![false; places.len()];
     let mut spans = vec![(0, places.len().saturating_sub(1))];
     for end in [keep.len().checked_sub(1), (!keep.is_empty()).then_some(0)].into_iter().flatten() {

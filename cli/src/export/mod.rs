@@ -2,10 +2,12 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), [`rows`] of Parquet, [`events`], and [`trails`] for a picture.
+//!    `baudbot run` ([`watched`]), [`rows`] of Parquet, [`events`], [`trails`] for a picture, and [`beliefs`], which are in the
+//!    recording's frames.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
 //! 4. [`summary`] is what is told about a recording of which nothing else is wanted.
 
+mod beliefs;
 mod browser;
 mod events;
 mod film;
@@ -100,6 +102,9 @@ fn notes(args: &ExportArgs, tape: &Tape) {
 fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Result<Vec<Output>> {
     let robots = tape.scenario().robots();
     let every = window::every(&args.rows, tape.header().step_ns);
+    // Before any file is opened: it may be that there is nothing to write.
+    let with = beliefs::columns(&args.with, robots)?;
+    let beliefs = beliefs::Beliefs::wanted(args, tape, window)?;
     let mut outputs = Vec::new();
     let mut add = |path: &Option<PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
         let Some(path) = path else { return Ok(()) };
@@ -116,6 +121,8 @@ fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Resu
     })?;
     add(&args.events, 1, &|out| Box::new(events::Events::new(out, tape, window.from)))?;
     add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, tape)))?;
+    add(&args.beliefs_csv, 1, &|out| Box::new(beliefs::Table::new(out, &beliefs)))?;
+    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, &beliefs, &with)))?;
     Ok(outputs)
 }
 

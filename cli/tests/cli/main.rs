@@ -1,5 +1,6 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
+mod beliefs;
 mod bench;
 mod budget;
 mod devices;
@@ -10,6 +11,7 @@ mod logs;
 mod new;
 #[cfg(feature = "otel")]
 mod otel;
+mod plans;
 mod presets;
 mod processes;
 mod recordings;

@@ -213,7 +213,7 @@ fn a_scenario_is_drawn_into_a_file_or_to_stdout() {
 
 #[test]
 fn help_has_examples() {
-    for command in ["run", "sweep", "serve", "brain", "check", "watch"] {
+    for command in ["run", "sweep", "serve", "brain", "check", "plan", "watch"] {
         assert!(good(&[command, "--help"]).contains(&format!("Examples:\n  baudbot {command}")), "{command}");
     }
     assert!(good(&["run", "--help"]).contains("the exit code is 130"));

@@ -1,0 +1,308 @@
+//! A robot that goes out and finds home as a desert ant does.
+//!
+//! A compass, or else its odometer, is the sky; the odometer counts its steps; things that stand by themselves in the scan of
+//! its laser are the landmarks. It takes its snapshot once all of these have spoken. What it finds as food is a time: it
+//! turns home after so many seconds.
+//!
+//! Deviations: a scan comes late, and the robot may have turned since, so that the directions in it are those of the compass
+//! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside. No data sheet says how far
+//! a laser's rays are spread: that is a parameter, a full turn unless told otherwise, from right to left.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Turn};
+use baudbot_geometry::{Direction, Vector, angle, math};
+
+use super::landmarks::{self, Landmark};
+use super::{Ant, Parameters as AntParameters, Phase, Sensed};
+use crate::animals::legs::{Legs, Motion};
+use crate::chance::Chance;
+use crate::parameter::Parameter;
+
+/// The robot's parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// The ant.
+    pub ant: AntParameters,
+    /// It turns home after so many seconds.
+    pub forage_s: f64,
+    /// Angle between the first ray of its laser and the last, in radians.
+    pub opening_rad: f64,
+    /// It turns aside from what is nearer than this ahead, in metres from the laser.
+    pub aside_m: f64,
+    /// Speed of the robot with the signal 1, in m/s.
+    pub full_speed_m_s: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let ant = AntParameters { turn_rad_s: 1.0, match_below: 0.03, ..AntParameters::default() };
+        Self { ant, forage_s: 60.0, opening_rad: TAU, aside_m: 0.6, full_speed_m_s: 0.5 }
+    }
+}
+
+pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
+    Parameter {
+        name: "speed_m_s",
+        meaning: "its speed, in m/s",
+        range: 0.0..=10.0,
+        field: |p| &mut p.ant.speed_m_s,
+    },
+    Parameter {
+        name: "turn_rad_s",
+        meaning: "how fast it turns at most, in rad/s",
+        range: 0.01..=100.0,
+        field: |p| &mut p.ant.turn_rad_s,
+    },
+    Parameter {
+        name: "meander_hz",
+        meaning: "how often it takes another rate of turning on its way out, per second",
+        range: 0.0..=100.0,
+        field: |p| &mut p.ant.meander_hz,
+    },
+    Parameter {
+        name: "near_m",
+        meaning: "it searches once the vector home is shorter than this, in metres",
+        range: 0.01..=100.0,
+        field: |p| &mut p.ant.near_m,
+    },
+    Parameter {
+        name: "pitch_m",
+        meaning: "from one loop of its search to the next where it sees no landmark, in metres",
+        range: 0.01..=100.0,
+        field: |p| &mut p.ant.pitch_m,
+    },
+    Parameter {
+        name: "match_below",
+        meaning: "it is home where its view differs from the snapshot by less, from 0 to 2",
+        range: 0.0..=2.0,
+        field: |p| &mut p.ant.match_below,
+    },
+    Parameter {
+        name: "forage_s",
+        meaning: "after so long it turns home, in seconds",
+        range: 0.0..=1e6,
+        field: |p| &mut p.forage_s,
+    },
+    Parameter {
+        name: "opening_rad",
+        meaning: "angle between the first ray of its laser and the last, in radians",
+        range: 0.01..=TAU,
+        field: |p| &mut p.opening_rad,
+    },
+    Parameter {
+        name: "aside_m",
+        meaning: "it turns aside from what is nearer than this ahead, in metres from the laser",
+        range: 0.0..=100.0,
+        field: |p| &mut p.aside_m,
+    },
+    Parameter {
+        name: "full_speed_m_s",
+        meaning: "speed of the robot with the signal 1, in m/s",
+        range: 0.01..=100.0,
+        field: |p| &mut p.full_speed_m_s,
+    },
+];
+
+/// A brain that finds home by a vector and a snapshot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AntBrain {
+    parameters: Parameters,
+    radius_m: f64,
+    ant: Ant,
+    legs: Legs,
+    places: Places,
+    /// x and y of the odometer's last reading, in metres, and its heading.
+    odometer: Option<(Vector, f64)>,
+    /// The same when it left: where its nest is.
+    nest: Option<Vector>,
+    /// How it looked at past instants, by the compass, the newest last.
+    headings: VecDeque<(u64, f64)>,
+    /// Landmarks of the last scan, with bearings by the compass.
+    landmarks: Option<Vec<Landmark>>,
+    scanned_ns: u64,
+    left_ns: Option<u64>,
+    stepped_ns: u64,
+}
+
+/// Places of sensors in the body's list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Places {
+    laser: usize,
+    range_m: f64,
+    /// Where the laser looks, in radians to the left of the robot.
+    mount_rad: f64,
+    odometer: usize,
+    compass: Option<usize>,
+}
+
+impl AntBrain {
+    /// A brain at its nest. `None` if the robot has no laser or no odometer.
+    pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
+        let place = |kind: &str| body.sensors.iter().position(|sensor| sensor.kind == kind);
+        let laser = place("laser")?;
+        let places = Places {
+            laser,
+            range_m: body.sensors[laser].range_m.unwrap_or(f64::INFINITY),
+            mount_rad: body.sensors[laser].mount.unwrap_or_default().heading_rad,
+            odometer: place("odometer").filter(|&place| body.sensors[place].components.len() >= 3)?,
+            compass: place("compass"),
+        };
+        Some(Self {
+            parameters,
+            radius_m: body.radius_m,
+            ant: Ant::new(parameters.ant, chance),
+            legs: Legs::new(body, parameters.full_speed_m_s),
+            places,
+            odometer: None,
+            nest: None,
+            headings: VecDeque::with_capacity(HEADINGS),
+            landmarks: None,
+            scanned_ns: 0,
+            left_ns: None,
+            stepped_ns: 0,
+        })
+    }
+
+    /// What it is about.
+    pub fn phase(&self) -> Phase {
+        self.ant.phase()
+    }
+
+    /// Takes in what is new; how far it went since the last time.
+    fn look(&mut self, turn: &Turn) -> f64 {
+        let mut distance_m = 0.0;
+        if let Some((_, values)) = news(turn, self.places.odometer)
+            && let [x, y, heading, ..] = *values
+        {
+            let now = Vector::new(x, y);
+            if let Some((before, along)) = self.odometer {
+                distance_m = Direction::from_angle(along).vector().dot(&(now - before));
+            }
+            self.odometer = Some((now, heading));
+            if self.places.compass.is_none() {
+                self.face(turn.at_ns, heading);
+            }
+        }
+        if let Some((at_ns, values)) = self.places.compass.and_then(|compass| news(turn, compass)) {
+            self.face(at_ns, values[0]);
+        }
+        if let Some(heading_rad) = self.heading_at(turn.at_ns)
+            && let Some((at_ns, scan)) = news(turn, self.places.laser)
+        {
+            let heading_rad = self.heading_at(at_ns).unwrap_or(heading_rad) + self.places.mount_rad;
+            let (opening_rad, range_m) = (self.parameters.opening_rad, self.places.range_m);
+            let mut found = landmarks::find(scan, opening_rad, range_m, JUMP_M);
+            found.iter_mut().for_each(|landmark| landmark.bearing_rad += heading_rad);
+            self.landmarks = Some(found);
+            self.scanned_ns = turn.at_ns;
+        }
+        distance_m
+    }
+
+    fn face(&mut self, at_ns: u64, heading_rad: f64) {
+        if self.headings.len() == HEADINGS {
+            self.headings.pop_front();
+        }
+        self.headings.push_back((at_ns, heading_rad));
+    }
+
+    /// How it looked last before an instant, or first if that is forgotten.
+    fn heading_at(&self, at_ns: u64) -> Option<f64> {
+        let before = self.headings.iter().rev().find(|(then_ns, _)| *then_ns <= at_ns);
+        before.or_else(|| self.headings.front()).map(|(_, heading_rad)| *heading_rad)
+    }
+
+    /// Goes on with the ant, once all its senses have spoken.
+    fn walk(&mut self, turn: &Turn, distance_m: f64, dt_s: f64) -> Option<Motion> {
+        let heading_rad = self.heading_at(turn.at_ns)?;
+        let (odometer, _) = self.odometer?;
+        let landmarks = self.landmarks.as_ref()?;
+        let left_ns = *self.left_ns.get_or_insert(turn.at_ns);
+        self.nest.get_or_insert(odometer);
+        let is_old = turn.at_ns.saturating_sub(self.scanned_ns) > STALE_NS;
+        let seen = if is_old { &[] } else { landmarks.as_slice() };
+        let bearings: Vec<_> = seen.iter().map(|landmark| landmark.bearing_rad - heading_rad).collect();
+        let food = turn.at_ns.saturating_sub(left_ns) as f64 * 1e-9 >= self.parameters.forage_s;
+        let sensed = Sensed { distance_m, heading_rad, landmarks_rad: &bearings, food, nest: false };
+        let motion = self.ant.step(&sensed, dt_s);
+        let is_home = self.ant.phase() == Phase::Home;
+        let near = seen
+            .iter()
+            .zip(&bearings)
+            .map(|(landmark, bearing)| Landmark { bearing_rad: angle::wrap(*bearing), ..*landmark });
+        let in_the_way = near.filter(|landmark| self.is_in_the_way(landmark));
+        let nearest = in_the_way.reduce(|a, b| if b.distance_m < a.distance_m { b } else { a });
+        Some(match nearest {
+            Some(landmark) if !is_home => self.aside(motion, &landmark),
+            _ => motion,
+        })
+    }
+
+    /// Whether its body would meet this if it went straight on.
+    fn is_in_the_way(&self, Landmark { bearing_rad, distance_m }: &Landmark) -> bool {
+        let (sin, cos) = math::sin_cos(*bearing_rad);
+        let aside_m = distance_m * sin.abs();
+        cos > 0.0 && *distance_m < self.parameters.aside_m && aside_m < self.radius_m + CLEAR_M
+    }
+
+    /// Past something that is near, the more slowly the nearer it is.
+    fn aside(&self, motion: Motion, landmark: &Landmark) -> Motion {
+        let turn_rad_s = self.parameters.ant.turn_rad_s;
+        let away = if landmark.bearing_rad > 0.0 { -turn_rad_s } else { turn_rad_s };
+        let stop_m = self.radius_m + STOP_M;
+        let room = (landmark.distance_m - stop_m) / (self.parameters.aside_m - stop_m).max(1e-3);
+        Motion { speed_m_s: room.clamp(0.0, 1.0) * motion.speed_m_s, turn_rate_rad_s: away }
+    }
+}
+
+impl Brain for AntBrain {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
+        self.stepped_ns = turn.at_ns;
+        let distance_m = self.look(turn);
+        let motion = self.walk(turn, distance_m, dt_s).unwrap_or_default();
+        self.legs.walk(motion, turn)
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        let state = match self.ant.phase() {
+            Phase::Forage => "forage",
+            Phase::Return => "return",
+            Phase::Search => "search",
+            Phase::Home => "home",
+        };
+        let nest = self.nest?;
+        let at = nest - self.ant.home();
+        let heading_rad = self.headings.back()?.1;
+        let pose = BelievedPose { x_m: at.x, y_m: at.y, heading_rad, covariance_m2: Vec::new() };
+        let path = [at, nest].map(|point| Point { x_m: point.x, y_m: point.y });
+        Some(Belief { state: state.to_owned(), pose: Some(pose), path: path.to_vec(), ..Belief::default() })
+    }
+}
+
+/// A new reading of the sensor in this place, all of it numbers, and when it was sampled.
+fn news(turn: &Turn, place: usize) -> Option<(u64, &[f64])> {
+    let reading = turn.readings.get(place)?.as_ref().filter(|reading| reading.readable)?;
+    let is_sound = !reading.values.is_empty() && reading.values.iter().all(|value| value.is_finite());
+    is_sound.then(|| (reading.sampled_at_ns.unwrap_or(turn.at_ns), reading.values.as_slice()))
+}
+
+/// Two rays side by side meet two things if these are so much nearer and farther, in metres.
+const JUMP_M: f64 = 0.3;
+
+/// Room that it leaves between its rim and the near side of a landmark's middle, in metres.
+const CLEAR_M: f64 = 0.15;
+
+/// It stands still and turns where a landmark is nearer to its rim than this, in metres.
+const STOP_M: f64 = 0.05;
+
+/// Headings that are kept: more than come while a scan is under way.
+const HEADINGS: usize = 64;
+
+/// A scan that is older shows nothing.
+const STALE_NS: u64 = 1_000_000_000;
+
+#[cfg(test)]
+mod tests;

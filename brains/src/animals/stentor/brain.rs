@@ -1,0 +1,303 @@
+//! A robot that answers what troubles it as Stentor does.
+//!
+//! What its sensors feel is X, so the world does what (7.14) and (7.15) do in the model: who stays feels it on, who drives
+//! off feels less. It feeds by standing still, turns away on the spot, drives backwards slowly for the reversal of its
+//! cilia, stands still when it contracts, and detaches by driving off.
+//!
+//! Deviations: steps longer than a twentieth of a second are divided, as Euler's method asks for. The notes do not say which
+//! way it turns: with sensors on both sides it is from the one that feels more, otherwise to a side drawn at random.
+
+use baudbot_client::{Action, Belief, Body, Brain, Turn, Utility};
+
+use super::{Behaviour, Parameters as CellParameters, Stentor};
+use crate::animals::legs::{Legs, Motion};
+use crate::animals::sense::Sense;
+use crate::chance::Chance;
+use crate::parameter::Parameter;
+
+/// The robot's parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// The model.
+    pub cell: CellParameters,
+    /// X for each unit of what the sensors feel. The model's constants suit an X up to 1 or so.
+    pub sensitivity: f64,
+    /// How fast it turns away, in rad/s.
+    pub turn_rad_s: f64,
+    /// How fast it drives backwards, in m/s.
+    pub reverse_m_s: f64,
+    /// How fast it drives off, in m/s.
+    pub detach_m_s: f64,
+    /// Speed of the robot with the signal 1, in m/s; that of ARSim's robot by default.
+    pub full_speed_m_s: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self {
+            cell: CellParameters::default(),
+            sensitivity: 1.0,
+            turn_rad_s: 0.6,
+            reverse_m_s: 0.1,
+            detach_m_s: 0.3,
+            full_speed_m_s: 0.785,
+        }
+    }
+}
+
+pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
+    Parameter {
+        name: "feeding",
+        meaning: "utility of feeding, C",
+        range: 1e-6..=1e6,
+        field: |p| &mut p.cell.feeding,
+    },
+    Parameter {
+        name: "turn_gain_hz",
+        meaning: "how fast turning away takes in, b2 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.gain_hz[0],
+    },
+    Parameter {
+        name: "reverse_gain_hz",
+        meaning: "how fast reversing takes in, b3 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.gain_hz[1],
+    },
+    Parameter {
+        name: "contract_gain_hz",
+        meaning: "how fast contracting takes in, b4 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.gain_hz[2],
+    },
+    Parameter {
+        name: "detach_gain_hz",
+        meaning: "how fast detaching takes in, b5 of (7.12), per second",
+        range: 0.0..=1e3,
+        field: |p| &mut p.cell.gain_hz[3],
+    },
+    Parameter {
+        name: "sensitivity",
+        meaning: "X for each unit of what the sensors feel",
+        range: 0.0..=1e9,
+        field: |p| &mut p.sensitivity,
+    },
+    Parameter {
+        name: "turn_rad_s",
+        meaning: "how fast it turns away, in rad/s",
+        range: 0.0..=100.0,
+        field: |p| &mut p.turn_rad_s,
+    },
+    Parameter {
+        name: "reverse_m_s",
+        meaning: "how fast it drives backwards, in m/s",
+        range: 0.0..=10.0,
+        field: |p| &mut p.reverse_m_s,
+    },
+    Parameter {
+        name: "detach_m_s",
+        meaning: "how fast it drives off, in m/s",
+        range: 0.0..=10.0,
+        field: |p| &mut p.detach_m_s,
+    },
+    Parameter {
+        name: "full_speed_m_s",
+        meaning: "speed of the robot with the signal 1, in m/s",
+        range: 0.01..=100.0,
+        field: |p| &mut p.full_speed_m_s,
+    },
+];
+
+/// A brain of five behaviours, the strongest of which it takes only when the others do not help.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StentorBrain {
+    parameters: Parameters,
+    chance: Chance,
+    sense: Sense,
+    legs: Legs,
+    cell: Stentor,
+    behaviour: Behaviour,
+    /// To the left if positive.
+    turn_rad_s: f64,
+    stepped_ns: u64,
+}
+
+impl StentorBrain {
+    /// A brain at its start. What troubles it is a field, or else light, or else what touches it or is near. `None` if the
+    /// robot senses none of these.
+    pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
+        Some(Self {
+            parameters,
+            chance,
+            sense: Sense::new(body, &["field", "light", "photoresistor", "bumper", "ir"])?,
+            legs: Legs::new(body, parameters.full_speed_m_s),
+            cell: Stentor::new(parameters.cell),
+            behaviour: Behaviour::Feed,
+            turn_rad_s: parameters.turn_rad_s,
+            stepped_ns: 0,
+        })
+    }
+
+    /// Goes on with the model for so long.
+    fn feel(&mut self, dt_s: f64) {
+        let concentration = self.parameters.sensitivity * self.sense.mean().max(0.0);
+        let before = self.behaviour;
+        // A pause of more than a minute has forgotten all before it.
+        let steps = (dt_s.min(60.0) / LONGEST_STEP_S).ceil().max(1.0);
+        for _ in 0..steps as u32 {
+            self.behaviour = self.cell.step(concentration, dt_s.min(60.0) / steps);
+        }
+        if self.behaviour == Behaviour::TurnAway && before != Behaviour::TurnAway {
+            self.turn_rad_s = self.away() * self.parameters.turn_rad_s;
+        }
+    }
+
+    /// 1 for a turn to the left, −1 for one to the right.
+    fn away(&mut self) -> f64 {
+        match self.sense.sides() {
+            Some(sides) if sides.left > sides.right => -1.0,
+            Some(sides) if sides.left < sides.right => 1.0,
+            _ if self.chance.happens(0.5) => 1.0,
+            _ => -1.0,
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        let still = Motion::default();
+        match self.behaviour {
+            Behaviour::Feed | Behaviour::Contract => still,
+            Behaviour::TurnAway => Motion { turn_rate_rad_s: self.turn_rad_s, ..still },
+            Behaviour::ReverseCilia => Motion { speed_m_s: -self.parameters.reverse_m_s, ..still },
+            Behaviour::Detach => Motion { speed_m_s: self.parameters.detach_m_s, ..still },
+        }
+    }
+}
+
+impl Brain for StentorBrain {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
+        self.stepped_ns = turn.at_ns;
+        self.sense.look(turn);
+        if self.sense.is_numb(turn.at_ns) {
+            return self.legs.walk(Motion::default(), turn);
+        }
+        self.feel(dt_s);
+        self.legs.walk(self.motion(), turn)
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        let utilities = NAMES.iter().zip(self.cell.utilities()).map(|(&(behaviour, name), value)| Utility {
+            name: name.to_owned(),
+            value,
+            active: behaviour == self.behaviour,
+        });
+        let utilities: Vec<_> = utilities.collect();
+        let state = utilities.iter().find(|utility| utility.active).map(|utility| utility.name.clone());
+        Some(Belief { state: state.unwrap_or_default(), utilities, ..Belief::default() })
+    }
+}
+
+/// What people see of them.
+const NAMES: [(Behaviour, &str); 5] = [
+    (Behaviour::Feed, "feed"),
+    (Behaviour::TurnAway, "turn_away"),
+    (Behaviour::ReverseCilia, "reverse"),
+    (Behaviour::Contract, "contract"),
+    (Behaviour::Detach, "detach"),
+];
+
+/// A fifth of the least time constant that a Stentor has unless told otherwise.
+const LONGEST_STEP_S: f64 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use baudbot_geometry::{Pose, math};
+
+    use super::*;
+    use crate::animals::test_dish::{Dish, FULL_SPEED_M_S};
+    use crate::test_body::{body, turn};
+
+    fn brain(body: &Body) -> StentorBrain {
+        let parameters = Parameters { full_speed_m_s: FULL_SPEED_M_S, ..Parameters::default() };
+        StentorBrain::new(parameters, Chance::new(1, "alice/stentor"), body).unwrap()
+    }
+
+    /// What it does one after the other in so many seconds, from the middle of something noxious, and where it ends.
+    fn escapes(seconds: f64, strength: f64) -> (Vec<Behaviour>, f64) {
+        let body = body(&[("skin", "field", 0.0)]);
+        let mut brain = brain(&body);
+        let mut dish = Dish::new(body, 50.0, Pose::new(0.1, 0.0, 1.0));
+        let mut behaviours = vec![Behaviour::Feed];
+        for _ in 0..(seconds / 0.02) as u32 {
+            dish.run(&mut brain, 0.021, |pose, _| {
+                strength * math::exp(-0.5 * pose.position.coords.norm_squared())
+            });
+            if behaviours.last() != Some(&brain.behaviour) {
+                behaviours.push(brain.behaviour);
+            }
+        }
+        (behaviours, dish.pose.position.coords.norm())
+    }
+
+    #[test]
+    fn it_tries_what_costs_little_before_it_drives_off() {
+        use Behaviour::*;
+        let (behaviours, distance_m) = escapes(60.0, 0.5);
+        assert_eq!(behaviours[..5], [Feed, TurnAway, ReverseCilia, Contract, Detach]);
+        assert_eq!(behaviours.last(), Some(&Feed), "it feeds again where it is clean: {behaviours:?}");
+        // There X is 0.1352, and less: 0.8 a5 / b5.
+        assert!(distance_m > math::sqrt(2.0 * (0.5_f64 / 0.1352).ln()), "{distance_m}");
+        let (behaviours, distance_m) = escapes(60.0, 0.13);
+        assert_eq!((behaviours.as_slice(), distance_m < 0.11), (&[Feed][..], true), "too weak to trouble it");
+    }
+
+    #[test]
+    fn it_turns_away_from_the_side_that_feels_more() {
+        let body = body(&[("left", "field", 0.5), ("right", "field", -0.5)]);
+        for (left, right, sign) in [(0.6, 0.3, -1.0), (0.3, 0.6, 1.0)] {
+            let mut brain = brain(&body);
+            let turns: Vec<_> = (0..60)
+                .map(|step| {
+                    brain.step(&turn(&body, step * 20_000_000, &[Some(&[left]), Some(&[right])]));
+                    brain.motion().turn_rate_rad_s
+                })
+                .collect();
+            assert!(turns.iter().any(|turn| turn * sign > 0.0), "{turns:?}");
+            assert!(turns.iter().all(|turn| turn * sign >= 0.0), "{turns:?}");
+        }
+    }
+
+    #[test]
+    fn a_pause_makes_no_difference_that_is_seen() {
+        let body = body(&[("skin", "field", 0.0)]);
+        let after = |step_ns: u64| {
+            let mut brain = brain(&body);
+            for step in 0..=800_000_000 / step_ns {
+                brain.step(&turn(&body, step * step_ns, &[Some(&[0.5])]));
+            }
+            brain.cell.utilities()
+        };
+        let (often, seldom) = (after(10_000_000), after(400_000_000));
+        for (a, b) in often.into_iter().zip(seldom) {
+            assert!((a - b).abs() < 0.05, "{often:?} {seldom:?}");
+        }
+    }
+
+    #[test]
+    fn what_it_believes_has_the_five_utilities_and_one_is_active() {
+        let body = body(&[("skin", "bumper", 0.0)]);
+        let mut brain = brain(&body);
+        assert_eq!(brain.step(&turn(&body, 0, &[None])), Action::drive(0.0, 0.0), "it feels nothing yet");
+        for step in 1..100 {
+            brain.step(&turn(&body, step * 20_000_000, &[Some(&[1.0])]));
+        }
+        let belief = brain.belief().unwrap();
+        assert_eq!(belief.utilities.len(), 5);
+        let active: Vec<_> = belief.utilities.iter().filter(|utility| utility.active).collect();
+        assert!(matches!(active.as_slice(), [one] if one.name == belief.state), "{belief:?}");
+        assert_eq!(
+            StentorBrain::new(Parameters::default(), Chance::new(1, ""), &crate::test_body::body(&[])),
+            None
+        );
+    }
+}

@@ -1,0 +1,136 @@
+//! What brains believed: of the frames of a recording, in which observers were told.
+//!
+//! The run that is simulated again has no brains, so beliefs come from the file as they are. A frame has the newest belief
+//! of each brain that published since the frame before; its time is that of the frame. [`Table`] writes them, and
+//! [`Picture`] draws utilities, with sensors' readings from the simulation.
+
+mod chart;
+mod picture;
+mod table;
+
+use anyhow::Context;
+use baudbot_proto::v1::Belief;
+use baudbot_recording::{Frames, Tape};
+use baudbot_server::sensor_columns;
+use baudbot_sim::robot::RobotSpec;
+
+pub(super) use self::picture::Picture;
+pub(super) use self::table::Table;
+use super::window::Window;
+use crate::args::ExportArgs;
+use crate::error::Refused;
+
+/// What the brains of a run believed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Beliefs {
+    /// What their processes are called, in the order in which they were first told of.
+    processes: Vec<String>,
+    /// One for each robot of the scenario.
+    robots: Vec<Robot>,
+}
+
+/// What one brain believed.
+#[derive(Clone, Debug, Default)]
+struct Robot {
+    name: String,
+    said: Vec<Said>,
+}
+
+/// What it said at an instant.
+#[derive(Clone, Debug)]
+struct Said {
+    time_s: f64,
+    /// What it is about, in its own words.
+    state: String,
+    /// x and y in metres, and the heading in radians.
+    pose: Option<[f64; 3]>,
+    /// The utility of each process that has one, and whether it is active, by its place in [`Beliefs::processes`].
+    utilities: Vec<(usize, f64, bool)>,
+}
+
+impl Beliefs {
+    /// Those of a recording's window, if an output needs them.
+    pub(super) fn wanted(args: &ExportArgs, tape: &Tape, window: &Window) -> anyhow::Result<Self> {
+        let mut beliefs = Self::default();
+        let Some(option) = option(args) else { return Ok(beliefs) };
+        let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), said: Vec::new() };
+        beliefs.robots = tape.scenario().robots().iter().map(name).collect();
+        let reading = || format!("cannot read {}", args.file.display());
+        for frame in Frames::open(&args.file).with_context(reading)? {
+            let frame = frame.with_context(reading)?;
+            if !(window.from_tick..=window.to_tick).contains(&frame.tick) {
+                continue;
+            }
+            for annotation in &frame.annotations {
+                let belief = annotation.belief.as_ref();
+                if let Some(belief) = belief.filter(|belief| **belief != Belief::default()) {
+                    beliefs.take(annotation.robot as usize, frame.time_ns as f64 / 1e9, belief);
+                }
+            }
+        }
+        if beliefs.robots.iter().all(|robot| robot.said.is_empty()) {
+            return Err(Refused::error(format!(
+                "{option}: {} has no beliefs there; record with a brain that publishes some, such as `sweeper`, and \
+                 with --record-hz above 0",
+                args.file.display()
+            )));
+        }
+        if args.utilities_svg.is_some() && beliefs.processes.is_empty() {
+            return Err(Refused::error(format!(
+                "--utilities-svg: the brains of {} have no utilities; `sweeper` and `stentor` do",
+                args.file.display()
+            )));
+        }
+        Ok(beliefs)
+    }
+
+    fn take(&mut self, robot: usize, time_s: f64, belief: &Belief) {
+        let mut utilities = Vec::with_capacity(belief.utilities.len());
+        for utility in &belief.utilities {
+            let known = self.processes.iter().position(|name| *name == utility.name);
+            let place = known.unwrap_or_else(|| {
+                self.processes.push(utility.name.clone());
+                self.processes.len() - 1
+            });
+            utilities.push((place, utility.value, utility.active));
+        }
+        let pose = belief.pose.as_ref().map(|pose| [pose.x_m, pose.y_m, pose.heading_rad]);
+        if let Some(robot) = self.robots.get_mut(robot) {
+            robot.said.push(Said { time_s, state: belief.state.clone(), pose, utilities });
+        }
+    }
+}
+
+/// The first option that needs beliefs.
+fn option(args: &ExportArgs) -> Option<&'static str> {
+    args.outputs()
+        .map(|(option, _)| option)
+        .find(|option| ["--beliefs-csv", "--utilities-svg"].contains(option))
+}
+
+/// A column of sensors' readings, for each robot its place among the robot's own.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    name: String,
+    places: Vec<Option<usize>>,
+}
+
+/// The columns of these names; each must be one of some robot's.
+pub(super) fn columns(names: &[String], robots: &[RobotSpec]) -> anyhow::Result<Vec<Column>> {
+    let known: Vec<_> = robots.iter().map(sensor_columns).collect();
+    let find = |name: &String| {
+        let places: Vec<_> =
+            known.iter().map(|columns| columns.iter().position(|column| column == name)).collect();
+        if places.iter().all(Option::is_none) {
+            let mut all: Vec<_> = known.iter().flatten().take(MOST_NAMED).map(String::as_str).collect();
+            all.dedup();
+            let all = all.join(", ");
+            return Err(Refused::error(format!("--with: no robot has a column `{name}`; there are: {all}")));
+        }
+        Ok(Column { name: name.clone(), places })
+    };
+    names.iter().map(find).collect()
+}
+
+/// More columns than this are no help.
+const MOST_NAMED: usize = 40;

@@ -1,0 +1,226 @@
+//! `baudbot plan`: a way through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
+//!
+//! [`map`] makes cells of the arena as a brain would that knows its walls; [`way`] finds a way through them, by
+//! `baudbot_brains::planning`; `drawing` shows both.
+
+mod map;
+mod way;
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use baudbot_brains::planning::{Cell, End, Grid, PlanError};
+use baudbot_geometry::{Bounds, Point};
+use baudbot_sim::Scenario;
+use baudbot_sim::robot::RobotSpec;
+use clap::ValueEnum;
+use serde::Serialize;
+
+use self::way::Way;
+use crate::args::{Method, PlanArgs};
+use crate::drawing::{self, Route};
+use crate::error::Refused;
+use crate::run::overrides;
+use crate::scenarios::Source;
+use crate::text::{self, count, handy, pairs};
+
+pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    let robot = robot(args.robot.as_deref(), scenario.robots())?;
+    let task = Task::new(args, &scenario, robot)?;
+    let way = Way::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
+    let code = if way.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    if let Some(path) = &args.svg {
+        text::write(path, &drawing::draw_route(&scenario, source.label(), &task.route(&way)))?;
+        if path.as_os_str() == "-" {
+            return Ok(code);
+        }
+    }
+    if args.json {
+        let json = serde_json::to_string_pretty(&task.found(&way)).context("cannot write what was found")?;
+        text::print(&format!("{json}\n"))?;
+    } else {
+        text::print(&task.words(&way))?;
+    }
+    Ok(code)
+}
+
+/// What is looked for, and where.
+struct Task<'a> {
+    args: &'a PlanArgs,
+    robot: &'a RobotSpec,
+    grid: Grid,
+    clearance_m: f64,
+    from: Point,
+    to: Point,
+}
+
+/// What was found, for programs.
+#[derive(Serialize)]
+struct Found {
+    method: String,
+    robot: String,
+    clearance_m: f64,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    free_cells: usize,
+    cells_looked_at: usize,
+    cells_expanded: usize,
+    is_stuck: bool,
+    length_m: f64,
+    points_m: Vec<[f64; 2]>,
+}
+
+impl<'a> Task<'a> {
+    fn new(args: &'a PlanArgs, scenario: &Scenario, robot: &'a RobotSpec) -> anyhow::Result<Self> {
+        if args.margin_m < 0.0 {
+            return Err(Refused::error(format!("--margin-m: must be 0 or more, is {}", args.margin_m)));
+        }
+        let clearance_m = robot.drive.radius_m + args.margin_m;
+        let grid = map::grid(scenario.arena(), args.cell_m, clearance_m);
+        let grid = grid.map_err(|error| Refused::error(format!("--cell-m {}: {error}", args.cell_m)))?;
+        let from = args.from.unwrap_or(robot.start.pose.position);
+        Ok(Self { args, robot, grid, clearance_m, from, to: args.to })
+    }
+
+    fn free_cells(&self) -> usize {
+        self.grid.cells().filter(|&cell| self.grid.is_free(cell)).count()
+    }
+
+    /// In the words of the command line, why there is no way.
+    fn refusal(&self, error: &PlanError) -> anyhow::Error {
+        let end = |end: End| match end {
+            End::Start if self.args.from.is_none() => ("--from (where the robot starts)", self.from),
+            End::Start => ("--from", self.from),
+            End::Target => ("--to", self.to),
+        };
+        let clearance = handy(self.clearance_m);
+        Refused::error(match error {
+            PlanError::OffMap { end: which, .. } | PlanError::Outside { end: which, .. } => {
+                let (option, point) = end(*which);
+                format!("{option}: {} is outside of the arena; choose another place", place(point))
+            }
+            PlanError::Blocked { end: which, .. } => {
+                let (option, point) = end(*which);
+                format!(
+                    "{option}: the cell at {} is in a wall or nearer to one than {clearance} m, which is how far `{}` \
+                     reaches with its margin; choose another place, or a smaller --cell-m",
+                    place(point),
+                    self.robot.name
+                )
+            }
+            PlanError::Unreachable { .. } | PlanError::DeadEnd { .. } => format!(
+                "no way leads from {} to {}: walls part them, or leave `{}` less than {clearance} m on either side; if \
+                 there is a door, try a smaller --cell-m",
+                place(self.from),
+                place(self.to),
+                self.robot.name
+            ),
+        })
+    }
+
+    fn found(&self, way: &Way) -> Found {
+        Found {
+            method: name(self.args.method),
+            robot: self.robot.name.clone(),
+            clearance_m: self.clearance_m,
+            cell_m: self.grid.cell_m(),
+            columns: self.grid.columns(),
+            rows: self.grid.rows(),
+            free_cells: self.free_cells(),
+            cells_looked_at: way.touched.len(),
+            cells_expanded: way.expanded,
+            is_stuck: way.is_stuck,
+            length_m: way.length_m,
+            points_m: way.points.iter().map(|point| [point.x, point.y]).collect(),
+        }
+    }
+
+    fn words(&self, way: &Way) -> String {
+        let found = self.found(way);
+        let grid = format!("{} by {} cells of {} m", found.columns, found.rows, handy(found.cell_m));
+        let clear = format!("{}, {} m from walls", found.robot, handy(found.clearance_m));
+        let end = way.points.last().copied().unwrap_or(self.from);
+        let led = match way.is_stuck {
+            true => format!("stuck at {}: all neighbours were visited", place(end)),
+            false => format!("{} m, {}", metres(way.length_m), bends(way)),
+        };
+        pairs(
+            "",
+            &[
+                ("method", found.method),
+                ("robot", clear),
+                ("grid", format!("{grid}, {} free", found.free_cells)),
+                ("from", place(self.from)),
+                ("to", place(self.to)),
+                ("looked at", self.effort(way)),
+                ("way", led),
+            ],
+        )
+    }
+
+    fn effort(&self, way: &Way) -> String {
+        match self.args.method {
+            Method::Cells => {
+                format!("{}, {} of them on the way", count(way.cells.len(), "convex cell"), way.expanded)
+            }
+            _ => format!("{}, {} expanded", count(way.touched.len(), "cell"), way.expanded),
+        }
+    }
+
+    /// What is drawn of it.
+    fn route(&self, way: &Way) -> Route {
+        let cell = |point| self.grid.cell_at(point).map(|cell| square(&self.grid, cell));
+        let is_grid = self.args.method != Method::Cells;
+        let mut notes = vec![format!("{}, cells of {} m", name(self.args.method), handy(self.grid.cell_m()))];
+        notes.push(self.effort(way));
+        notes.push(match way.is_stuck {
+            true => "it got stuck where the way ends".to_owned(),
+            false => format!("a way of {} m, {}", metres(way.length_m), bends(way)),
+        });
+        Route {
+            blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
+            looked_at: map::runs(&self.grid, |cell| way.touched.contains(&(cell.row, cell.column))),
+            cells: way.cells.clone(),
+            start: cell(self.from).filter(|_| is_grid),
+            target: cell(self.to).filter(|_| is_grid),
+            way: way.points.clone(),
+            notes,
+        }
+    }
+}
+
+/// The robot whose size counts.
+fn robot<'a>(name: Option<&str>, robots: &'a [RobotSpec]) -> anyhow::Result<&'a RobotSpec> {
+    let named = |robot: &&RobotSpec| name.is_none_or(|name| robot.name == name);
+    robots.iter().find(named).ok_or_else(|| {
+        let names = robots.iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>().join(", ");
+        Refused::error(match name {
+            Some(name) => format!("--robot: there is no robot `{name}`; there are: {names}"),
+            None => "there is no robot that could go a way; give the scenario one".to_owned(),
+        })
+    })
+}
+
+fn name(method: Method) -> String {
+    method.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
+fn bends(way: &Way) -> String {
+    count(way.points.len().saturating_sub(2), "bend")
+}
+
+fn place(point: Point) -> String {
+    format!("({}, {})", handy(point.x), handy(point.y))
+}
+
+fn square(grid: &Grid, cell: Cell) -> Bounds {
+    Bounds { min: grid.corner(cell), max: grid.corner(Cell { column: cell.column + 1, row: cell.row + 1 }) }
+}
+
+/// To a tenth of a millimetre, so that lengths can be compared.
+fn metres(length_m: f64) -> String {
+    format!("{length_m:.4}")
+}

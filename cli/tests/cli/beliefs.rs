@@ -1,0 +1,77 @@
+//! `baudbot export` of what brains believed.
+
+use std::fs;
+
+use roxmltree::Document;
+
+use crate::{baudbot, good, place};
+
+const SWEEPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/sweeper.toml");
+
+/// Records 20 s of a brain.
+fn record(brain: &str, hz: &str, name: &str) -> String {
+    let path = place(name).to_str().unwrap().to_owned();
+    let run = ["run", SWEEPER, "--brain", brain, "--seconds", "20", "--quiet"];
+    good(&[&run[..], &["--record", &path, "--record-hz", hz]].concat());
+    path
+}
+
+#[test]
+fn beliefs_are_a_table_and_utilities_a_chart() {
+    let run = record("sweeper", "20", "believing.mcap");
+    let (csv, svg) = (place("beliefs.csv"), place("utilities.svg"));
+    let (csv, svg) = (csv.to_str().unwrap(), svg.to_str().unwrap());
+    let both = ["--beliefs-csv", csv, "--utilities-svg", svg, "--with", "gauge.charge", "--quiet"];
+    good(&[&["export", &run], &both[..]].concat());
+    let table = fs::read_to_string(csv).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][..6], ["t_s", "robot", "state", "x_m", "y_m", "heading_rad"]);
+    let names = ["charge", "sweep", "turn_away", "odometry"];
+    let own: Vec<_> =
+        names.iter().flat_map(|name| [format!("{name}.utility"), format!("{name}.active")]).collect();
+    assert_eq!(rows[0][6..], own);
+    assert!((300..=401).contains(&rows.len()), "{} rows of 20 s at 20 a second", rows.len());
+    let mut before_s = -1.0;
+    for row in &rows[1..] {
+        let at_s: f64 = row[0].parse().unwrap();
+        assert!(at_s > before_s && (0.0..=20.0).contains(&at_s), "{at_s} after {before_s}");
+        before_s = at_s;
+        // One of the motor behaviours has the motors, the one of the greatest utility, and the state says which.
+        let active: Vec<_> = (0..3).filter(|i| row[7 + 2 * i] == "1").collect();
+        assert_eq!(active.len(), 1, "{row:?}");
+        let utility = |i: usize| row[6 + 2 * i].parse::<f64>().unwrap();
+        assert!((0..3).all(|i| utility(i) <= utility(active[0])), "{row:?}");
+        assert!(row[2].starts_with(names[active[0]]), "{row:?}");
+    }
+    let picture = fs::read_to_string(svg).unwrap();
+    let document = Document::parse(&picture).unwrap();
+    let lines = document.descendants().filter(|node| node.attribute("class") == Some("line")).count();
+    assert_eq!(lines, 5, "four utilities and a column");
+    let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();
+    for name in [&names[..], &["gauge.charge", "robot"]].concat() {
+        assert!(texts.contains(&name), "{name}: {texts:?}");
+    }
+}
+
+#[test]
+fn where_there_is_nothing_to_export_it_says_what_to_do() {
+    let refusal = |args: &[&str]| {
+        let (code, out, err) = baudbot(&[&["export"], args].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        err
+    };
+    let blind = record("sweeper", "0", "blind.mcap");
+    let none = refusal(&[&blind, "--beliefs-csv", "-"]);
+    assert!(
+        none.starts_with("error: --beliefs-csv: ") && none.contains("with --record-hz above 0"),
+        "{none}"
+    );
+    let silent = record("wander", "10", "silent.mcap");
+    assert!(refusal(&[&silent, "--utilities-svg", "-"]).contains("has no beliefs there"));
+    let column = refusal(&[&silent, "--utilities-svg", "-", "--with", "sonar"]);
+    assert!(
+        column.starts_with("error: --with: no robot has a column `sonar`; there are: gauge.voltage_v, "),
+        "{column}"
+    );
+    assert!(refusal(&[&silent, "--with", "gauge.charge"]).contains("--utilities-svg"));
+}

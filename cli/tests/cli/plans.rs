@@ -1,0 +1,130 @@
+//! `baudbot plan`.
+
+use std::fs;
+
+use crate::{baudbot, good, place};
+
+const WALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-wall.toml");
+const TRAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/grid-trap.toml");
+
+/// What is said of a way across one of the two grids, after its arguments.
+fn across(grid: &str, more: &[&str]) -> String {
+    let args = [&["plan", grid, "--to", "17.5,10.5", "--cell-m", "1"], more].concat();
+    good(&args)
+}
+
+/// The lengths are those that were computed independently for the grids of `brains/tests/data`, and so are the counts of
+/// expanded cells: the scenarios have the same walls in the same cells, with a border around them.
+#[test]
+fn lengths_and_counts_are_those_of_the_grids() {
+    for (grid, method, steps, effort, way) in [
+        (WALL, "walker", "8", None, "35.7279 m, "),
+        (WALL, "walker", "8-cut", None, "34.5563 m, "),
+        (WALL, "greedy", "8", Some(46), "24.8995 m, "),
+        (WALL, "dijkstra", "8", Some(367), "21.3848 m, "),
+        (WALL, "dijkstra", "4", Some(373), "29.0000 m, "),
+        (WALL, "a-star", "8", Some(135), "21.3848 m, "),
+        (WALL, "theta-star", "8", None, "20.8497 m, 2 bends"),
+        (TRAP, "walker", "8", None, "49.1421 m, "),
+        (TRAP, "greedy", "4", Some(79), "25.0000 m, "),
+        (TRAP, "dijkstra", "8", Some(350), "20.8995 m, "),
+        (TRAP, "theta-star", "8", None, "20.2341 m, 2 bends"),
+    ] {
+        let said = across(grid, &["--method", method, "--steps", steps]);
+        assert!(said.contains(&format!("way        {way}")), "{method} {steps}: {said}");
+        let expanded = effort.map_or(String::new(), |cells| format!(" cells, {cells} expanded\n"));
+        assert!(said.contains(&expanded), "{method} {steps}: {said}");
+    }
+    assert!(across(WALL, &["--heuristic", "octile"]).contains(" cells, 119 expanded\n"));
+    assert!(across(WALL, &["--steps", "4", "--heuristic", "manhattan"]).contains(" cells, 140 expanded\n"));
+}
+
+#[test]
+fn a_way_through_convex_cells_is_not_longer_than_one_in_eight_directions() {
+    let length = |method: &str| {
+        let json = across(WALL, &["--method", method, "--json"]);
+        let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let points = found["points_m"].as_array().unwrap();
+        let at = |i: usize| [points[i][0].as_f64().unwrap(), points[i][1].as_f64().unwrap()];
+        assert_eq!((at(0), at(points.len() - 1)), ([2.5, 10.5], [17.5, 10.5]));
+        let legs = (1..points.len()).map(|i| (at(i)[0] - at(i - 1)[0]).hypot(at(i)[1] - at(i - 1)[1]));
+        let length = found["length_m"].as_f64().unwrap();
+        assert!((legs.sum::<f64>() - length).abs() < 1e-9, "{json}");
+        length
+    };
+    let (cells, shortest) = (length("cells"), length("dijkstra"));
+    assert!(cells < shortest && cells > 15.0, "{cells} {shortest}");
+}
+
+#[test]
+fn a_picture_shows_what_was_looked_at_and_the_way() {
+    let path = place("way.svg");
+    let said = across(TRAP, &["--svg", path.to_str().unwrap()]);
+    assert_eq!(said, across(TRAP, &[]));
+    let picture = fs::read_to_string(&path).unwrap();
+    let text = roxmltree::Document::parse(&picture).unwrap();
+    let class = |class: &str| {
+        let mut all = text.descendants().filter(|node| node.attribute("class") == Some(class));
+        all.next().and_then(|node| node.attribute("d")).unwrap_or_default().to_owned()
+    };
+    // Rows of the touched cells; a corner and two or more points.
+    assert!(class("looked-at").matches('M').count() > 10, "{picture}");
+    assert!(class("way").matches('L').count() > 2 && class("cells").is_empty(), "{picture}");
+    assert_eq!(across(TRAP, &["--svg", "-"]), picture);
+    let cells = across(TRAP, &["--svg", "-", "--method", "cells"]);
+    assert!(cells.contains("5 convex cells, 3 of them on the way"), "{cells}");
+}
+
+/// A corridor that draws the walker in, and from which it never comes back.
+#[test]
+fn a_walker_that_gets_stuck_says_where_and_ends_with_1() {
+    let path = place("corridor.toml");
+    let body = "{ radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }";
+    let corridor = format!(
+        "[[arena.polygons]]\nname = \"border\"\nsolid = false\npoints_m = [[0, 0], [8, 0], [8, 6], [0, 6]]\n\
+         [[arena.polygons]]\nname = \"corridor\"\nsolid = false\nclosed = false\n\
+         points_m = [[3.5, 3.5], [5.5, 3.5], [5.5, 1.5], [3.5, 1.5]]\n\
+         [[robots]]\nname = \"bob\"\nstart = {{ x_m = 1.5, y_m = 2.5 }}\nbody = {body}\n"
+    );
+    fs::write(&path, corridor).unwrap();
+    let path = path.to_str().unwrap();
+    let way = |method| {
+        baudbot(&["plan", path, "--to", "6.5,2.5", "--cell-m", "1", "--steps", "4", "--method", method])
+    };
+    let (code, out, err) = way("walker");
+    assert_eq!((code, err.as_str()), (1, ""), "{out}");
+    assert!(out.contains("way        stuck at (4.5, 2.5): all neighbours were visited\n"), "{out}");
+    let (code, out, _) = way("greedy");
+    assert_eq!(code, 0, "{out}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_option() {
+    let refusal = |args: &[&str]| {
+        let (code, out, err) = baudbot(&[&["plan", WALL], args].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        err
+    };
+    let wall = refusal(&["--to", "10.5,10.5"]);
+    assert!(
+        wall.starts_with("error: --to: the cell at (10.5, 10.5) is in a wall or nearer to one than 0.1 m"),
+        "{wall}"
+    );
+    let from = refusal(&["--from", "10.5,10.5", "--to", "1,1"]);
+    assert!(from.starts_with("error: --from: the cell at (10.5, 10.5) is in a wall"), "{from}");
+    let outside = refusal(&["--to", "50,-3"]);
+    assert_eq!(outside, "error: --to: (50, -3) is outside of the arena; choose another place\n");
+    let parted = refusal(&["--to", "17.5,10.5", "--margin-m", "2.4"]);
+    assert!(
+        parted.starts_with("error: no way leads from (2.5, 10.5) to (17.5, 10.5): walls part them"),
+        "{parted}"
+    );
+    let method = refusal(&["--to", "1,1", "--method", "magic"]);
+    assert!(method.contains("walker, greedy, dijkstra, a-star, theta-star, cells"), "{method}");
+    assert!(refusal(&["--to", "1"]).contains("must be two numbers with a comma between them"));
+    assert!(refusal(&["--to", "1,1", "--cell-m", "0"]).contains("cell_m must be positive, not 0"));
+    assert!(refusal(&["--to", "1,1", "--margin-m", "-1"]).contains("--margin-m: must be 0 or more, is -1"));
+    assert!(
+        refusal(&["--to", "1,1", "--robot", "eve"]).contains("there is no robot `eve`; there are: robot")
+    );
+}
