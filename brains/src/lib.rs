@@ -10,7 +10,7 @@
 //!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
 //!    [`decision`] it chooses.
 //! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`localization`], [`mapping`],
-//!    [`exploration`], [`planning`] and [`potential`] are what these think with; [`decision_theory`] is on its own.
+//!    [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are what these think with; [`decision_theory`] is on its own.
 //!
 //! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
@@ -31,6 +31,7 @@ pub mod catalogue;
 pub mod cognition;
 pub mod composed;
 pub mod constant;
+pub mod coverage;
 pub mod decision;
 pub mod decision_theory;
 pub mod description;
@@ -39,6 +40,7 @@ pub mod exploration;
 pub mod localization;
 pub mod mapping;
 pub mod navigate;
+pub mod navigation;
 pub mod odometry;
 pub mod planning;
 pub mod potential;
@@ -46,6 +48,7 @@ pub mod process;
 pub mod program;
 pub mod registry;
 pub mod senses;
+pub mod vfh;
 pub mod wander;
 
 mod anew;

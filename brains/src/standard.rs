@@ -1,15 +1,19 @@
 //! The kinds of processes that this crate has, besides its brains.
 
 use crate::behavior::charge::Charge;
+use crate::behavior::follow_path::FollowPath;
 use crate::behavior::follow_wall::FollowWall;
 use crate::behavior::go_to::GoTo;
+use crate::behavior::home::Home;
 use crate::behavior::taxis::Taxis;
 use crate::behavior::turn_away::TurnAway;
-use crate::behavior::{go_to, taxis};
+use crate::behavior::{follow_path, go_to, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
+use crate::coverage::{self, CoverRows};
 use crate::potential::PotentialField;
 use crate::registry::Registry;
+use crate::vfh::Vfh;
 
 impl Registry {
     /// All kinds of this crate.
@@ -18,11 +22,19 @@ impl Registry {
         registry
             .brains()
             .motor("charge", |parameters, kit| Charge::new(kit.name, parameters, kit.body))
+            .motor("cover_rows", |parameters: coverage::Parameters, kit| {
+                CoverRows::new(&parameters, kit.body)
+            })
+            .motor("follow_path", |parameters: follow_path::Parameters, kit| {
+                FollowPath::new(&parameters, kit.body)
+            })
             .motor("follow_wall", |parameters, kit| FollowWall::new(parameters, kit.body))
             .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
+            .motor("home", |parameters, kit| Home::new(parameters, &kit))
             .motor("potential_field", |parameters, _| PotentialField::new(parameters))
             .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
             .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
+            .motor("vfh", |parameters, kit| Vfh::new(parameters, kit.body))
             .cognitive("laser_localization", |parameters: localization::Parameters, kit| {
                 Localize::new(&parameters, &kit)
             })

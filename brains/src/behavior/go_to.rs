@@ -1,10 +1,11 @@
 //! Point-to-point navigation by the believed pose: one point after the other, straight on, more slowly near the last.
 
 use baudbot_client::Signals;
-use baudbot_geometry::{Point, Pose, math};
+use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
-use super::steering::{Helm, Steering};
+use super::steering::{Helm, Steering, braking};
+use crate::navigation::Goals;
 use crate::process::{Moment, MotorBehavior};
 
 /// Where it goes.
@@ -31,11 +32,8 @@ fn reached_m() -> f64 {
 /// A behaviour that visits points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoTo {
-    points: Vec<Point>,
-    reached_m: f64,
-    again: bool,
+    goals: Goals,
     helm: Helm,
-    next: usize,
 }
 
 impl GoTo {
@@ -44,63 +42,37 @@ impl GoTo {
     /// # Errors
     /// If the parameters make no sense, in words.
     pub fn new(parameters: &Parameters) -> Result<Self, String> {
-        if let Some(problem) = parameters.steering.problem() {
+        let Parameters { points_m, reached_m, again, steering } = parameters;
+        if let Some(problem) = steering.problem() {
             return Err(problem);
         }
-        if parameters.points_m.is_empty() {
-            return Err("points_m: has no point".to_owned());
-        }
-        if !(parameters.reached_m.is_finite() && parameters.reached_m > 0.0) {
-            return Err(format!("reached_m: must be positive, is {}", parameters.reached_m));
-        }
-        let points = parameters.points_m.iter().map(|&[x, y]| Point::new(x, y)).collect();
-        let (reached_m, again) = (parameters.reached_m, parameters.again);
-        Ok(Self { points, reached_m, again, helm: Helm::new(parameters.steering), next: 0 })
+        Ok(Self { goals: Goals::new("points_m", points_m, *reached_m, *again)?, helm: Helm::new(*steering) })
     }
 
     /// Whether all points have been reached.
     pub fn has_arrived(&self) -> bool {
-        self.next >= self.points.len()
+        self.goals.has_arrived()
     }
 
     fn toward(&mut self, world_from_robot: &Pose) -> Signals {
-        while let Some(point) = self.points.get(self.next) {
-            let way = point - world_from_robot.position;
-            let left_m = math::hypot(way.x, way.y);
-            if left_m > self.reached_m {
-                let is_last = self.next + 1 == self.points.len() && !self.again;
-                let part = if is_last { (left_m / BRAKING_M).clamp(SLOWEST, 1.0) } else { 1.0 };
-                return self.helm.signals(world_from_robot, math::atan2(way.y, way.x), part);
-            }
-            self.next += 1;
-            if self.again && self.next == self.points.len() {
-                self.next = 0;
-                // All points within reach of each other would otherwise be gone round for ever.
-                break;
-            }
-        }
-        Signals::default()
+        let Some(goal) = self.goals.from(world_from_robot.position) else { return Signals::default() };
+        let way = goal - world_from_robot.position;
+        let part = if self.goals.is_last() { braking(way.norm()) } else { 1.0 };
+        self.helm.signals(world_from_robot, math::atan2(way.y, way.x), part)
     }
 }
 
 impl MotorBehavior for GoTo {
     /// It begins with the first point again if it had arrived; a tour that was interrupted goes on.
     fn enter(&mut self, _: &mut Moment<'_>) {
-        if self.has_arrived() {
-            self.next = 0;
-        }
+        self.goals.begin();
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
         let signals = self.toward(&estimate.world_from_robot);
-        moment.beliefs.path = self.points.iter().skip(self.next).copied().collect();
+        moment.beliefs.path = self.goals.left().to_vec();
         moment.beliefs.intention = if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
         Some(signals)
     }
 }
-
-/// From this distance on it slows down, in metres.
-const BRAKING_M: f64 = 0.3;
-/// Part of its speed that is left at the end.
-const SLOWEST: f64 = 0.25;

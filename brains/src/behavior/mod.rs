@@ -1,8 +1,10 @@
 //! Motor behaviours that repertoires choose among.
 
 pub mod charge;
+pub mod follow_path;
 pub mod follow_wall;
 pub mod go_to;
+pub mod home;
 pub(crate) mod steering;
 pub mod taxis;
 pub mod turn_away;

@@ -1,7 +1,7 @@
 //! From where to go to wheel speeds: the P-regulation of Wahde 2016, Eqs. (6.4) to (6.7), with pure rotations.
 
 use baudbot_client::Signals;
-use baudbot_geometry::{Pose, angle};
+use baudbot_geometry::{Point, Pose, angle, math};
 use serde::Deserialize;
 
 /// Constants of Section 6.2.2, and what a signal is worth.
@@ -77,6 +77,48 @@ impl Helm {
     }
 }
 
+impl Helm {
+    /// Signals that lead to a point on a circle, by pure pursuit (Coulter 1992), or turn on the spot if it is too far aside.
+    ///
+    /// The circle touches the robot's heading and passes through the point, so with (x, y) for the point in the robot's frame
+    /// its curvature is κ = 2y / (x² + y²). In bends it slows down, so that a wheel differs from the robot's speed by
+    /// no more than V_rot. K_p is of no use here.
+    pub(crate) fn pursue(
+        &mut self,
+        world_from_robot: &Pose,
+        to: Point,
+        half_track_m: f64,
+        part: f64,
+    ) -> Signals {
+        let s = self.steering;
+        let way = to - world_from_robot.position;
+        let heading_rad = math::atan2(way.y, way.x);
+        let off_rad = angle::difference(heading_rad, world_from_robot.heading);
+        let limit_rad = if self.rotates { s.rotate_until_rad } else { s.rotate_above_rad };
+        if off_rad.abs() > limit_rad {
+            return self.signals(world_from_robot, heading_rad, part);
+        }
+        self.rotates = false;
+        let bend = 2.0 * math::sin(off_rad) / way.norm().max(LEAST_M) * half_track_m;
+        let speed_m_s = (s.speed_m_s * part).min(s.rotation_m_s / bend.abs().max(f64::MIN_POSITIVE));
+        let signal = |side: f64| speed_m_s * (1.0 + side * bend) / s.full_speed_m_s;
+        Signals { left: signal(-1.0), right: signal(1.0) }
+    }
+}
+
+/// A point that is nearer than this, in metres, is no point to drive at on a circle.
+const LEAST_M: f64 = 1e-3;
+
+/// The part of its speed at which a robot drives that stops after so many metres.
+pub(crate) fn braking(left_m: f64) -> f64 {
+    (left_m / BRAKING_M).clamp(SLOWEST, 1.0)
+}
+
+/// From this distance on it slows down, in metres.
+const BRAKING_M: f64 = 0.3;
+/// Part of its speed that is left at the end.
+const SLOWEST: f64 = 0.25;
+
 impl Steering {
     /// What is wrong with it, if something is.
     pub(crate) fn problem(&self) -> Option<String> {
@@ -108,8 +150,36 @@ mod tests {
             pose.heading += (right - left) / (2.0 * half_track_m) * dt_s;
         }
         assert!((1.0 - pose.heading - 0.471033).abs() < 1e-6, "{}", 1.0 - pose.heading);
-        let exact = baudbot_geometry::math::exp(-1.0 / 1.3333333333333333);
+        let exact = math::exp(-1.0 / 1.3333333333333333);
         assert!((1.0 - pose.heading - exact).abs() < 2e-3);
+    }
+
+    /// A point at 45° is reached on a quarter of a circle, whose radius is that of a square's side.
+    #[test]
+    fn a_point_is_reached_on_the_circle_through_it() {
+        let (half_track_m, dt_s) = (0.2, 0.001);
+        let steering =
+            Steering { rotate_above_rad: 1.0, full_speed_m_s: 1.0, rotation_m_s: 0.1, ..Steering::default() };
+        let (mut helm, mut pose) = (Helm::new(steering), Pose::new(0.0, 0.0, 0.0));
+        let to = Point::new(1.0, 1.0);
+        for _ in 0..7_500 {
+            let Signals { left, right } = helm.pursue(&pose, to, half_track_m, 1.0);
+            assert!(((left + right) / 2.0 - 0.2).abs() < 1e-9, "{left} {right}");
+            pose.heading += (right - left) / (2.0 * half_track_m) * dt_s;
+            pose.position += pose.direction().vector() * ((left + right) / 2.0 * dt_s);
+            let radius = (pose.position - Point::new(0.0, 1.0)).norm();
+            assert!((radius - 1.0).abs() < 1e-3, "{radius}");
+        }
+        let steering = Steering { rotation_m_s: 0.02, ..steering };
+        let Signals { left, right } =
+            Helm::new(steering).pursue(&Pose::new(0.0, 0.0, 0.0), to, half_track_m, 1.0);
+        assert!(
+            ((right - left) / 2.0 - 0.02).abs() < 1e-12 && left > 0.0,
+            "slower in the bend: {left} {right}"
+        );
+        let Signals { left, right } =
+            helm.pursue(&Pose::new(0.0, 0.0, 0.0), Point::new(0.0, 1.0), half_track_m, 1.0);
+        assert!(left == -right && right > 0.0, "on the spot: {left} {right}");
     }
 
     #[test]

@@ -18,6 +18,10 @@ pub(super) struct Text {
 
 /// Those that are part of the program.
 const BUILT_IN: &[(&str, &str)] = &[
+    ("forager", include_str!("../../repertoires/forager.toml")),
+    ("errands", include_str!("../../repertoires/errands.toml")),
+    ("hall", include_str!("../../repertoires/hall.toml")),
+    ("mower", include_str!("../../repertoires/mower.toml")),
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
     ("wedge", include_str!("../../repertoires/wedge.toml")),

@@ -1,0 +1,208 @@
+//! Path following: to goals in a known map, on a planned way that keeps clear of the walls, by pure pursuit.
+//!
+//! The way is planned when a goal becomes the next one, and anew if the robot has strayed from it: because something pushed
+//! it, or because localization has found out that it is elsewhere. In the notes a way of §6.2.1 is followed from cell to cell;
+//! what is between planning and wheels is ours.
+
+use baudbot_client::{Body, Signals};
+use baudbot_geometry::{Point, Pose};
+use serde::Deserialize;
+
+use super::steering::{Helm, Steering, braking};
+use crate::navigation::{Floor, Goals, Method, Pursuit, Way};
+use crate::process::{Moment, MotorBehavior};
+
+/// Where it goes, and between which walls.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Walls of the map, `[x, y, x, y]` in metres, in the frame of the believed pose.
+    pub walls_m: Vec<[f64; 4]>,
+    /// Goals `[x, y]`, in metres, one after the other.
+    pub goals_m: Vec<[f64; 2]>,
+    /// Room that is kept between the body and each wall, in metres.
+    #[serde(default = "clearance_m")]
+    pub clearance_m: f64,
+    /// Side of the map's cells, in metres.
+    #[serde(default = "cell_m")]
+    pub cell_m: f64,
+    /// How a way is found.
+    #[serde(default)]
+    pub method: Method,
+    /// How far ahead on its way it looks, in metres.
+    #[serde(default = "look_ahead_m")]
+    pub look_ahead_m: f64,
+    /// A goal is reached within this distance, in metres.
+    #[serde(default = "reached_m")]
+    pub reached_m: f64,
+    /// It plans anew if it is farther from its way than this, in metres.
+    #[serde(default = "stray_m")]
+    pub stray_m: f64,
+    /// After the last goal comes the first again.
+    #[serde(default)]
+    pub again: bool,
+    /// How it steers.
+    #[serde(default)]
+    pub steering: Steering,
+}
+
+fn clearance_m() -> f64 {
+    0.1
+}
+
+fn cell_m() -> f64 {
+    0.05
+}
+
+fn look_ahead_m() -> f64 {
+    0.4
+}
+
+fn reached_m() -> f64 {
+    0.05
+}
+
+fn stray_m() -> f64 {
+    0.3
+}
+
+/// A behaviour that follows planned ways.
+#[derive(Clone, Debug)]
+pub struct FollowPath {
+    floor: Floor,
+    goals: Goals,
+    helm: Helm,
+    half_track_m: f64,
+    look_ahead_m: f64,
+    stray_m: f64,
+    /// To which goal, by its place, and the way there.
+    pursuit: Option<(usize, Pursuit)>,
+    /// It has found no way, and tries again at this instant.
+    retry_ns: Option<u64>,
+}
+
+impl FollowPath {
+    /// For a robot with this body.
+    ///
+    /// # Errors
+    /// If the parameters make no sense, a goal is too near to a wall, or no way leads from one goal to the next, in words.
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+        let p = parameters;
+        if let Some(problem) = p.steering.problem() {
+            return Err(problem);
+        }
+        for (name, value) in [("look_ahead_m", p.look_ahead_m), ("stray_m", p.stray_m)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("{name}: must be positive, is {value}"));
+            }
+        }
+        if !(p.clearance_m.is_finite() && p.clearance_m >= 0.0) {
+            return Err(format!("clearance_m: must not be negative, is {}", p.clearance_m));
+        }
+        let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
+        let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, p.method)?;
+        check(&floor, goals.points())?;
+        Ok(Self {
+            floor,
+            goals,
+            helm: Helm::new(p.steering),
+            half_track_m: body.half_track_m,
+            look_ahead_m: p.look_ahead_m,
+            stray_m: p.stray_m,
+            pursuit: None,
+            retry_ns: None,
+        })
+    }
+
+    /// Whether all goals have been reached.
+    pub fn has_arrived(&self) -> bool {
+        self.goals.has_arrived()
+    }
+
+    /// Makes sure that there is a way to the goal; an error in words if there is none.
+    fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Result<(), String> {
+        let place = self.goals.next();
+        let followed = self.pursuit.as_mut().filter(|(to, _)| *to == place);
+        if followed.is_some_and(|(_, pursuit)| pursuit.advance(here) <= self.stray_m) {
+            return Ok(());
+        }
+        let problem =
+            || format!("goals_m[{place}]: no way leads there from ({:.2} m, {:.2} m)", here.x, here.y);
+        if self.retry_ns.is_some_and(|retry_ns| at_ns < retry_ns) {
+            return Err(problem());
+        }
+        self.pursuit = None;
+        self.retry_ns = Some(at_ns + RETRY_NS);
+        let way = self.floor.way(here, goal).map_err(|_| problem())?;
+        self.retry_ns = None;
+        self.pursuit = Some((place, Pursuit::new(Way::new(way), self.look_ahead_m)));
+        Ok(())
+    }
+
+    /// Signals on the way.
+    fn drive(&mut self, world_from_robot: &Pose) -> Signals {
+        let here = world_from_robot.position;
+        let Some((_, pursuit)) = &self.pursuit else { return Signals::default() };
+        let Some(target) = pursuit.target(|point| self.floor.is_clear(here, point)) else {
+            return Signals::default();
+        };
+        let part = if self.goals.is_last() { braking(pursuit.left_m()) } else { 1.0 };
+        self.helm.pursue(world_from_robot, target, self.half_track_m, part)
+    }
+}
+
+/// What can be known of the goals before it is known where the robot is.
+fn check(floor: &Floor, goals: &[Point]) -> Result<(), String> {
+    let place = |point: &Point| format!("({} m, {} m)", point.x, point.y);
+    for (i, goal) in goals.iter().enumerate() {
+        if !floor.is_free(*goal) {
+            let why =
+                "is outside of the map, or nearer to a wall than the body's radius and `clearance_m` allow";
+            return Err(format!("goals_m[{i}]: {} {why}", place(goal)));
+        }
+        if i > 0 && floor.way(goals[i - 1], *goal).is_err() {
+            let why = "with the body's radius and `clearance_m` on both sides";
+            return Err(format!(
+                "goals_m[{i}]: no way leads to {} from {}, {why}",
+                place(goal),
+                place(&goals[i - 1])
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl MotorBehavior for FollowPath {
+    /// It begins with the first goal again if it had arrived; a tour that was interrupted goes on, on a new way.
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.goals.begin();
+        self.pursuit = None;
+    }
+
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
+        let world_from_robot = estimate.world_from_robot;
+        let here = world_from_robot.position;
+        moment.beliefs.path.clear();
+        moment.beliefs.intention.clear();
+        let Some(goal) = self.goals.from(here) else {
+            moment.beliefs.intention =
+                if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
+            return Some(Signals::default());
+        };
+        if let Err(problem) = self.plan(here, goal, moment.turn.at_ns) {
+            moment.beliefs.intention = problem;
+            return Some(Signals::default());
+        }
+        if let Some((_, pursuit)) = &self.pursuit {
+            moment.beliefs.path = pursuit.rest().collect();
+        }
+        Some(self.drive(&world_from_robot))
+    }
+}
+
+/// So long it waits before it looks for a way again, in nanoseconds.
+const RETRY_NS: u64 = 1_000_000_000;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! A robot whose wheels do at once what they are told, and which knows where it is.
+
+use super::*;
+use crate::estimate::Estimate;
+use crate::process::Beliefs;
+use crate::test_body::{body, turn};
+
+/// A room of 4 m × 3 m without its upper right corner, and a table in it.
+const WALLS: [[f64; 4]; 10] = [
+    [0.0, 0.0, 4.0, 0.0],
+    [4.0, 0.0, 4.0, 1.8],
+    [4.0, 1.8, 3.0, 1.8],
+    [3.0, 1.8, 3.0, 3.0],
+    [3.0, 3.0, 0.0, 3.0],
+    [0.0, 3.0, 0.0, 0.0],
+    [1.2, 1.0, 2.0, 1.0],
+    [2.0, 1.0, 2.0, 1.6],
+    [2.0, 1.6, 1.2, 1.6],
+    [1.2, 1.6, 1.2, 1.0],
+];
+
+fn made(more: &str) -> Result<CoverRows, String> {
+    let toml = format!("walls_m = {WALLS:?}\n{more}");
+    let parameters = toml::from_str(&toml).map_err(|error| error.message().to_owned())?;
+    CoverRows::new(&parameters, &body(&[]))
+}
+
+/// Drives until it has covered all: the places on the way.
+fn drive(cover: &mut CoverRows, mut pose: Pose) -> Vec<Point> {
+    let (body, mut places) = (body(&[]), Vec::new());
+    for i in 0..60_000 {
+        let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
+        let turn = turn(&body, i * 20_000_000, &[]);
+        let mut moment =
+            Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
+        let Signals { left, right } = cover.step(&mut moment).expect("signals");
+        if cover.has_covered() {
+            return places;
+        }
+        pose.heading += (right - left) * 0.5 / 0.4 * 0.02;
+        pose.position += pose.direction().vector() * ((left + right) * 0.25 * 0.02);
+        places.push(pose.position);
+    }
+    panic!("it does not end: at {pose:?}");
+}
+
+/// Which share of the points that a body of 0.2 m can cover it has covered, and the least room beside it, in metres.
+fn covered(cover: &CoverRows, places: &[Point]) -> (f64, f64) {
+    let places: Vec<_> = places.iter().step_by(5).copied().collect();
+    let grid = cover.floor.grid();
+    let free: Vec<_> =
+        grid.cells().filter(|&cell| grid.is_free(cell)).map(|cell| grid.center(cell)).collect();
+    let points = (0..80).flat_map(|i| {
+        (0..60).map(move |j| Point::new(0.025 + 0.05 * f64::from(i), 0.025 + 0.05 * f64::from(j)))
+    });
+    let is_within = |point: &Point, of: &[Point], m: f64| of.iter().any(|place| (place - point).norm() <= m);
+    // What a body can cover whose centre keeps to the free cells, without the inside of the table and what is outside.
+    let is_table = |p: &Point| (1.2..2.0).contains(&p.x) && (1.0..1.6).contains(&p.y);
+    let is_outside = |p: &Point| p.x > 3.0 && p.y > 1.8;
+    let is_floor = |p: &Point| !is_table(p) && !is_outside(p);
+    let can_be: Vec<_> = points.filter(|point| is_floor(point) && is_within(point, &free, 0.2)).collect();
+    let is_covered = can_be.iter().filter(|point| is_within(point, &places, 0.2)).count();
+    let wall = |&[x, y, u, v]: &[f64; 4]| baudbot_geometry::Segment {
+        start: Point::new(x, y),
+        end: Point::new(u, v),
+    };
+    let walls: Vec<_> = WALLS.iter().map(wall).collect();
+    let room = |place: &Point| walls.iter().map(|wall| wall.distance(*place)).fold(f64::INFINITY, f64::min);
+    let room_m = places.iter().map(room).fold(f64::INFINITY, f64::min) - 0.2;
+    (is_covered as f64 / can_be.len() as f64, room_m)
+}
+
+#[test]
+fn a_room_with_a_corner_and_a_table_is_covered() {
+    let mut cover = made("cell_m = 0.05").unwrap();
+    let places = drive(&mut cover, Pose::new(0.5, 0.5, 0.3));
+    let (share, room_m) = covered(&cover, &places);
+    let length_m: f64 = places.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+    // What is left is beside the walls, between the ends of rows. 10 m² with rows 0.3 m apart are some 34 m.
+    assert!(share > 0.95 && room_m > 0.0 && length_m < 45.0, "{share} {room_m} m, {length_m} m");
+}
+
+#[test]
+fn who_is_on_no_floor_has_nothing_to_cover() {
+    let mut cover = made("cell_m = 0.05").unwrap();
+    assert_eq!(drive(&mut cover, Pose::new(9.0, 9.0, 0.0)).len(), 0, "outside of the map there is nothing");
+}
+
+#[test]
+fn what_makes_no_sense_is_said() {
+    assert_eq!(made("row_m = 0").unwrap_err(), "row_m: must be positive, is 0");
+    assert_eq!(made("clearance_m = -0.1").unwrap_err(), "clearance_m: must not be negative, is -0.1");
+    assert_eq!(made("cell_m = -0.1").unwrap_err(), "cell_m: must be positive, is -0.1");
+}

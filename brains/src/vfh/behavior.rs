@@ -1,0 +1,337 @@
+//! The motor behaviour.
+
+use baudbot_client::{Body, Signals};
+use baudbot_geometry::{Direction, Point, Pose, Vector, angle, math};
+use serde::Deserialize;
+
+use super::candidates::{Wanted, choose};
+use super::histogram::{Histogram, Window};
+use super::memory::Memory;
+use super::sight::{self, Sight};
+use crate::behavior::Steering;
+use crate::behavior::steering::{Helm, braking};
+use crate::localization::Scan;
+use crate::localization::deskew::{Sweep, deskew};
+use crate::navigation::Goals;
+use crate::process::{Moment, MotorBehavior};
+
+/// Where it goes, and what it heeds on its way.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Goals `[x, y]`, in metres, in the frame of the believed pose, one after the other.
+    pub goals_m: Vec<[f64; 2]>,
+    /// A goal is reached within this distance, in metres.
+    #[serde(default = "reached_m")]
+    pub reached_m: f64,
+    /// After the last goal comes the first again.
+    #[serde(default)]
+    pub again: bool,
+    /// By which sensors it sees.
+    #[serde(default)]
+    pub sight: sight::Parameters,
+    /// How long the sweep of a laser takes, in seconds.
+    #[serde(default)]
+    pub sweep_s: f64,
+    /// Room to be kept beside the body, in metres: r_s.
+    #[serde(default = "clearance_m")]
+    pub clearance_m: f64,
+    /// What is farther away than this does not count, in metres.
+    #[serde(default = "window_m")]
+    pub window_m: f64,
+    /// Side of the cells in which obstacles are remembered, in metres.
+    #[serde(default = "cell_m")]
+    pub cell_m: f64,
+    /// What it does not see for so long is forgotten, in seconds.
+    #[serde(default = "forget_s")]
+    pub forget_s: f64,
+    /// Directions that it tells apart.
+    #[serde(default = "sectors")]
+    pub sectors: usize,
+    /// τ_low: a direction with less becomes free.
+    #[serde(default = "low")]
+    pub low: f64,
+    /// τ_high: a direction with more becomes blocked.
+    #[serde(default = "high")]
+    pub high: f64,
+    /// Width from which on an opening is wide, in radians: s_max.
+    #[serde(default = "wide_rad")]
+    pub wide_rad: f64,
+    /// μ₁, μ₂, μ₃: costs of an angle to the goal's direction, to the heading, and to the direction before.
+    #[serde(default = "costs")]
+    pub costs: [f64; 3],
+    /// Radius of the turns that it makes, in metres; 0 if it turns on the spot.
+    #[serde(default)]
+    pub turn_radius_m: f64,
+    /// It begins to slow down with so much room ahead, in metres.
+    #[serde(default = "slow_m")]
+    pub slow_m: f64,
+    /// It drives no further with so much room ahead, in metres.
+    #[serde(default = "stop_m")]
+    pub stop_m: f64,
+    /// It stands still if it has seen nothing for so long, in seconds.
+    #[serde(default = "stale_s")]
+    pub stale_s: f64,
+    /// How it steers.
+    #[serde(default)]
+    pub steering: Steering,
+}
+
+fn reached_m() -> f64 {
+    0.1
+}
+
+fn clearance_m() -> f64 {
+    0.15
+}
+
+fn window_m() -> f64 {
+    1.5
+}
+
+fn cell_m() -> f64 {
+    0.05
+}
+
+fn forget_s() -> f64 {
+    5.0
+}
+
+fn sectors() -> usize {
+    72
+}
+
+fn low() -> f64 {
+    0.25
+}
+
+fn high() -> f64 {
+    0.5
+}
+
+fn wide_rad() -> f64 {
+    0.8
+}
+
+fn costs() -> [f64; 3] {
+    [5.0, 2.0, 2.0]
+}
+
+fn slow_m() -> f64 {
+    0.6
+}
+
+fn stop_m() -> f64 {
+    0.1
+}
+
+fn stale_s() -> f64 {
+    0.5
+}
+
+/// A behaviour that goes to a goal past what it sees.
+#[derive(Clone, Debug)]
+pub struct Vfh {
+    parameters: Parameters,
+    goals: Goals,
+    sight: Sight,
+    memory: Memory,
+    histogram: Histogram,
+    helm: Helm,
+    radius_m: f64,
+    previous_rad: Option<f64>,
+    seen_ns: Option<u64>,
+}
+
+impl Vfh {
+    /// For a robot with this body.
+    ///
+    /// # Errors
+    /// If the parameters make no sense, or it sees nothing, in words.
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+        let p = &parameters;
+        if let Some(problem) = p.steering.problem() {
+            return Err(problem);
+        }
+        check(p)?;
+        let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
+        Ok(Self {
+            goals,
+            sight: Sight::new(&p.sight, body)?,
+            memory: Memory::new(p.cell_m, p.window_m, p.forget_s),
+            histogram: Histogram::new(p.sectors),
+            helm: Helm::new(p.steering),
+            radius_m: body.radius_m,
+            previous_rad: None,
+            seen_ns: None,
+            parameters,
+        })
+    }
+
+    /// Whether all goals have been reached.
+    pub fn has_arrived(&self) -> bool {
+        self.goals.has_arrived()
+    }
+
+    /// Takes in what has come.
+    fn look(&mut self, moment: &Moment<'_>) {
+        for (at_ns, scan) in self.sight.scans(moment.turn) {
+            let Some((at_ns, scan, world_from_robot)) = self.placed(scan, at_ns, moment) else { continue };
+            self.memory.see(&scan, &world_from_robot, at_ns);
+            self.seen_ns = Some(moment.turn.at_ns);
+        }
+    }
+
+    /// A scan as if it had been taken at the end of its sweep, with that instant and the pose at it.
+    fn placed(&self, scan: Scan, begun_ns: u64, moment: &Moment<'_>) -> Option<(u64, Scan, Pose)> {
+        let Some(odometry) = &moment.beliefs.odometry else {
+            return Some((begun_ns, scan, moment.beliefs.pose?.world_from_robot));
+        };
+        let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
+        let ended_ns = begun_ns + (self.parameters.sweep_s * 1e9) as u64;
+        if ended_ns == begun_ns {
+            return Some((begun_ns, scan, pose_at(begun_ns)?));
+        }
+        let is_clockwise = self.parameters.sight.laser_opening_rad.is_some_and(|rad| rad < 0.0);
+        let [right_ns, left_ns] = if is_clockwise { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
+        let scan = deskew(&scan, Sweep { right_ns, left_ns }, ended_ns, pose_at)?;
+        Some((ended_ns, scan, pose_at(ended_ns)?))
+    }
+
+    /// The direction to drive in, in radians; `None` if all are blocked.
+    fn direction(&mut self, world_from_robot: &Pose, goal: Point) -> Option<f64> {
+        let p = &self.parameters;
+        let (here, heading_rad) = (world_from_robot.position, world_from_robot.heading);
+        let way = goal - here;
+        let (wide_m, slack_m) = (self.radius_m + p.clearance_m, p.cell_m);
+        let window = Window { radius_m: p.window_m, wide_m, slack_m, low: p.low, high: p.high };
+        // What is farther away than the goal is not in the way.
+        let near = |obstacle: &Point| (obstacle - here).norm() <= way.norm();
+        self.histogram.update(here, self.memory.obstacles().filter(near), &window);
+        let obstacles = self.memory.obstacles().filter(near);
+        let masked = self.histogram.masked(world_from_robot, obstacles, p.turn_radius_m, &window);
+        let wanted = Wanted {
+            goal_rad: math::atan2(way.y, way.x),
+            heading_rad,
+            previous_rad: self.previous_rad.unwrap_or(heading_rad),
+            costs: p.costs,
+            wide_rad: p.wide_rad,
+        };
+        let chosen = choose(&masked, &wanted);
+        self.previous_rad = chosen.or(self.previous_rad);
+        chosen
+    }
+
+    /// How far the body can go straight on before it meets something, in metres.
+    fn room_m(&self, world_from_robot: &Pose) -> f64 {
+        let ahead = Direction::from_angle(world_from_robot.heading).vector();
+        let half_width_m = self.radius_m + 0.5 * self.parameters.clearance_m;
+        let room = |obstacle: Point| {
+            let way: Vector = obstacle - world_from_robot.position;
+            let (along_m, aside_m) = (way.dot(&ahead), ahead.perp(&way));
+            let is_ahead = along_m > 0.0 && aside_m.abs() < half_width_m;
+            is_ahead.then(|| along_m - math::sqrt(half_width_m * half_width_m - aside_m * aside_m))
+        };
+        self.memory.obstacles().filter_map(room).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Signals towards a direction, with as much speed as there is room, at most a part of the whole.
+    fn signals(&mut self, world_from_robot: &Pose, direction_rad: f64, most: f64) -> Signals {
+        let p = &self.parameters;
+        let part = ((self.room_m(world_from_robot) - p.stop_m) / p.slow_m).min(most);
+        if part > 0.0 {
+            return self.helm.signals(world_from_robot, direction_rad, part.max(SLOWEST));
+        }
+        // There is no room to drive, but to turn.
+        let off_rad = angle::difference(direction_rad, world_from_robot.heading);
+        let is_off = off_rad.abs() > p.steering.rotate_until_rad;
+        let signal = p.steering.rotation_m_s.copysign(off_rad) / p.steering.full_speed_m_s;
+        if is_off { Signals { left: -signal, right: signal } } else { Signals::default() }
+    }
+
+    /// Signals on the way to a goal, and what it says.
+    fn drive(&mut self, world_from_robot: &Pose, goal: Point) -> (Signals, &'static str) {
+        let most =
+            if self.goals.is_last() { braking((goal - world_from_robot.position).norm()) } else { 1.0 };
+        if let Some(direction_rad) = self.direction(world_from_robot, goal) {
+            return (self.signals(world_from_robot, direction_rad, most), "");
+        }
+        // Round about: to the left, until a direction becomes free.
+        let signal = self.parameters.steering.rotation_m_s / self.parameters.steering.full_speed_m_s;
+        (Signals { left: -signal, right: signal }, "sees no way")
+    }
+}
+
+/// What makes no sense.
+fn check(p: &Parameters) -> Result<(), String> {
+    let positive = [
+        ("window_m", p.window_m),
+        ("cell_m", p.cell_m),
+        ("forget_s", p.forget_s),
+        ("low", p.low),
+        ("wide_rad", p.wide_rad),
+        ("slow_m", p.slow_m),
+        ("stale_s", p.stale_s),
+    ];
+    for (name, value) in positive {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(format!("{name}: must be positive, is {value}"));
+        }
+    }
+    let others = [
+        ("sweep_s", p.sweep_s),
+        ("clearance_m", p.clearance_m),
+        ("turn_radius_m", p.turn_radius_m),
+        ("stop_m", p.stop_m),
+    ];
+    for (name, value) in others.into_iter().chain(p.costs.map(|cost| ("costs", cost))) {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(format!("{name}: must not be negative, is {value}"));
+        }
+    }
+    if p.cell_m * 1000.0 < p.window_m {
+        return Err(format!("cell_m: must be at least a thousandth of window_m, is {}", p.cell_m));
+    }
+    if !(8..=720).contains(&p.sectors) {
+        return Err(format!("sectors: must be from 8 to 720, is {}", p.sectors));
+    }
+    if p.high.is_nan() || p.high < p.low {
+        return Err(format!("high: must not be below low, is {}", p.high));
+    }
+    Ok(())
+}
+
+impl MotorBehavior for Vfh {
+    /// It begins with the first goal again if it had arrived, and remembers nothing of what it saw before.
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.goals.begin();
+        let p = &self.parameters;
+        self.memory = Memory::new(p.cell_m, p.window_m, p.forget_s);
+        self.histogram = Histogram::new(p.sectors);
+        (self.previous_rad, self.seen_ns) = (None, None);
+    }
+
+    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        self.look(moment);
+        let estimate = moment.beliefs.pose?;
+        let goal = self.goals.from(estimate.world_from_robot.position);
+        moment.beliefs.path = self.goals.left().to_vec();
+        let stale_ns = (self.parameters.stale_s * 1e9) as u64;
+        let is_blind =
+            self.seen_ns.is_none_or(|seen_ns| moment.turn.at_ns.saturating_sub(seen_ns) > stale_ns);
+        let (signals, intention) = match goal {
+            None => (Signals::default(), if self.has_arrived() { "has arrived" } else { "" }),
+            Some(_) if is_blind => (Signals::default(), "sees nothing"),
+            Some(goal) => self.drive(&estimate.world_from_robot, goal),
+        };
+        intention.clone_into(&mut moment.beliefs.intention);
+        Some(signals)
+    }
+}
+
+/// Part of its speed that is left where there is little room.
+const SLOWEST: f64 = 0.2;
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;
