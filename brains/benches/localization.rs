@@ -5,7 +5,8 @@ use baudbot_brains::estimate::Estimate;
 use baudbot_brains::localization::laser::{self, localize};
 use baudbot_brains::localization::particles::{self, Particles};
 use baudbot_brains::localization::refine::{self, refine};
-use baudbot_brains::localization::{Map, Scan, VirtualLaser};
+use baudbot_brains::localization::{Map, VirtualLaser};
+use baudbot_brains::scan::Scan;
 use baudbot_geometry::{Point, Pose, Segment, polygon};
 use divan::Bencher;
 

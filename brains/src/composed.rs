@@ -3,12 +3,13 @@
 //! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
 //! step, then the one motor behaviour does. A motor behaviour is left before another is entered.
 
-use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Signals, Turn};
+use baudbot_client::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use crate::courier::Courier;
 use crate::decision::utility::{self, Utility};
 use crate::decision::{Layers, Machine, Tree};
 use crate::estimate::Estimate;
+use crate::mapping::Occupancy;
 use crate::process::{Beliefs, CognitiveProcess, Moment, MotorBehavior};
 use crate::senses::Senses;
 
@@ -195,12 +196,6 @@ impl Brain for Composed {
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
         };
-        let pose = self.beliefs.pose.map(|Estimate { world_from_robot, covariance }| BelievedPose {
-            x_m: world_from_robot.position.x,
-            y_m: world_from_robot.position.y,
-            heading_rad: world_from_robot.heading,
-            covariance_m2: vec![covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
-        });
         let utilities = self.utilities().map(|(name, value, active)| baudbot_client::Utility {
             name: name.to_owned(),
             value,
@@ -211,8 +206,9 @@ impl Brain for Composed {
         Some(Belief {
             state,
             utilities: utilities.collect(),
-            pose,
+            pose: self.beliefs.pose.as_ref().map(Estimate::shown),
             path: path.collect(),
+            map: self.beliefs.grid.as_ref().map(Occupancy::shown),
             ..Belief::default()
         })
     }

@@ -26,7 +26,7 @@ impl Courier {
     /// What is done in a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
         self.news |= turn.has_news();
-        let signals = self.allowed(signals);
+        let signals = within(self.limit, signals);
         let is_due = self.sent.is_none_or(|(sent_ns, sent)| {
             let since_ns = turn.at_ns.saturating_sub(sent_ns);
             let is_other = sent != signals || (self.asks && self.news);
@@ -39,15 +39,22 @@ impl Courier {
         self.news = false;
         Action::drive(signals.left, signals.right)
     }
+}
 
-    /// The same way more slowly, where a wheel would be too fast; standing still, where there is no way.
-    fn allowed(&self, Signals { left, right }: Signals) -> Signals {
-        let largest = left.abs().max(right.abs());
-        if !(left.is_finite() && right.is_finite()) {
-            return Signals::default();
+/// The same way more slowly, where a wheel would be faster than the limit; standing still, where there is no way. A greater
+/// signal than the data sheet's limit throws a brain off.
+pub(crate) fn within(limit: Option<f64>, Signals { left, right }: Signals) -> Signals {
+    let largest = left.abs().max(right.abs());
+    if !(left.is_finite() && right.is_finite()) {
+        return Signals::default();
+    }
+    match limit.filter(|limit| largest > *limit) {
+        None => Signals { left, right },
+        Some(limit) => {
+            // Rounding must not put it above after all.
+            let slower = |signal: f64| (signal * (limit / largest)).clamp(-limit, limit);
+            Signals { left: slower(left), right: slower(right) }
         }
-        let scale = self.limit.filter(|limit| largest > *limit).map_or(1.0, |limit| limit / largest);
-        Signals { left: left * scale, right: right * scale }
     }
 }
 

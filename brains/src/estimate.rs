@@ -1,5 +1,6 @@
 //! Where a robot believes it is, and how sure it is of that.
 
+use baudbot_client::BelievedPose;
 use baudbot_geometry::{Pose, math};
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,6 +25,18 @@ impl Estimate {
     pub fn within(world_from_robot: Pose, sd_m: f64, sd_rad: f64) -> Self {
         let variances = Vector3::new(sd_m * sd_m, sd_m * sd_m, sd_rad * sd_rad);
         Self { world_from_robot, covariance: Matrix3::from_diagonal(&variances) }
+    }
+
+    /// The pose as observers are shown it.
+    #[must_use]
+    pub fn shown(&self) -> BelievedPose {
+        let Self { world_from_robot: Pose { position, heading }, covariance } = self;
+        BelievedPose {
+            x_m: position.x,
+            y_m: position.y,
+            heading_rad: *heading,
+            covariance_m2: vec![covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
+        }
     }
 
     /// The root of the mean square distance of the true position from the estimated one, in metres.

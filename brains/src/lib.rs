@@ -9,8 +9,9 @@
 //! 3. Brains of many processes: [`process`] says what motor behaviours and cognitive processes are, [`description`] reads
 //!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
 //!    [`decision`] it chooses.
-//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`localization`], [`mapping`],
-//!    [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are what these think with; [`decision_theory`] is on its own.
+//! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`scanner`], [`localization`],
+//!    [`mapping`], [`slam`], [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are
+//!    what these think with; [`decision_theory`] is on its own.
 //!
 //! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
@@ -47,7 +48,10 @@ pub mod potential;
 pub mod process;
 pub mod program;
 pub mod registry;
+pub mod scan;
+pub mod scanner;
 pub mod senses;
+pub mod slam;
 pub mod vfh;
 pub mod wander;
 

@@ -1,6 +1,6 @@
 //! Where a robot is in a known map, by its laser. Wahde 2016, §6.3.
 //!
-//! 1. [`scan`] is what the laser saw, [`map`] what it would see from a pose.
+//! 1. [`Scan`](crate::scan::Scan) is what the laser saw, [`map`] what it would see from a pose.
 //! 2. [`laser`] is the notes' *Laser localization*: a random search around a guess.
 //! 3. [`refine`] finds the same pose with far fewer virtual scans, and says how sure it is.
 //! 4. [`particles`] follows many poses at once, and finds a robot that is lost.
@@ -13,12 +13,10 @@ pub mod laser;
 pub mod map;
 pub mod particles;
 pub mod refine;
-pub mod scan;
 
 #[cfg(test)]
-mod test_arena;
+pub(crate) mod test_arena;
 #[cfg(test)]
 mod tracking_tests;
 
 pub use map::{Map, VirtualLaser};
-pub use scan::Scan;

@@ -104,6 +104,24 @@ impl Odometry {
         Self { parameters, past, last: None }
     }
 
+    /// Starts when this sensor, encoders or an odometer, has its first reading: at a pose that is known, or where the
+    /// odometer says. `None` before that, and if nothing says where.
+    #[must_use]
+    pub fn starting(
+        parameters: Parameters,
+        turn: &Turn,
+        sensor: &str,
+        world_from_robot: Option<Pose>,
+    ) -> Option<Self> {
+        let reading = turn.reading(sensor)?;
+        let said = match *reading.values.as_slice() {
+            [x, y, heading, ..] => Some(Pose::new(x, y, heading)),
+            _ => None,
+        };
+        let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
+        Some(Self::new(parameters, at_ns, Estimate::exact(world_from_robot.or(said)?)))
+    }
+
     /// Takes the reading of this sensor, encoders or an odometer, if the turn brought a new one. Its instant is
     /// that of its sample, or of the turn if the protocol does not say. Returns whether there was one.
     pub fn read(&mut self, turn: &Turn, sensor: &str) -> bool {

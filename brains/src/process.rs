@@ -9,6 +9,7 @@ use baudbot_client::{Signals, Turn};
 use baudbot_geometry::Point;
 
 use crate::estimate::Estimate;
+use crate::mapping::Occupancy;
 use crate::odometry::Odometry;
 
 /// What processes know in a step.
@@ -41,6 +42,8 @@ pub struct Beliefs {
     pub pose: Option<Estimate>,
     /// How it came there. Who knows better for an earlier instant, by a scan that came late, corrects this.
     pub odometry: Option<Odometry>,
+    /// What is where, as far as it has found out by itself.
+    pub grid: Option<Occupancy>,
     /// Where it means to go next, in metres.
     pub path: Vec<Point>,
     /// What a behaviour is about, in a few words, for people who look.

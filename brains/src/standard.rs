@@ -10,6 +10,7 @@ use crate::behavior::turn_away::TurnAway;
 use crate::behavior::{follow_path, go_to, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
+use crate::cognition::slam::{self, MakeMap};
 use crate::coverage::{self, CoverRows};
 use crate::potential::PotentialField;
 use crate::registry::Registry;
@@ -40,7 +41,8 @@ impl Registry {
             })
             .cognitive("odometry", |parameters: odometry::Parameters, kit| {
                 CountWheels::new(&parameters, kit.body)
-            });
+            })
+            .cognitive("slam", |parameters: slam::Parameters, kit| MakeMap::new(&parameters, &kit));
         registry
     }
 }

@@ -12,43 +12,52 @@ const FRONTIERS: &str = "explore:method=1";
 
 /// How a run went.
 #[derive(Debug)]
-#[expect(dead_code, reason = "the time is printed")]
+#[expect(dead_code, reason = "some are only printed")]
 struct Explored {
     sensed: f64,
     distance_m: f64,
     seconds: f64,
     collisions: u64,
+    /// How wrong the odometer is in the end, in metres.
+    drift_m: f64,
 }
+
+/// An odometer like that of `tour.toml`, whose errors grow to metres in a tour of the office.
+const ERRING: &str = "robots.robot.sensors.odometer.sigma_m=0.001";
 
 /// Lets the brain explore until all that the scenario wants is sensed, or its time is over.
 fn explore(scenario: Scenario, brain: &str) -> Explored {
     let mut pair = Pair::new(scenario, brain).unwrap();
     pair.run(u64::MAX);
     let (robot, rules) = (pair.world.robot(0), pair.world.scenario().rules());
+    let at = robot.motion().pose.position;
+    let odometer = robot.sensors().nth(1).expect("encoders, and then the odometer").sample;
     Explored {
         sensed: pair.world.score().sensed(rules).unwrap(),
         distance_m: robot.counters().distance_m,
         seconds: pair.world.time().as_ns() as f64 * 1e-9,
         collisions: robot.counters().collisions,
+        drift_m: (at.x - odometer[0]).hypot(at.y - odometer[1]),
     }
 }
 
-/// The scenario with the robot at another pose; `None` if it cannot stand there.
-fn started(toml: &str, pose: [f64; 3]) -> Option<Scenario> {
+/// The scenario with other changes, and the robot at another pose; `None` if it cannot stand there.
+fn started(toml: &str, changes: &[&str], pose: [f64; 3]) -> Option<Scenario> {
     let names = ["x_m", "y_m", "heading_rad"];
     let set = |(name, value): (&str, &f64)| {
         Override::parse(&format!("robots.robot.start.{name}={value:?}")).expect("an override")
     };
-    let changes: Vec<_> = names.into_iter().zip(&pose).map(set).collect();
+    let changes = changes.iter().map(|text| Override::parse(text).expect("an override"));
+    let changes: Vec<_> = names.into_iter().zip(&pose).map(set).chain(changes).collect();
     Scenario::parse_with(toml, &changes).ok()
 }
 
 /// So many poses at which the robot can stand, in a world of this size in metres.
-fn starts(toml: &str, size_m: [f64; 2], count: usize) -> Vec<Scenario> {
+fn starts(toml: &str, changes: &[&str], size_m: [f64; 2], count: usize) -> Vec<Scenario> {
     let mut chance = Chance::new(7, "starts");
     let mut any =
         || [chance.uniform() * size_m[0], chance.uniform() * size_m[1], chance.uniform() * 6.0 - 3.0];
-    std::iter::repeat_with(|| started(toml, any())).flatten().take(count).collect()
+    std::iter::repeat_with(|| started(toml, changes, any())).flatten().take(count).collect()
 }
 
 fn check(toml: &str, brain: &str, most_m: f64) {
@@ -70,26 +79,56 @@ fn an_office_is_explored() {
     check(OFFICE, FRONTIERS, 65.0);
 }
 
-/// By nodes one of the office's starts is allowed to fail: between table and wall, where they are a metre apart, no
-/// angular interval is wide enough for a node, and the robot is done at once.
 #[test]
 #[ignore = "a minute in release; the same with one start always"]
 fn room_and_office_are_explored_from_30_random_starts() {
-    for (toml, size_m, brain, most_m, failures) in [
-        (ROOM, [5.0, 4.0], NODES, 10.0, 0),
-        (ROOM, [5.0, 4.0], FRONTIERS, 10.0, 0),
-        (OFFICE, [12.0, 9.0], NODES, 120.0, 1),
-        (OFFICE, [12.0, 9.0], FRONTIERS, 65.0, 0),
+    for (toml, size_m, brain, most_m) in [
+        (ROOM, [5.0, 4.0], NODES, 10.0),
+        (ROOM, [5.0, 4.0], FRONTIERS, 10.0),
+        (OFFICE, [12.0, 9.0], NODES, 120.0),
+        (OFFICE, [12.0, 9.0], FRONTIERS, 65.0),
     ] {
-        let runs: Vec<_> = starts(toml, size_m, 30).into_iter().map(|start| explore(start, brain)).collect();
+        let runs: Vec<_> =
+            starts(toml, &[], size_m, 30).into_iter().map(|start| explore(start, brain)).collect();
         let mean = runs.iter().map(|run| run.distance_m).sum::<f64>() / runs.len() as f64;
         let most = runs.iter().map(|run| run.distance_m).fold(0.0, f64::max);
         let collisions: u64 = runs.iter().map(|run| run.collisions).sum();
         let failed: Vec<_> = runs.iter().filter(|run| run.sensed < 0.995).collect();
         println!("{brain}: mean {mean} m, most {most} m, {collisions} collisions, {} failed", failed.len());
-        assert!(
-            failed.len() <= failures && most <= most_m && collisions <= 2,
-            "{brain}: {most} m, {failed:?}"
-        );
+        assert!(failed.is_empty() && most <= most_m, "{brain}: {most} m, {failed:?}");
+        assert_eq!(collisions, 0, "{brain}");
     }
+}
+
+/// With an odometer that errs the robot finds itself on the map that it makes. Says how many runs sensed less than 99 %.
+fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, count: usize) -> usize {
+    let starts = starts(toml, &[ERRING], size_m, count);
+    let runs: Vec<_> = starts.into_iter().map(|start| explore(start, brain)).collect();
+    let collisions: u64 = runs.iter().map(|run| run.collisions).sum();
+    let drift_m = runs.iter().map(|run| run.drift_m).fold(0.0, f64::max);
+    let failed: Vec<_> = runs.iter().filter(|run| run.sensed < 0.99).collect();
+    println!("{brain}: {collisions} collisions, drift {drift_m} m at most, failed: {failed:?}");
+    assert_eq!(collisions, 0, "{brain}");
+    failed.len()
+}
+
+#[test]
+fn an_odometer_that_errs_is_corrected_by_slam() {
+    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 2), 0);
+    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 1), 0);
+}
+
+#[test]
+#[ignore = "a minute in release; the same with 3 starts always"]
+fn with_slam_room_and_office_are_explored_by_frontiers_from_30_random_starts() {
+    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1,method=1", 30), 0);
+    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 30), 0);
+}
+
+/// Of the office's starts one is known to fail: it ends with 98.5 %, since nodes that could not be reached close a corner.
+#[test]
+#[ignore = "minutes in release; the same with 3 starts always"]
+fn with_slam_room_and_office_are_explored_by_nodes_from_30_random_starts() {
+    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 30), 0);
+    assert!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1", 30) <= 1);
 }

@@ -9,11 +9,12 @@ use serde::Deserialize;
 
 use crate::Chance;
 use crate::estimate::Estimate;
-use crate::localization::deskew::{Sweep, deskew};
 use crate::localization::laser::{self, Shrink};
-use crate::localization::{Map, Scan, refine};
+use crate::localization::{Map, refine};
 use crate::process::{CognitiveProcess, Moment};
 use crate::registry::Kit;
+use crate::scan::Scan;
+use crate::scanner::Scanner;
 
 /// What is matched with what.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -77,7 +78,7 @@ fn iterations() -> usize {
 pub struct Localize {
     parameters: Parameters,
     map: Map,
-    sensor: usize,
+    scanner: Scanner,
     chance: Chance,
     next_ns: u64,
     /// Since when it wants the robot to stand.
@@ -90,17 +91,10 @@ impl Localize {
     /// # Errors
     /// In words.
     pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
-        let body = kit.body;
-        let sensor =
-            body.sensor_index(&parameters.laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
-        let Some(sensor) = sensor else {
-            return Err(format!("laser: robot `{}` has no laser called `{}`", body.name, parameters.laser));
-        };
-        let ranges = [("every_s", parameters.every_s, 1e6), ("sweep_s", parameters.sweep_s, 10.0)];
-        for (name, value, most) in ranges {
-            if !(0.0..=most).contains(&value) {
-                return Err(format!("{name}: must be from 0 to {most}, is {value}"));
-            }
+        let Parameters { laser, opening_rad, sweep_s, every_s, rays, .. } = parameters;
+        let scanner = Scanner::new(kit.body, laser, *opening_rad, *sweep_s, *rays)?;
+        if !(0.0..=1e6).contains(every_s) {
+            return Err(format!("every_s: must be from 0 to 1000000, is {every_s}"));
         }
         if !(1..=100_000).contains(&parameters.iterations) {
             return Err(format!("iterations: must be from 1 to 100000, is {}", parameters.iterations));
@@ -114,43 +108,21 @@ impl Localize {
                 return Err("stop: needs a decision by utilities".to_owned());
             }
         }
-        if !(parameters.opening_rad.is_finite() && parameters.opening_rad != 0.0) {
-            return Err(format!("opening_rad: must not be 0, is {}", parameters.opening_rad));
-        }
-        if parameters.rays == 0 {
-            return Err("rays: must be at least 1".to_owned());
-        }
         let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
         let walls = parameters.walls_m.iter().map(wall).collect();
         let map = Map::new(walls, Vec::new()).map_err(|error| format!("walls_m: {error}"))?;
         let (parameters, chance) = (parameters.clone(), kit.chance());
-        Ok(Self { parameters, map, sensor, chance, next_ns: 0, stopped_ns: None })
+        Ok(Self { parameters, map, scanner, chance, next_ns: 0, stopped_ns: None })
     }
 
     /// The scan that has just come, if one has, and when it was taken. Of a robot that is to stand for it, only one that
     /// began when it stood.
-    fn scan(&self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
-        let reading = moment.turn.readings.get(self.sensor)?.as_ref().filter(|reading| reading.readable)?;
-        let sweep_ns = (self.parameters.sweep_s * 1e9) as u64;
-        let at_ns = reading.sampled_at_ns.unwrap_or_else(|| moment.turn.at_ns.saturating_sub(sweep_ns));
-        if self.parameters.stop.is_some()
-            && self.stopped_ns.is_none_or(|stopped_ns| at_ns < stopped_ns + SETTLE_NS)
-        {
+    fn scan(&mut self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
+        self.scanner.hear(moment.turn);
+        if self.parameters.stop.is_some() && !self.scanner.waits_since(self.stopped_ns? + SETTLE_NS) {
             return None;
         }
-        let sensor = moment.turn.body.sensors.get(self.sensor)?;
-        let scan = Scan::of(sensor, self.parameters.opening_rad, reading)?.thinned(self.parameters.rays);
-        self.straightened(&scan, at_ns, moment)
-    }
-
-    /// The scan as if it had been taken at the end of its sweep, and that instant.
-    fn straightened(&self, scan: &Scan, begun_ns: u64, moment: &Moment<'_>) -> Option<(u64, Scan)> {
-        let ended_ns = begun_ns + (self.parameters.sweep_s * 1e9) as u64;
-        let [right_ns, left_ns] =
-            if self.parameters.opening_rad < 0.0 { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
-        let odometry = moment.beliefs.odometry.as_ref()?;
-        let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
-        Some((ended_ns, deskew(scan, Sweep { right_ns, left_ns }, ended_ns, pose_at)?))
+        self.scanner.take(moment.beliefs.odometry.as_ref()?)
     }
 
     /// Where the robot was when this scan was taken, if the map says so.

@@ -2,3 +2,4 @@
 
 pub mod localization;
 pub mod odometry;
+pub mod slam;

@@ -4,7 +4,6 @@ use baudbot_client::Body;
 use baudbot_geometry::Pose;
 use serde::Deserialize;
 
-use crate::estimate::Estimate;
 use crate::odometry::{self, Odometry};
 use crate::process::{CognitiveProcess, Moment};
 
@@ -55,23 +54,13 @@ impl CountWheels {
         let known = odometry::Parameters { variance_m2_per_m, ..known };
         Ok(Self { parameters: known, sensor: parameters.sensor.clone(), start })
     }
-
-    /// Where it starts, once that is known.
-    fn start(&self, moment: &Moment<'_>) -> Option<Odometry> {
-        let reading = moment.turn.reading(&self.sensor)?;
-        let at_ns = reading.sampled_at_ns.unwrap_or(moment.turn.at_ns);
-        let said = match *reading.values.as_slice() {
-            [x, y, heading, ..] => Some(Pose::new(x, y, heading)),
-            _ => None,
-        };
-        Some(Odometry::new(self.parameters, at_ns, Estimate::exact(self.start.or(said)?)))
-    }
 }
 
 impl CognitiveProcess for CountWheels {
     fn step(&mut self, moment: &mut Moment<'_>) {
         if moment.beliefs.odometry.is_none() {
-            moment.beliefs.odometry = self.start(moment);
+            moment.beliefs.odometry =
+                Odometry::starting(self.parameters, moment.turn, &self.sensor, self.start);
         }
         if let Some(odometry) = &mut moment.beliefs.odometry {
             odometry.read(moment.turn, &self.sensor);

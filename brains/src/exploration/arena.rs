@@ -6,7 +6,8 @@ use baudbot_geometry::{Direction, Index, Point, Pose, Ray, Segment, angle, polyg
 
 use super::{Command, Explorer, Input};
 use crate::Chance;
-use crate::mapping::Scan;
+use crate::mapping::PlacedScan;
+use crate::scan::Scan;
 
 /// Walls that the laser sees, and low boxes over which it looks.
 pub(crate) struct Arena {
@@ -31,12 +32,17 @@ pub(crate) struct Run {
 }
 
 /// A rectangle by two corners.
-fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Point> {
+pub(crate) fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Point> {
     vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]
 }
 
 impl Arena {
-    fn new(size_m: (f64, f64), walls: &[[f64; 4]], boxes: Vec<Vec<Point>>, low: Vec<Vec<Point>>) -> Self {
+    pub(crate) fn new(
+        size_m: (f64, f64),
+        walls: &[[f64; 4]],
+        boxes: Vec<Vec<Point>>,
+        low: Vec<Vec<Point>>,
+    ) -> Self {
         let wall =
             |&[x0, y0, x1, y1]: &[f64; 4]| Segment { start: Point::new(x0, y0), end: Point::new(x1, y1) };
         let border = rectangle(0.0, 0.0, size_m.0, size_m.1);
@@ -94,19 +100,22 @@ impl Arena {
         self.solid.nearest_point(point).map_or(f64::INFINITY, |(_, distance)| distance - RADIUS_M)
     }
 
-    fn scan(&self, world_from_robot: Pose) -> Scan {
-        let mut scan = Scan {
+    fn scan(&self, world_from_robot: Pose) -> PlacedScan {
+        let mut scan = PlacedScan {
             world_from_robot,
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: 4.0 * PI / 3.0,
-            range_m: RANGE_M,
-            distances_m: vec![-1.0; RAYS],
+            scan: Scan {
+                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 4.0 * PI / 3.0,
+                range_m: RANGE_M,
+                distances_m: vec![f64::INFINITY; RAYS],
+            },
         };
         let forward = world_from_robot.direction();
         for i in 0..RAYS {
-            let direction = forward.rotate(Direction::from_angle(scan.bearing_rad(i)));
+            let direction = forward.rotate(Direction::from_angle(scan.scan.bearing_rad(i)));
             let ray = Ray { origin: world_from_robot.position, direction };
-            scan.distances_m[i] = self.seen.cast(&ray, RANGE_M).map_or(-1.0, |hit| hit.distance);
+            scan.scan.distances_m[i] =
+                self.seen.cast(&ray, RANGE_M).map_or(f64::INFINITY, |hit| hit.distance);
         }
         scan
     }
@@ -116,9 +125,58 @@ impl Arena {
         self.room_m(pose.position + pose.direction().vector() * NEAR_M) < ALMOST_M
     }
 
-    /// Lets a robot explore from this pose to the end, at most 20 minutes; `look` sees it after each step.
+    /// What can be seen from where the robot can get to from here, with a little room to spare.
+    pub(crate) fn visible_from(&self, here: Point) -> Sensed {
+        let mut visible = Sensed::new(self);
+        let cell = |point: Point| ((point.x / CELL_M) as usize, (point.y / CELL_M) as usize);
+        let mut waiting = vec![cell(here)];
+        let mut reached = std::collections::BTreeSet::from([cell(here)]);
+        while let Some((column, row)) = waiting.pop() {
+            let point = |column: usize, row: usize| {
+                Point::new((column as f64 + 0.5) * CELL_M, (row as f64 + 0.5) * CELL_M)
+            };
+            if (column + row) % 4 == 0 && column % 2 == 0 {
+                let here = point(column, row);
+                for heading in [0.0, PI] {
+                    visible.mark(&self.scan(Pose { position: here, heading }));
+                }
+            }
+            for (column, row) in [
+                (column + 1, row),
+                (column, row + 1),
+                (column.wrapping_sub(1), row),
+                (column, row.wrapping_sub(1)),
+            ] {
+                let is_in = column < visible.columns && row < visible.is_floor.len() / visible.columns;
+                let has_room = is_in && {
+                    let point = point(column, row);
+                    self.is_floor(point) && self.room_m(point) > PASSABLE_M
+                };
+                if has_room && reached.insert((column, row)) {
+                    waiting.push((column, row));
+                }
+            }
+        }
+        visible
+    }
+
+    /// Lets a robot explore from this pose to the end, at most 20 minutes; `look` sees it after each step. All the floor
+    /// counts.
     pub(crate) fn run<E: Explorer>(&self, explorer: &mut E, start: Pose, look: impl Fn(&E)) -> Run {
-        let mut sensed = Sensed::new(self);
+        let mut all = Sensed::new(self);
+        all.is_sensed.clone_from(&all.is_floor);
+        self.run_for(explorer, start, all, look)
+    }
+
+    /// The same, but only what is marked counts.
+    pub(crate) fn run_for<E: Explorer>(
+        &self,
+        explorer: &mut E,
+        start: Pose,
+        wanted: Sensed,
+        look: impl Fn(&E),
+    ) -> Run {
+        let mut sensed = Sensed { is_floor: wanted.is_sensed, ..Sensed::new(self) };
         let mut pose = start;
         let mut scan = self.scan(pose);
         let mut run =
@@ -164,7 +222,7 @@ fn moved(pose: &Pose, command: Command) -> Pose {
 }
 
 /// Cells of the floor that a ray has touched.
-struct Sensed {
+pub(crate) struct Sensed {
     columns: usize,
     is_floor: Vec<bool>,
     is_sensed: Vec<bool>,
@@ -180,8 +238,8 @@ impl Sensed {
         Self { columns, is_sensed: vec![false; is_floor.len()], is_floor }
     }
 
-    fn mark(&mut self, scan: &Scan) {
-        let from = scan.world_from_sensor().position;
+    fn mark(&mut self, scan: &PlacedScan) {
+        let from = scan.world_from_laser().position;
         for (end, _) in scan.ends() {
             let way = end - from;
             let steps = (way.norm() / (0.5 * CELL_M)) as usize;
@@ -212,3 +270,5 @@ const TURN_RATE_RAD_S: f64 = 1.0;
 const STEP_S: f64 = 0.05;
 const STEPS_A_SCAN: usize = 4;
 const CELL_M: f64 = 0.1;
+/// A robot can get to where it has so much room, in metres.
+const PASSABLE_M: f64 = 0.15;

@@ -1,6 +1,7 @@
 //! A brain that explores: Wahde 2016, §6.1.
 //!
-//! It needs a laser range finder and an odometer, which it believes. For proximity it uses whatever infra-red sensors
+//! It needs a laser range finder and an odometer. As in the notes it believes the odometer; with `slam` each scan corrects
+//! that, see [`slam`](crate::slam). For proximity it uses whatever infra-red sensors
 //! and sonars look ahead; they should be mounted lower than the laser.
 //!
 //! Each new reading of the odometer is a step of its [`Explorer`]. Turns and ways become motor signals by proportional
@@ -8,27 +9,30 @@
 //!
 //! *Deviations.*
 //!
-//! - A scan goes with the pose that the odometer says for the instant at which it was begun. One that was taken in a
-//!   quick turn is bent, and is left out.
+//! - A scan goes with the pose that the odometer says for the end of its sweep; what the robot's motion has bent is
+//!   [mended](crate::localization::deskew).
 //! - Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
 //! - Lasers that sweep clockwise, and those on a turret, are not understood.
 
-use baudbot_client::{Action, Body, Brain, Mount, Sensor, Turn};
+use baudbot_client::{Action, Belief, Body, Brain, Mount, Sensor, Signals, Turn};
 use baudbot_geometry::{Direction, Point, Pose, angle, math};
 
 use super::placement::Placement;
 use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
-use crate::mapping::Scan;
+use crate::courier::within;
+use crate::estimate::Estimate;
+use crate::mapping::{Occupancy, PlacedScan};
 use crate::navigate::ODOMETER;
+use crate::odometry::{self, Odometry};
+use crate::scanner::Scanner;
+use crate::slam::{self, Slam};
 
 mod parameters;
 #[cfg(test)]
 mod tests;
-mod track;
 
 pub(crate) use parameters::PARAMETERS;
 pub use parameters::Parameters;
-use track::Track;
 
 /// A brain that explores.
 pub struct Explore {
@@ -36,25 +40,24 @@ pub struct Explore {
     explorer: Box<dyn Explorer + Send>,
     half_track_m: f64,
     radius_m: f64,
-    laser: Laser,
+    scanner: Scanner,
+    /// The last one.
+    scan: Option<PlacedScan>,
     feelers: Vec<Feeler>,
     /// Time that a command takes on the wire.
     command_ns: u64,
-    track: Track,
+    /// A greater signal is refused.
+    signal_limit: Option<f64>,
+    wheels: odometry::Parameters,
+    /// `None` until the odometer has said where it is.
+    odometry: Option<Odometry>,
+    /// What corrects the odometer, and its map; `None` if that is believed.
+    slam: Option<(Slam, Occupancy)>,
     /// Since when, and where, the robot ought to have been driving.
     driving_since: Option<(u64, Point)>,
     command: Command,
     sent_ns: Option<u64>,
     heard_ns: Option<u64>,
-}
-
-struct Laser {
-    sensor: usize,
-    range_m: f64,
-    robot_from_sensor: Pose,
-    /// A reading that is newer than the odometer's last.
-    waiting: Option<(u64, Vec<f64>)>,
-    scan: Option<Scan>,
 }
 
 /// A sensor for proximity.
@@ -70,9 +73,11 @@ impl Explore {
     /// A brain at its start for a robot with this body; `None` if it has no laser, or no odometer.
     pub fn new(parameters: Parameters, body: &Body) -> Option<Self> {
         body.sensor(ODOMETER).filter(|sensor| sensor.values() >= 3)?;
-        let sensor = body.sensors.iter().position(|sensor| sensor.kind == "laser")?;
-        let (range_m, robot_from_sensor) = (body.sensors[sensor].range_m?, mount(&body.sensors[sensor]));
-        let explorer = explorer(&parameters, body.radius_m, range_m);
+        let laser = body.sensors.iter().find(|sensor| sensor.kind == "laser")?;
+        let Parameters { opening_rad, sweep_s, .. } = parameters;
+        let scanner = Scanner::new(body, &laser.name, opening_rad, sweep_s, usize::MAX).ok()?;
+        let wheels = odometry::Parameters::of(body, ODOMETER)?;
+        let explorer = explorer(&parameters, body.radius_m, laser.range_m?);
         let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
             sensor,
             robot_from_sensor: mount(described),
@@ -87,10 +92,14 @@ impl Explore {
             explorer,
             half_track_m: body.half_track_m,
             radius_m: body.radius_m,
-            laser: Laser { sensor, range_m, robot_from_sensor, waiting: None, scan: None },
+            scanner,
+            scan: None,
             feelers: feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect(),
             command_ns: body.command_ns(),
-            track: Track::default(),
+            signal_limit: body.signal_limit,
+            wheels: odometry::Parameters { variance_m2_per_m: WHEELS_M2_PER_M, ..wheels },
+            odometry: None,
+            slam: slam(&parameters),
             driving_since: None,
             command: Command::Wait,
             sent_ns: None,
@@ -105,18 +114,14 @@ impl Explore {
 
     /// Takes in what is new; says whether the odometer had news.
     fn look(&mut self, turn: &Turn) -> bool {
-        let mut has_news = false;
-        if let Some(reading) = turn.reading(ODOMETER).filter(|reading| reading.readable)
-            && let &[x, y, heading, ..] = reading.values.as_slice()
-        {
-            self.track.add(reading.sampled_at_ns.unwrap_or(turn.at_ns), Pose::new(x, y, heading));
+        if self.odometry.is_none() {
+            self.odometry = Odometry::starting(self.wheels, turn, ODOMETER, None);
+        }
+        let has_news = self.odometry.as_mut().is_some_and(|odometry| odometry.read(turn, ODOMETER));
+        if has_news {
             self.heard_ns = Some(turn.at_ns);
-            has_news = true;
         }
-        let scan = turn.readings.get(self.laser.sensor).and_then(Option::as_ref);
-        if let Some(scan) = scan.filter(|scan| scan.readable) {
-            self.laser.waiting = Some((scan.sampled_at_ns.unwrap_or(turn.at_ns), scan.values.clone()));
-        }
+        self.scanner.hear(turn);
         for feeler in &mut self.feelers {
             let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
             if let Some(&value) =
@@ -129,24 +134,19 @@ impl Explore {
         has_news
     }
 
-    /// Gives a scan that waits its pose, once the odometer knows it.
+    /// Gives a scan its pose, once the odometer knows it.
     fn place_scan(&mut self) {
-        let Some((sampled_ns, _)) = self.laser.waiting else { return };
-        if self.track.last().is_none_or(|(last_ns, _)| last_ns < sampled_ns) {
-            return;
+        let Some(odometry) = &mut self.odometry else { return };
+        let Some((at_ns, scan)) = self.scanner.take(odometry) else { return };
+        let Some(mut estimate) = odometry.at(at_ns) else { return };
+        if let Some((slam, grid)) = &mut self.slam {
+            // What fits nowhere is not explored by, either.
+            let Some(found) = slam.see(grid, &scan, &estimate) else { return };
+            odometry.correct(at_ns, found);
+            estimate = found;
         }
-        let Some((_, distances_m)) = self.laser.waiting.take() else { return };
-        let Some((world_from_robot, turn_rate)) = self.track.at(sampled_ns) else { return };
-        if turn_rate.abs() > BENT_RAD_S {
-            return;
-        }
-        self.laser.scan = Some(Scan {
-            world_from_robot,
-            robot_from_sensor: self.laser.robot_from_sensor,
-            opening_rad: self.parameters.opening_rad,
-            range_m: self.laser.range_m,
-            distances_m,
-        });
+        let Estimate { world_from_robot, .. } = estimate;
+        self.scan = Some(PlacedScan { world_from_robot, scan });
     }
 
     /// Whether it ought to drive and has not moved for too long.
@@ -163,7 +163,7 @@ impl Explore {
     }
 
     /// Signals of the left and the right motor.
-    fn signals(&self, here: &Pose) -> (f64, f64) {
+    fn signals(&self, here: &Pose) -> Signals {
         let p = &self.parameters;
         let (speed, turn_rate) = match self.command {
             Command::Wait | Command::Done | Command::Failed(_) => (0.0, 0.0),
@@ -182,7 +182,7 @@ impl Explore {
             }
         };
         let wheel = |side: f64| (speed + side * turn_rate * self.half_track_m) / p.full_speed_m_s;
-        (wheel(-1.0), wheel(1.0))
+        Signals { left: wheel(-1.0), right: wheel(1.0) }
     }
 
     fn act(&mut self, turn: &Turn, has_news: bool) -> Action {
@@ -195,12 +195,15 @@ impl Explore {
             return Action::wait();
         }
         self.sent_ns = Some(at_ns);
-        let Some((_, here)) = self.track.last().filter(|_| !is_blind) else { return Action::drive(0.0, 0.0) };
+        let Some(odometry) = self.odometry.as_ref().filter(|_| !is_blind) else {
+            return Action::drive(0.0, 0.0);
+        };
+        let here = odometry.estimate().world_from_robot;
         let is_near = self.feelers.iter().any(|feeler| feeler.is_near);
         let near = self.is_stalled(at_ns, here.position) || is_near;
-        let input = Input { world_from_robot: here, scan: self.laser.scan.as_ref(), near };
+        let input = Input { world_from_robot: here, scan: self.scan.as_ref(), near };
         self.command = self.explorer.step(&input);
-        let (left, right) = self.signals(&here);
+        let Signals { left, right } = within(self.signal_limit, self.signals(&here));
         Action::drive(left, right)
     }
 }
@@ -210,6 +213,21 @@ impl Brain for Explore {
         let has_news = self.look(turn);
         let action = self.act(turn, has_news);
         action.until_message_or(turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS)))
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        let (state, path) = match self.command {
+            Command::Wait => ("waits for a scan".to_owned(), vec![]),
+            Command::Turn { .. } => ("turns".to_owned(), vec![]),
+            Command::Drive { to } => {
+                ("drives".to_owned(), vec![baudbot_client::Point { x_m: to.x, y_m: to.y }])
+            }
+            Command::Done => ("has seen all".to_owned(), vec![]),
+            Command::Failed(failure) => (format!("gave up: {failure:?}"), vec![]),
+        };
+        let pose = self.odometry.as_ref().map(|odometry| odometry.estimate().shown());
+        let map = self.slam.as_ref().map(|(_, grid)| grid.shown());
+        Some(Belief { state, path, pose, map, ..Belief::default() })
     }
 }
 
@@ -241,6 +259,12 @@ fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Exp
     }))
 }
 
+fn slam(parameters: &Parameters) -> Option<(Slam, Occupancy)> {
+    let slam = (parameters.slam >= 0.5).then(|| Slam::new(slam::Parameters::default()))?;
+    let grid = slam.grid();
+    Some((slam, grid))
+}
+
 fn mount(sensor: &Sensor) -> Pose {
     let Mount { x_m, y_m, heading_rad, .. } = sensor.mount.unwrap_or_default();
     Pose::new(x_m, y_m, heading_rad)
@@ -250,15 +274,15 @@ fn looks_ahead(robot_from_sensor: &Pose) -> bool {
     Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
 }
 
+/// Variance of what the odometer says a wheel has gone, in square metres for each metre, if it is corrected.
+const WHEELS_M2_PER_M: f64 = 1e-3;
 /// Room beside the robot on its way, in metres.
 const ROOM_M: f64 = 0.05;
-/// Room that there must be beside a disc that is a little ahead, in metres.
-const ALMOST_M: f64 = 0.02;
+/// Room that there must be beside a disc that is a little ahead, in metres. A sonar does not say where in its cone something
+/// is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
+const ALMOST_M: f64 = 0.03;
 /// Cosine of the greatest angle at which a sensor looks ahead: 80°.
 const AHEAD_COS: f64 = 0.17;
-/// A scan that was begun at a greater turn rate than this, in rad/s, is left out. In the 67 ms of a URG-04LX's sweep
-/// it is bent by 0.01 rad.
-const BENT_RAD_S: f64 = 0.2;
 /// Turn rate for each radian to be turned.
 const TURN_GAIN_HZ: f64 = 2.0;
 /// Least rate of a turn, in rad/s: motors stand still below some signal.

@@ -22,7 +22,7 @@ use baudbot_geometry::{Point, Pose};
 use super::approach::{Approach, heading_to, turn};
 use super::{Command, Explorer, Failure, Input};
 use crate::mapping::frontier::{groups, is_frontier};
-use crate::mapping::{Cell, Floor, Occupancy, Occupied, Scan};
+use crate::mapping::{Cell, Floor, Occupancy, Occupied, PlacedScan};
 
 /// The lengths of the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub struct Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { cell_m: 0.1, half_width_m: 0.25, reach_m: 0.1, view_m: 1.0, least_cells: 3, attempts: 1 }
+        Self { cell_m: 0.1, half_width_m: 0.25, reach_m: 0.1, view_m: 1.0, least_cells: 2, attempts: 1 }
     }
 }
 
@@ -52,7 +52,7 @@ impl Default for Parameters {
 pub struct Frontiers {
     parameters: Parameters,
     grid: Occupancy,
-    last_scan: Option<Scan>,
+    last_scan: Option<PlacedScan>,
     /// What proximity found, in the world.
     bumps: Vec<Point>,
     /// How often the bumps were forgotten.
@@ -163,10 +163,12 @@ impl Frontiers {
             return State::Ended(Command::Failed(Failure::Stuck));
         }
         let floor = self.floor(here);
-        let in_view = self.cells_in_view();
+        let is_in_view = self.cells_in_view();
         let seen = Shared::new(None);
         let is_goal = |cell: Cell| {
-            seen.set(in_view.contains(&cell).then(|| self.seen_from(cell)).flatten());
+            seen.set(
+                self.grid.place(cell).filter(|place| is_in_view[*place]).and_then(|_| self.seen_from(cell)),
+            );
             seen.get().is_some()
         };
         let way = floor.way(here.position, is_goal);
@@ -218,11 +220,17 @@ impl Frontiers {
         Floor::new(&self.grid, self.parameters.half_width_m, here.position, &self.bumps)
     }
 
-    /// Cells that are near enough to a frontier that counts.
-    fn cells_in_view(&self) -> BTreeSet<Cell> {
+    /// For each cell of the grid whether it is near enough to a frontier that counts.
+    fn cells_in_view(&self) -> Vec<bool> {
         let groups = groups(&self.grid, |cell| !self.given_up.contains(&cell));
         let groups = groups.into_iter().filter(|group| group.len() >= self.parameters.least_cells);
-        groups.flatten().flat_map(|cell| self.around(cell)).collect()
+        let mut is_in_view = vec![false; self.grid.cells().count()];
+        for place in
+            groups.flatten().flat_map(|cell| self.around(cell)).filter_map(|cell| self.grid.place(cell))
+        {
+            is_in_view[place] = true;
+        }
+        is_in_view
     }
 
     /// The nearest frontier cell that can be seen from a cell. What is too small to count does so here: who is near it

@@ -3,9 +3,9 @@
 //! *Deviation.* The notes speak of paths from node to node as the robot has placed them, which is a tree. Ways that
 //! the robot has driven directly are added here, and the path is the shortest.
 
-use baudbot_geometry::Point;
+use baudbot_geometry::{Direction, Point, math};
 
-use crate::mapping::{Scan, View};
+use crate::mapping::{PlacedScan, View};
 
 /// What has become of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub struct Node {
     /// What has become of it.
     pub status: Status,
     /// What was seen from it: once it is completed, the scans by which nodes were placed around it.
-    scans: Vec<Scan>,
+    scans: Vec<PlacedScan>,
     /// Nodes from which the robot has tried in vain to get there.
     tried_from: Vec<usize>,
     /// Nodes with a way to and from here.
@@ -97,7 +97,7 @@ impl Graph {
     }
 
     /// The robot is there and has seen this.
-    pub(super) fn complete(&mut self, node: usize, scan: Scan) {
+    pub(super) fn complete(&mut self, node: usize, scan: PlacedScan) {
         self.nodes[node].status = Status::Completed;
         self.nodes[node].scans.push(scan);
     }
@@ -169,6 +169,36 @@ impl Graph {
         Some(node)
     }
 
+    /// Places nodes where scans from completed nodes showed a clear way and there is none far and wide. Says whether it did.
+    pub(super) fn look_again(&mut self, again: &Again) -> bool {
+        let count = self.nodes.len();
+        for from in self.having(Status::Completed).collect::<Vec<_>>() {
+            for scan in 0..self.nodes[from].scans.len() {
+                for place in again.places(&self.nodes[from].scans[scan]) {
+                    let is_clear =
+                        || self.nodes[from].scans[scan].view(place, again.half_width_m) == View::Clear;
+                    if self.is_lonely(place, from, again) && is_clear() {
+                        let node = self.add(place, Status::Pending);
+                        self.join(from, node);
+                    }
+                }
+            }
+        }
+        self.nodes.len() > count
+    }
+
+    /// Whether a place is far from all nodes but the one that it was seen from, and not one that was tried.
+    fn is_lonely(&self, place: Point, from: usize, again: &Again) -> bool {
+        let mut others = self.nodes.iter().enumerate().filter(|(node, _)| *node != from);
+        others.all(|(_, node)| {
+            let least_m = match node.status {
+                Status::Unreachable => again.half_width_m,
+                Status::Pending | Status::Completed => LONELY * again.distance_m,
+            };
+            (node.place - place).norm() >= least_m
+        })
+    }
+
     /// Whether a scan from this node showed a clear way to the place.
     fn saw(&self, node: usize, place: Point, half_width_m: f64) -> bool {
         self.nodes[node].scans.iter().any(|scan| scan.view(place, half_width_m) == View::Clear)
@@ -184,6 +214,31 @@ pub(super) struct Retry {
     pub(super) sight_m: f64,
     pub(super) half_width_m: f64,
 }
+
+/// Where nodes are placed when nothing else is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Again {
+    /// So far from a completed node, D, in metres.
+    pub(super) distance_m: f64,
+    pub(super) half_width_m: f64,
+}
+
+impl Again {
+    /// Places at the distance from where this scan was taken, half a robot apart, that it could show.
+    fn places(&self, scan: &PlacedScan) -> Vec<Point> {
+        let step_rad = self.half_width_m / self.distance_m;
+        let most = math::floor(0.5 * scan.scan.opening_rad / step_rad) as i32;
+        let here = scan.world_from_robot;
+        let place = |i: i32| {
+            let direction = Direction::from_angle(here.heading + f64::from(i) * step_rad);
+            here.position + direction.vector() * self.distance_m
+        };
+        (-most..=most).map(place).collect()
+    }
+}
+
+/// Nodes of a second look are at least so many D from others: where there are some near, the laser has seen what there is.
+const LONELY: f64 = 2.0;
 
 impl Ways {
     /// Length of the way between the root and a node, in metres; infinite if there is none.
@@ -201,6 +256,7 @@ impl Ways {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scan::Scan;
 
     /// 0 - 1 - 2 along x, and 3 above 2; 0 and 3 are also joined.
     fn graph() -> Graph {
@@ -247,12 +303,14 @@ mod tests {
     fn a_node_is_tried_again_only_from_another_side_that_saw_it() {
         let mut graph = graph();
         let retry = Retry { attempts: 2, separation_m: 0.5, sight_m: 3.0, half_width_m: 0.1 };
-        let scan = |x: f64, heading: f64| Scan {
+        let scan = |x: f64, heading: f64| PlacedScan {
             world_from_robot: baudbot_geometry::Pose::new(x, 0.0, heading),
-            robot_from_sensor: baudbot_geometry::Pose::new(0.0, 0.0, 0.0),
-            opening_rad: 1.0,
-            range_m: 4.0,
-            distances_m: vec![-1.0; 3],
+            scan: Scan {
+                robot_from_laser: baudbot_geometry::Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 1.0,
+                range_m: 4.0,
+                distances_m: vec![f64::INFINITY; 3],
+            },
         };
         graph.complete(2, scan(2.0, 1.57));
         graph.complete(1, scan(1.0, -1.57));

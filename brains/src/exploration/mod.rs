@@ -18,10 +18,12 @@ pub mod placement;
 
 #[cfg(test)]
 mod arena;
+#[cfg(test)]
+mod generated;
 
 use baudbot_geometry::{Point, Pose};
 
-use crate::mapping::Scan;
+use crate::mapping::PlacedScan;
 
 pub use brain::Explore;
 pub use frontiers::Frontiers;
@@ -33,7 +35,7 @@ pub struct Input<'a> {
     /// Where it is believed to be.
     pub world_from_robot: Pose,
     /// Its laser's last scan; `None` until there is one.
-    pub scan: Option<&'a Scan>,
+    pub scan: Option<&'a PlacedScan>,
     /// Something is close ahead, the notes' proximity detection. It should see what is too low for the laser.
     pub near: bool,
 }

@@ -17,6 +17,10 @@
 //! - The notes do not say how they avoid the deadlock of Fig. 6.3. Here a robot that is stopped between two nodes takes
 //!   the way to be blocked in this direction only. It goes straight to that completed node in sight from which the
 //!   path to the target is the shortest, or back.
+//! - When none of this leaves a node to go to, the scans that were taken at completed nodes are looked at again. Where one
+//!   shows a clear way, as wide as the robot, to a place at the distance D, and all other nodes are 2 D from there, a node is
+//!   placed, however narrow the angular interval and however near what is behind. So a robot beside a table, in a
+//!   passage narrower than `γ_min`, gets out of it. The notes do not describe their method against deadlocks.
 //! - An unreachable node is tried again, when no node is pending, from another side: from a completed node that saw a
 //!   clear way to it, and only if nothing that was reached is within d of it. Otherwise one node that could not be reached
 //!   in a door costs a room.
@@ -24,7 +28,7 @@
 use baudbot_geometry::{Point, Pose, angle};
 
 use super::approach::{Approach, heading_to, turn};
-use super::graph::{Graph, Retry, Status, Ways};
+use super::graph::{Again, Graph, Retry, Status, Ways};
 use super::placement::Placement;
 use super::{Command, Explorer, Failure, Input};
 use crate::mapping::View;
@@ -217,6 +221,18 @@ impl Nodes {
         if let Some(target) = self.target.filter(is_pending) {
             return Some(target);
         }
+        let Parameters { placement, sight_m, half_width_m, attempts, .. } = self.parameters;
+        let retry = Retry { attempts, separation_m: placement.separation_m, sight_m, half_width_m };
+        let again = Again { distance_m: placement.distance_m, half_width_m };
+        self.target = self.nearest(here).or_else(|| self.graph.retry(self.active, &retry));
+        if self.target.is_none() && self.graph.look_again(&again) {
+            self.target = self.nearest(here);
+        }
+        self.not_directly_from.clear();
+        self.target
+    }
+
+    fn nearest(&self, here: &Pose) -> Option<usize> {
         let ways = self.graph.ways_from(self.active);
         let length = |node: &usize| {
             let way_m = ways.length(*node);
@@ -224,12 +240,7 @@ impl Nodes {
             way_m + TURN_COSTS_M * turn_rad.abs()
         };
         let pending = self.graph.having(Status::Pending).map(|node| (length(&node), node));
-        let nearest = pending.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, node)| node);
-        let Parameters { placement, sight_m, half_width_m, attempts, .. } = self.parameters;
-        let retry = Retry { attempts, separation_m: placement.separation_m, sight_m, half_width_m };
-        self.target = nearest.or_else(|| self.graph.retry(self.active, &retry));
-        self.not_directly_from.clear();
-        self.target
+        pending.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, node)| node)
     }
 
     /// From the active node on; `None` if there is no way to the target.

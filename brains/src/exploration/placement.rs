@@ -15,7 +15,8 @@
 
 use baudbot_geometry::{Direction, Point, math};
 
-use crate::mapping::Scan;
+use crate::mapping::PlacedScan;
+use crate::scan::Scan;
 
 /// The lengths and the angle of Fig. 6.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +46,7 @@ impl Placement {
     #[must_use]
     pub fn intervals(&self, scan: &Scan) -> Vec<Interval> {
         let enough_m = self.distance_m + self.margin_m;
-        let is_feasible = |i: &usize| scan.distance_m(*i).is_none_or(|distance_m| distance_m > enough_m);
+        let is_feasible = |i: &usize| scan.distances_m[*i] > enough_m;
         let rays: Vec<usize> = (0..scan.distances_m.len()).filter(is_feasible).collect();
         let runs = rays.chunk_by(|a, b| a + 1 == *b);
         runs.map(|run| Interval {
@@ -72,14 +73,14 @@ impl Placement {
 
     /// Where a scan allows nodes, in the world. Other nodes may be too near.
     #[must_use]
-    pub fn places(&self, scan: &Scan) -> Vec<Point> {
-        let world_from_sensor = scan.world_from_sensor();
-        let forward = world_from_sensor.direction();
+    pub fn places(&self, scan: &PlacedScan) -> Vec<Point> {
+        let world_from_laser = scan.world_from_laser();
+        let forward = world_from_laser.direction();
         let place = |bearing_rad: f64| {
             let direction = forward.rotate(Direction::from_angle(bearing_rad));
-            world_from_sensor.position + direction.vector() * self.distance_m
+            world_from_laser.position + direction.vector() * self.distance_m
         };
-        self.intervals(scan).iter().flat_map(|interval| self.directions(interval)).map(place).collect()
+        self.intervals(&scan.scan).iter().flat_map(|interval| self.directions(interval)).map(place).collect()
     }
 
     /// Least angle between two nodes of an interval, in radians: max(2 asin(d / 2D), `γ_min`).
@@ -103,28 +104,28 @@ mod tests {
 
     /// Half a turn with a ray each degree, which runs as far as `distance_m` says of its angle in degrees, from the
     /// right.
-    fn scan(distance_m: impl Fn(usize) -> f64) -> Scan {
-        Scan {
-            world_from_robot: Pose::new(2.0, 3.0, 0.5 * PI),
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: PI,
-            range_m: 4.0,
-            distances_m: (0..=180).map(distance_m).collect(),
-        }
+    fn scan(distance_m: impl Fn(usize) -> f64) -> PlacedScan {
+        scan_of((0..=180).map(distance_m).collect())
+    }
+
+    fn scan_of(distances_m: Vec<f64>) -> PlacedScan {
+        let robot_from_laser = Pose::new(0.0, 0.0, 0.0);
+        let scan = Scan { robot_from_laser, opening_rad: PI, range_m: 4.0, distances_m };
+        PlacedScan { world_from_robot: Pose::new(2.0, 3.0, 0.5 * PI), scan }
     }
 
     /// The figure: two feasible intervals, of which one is wide enough for two nodes.
-    fn figure() -> Scan {
+    fn figure() -> PlacedScan {
         scan(|degree| match degree {
             20..=60 => 2.0,
-            90..=180 => -1.0,
+            90..=180 => f64::INFINITY,
             _ => 1.3,
         })
     }
 
     #[test]
     fn the_figures_intervals_get_one_node_and_two() {
-        let intervals = PLACEMENT.intervals(&figure());
+        let intervals = PLACEMENT.intervals(&figure().scan);
         let degrees =
             |i: &Interval| [i.from_rad, i.to_rad].map(|angle: f64| angle.to_degrees().round() + 90.0);
         assert_eq!(intervals.iter().map(degrees).collect::<Vec<_>>(), [[20.0, 60.0], [90.0, 180.0]]);
@@ -169,6 +170,6 @@ mod tests {
     #[test]
     fn no_rays_and_no_room_place_nothing() {
         assert_eq!(PLACEMENT.places(&scan(|_| 1.4)), [], "1.4 is not beyond 1.4");
-        assert_eq!(PLACEMENT.places(&Scan { distances_m: vec![], ..figure() }), []);
+        assert_eq!(PLACEMENT.places(&scan_of(vec![])), []);
     }
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use baudbot_geometry::{Direction, Pose, angle, math};
 
-use super::scan::Scan;
+use crate::scan::Scan;
 
 /// When the rays of a scan were taken: evenly one after the other. A laser with a cable of its own says when its sweep
 /// began; how long one lasts is not in its data sheet.
@@ -48,12 +48,11 @@ pub fn deskew(scan: &Scan, sweep: Sweep, at_ns: u64, pose_at: impl Fn(u64) -> Op
     let laser_from_world = pose_at(at_ns)?.compose(&scan.robot_from_laser).inverse();
     let last = scan.distances_m.len().saturating_sub(1);
     let spacing = scan.spacing_rad();
-    let kappa = |i: usize| i as f64 * spacing - 0.5 * scan.opening_rad;
     let mut ends = Vec::with_capacity(scan.distances_m.len());
     for (i, distance) in scan.distances_m.iter().enumerate() {
         let world_from_robot = pose_at(sweep.at_ns(i as f64 / last.max(1) as f64))?;
         let then = laser_from_world.compose(&world_from_robot.compose(&scan.robot_from_laser));
-        ends.push(end(&then, kappa(i), *distance, scan.range_m));
+        ends.push(end(&then, scan.bearing_rad(i), *distance, scan.range_m));
     }
     let mut distances_m = vec![f64::NAN; scan.distances_m.len()];
     if let [only] = ends.as_slice() {
@@ -63,7 +62,7 @@ pub fn deskew(scan: &Scan, sweep: Sweep, at_ns: u64, pose_at: impl Fn(u64) -> Op
         // The places in the fan between the two, and hardly beside them.
         let place = |end: &End| (end.bearing + 0.5 * scan.opening_rad) / spacing;
         for i in between(place(&pair[0]) - SLACK, place(&pair[1]) + SLACK, last) {
-            let distance = at_bearing(pair[0], pair[1], kappa(i));
+            let distance = at_bearing(pair[0], pair[1], scan.bearing_rad(i));
             distances_m[i] = if distance > scan.range_m { f64::INFINITY } else { distance };
         }
     }

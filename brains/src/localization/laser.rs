@@ -24,8 +24,8 @@
 use baudbot_geometry::Pose;
 
 use super::map::{Map, VirtualLaser};
-use super::scan::Scan;
 use crate::Chance;
+use crate::scan::Scan;
 
 /// What the search is like.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@
 use baudbot_geometry::{Circle, Fan, Hit, Index, Point, Pose, Ray, Segment, Shape, Sweep, Vector};
 use thiserror::Error;
 
-use super::scan::Scan;
+use crate::scan::Scan;
 
 /// Walls and pillars.
 #[derive(Clone, Debug, PartialEq)]

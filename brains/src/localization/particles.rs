@@ -34,9 +34,9 @@ use baudbot_geometry::{Pose, angle, math};
 use nalgebra::{Matrix3, Vector3};
 
 use super::map::{Map, VirtualLaser};
-use super::scan::Scan;
 use crate::Chance;
 use crate::estimate::Estimate;
+use crate::scan::Scan;
 
 /// How many particles there are, and what they expect.
 #[derive(Clone, Copy, Debug, PartialEq)]

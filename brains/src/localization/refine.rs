@@ -29,9 +29,9 @@ use baudbot_geometry::{Pose, Vector, angle, math};
 use nalgebra::{Matrix3, Vector3};
 
 use super::map::{Echo, Map, VirtualLaser};
-use super::scan::Scan;
 use crate::Chance;
 use crate::estimate::Estimate;
+use crate::scan::Scan;
 
 /// What the laser is like, and how long is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]

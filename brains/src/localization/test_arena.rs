@@ -6,8 +6,8 @@ use baudbot_geometry::{Circle, Point, Pose, Segment, Vector, polygon};
 
 use super::deskew::Sweep;
 use super::map::{Map, VirtualLaser};
-use super::scan::Scan;
 use crate::Chance;
+use crate::scan::Scan;
 
 /// The sides of a rectangle between two corners.
 pub(crate) fn rectangle([x0, y0, x1, y1]: [f64; 4]) -> Vec<Segment> {

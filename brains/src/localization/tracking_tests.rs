@@ -8,11 +8,12 @@ use super::laser::{self, localize};
 use super::map::{Map, VirtualLaser};
 use super::particles::{self, Particles};
 use super::refine::{self, refine};
-use super::scan::Scan;
 use super::test_arena::{error, office, quantile, swept, urg};
 use crate::Chance;
 use crate::estimate::Estimate;
 use crate::odometry::{self, Odometry};
+use crate::scan::Scan;
+use crate::slam::{self, Slam};
 
 /// One lap, from door to door.
 const LAP_M: [(f64, f64); 11] = [
@@ -203,6 +204,20 @@ fn by_particles(map: &Map, laser: &VirtualLaser, seed: u64) -> [f64; 3] {
     })
 }
 
+/// Without the map: the robot makes its own of its scans, of all rays, twice a second.
+fn by_slam(map: &Map, _: &VirtualLaser, seed: u64) -> [f64; 3] {
+    let mut slam = Slam::new(slam::Parameters::default());
+    let mut grid = slam.grid();
+    track(map, &urg(682), seed, |odometry: &mut Odometry, look: &mut Look<'_>| {
+        if odometry.at_ns().is_multiple_of(5 * STEP_NS)
+            && let Some(found) = slam.see(&mut grid, &look(Taken::Now), &odometry.estimate())
+        {
+            odometry.correct(odometry.at_ns(), found);
+        }
+        odometry.estimate().world_from_robot
+    })
+}
+
 /// Of some seeds the median of each figure, and the worst error.
 fn figures(by: fn(&Map, &VirtualLaser, u64) -> [f64; 3], seeds: u64) -> ([f64; 3], f64) {
     let (map, laser) = (office(), urg(171));
@@ -242,6 +257,14 @@ fn scans_that_come_late_and_skewed_are_as_good_if_that_is_known() {
     let ([known_m, ..], _) = figures(|map, laser, seed| by_late_scans(map, laser, seed, true), 10);
     let ([unknown_m, ..], _) = figures(|map, laser, seed| by_late_scans(map, laser, seed, false), 10);
     assert!(known_m <= 0.03 && unknown_m > 1.5 * known_m, "{known_m} {unknown_m}");
+}
+
+/// The map of its second lap is that of its first, so that errors do not add up.
+#[test]
+fn a_map_of_its_own_keeps_it_on_its_way() {
+    let (figures, worst_m) = figures(by_slam, 3);
+    println!("slam: {figures:?}, worst {worst_m}");
+    assert!(worst_m <= 0.12, "{figures:?}, worst {worst_m} m");
 }
 
 #[test]

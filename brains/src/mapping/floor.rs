@@ -36,11 +36,11 @@ impl<'a> Floor<'a> {
     pub fn new(grid: &'a Occupancy, radius_m: f64, here: Point, obstacles: &[Point]) -> Self {
         let reach = radius_m / grid.cell_m() + 0.5;
         let is_free = |cell: Cell| grid.state(cell) == Occupied::Free;
-        let room = |cell| if is_free(cell) { Room::Open } else { Room::Closed };
-        let mut floor = Self { grid, room: grid.cells().map(room).collect() };
+        let room = |log_odds: &f32| if *log_odds < 0.0 { Room::Open } else { Room::Closed };
+        let mut floor = Self { grid, room: grid.values().iter().map(room).collect() };
         let obstacles: Vec<_> = obstacles.iter().map(|point| grid.cell(*point)).collect();
-        let occupied = grid.cells().filter(|cell| grid.state(*cell) == Occupied::Occupied);
-        for cell in occupied.chain(obstacles.iter().copied()) {
+        let occupied = grid.cells().zip(grid.values()).filter(|(_, log_odds)| **log_odds > 0.0);
+        for cell in occupied.map(|(cell, _)| cell).chain(obstacles.iter().copied()) {
             floor.change_disc(cell, reach, |_, _| Room::Closed);
         }
         floor.change_disc(grid.cell(here), reach, |cell, room| match room {

@@ -15,7 +15,9 @@ pub fn is_frontier(grid: &Occupancy, cell: Cell) -> bool {
 /// All frontier cells for which `counts` holds, in groups that touch.
 #[must_use]
 pub fn groups(grid: &Occupancy, counts: impl Fn(Cell) -> bool) -> Vec<Vec<Cell>> {
-    let mut waiting: Vec<bool> = grid.cells().map(|cell| is_frontier(grid, cell) && counts(cell)).collect();
+    let known = grid.cells().zip(grid.values());
+    let mut waiting: Vec<bool> =
+        known.map(|(cell, log_odds)| *log_odds < 0.0 && is_frontier(grid, cell) && counts(cell)).collect();
     let mut groups = Vec::new();
     for (place, cell) in grid.cells().enumerate() {
         if !std::mem::take(&mut waiting[place]) {
@@ -46,21 +48,24 @@ mod tests {
     use baudbot_geometry::Pose;
 
     use super::*;
-    use crate::mapping::Scan;
+    use crate::mapping::PlacedScan;
+    use crate::scan::Scan;
 
     /// What half a turn sees of a corridor of 2 m whose walls are to the left and to the right.
     fn corridor() -> Occupancy {
         let mut grid = Occupancy::new(0.1);
         let rays = 1000;
-        let mut scan = Scan {
+        let mut scan = PlacedScan {
             world_from_robot: Pose::new(0.03, 0.03, 0.0),
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: PI,
-            range_m: 3.0,
-            distances_m: vec![-1.0; rays],
+            scan: Scan {
+                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: PI,
+                range_m: 3.0,
+                distances_m: vec![f64::INFINITY; rays],
+            },
         };
         for i in 0..rays {
-            scan.distances_m[i] = 1.0 / scan.bearing_rad(i).sin().abs();
+            scan.scan.distances_m[i] = 1.0 / scan.scan.bearing_rad(i).sin().abs();
         }
         assert!(grid.add(&scan));
         grid

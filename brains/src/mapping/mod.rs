@@ -3,9 +3,10 @@
 pub mod floor;
 pub mod frontier;
 pub mod occupancy;
+pub mod placed;
 mod raster;
-pub mod scan;
+mod shown;
 
 pub use floor::Floor;
 pub use occupancy::{Cell, Occupancy, Occupied};
-pub use scan::{Scan, View};
+pub use placed::{PlacedScan, View};

@@ -9,8 +9,8 @@
 
 use baudbot_geometry::{Point, math};
 
+use super::placed::PlacedScan;
 use super::raster::line;
-use super::scan::Scan;
 
 /// A square of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,9 +41,28 @@ pub struct Occupancy {
     columns: i32,
     rows: i32,
     log_odds: Vec<f32>,
+    /// For each cell where rays have ended in it.
+    ends: Vec<Ends>,
     /// For each cell the number of the last scan that changed it.
     changed: Vec<u32>,
     scans: u32,
+}
+
+/// Where rays have ended in a cell, in its last scans.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ends {
+    count: f32,
+    /// Their mean, from the cell's centre, in cells.
+    aside: [f32; 2],
+}
+
+impl Ends {
+    fn add(&mut self, aside: [f64; 2]) {
+        self.count = (self.count + 1.0).min(MOST_ENDS);
+        for (mean, new) in self.aside.iter_mut().zip(aside) {
+            *mean += (new as f32 - *mean) / self.count;
+        }
+    }
 }
 
 impl Cell {
@@ -77,7 +96,7 @@ impl Occupancy {
     pub fn new(cell_m: f64) -> Self {
         assert!(cell_m > 0.0, "a cell has a side");
         let first = Cell { column: 0, row: 0 };
-        Self { cell_m, first, columns: 0, rows: 0, log_odds: vec![], changed: vec![], scans: 0 }
+        Self { cell_m, first, columns: 0, rows: 0, log_odds: vec![], ends: vec![], changed: vec![], scans: 0 }
     }
 
     /// Side of a cell, in metres.
@@ -98,10 +117,16 @@ impl Occupancy {
         Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5) * self.cell_m
     }
 
+    /// l of a cell; 0 if nothing is known of it.
+    #[must_use]
+    pub fn log_odds(&self, cell: Cell) -> f32 {
+        self.place(cell).map_or(0.0, |place| self.log_odds[place])
+    }
+
     /// What is known of a cell.
     #[must_use]
     pub fn state(&self, cell: Cell) -> Occupied {
-        let log_odds = self.place(cell).map_or(0.0, |place| self.log_odds[place]);
+        let log_odds = self.log_odds(cell);
         if log_odds > 0.0 {
             Occupied::Occupied
         } else if log_odds < 0.0 {
@@ -111,18 +136,28 @@ impl Occupancy {
         }
     }
 
+    /// The number of cells in a row.
+    pub(super) fn columns(&self) -> u32 {
+        self.columns.unsigned_abs()
+    }
+
     /// The cells that the grid has, known or not, row by row.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
-        let (first, columns) = (self.first, self.columns.max(1));
-        (0..self.columns * self.rows).map(move |i| first.offset(i % columns, i / columns))
+        let (first, columns) = (self.first, self.columns);
+        (0..self.rows).flat_map(move |row| (0..columns).map(move |column| first.offset(column, row)))
     }
 
     /// The place of a cell in the order of [`cells`](Self::cells); `None` if the grid has not grown so far.
-    pub(super) fn place(&self, cell: Cell) -> Option<usize> {
+    pub(crate) fn place(&self, cell: Cell) -> Option<usize> {
         let (column, row) =
             (cell.column.checked_sub(self.first.column)?, cell.row.checked_sub(self.first.row)?);
         let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
         is_in.then(|| row as usize * self.columns as usize + column as usize)
+    }
+
+    /// The log-odds of all cells, in the order of [`cells`](Self::cells).
+    pub(super) fn values(&self) -> &[f32] {
+        &self.log_odds
     }
 
     /// All cells that the straight line between two points goes through, in order.
@@ -131,14 +166,15 @@ impl Occupancy {
     }
 
     /// Adds a scan. Says whether it did: a scan that would make the grid larger than 4 million cells is left out.
-    pub fn add(&mut self, scan: &Scan) -> bool {
-        let from = scan.world_from_sensor().position;
+    pub fn add(&mut self, scan: &PlacedScan) -> bool {
+        let from = scan.world_from_laser().position;
         let ends: Vec<_> = scan.ends().collect();
         if !self.grow(ends.iter().map(|(end, _)| *end).chain([from])) {
             return false;
         }
         self.scans += 1;
         for &(end, _) in ends.iter().filter(|(_, met)| *met) {
+            self.met(end);
             self.change(self.cell(end), HIT);
         }
         for (end, _) in ends {
@@ -165,6 +201,26 @@ impl Occupancy {
                 }
             }
         }
+    }
+
+    /// A ray has met something at this point. What was met in a cell that has been free since then is forgotten.
+    fn met(&mut self, end: Point) {
+        let cell = self.cell(end);
+        let Some(place) = self.place(cell) else { return };
+        if self.log_odds[place] <= 0.0 {
+            self.ends[place].count = 0.0;
+        }
+        let aside = (end - self.center(cell)) / self.cell_m;
+        self.ends[place].add([aside.x, aside.y]);
+    }
+
+    /// Where in a cell that is occupied rays have ended on average, in metres in the world: nearer to what is there than
+    /// the cell's centre.
+    #[must_use]
+    pub fn surface(&self, cell: Cell) -> Option<Point> {
+        let place = self.place(cell).filter(|place| self.log_odds[*place] > 0.0)?;
+        let [x, y] = self.ends[place].aside.map(f64::from);
+        Some(self.center(cell) + baudbot_geometry::Vector::new(x, y) * self.cell_m)
     }
 
     /// Changes a cell, unless this scan already did.
@@ -201,10 +257,12 @@ impl Occupancy {
             std::mem::replace(self, Self { first: low, scans: self.scans, ..Self::new(self.cell_m) });
         (self.columns, self.rows) = (columns as i32, rows as i32);
         self.log_odds = vec![0.0; (columns * rows) as usize];
+        self.ends = vec![Ends::default(); self.log_odds.len()];
         self.changed = vec![0; self.log_odds.len()];
         for (place, cell) in before.cells().enumerate() {
             if let Some(new) = self.place(cell) {
                 self.log_odds[new] = before.log_odds[place];
+                self.ends[new] = before.ends[place];
             }
         }
         true
@@ -217,6 +275,8 @@ const HIT: f32 = 0.847;
 const MISS: f32 = -0.405;
 /// Cells are never surer than this, p = 0.97, so that what has moved is believed in a few scans.
 const MOST: f32 = 3.5;
+/// So many ends at most have a part in the mean of a cell's.
+const MOST_ENDS: f32 = 50.0;
 /// So many cells more than needed on each side, so that not every scan makes the grid grow.
 const SPARE: i32 = 16;
 /// A square kilometre in cells of half a metre, or 200 m by 200 m in cells of 10 cm.
@@ -227,14 +287,17 @@ mod tests {
     use baudbot_geometry::Pose;
 
     use super::*;
+    use crate::scan::Scan;
 
-    fn scan(x: f64, distances_m: &[f64]) -> Scan {
-        Scan {
+    fn scan(x: f64, distances_m: &[f64]) -> PlacedScan {
+        PlacedScan {
             world_from_robot: Pose::new(x, 0.05, 0.0),
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: 0.0,
-            range_m: 2.0,
-            distances_m: distances_m.to_vec(),
+            scan: Scan {
+                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 0.0,
+                range_m: 2.0,
+                distances_m: distances_m.to_vec(),
+            },
         }
     }
 
@@ -253,7 +316,7 @@ mod tests {
         assert!(grid.add(&scan(0.05, &[0.5])));
         assert_eq!(states(&grid, -2..8), "??.....#??");
         let mut grid = Occupancy::new(0.1);
-        assert!(grid.add(&scan(0.05, &[-1.0])));
+        assert!(grid.add(&scan(0.05, &[f64::INFINITY])));
         assert_eq!(states(&grid, 18..23), "...??", "2 m from 0.05 end in cell 20");
     }
 

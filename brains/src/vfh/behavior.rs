@@ -10,10 +10,10 @@ use super::memory::Memory;
 use super::sight::{self, Sight};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
-use crate::localization::Scan;
 use crate::localization::deskew::{Sweep, deskew};
 use crate::navigation::Goals;
 use crate::process::{Moment, MotorBehavior};
+use crate::scan::Scan;
 
 /// Where it goes, and what it heeds on its way.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

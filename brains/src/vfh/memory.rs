@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use baudbot_geometry::{Point, Pose, angle, math};
 
-use crate::localization::Scan;
+use crate::scan::Scan;
 
 /// Cells in which something was seen, in the frame of the believed pose.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
-use crate::localization::Scan;
+use crate::scan::Scan;
 
 /// What no data sheet says.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]

@@ -1,12 +1,12 @@
 //! What the brain makes of readings, one turn after the other.
 
-use baudbot_client::Signals;
-
 use super::*;
 use crate::test_body::{body, turn};
 
 const SENSORS: [(&str, &str, f64); 3] =
     [("odometer", "odometer", 0.0), ("laser", "laser", 0.0), ("sonar", "sonar", 0.0)];
+
+const RAYS: usize = 101;
 
 /// What the brain sends for these readings of odometer, laser and sonar, 0.1 s after the last.
 struct Robot {
@@ -17,14 +17,15 @@ struct Robot {
 
 impl Robot {
     fn new(method: f64) -> Self {
-        let body = body(&SENSORS);
+        let mut body = body(&SENSORS);
+        body.sensors[1].components[0].count = RAYS;
         let parameters = Parameters { method, ..Parameters::default() };
         Self { brain: Explore::new(parameters, &body).unwrap(), body, at_ns: 0 }
     }
 
     fn step(&mut self, pose: [f64; 3], rays: Option<f64>, sonar_m: f64) -> Signals {
         self.at_ns += 100_000_000;
-        let rays = rays.map(|distance_m| vec![distance_m; 101]);
+        let rays = rays.map(|distance_m| vec![distance_m; RAYS]);
         let readings = [Some(pose.as_slice()), rays.as_deref(), Some(&[sonar_m])];
         self.brain.step(&turn(&self.body, self.at_ns, &readings)).signals.unwrap()
     }
@@ -36,19 +37,39 @@ fn it_stands_until_it_has_a_scan_and_then_turns_to_look_behind() {
         let mut robot = Robot::new(method);
         assert_eq!(robot.step([0.0, 0.0, 0.0], None, 1.0), Signals { left: 0.0, right: 0.0 });
         let signals = robot.step([0.0, 0.0, 0.0], Some(0.9), 1.0);
+        assert_eq!(signals, Signals { left: 0.0, right: 0.0 }, "it has only begun");
+        let signals = robot.step([0.0, 0.0, 0.0], None, 1.0);
         assert_eq!(signals.left, -signals.right, "on the spot: {:?}", robot.brain.command());
         assert!(signals.right.abs() > 0.1, "{signals:?}");
     }
 }
 
 #[test]
-fn a_scan_of_a_quick_turn_is_left_out() {
+fn it_asks_for_no_more_than_motors_take() {
+    let mut robot = Robot::new(1.0);
+    robot.body.signal_limit = Some(1.0);
+    let parameters =
+        Parameters { method: 1.0, turn_rate_rad_s: 10.0, full_speed_m_s: 0.01, ..Parameters::default() };
+    robot.brain = Explore::new(parameters, &robot.body).unwrap();
+    robot.step([0.0, 0.0, 0.0], None, 1.0);
+    robot.step([0.0, 0.0, 0.0], Some(0.9), 1.0);
+    let signals = robot.step([0.0, 0.0, 0.0], None, 1.0);
+    assert_eq!(signals.left, -signals.right);
+    assert!((0.99..=1.0).contains(&signals.left.abs()), "as fast as it can: {signals:?}");
+}
+
+/// A scan waits until the odometer has come to the end of its sweep, and gets the pose of that instant.
+#[test]
+fn a_scan_goes_with_the_pose_of_the_end_of_its_sweep() {
     let mut robot = Robot::new(0.0);
     robot.step([0.0, 0.0, 0.0], None, 1.0);
-    robot.step([0.0, 0.0, 0.1], Some(3.0), 1.0);
-    assert_eq!(robot.brain.laser.scan, None, "1 rad/s");
-    robot.step([0.0, 0.0, 0.11], Some(3.0), 1.0);
-    assert_eq!(robot.brain.laser.scan.as_ref().unwrap().world_from_robot.heading, 0.11);
+    robot.step([0.0, 0.0, 0.1], Some(0.5), 1.0);
+    assert_eq!(robot.brain.scan, None, "it has only begun");
+    robot.step([0.0, 0.0, 0.2], None, 1.0);
+    let placed = robot.brain.scan.as_ref().unwrap();
+    assert!((placed.world_from_robot.heading - 0.1665).abs() < 1e-9, "{placed:?}");
+    let known: Vec<_> = placed.scan.distances_m.iter().filter(|distance_m| !distance_m.is_nan()).collect();
+    assert!(known.len() > 95 && known.iter().all(|distance_m| (**distance_m - 0.5).abs() < 1e-9));
 }
 
 #[test]
@@ -59,7 +80,7 @@ fn only_what_is_in_the_way_is_near() {
         let feeler = Feeler { sensor: 0, robot_from_sensor, is_sonar: true, is_near: false };
         feeler.feels(distance_m, 0.2, &parameters)
     };
-    assert!(feels(0.0, 0.16) && !feels(0.0, 0.18));
+    assert!(feels(0.0, 0.16) && !feels(0.0, 0.19));
     assert!(feels(1.0, 0.05) && !feels(1.0, 0.12), "ahead on the left");
     assert!(!feels(1.5, 0.05), "beside it");
 }

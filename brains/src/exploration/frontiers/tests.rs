@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::exploration::arena::{Arena, Run};
+use crate::scan::Scan;
 
 /// Explores from a pose to the end, and sees all.
 fn explore(arena: &Arena, start: Pose) -> Run {
@@ -47,12 +48,14 @@ fn an_office_is_seen_from_30_random_starts() {
 fn what_only_proximity_sees_is_gone_around() {
     let mut explorer = Frontiers::new(Parameters::default());
     let here = Pose::new(0.0, 0.0, 0.0);
-    let scan = Scan {
+    let scan = PlacedScan {
         world_from_robot: here,
-        robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-        opening_rad: 6.2,
-        range_m: 3.0,
-        distances_m: vec![-1.0; 401],
+        scan: Scan {
+            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 6.2,
+            range_m: 3.0,
+            distances_m: vec![f64::INFINITY; 401],
+        },
     };
     let mut step = |pose, near| explorer.step(&Input { world_from_robot: pose, scan: Some(&scan), near });
     let way = |command| match command {

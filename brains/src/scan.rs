@@ -1,4 +1,5 @@
-//! What a laser range finder saw.
+//! What a laser range finder saw: what [`localization`](crate::localization) matches, and what, with a pose, makes
+//! [maps](crate::mapping).
 //!
 //! *Deviations.* The notes set a distance to −1 if nothing was within range (§6.3.1). On the wire it is so; here it is
 //! infinite, so that it is farther than any other. NaN is the distance of a ray of which nothing is known.
@@ -41,6 +42,14 @@ impl Scan {
     #[must_use]
     pub fn spacing_rad(&self) -> f64 {
         self.opening_rad / (self.distances_m.len().max(2) - 1) as f64
+    }
+
+    /// The angle of ray `i` to the laser's forward direction, in radians; Wahde 2016, Eq. (3.14). One ray alone looks
+    /// ahead.
+    #[must_use]
+    pub fn bearing_rad(&self, i: usize) -> f64 {
+        let is_alone = self.distances_m.len() < 2;
+        if is_alone { 0.0 } else { i as f64 * self.spacing_rad() - 0.5 * self.opening_rad }
     }
 
     /// About so many of its rays, every so many, from the middle of the scan: matching takes less time with fewer,

@@ -1,0 +1,83 @@
+//! [SLAM](crate::slam) as a cognitive process: each scan is matched with the grid of those before it, and odometry is
+//! corrected for the instant at which the scan was taken, with all that came after. The grid is among the brain's beliefs.
+//!
+//! It needs a process of kind `odometry`. One of `laser_localization` beside it would correct the same odometry by
+//! another map.
+
+use serde::Deserialize;
+
+use crate::process::{CognitiveProcess, Moment};
+use crate::registry::Kit;
+use crate::scanner::Scanner;
+use crate::slam::{self, Slam};
+
+/// How a map is made.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Name of the laser.
+    #[serde(default = "laser_name")]
+    pub laser: String,
+    /// How wide the laser opens, in radians; negative if it sweeps clockwise. No data sheet says it.
+    pub opening_rad: f64,
+    /// How long a sweep takes, in seconds. No data sheet says it, either.
+    #[serde(default)]
+    pub sweep_s: f64,
+    /// Side of the grid's cells, in metres.
+    #[serde(default = "cell_m")]
+    pub cell_m: f64,
+    /// So many rays are matched, about.
+    #[serde(default = "rays")]
+    pub rays: usize,
+}
+
+fn laser_name() -> String {
+    "laser".to_owned()
+}
+
+fn cell_m() -> f64 {
+    slam::Parameters::default().cell_m
+}
+
+fn rays() -> usize {
+    slam::Parameters::default().rays
+}
+
+/// A process that makes a map and finds the robot on it.
+pub struct MakeMap {
+    scanner: Scanner,
+    slam: Slam,
+}
+
+impl MakeMap {
+    /// For a robot with this body; an error if it has no such laser.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+        let &Parameters { ref laser, opening_rad, sweep_s, cell_m, rays } = parameters;
+        if !(0.01..=1.0).contains(&cell_m) {
+            return Err(format!("cell_m: must be from 0.01 to 1, is {cell_m}"));
+        }
+        if rays == 0 {
+            return Err("rays: must be at least 1".to_owned());
+        }
+        let scanner = Scanner::new(kit.body, laser, opening_rad, sweep_s, usize::MAX)?;
+        let slam = Slam::new(slam::Parameters { cell_m, rays, ..slam::Parameters::default() });
+        Ok(Self { scanner, slam })
+    }
+}
+
+impl CognitiveProcess for MakeMap {
+    fn step(&mut self, moment: &mut Moment<'_>) {
+        self.scanner.hear(moment.turn);
+        let Some(odometry) = &mut moment.beliefs.odometry else { return };
+        let Some((taken_ns, scan)) = self.scanner.take(odometry) else { return };
+        let Some(guess) = odometry.at(taken_ns) else { return };
+        let grid = moment.beliefs.grid.get_or_insert_with(|| self.slam.grid());
+        if let Some(estimate) = self.slam.see(grid, &scan, &guess) {
+            odometry.correct(taken_ns, estimate);
+            moment.beliefs.pose = Some(odometry.estimate());
+        }
+    }
+}

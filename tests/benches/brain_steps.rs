@@ -1,0 +1,76 @@
+//! What a step of each brain takes, in the runs for which it is made: `cargo bench -p baudbot-tests --bench brain_steps`.
+//!
+//! Each brain drives through its scenario for two simulated minutes, or for as many as are given behind `--`. A step that only
+//! waits is counted, too; so the table has the mean, what 99 of 100 steps do not exceed, and the longest, which on a machine that
+//! does other things, too, is mostly theirs.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use baudbot_brains::catalogue;
+use baudbot_client::{Action, Brain, Turn};
+use baudbot_tests::{Pair, scenario};
+
+const COURSES: &[(&str, &str)] = &[
+    ("avoid", include_str!("../../scenarios/wander.toml")),
+    ("wander", include_str!("../../scenarios/wander.toml")),
+    ("ant", include_str!("../../scenarios/ant.toml")),
+    ("ecoli", include_str!("../../scenarios/ecoli-one.toml")),
+    ("errands", include_str!("../../scenarios/errands.toml")),
+    ("explore", include_str!("../../scenarios/explore-office.toml")),
+    ("explore:method=1", include_str!("../../scenarios/explore-office.toml")),
+    ("forager", include_str!("../../scenarios/forager.toml")),
+    ("hall", include_str!("../../scenarios/hall.toml")),
+    ("larva", include_str!("../../scenarios/ecoli-one.toml")),
+    ("mower", include_str!("../../scenarios/mower.toml")),
+    ("stentor", include_str!("../../scenarios/stentor.toml")),
+    ("sweeper", include_str!("../../scenarios/sweeper.toml")),
+    ("tour", include_str!("../../scenarios/tour.toml")),
+    ("wedge", include_str!("../../scenarios/wedge.toml")),
+    ("woodlouse", include_str!("../../scenarios/ecoli-one.toml")),
+];
+
+/// A brain whose steps are timed.
+struct Timed {
+    brain: Box<dyn Brain + Send>,
+    took: Arc<Mutex<Vec<Duration>>>,
+}
+
+impl Brain for Timed {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let start = Instant::now();
+        let action = self.brain.step(turn);
+        self.took.lock().unwrap().push(start.elapsed());
+        action
+    }
+}
+
+fn main() {
+    let minutes = std::env::args().skip(1).find_map(|text| text.parse::<f64>().ok()).unwrap_or(2.0);
+    println!("{:<18} {:>5} {:>8} {:>10} {:>10} {:>10}", "brain", "rays", "steps", "mean", "99 %", "longest");
+    for (name, toml) in COURSES {
+        let scenario = scenario(toml, &[]);
+        let body = baudbot_experiment::pair::body(&scenario.robots()[0]);
+        let rays =
+            body.sensors.iter().filter(|sensor| sensor.kind == "laser").map(|laser| laser.values()).max();
+        let took = Arc::new(Mutex::new(Vec::new()));
+        let brain = catalogue::brain(name, 1, &body).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let ticks = (minutes * 60.0 / (scenario.step_ns() as f64 / 1e9)) as u64;
+        let mut pair = Pair::with_brain(scenario, Timed { brain, took: Arc::clone(&took) }).unwrap();
+        pair.run(ticks);
+        let mut took = took.lock().unwrap().clone();
+        took.sort_unstable();
+        let mean = took.iter().sum::<Duration>() / took.len().max(1) as u32;
+        let of = |share: f64| took.get(((took.len() as f64 * share) as usize).min(took.len() - 1));
+        let words =
+            |time: Option<&Duration>| format!("{:.1} µs", time.map_or(0.0, |t| t.as_secs_f64() * 1e6));
+        println!(
+            "{name:<18} {:>5} {:>8} {:>10} {:>10} {:>10}",
+            rays.unwrap_or(0),
+            took.len(),
+            words(Some(&mean)),
+            words(of(0.99)),
+            words(took.last())
+        );
+    }
+}
