@@ -35,6 +35,24 @@ fn it_never_runs_empty_in_an_hour() {
     never_runs_empty(1..=10, 60);
 }
 
+/// What `baudbot tune experiments/tune-sweeper.toml` found with seeds 1 to 3 (docs/experiments.md).
+const TUNED: &str = "sweeper:motor.sweep.parameters.forward=0.72126,motor.sweep.parameters.turn_probability=0.006575,\
+                     motor.turn_away.utility.weights.near=2.289,motor.turn_away.parameters.turn=0.50381,\
+                     motor.charge.utility.bias=1.0386,motor.charge.parameters.full=0.6871";
+
+#[test]
+fn the_tuned_one_covers_more_than_the_one_set_by_hand_and_is_not_empty() {
+    for seed in 301..=302 {
+        let covered = |brain: &str| {
+            let pair = sweep(brain, seed, 30);
+            assert!(pair.world.ending().is_none(), "seed {seed}: {:?}", pair.world.ending());
+            pair.world.score().covered(pair.world.scenario().rules()).expect("it is counted")
+        };
+        let (by_hand, tuned) = (covered("sweeper"), covered(TUNED));
+        assert!(tuned > by_hand + 0.1, "seed {seed}: {by_hand} {tuned}");
+    }
+}
+
 #[test]
 fn who_never_goes_to_the_charger_runs_empty() {
     let pair = sweep("sweeper:motor.charge.utility.bias=-2.0", 1, 60);

@@ -46,11 +46,13 @@ pub struct Parameters {
     pub enough: f64,
     /// Virtual scans at most from each start.
     pub scans: usize,
+    /// After so many of all starts no other start is tried: a match must end while it is of use.
+    pub all_scans: usize,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { noise_m: 0.005, noise_ratio: 0.01, starts: 8, enough: 0.98, scans: 40 }
+        Self { noise_m: 0.005, noise_ratio: 0.01, starts: 8, enough: 0.98, scans: 40, all_scans: 120 }
     }
 }
 
@@ -83,7 +85,7 @@ pub fn refine(
     let mut best = problem.descend(guess.world_from_robot);
     let mut scans = best.scans;
     for _ in 0..parameters.starts {
-        if problem.fit(&best.at) >= parameters.enough {
+        if problem.fit(&best.at) >= parameters.enough || scans >= parameters.all_scans {
             break;
         }
         let found = problem.descend(problem.draw(chance));

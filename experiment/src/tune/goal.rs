@@ -46,7 +46,10 @@ impl Goal {
 
 impl fmt::Display for Goal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, (figure, weight)) in self.weights.iter().enumerate() {
+        // What is wanted comes before what is not.
+        let mut weights = self.weights.clone();
+        weights.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        for (i, (figure, weight)) in weights.iter().enumerate() {
             let sign = match (i, *weight < 0.0) {
                 (0, false) => "",
                 (0, true) => "-",

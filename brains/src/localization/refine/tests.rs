@@ -3,7 +3,8 @@ use baudbot_geometry::{Circle, Point};
 use super::*;
 use crate::localization::test_arena::{self, error, free_pose, noisy_scan, office, quantile, rectangle, urg};
 
-const EXACT: Parameters = Parameters { noise_m: 0.0, noise_ratio: 0.01, starts: 8, enough: 0.98, scans: 60 };
+const EXACT: Parameters =
+    Parameters { noise_m: 0.0, noise_ratio: 0.01, starts: 8, enough: 0.98, scans: 60, all_scans: 1000 };
 
 /// As sure as a guess may be that is off by up to 0.2 m and 0.2 rad.
 fn guess(pose: Pose) -> Estimate {
