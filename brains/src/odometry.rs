@@ -113,7 +113,10 @@ impl Odometry {
         sensor: &str,
         world_from_robot: Option<Pose>,
     ) -> Option<Self> {
-        let reading = turn.reading(sensor)?;
+        let reading = turn.reading(sensor).filter(|reading| reading.readable)?;
+        if !reading.values.iter().all(|value| value.is_finite()) {
+            return None;
+        }
         let said = match *reading.values.as_slice() {
             [x, y, heading, ..] => Some(Pose::new(x, y, heading)),
             _ => None,

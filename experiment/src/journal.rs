@@ -134,7 +134,7 @@ impl Journal {
 
     fn foreign(&self) -> Error {
         let path = self.path.display();
-        Error::Refused(format!("{path} is no journal of a sweep; choose another place with --out DIR"))
+        Error::Refused(format!("{path} is no journal of an experiment; choose another place with --out DIR"))
     }
 
     fn compare(&self, line: &[u8], header: &Header) -> Result<(), Error> {

@@ -280,7 +280,7 @@ fn a_file_that_is_no_journal_is_not_cut_but_a_torn_header_of_our_own_is() {
     for text in ["my only copy", "{\"sweep\":\"test\",\"fingerprint\":\"0\"}", "no\nnewline"] {
         std::fs::write(&journal, text).unwrap();
         let error = run(&experiment, &out).unwrap_err().to_string();
-        assert!(error.contains("rows.jsonl is no journal of a sweep"), "{error}");
+        assert!(error.contains("rows.jsonl is no journal of an experiment"), "{error}");
         assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
     }
     for len in [1, 40, lines[0].len()] {
@@ -443,6 +443,6 @@ fn a_folder_keeps_its_id_and_a_lock_of_something_else_is_left_alone() {
     assert!(read(&out, ".lock").len() == 16 && read(&out, ".lock") != id);
     std::fs::write(&lock, "pid 7").unwrap();
     let error = run(&experiment, &out).unwrap_err().to_string();
-    assert!(error.contains(".lock is of no sweep; choose another place"), "{error}");
+    assert!(error.contains(".lock is of no experiment; choose another place"), "{error}");
     assert_eq!(read(&out, ".lock"), b"pid 7");
 }

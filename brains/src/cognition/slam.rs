@@ -49,6 +49,9 @@ pub struct MakeMap {
     slam: Slam,
 }
 
+/// With fewer rays a scan says too little.
+const LEAST_RAYS: usize = 20;
+
 impl MakeMap {
     /// For a robot with this body; an error if it has no such laser.
     ///
@@ -59,8 +62,14 @@ impl MakeMap {
         if !(0.01..=1.0).contains(&cell_m) {
             return Err(format!("cell_m: must be from 0.01 to 1, is {cell_m}"));
         }
-        if rays == 0 {
-            return Err("rays: must be at least 1".to_owned());
+        if rays < LEAST_RAYS {
+            return Err(format!("rays: must be at least {LEAST_RAYS}, is {rays}: fewer match no map"));
+        }
+        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_client::Sensor::values);
+        if laser_rays < LEAST_RAYS {
+            return Err(format!(
+                "laser: `{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least"
+            ));
         }
         let scanner = Scanner::new(kit.body, laser, opening_rad, sweep_s, usize::MAX)?;
         let slam = Slam::new(slam::Parameters { cell_m, rays, ..slam::Parameters::default() });

@@ -128,11 +128,9 @@ impl CoverRows {
         self.left.as_ref().is_some_and(Vec::is_empty) && self.legs.is_empty() && self.pursuit.is_none()
     }
 
-    /// The regions that a robot can reach from here, with rows along the axis along which there are fewer of them.
-    fn divide(&mut self, here: Point) -> Vec<Region> {
-        let way = self.floor.way(here, here).unwrap_or_default();
-        let cell = way.last().and_then(|place| self.floor.grid().cell_at(*place));
-        let Some(cell) = cell else { return Vec::new() };
+    /// The regions that a robot can reach from a free place, with rows along the axis along which there are fewer of them.
+    fn divide(&mut self, place: Point) -> Vec<Region> {
+        let Some(cell) = self.floor.grid().cell_at(place) else { return Vec::new() };
         let grid = reachable(self.floor.grid(), cell);
         let found = [Rows::AlongX, Rows::AlongY].map(|rows| (rows, regions(&grid, rows, self.apart)));
         let count = |(rows, found): &(Rows, Vec<Region>)| -> usize {
@@ -204,11 +202,12 @@ impl CoverRows {
         }
     }
 
-    /// Back to the leg that it has strayed from, and on along that.
+    /// Back to the leg that it has strayed from, and on along that. Where no way leads there it keeps what it has: it may
+    /// believe to be elsewhere soon.
     fn find_back(&mut self, here: Point) {
-        let Some(pursuit) = self.pursuit.take() else { return };
-        let rest: Vec<_> = pursuit.rest().collect();
+        let rest: Vec<_> = self.pursuit.iter().flat_map(Pursuit::rest).collect();
         if let Some(Ok(way)) = rest.first().map(|place| self.floor.way(here, *place)) {
+            self.pursuit = None;
             let back = Way::new(way.into_iter().chain(rest).collect());
             for leg in back.legs(BEND_RAD).into_iter().rev() {
                 self.legs.push_front(leg);
@@ -246,8 +245,14 @@ impl MotorBehavior for CoverRows {
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         let world_from_robot = moment.beliefs.pose?.world_from_robot;
+        let place = self.floor.nearest_free(world_from_robot.position);
+        if !self.floor.is_free(place) {
+            // It may believe to be elsewhere soon, and then goes on where it was.
+            moment.beliefs.intention = "is nowhere on its map".to_owned();
+            return Some(Signals::default());
+        }
         if self.left.is_none() {
-            self.left = Some(self.divide(world_from_robot.position));
+            self.left = Some(self.divide(place));
         }
         let signals = self.drive(&world_from_robot);
         let points = self.pursuit.iter().flat_map(Pursuit::rest);

@@ -81,9 +81,28 @@ fn a_room_with_a_corner_and_a_table_is_covered() {
 }
 
 #[test]
-fn who_is_on_no_floor_has_nothing_to_cover() {
+fn who_is_on_no_floor_waits_until_it_is_and_who_is_close_to_a_wall_begins_there() {
+    let body = body(&[]);
+    let step = |cover: &mut CoverRows, at: [f64; 2]| {
+        let pose = Some(Estimate::exact(Pose::new(at[0], at[1], 0.0)));
+        let mut beliefs = Beliefs { pose, ..Beliefs::default() };
+        let (turn, gammas) = (turn(&body, 0, &[]), &mut Vec::new());
+        let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
+        let signals = cover.step(&mut moment).expect("signals");
+        (signals, beliefs.intention)
+    };
     let mut cover = made("cell_m = 0.05").unwrap();
-    assert_eq!(drive(&mut cover, Pose::new(9.0, 9.0, 0.0)).len(), 0, "outside of the map there is nothing");
+    assert_eq!(step(&mut cover, [9.0, 9.0]), (Signals::default(), "is nowhere on its map".to_owned()));
+    assert!(!cover.has_covered());
+    let (_, intention) = step(&mut cover, [2.8, 0.5]);
+    assert!(intention.ends_with(" regions left"), "{intention}");
+    // Half-way it believes to be off the map: it stands, and forgets nothing.
+    let left = cover.left.clone();
+    let (signals, _) = step(&mut cover, [9.0, 9.0]);
+    assert!(signals == Signals::default() && cover.left == left && cover.pursuit.is_some());
+    let mut close = made("cell_m = 0.05").unwrap();
+    let (_, intention) = step(&mut close, [0.15, 0.5]);
+    assert!(intention.ends_with(" regions left") && !close.has_covered(), "{intention}");
 }
 
 #[test]

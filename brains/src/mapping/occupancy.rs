@@ -136,11 +136,6 @@ impl Occupancy {
         }
     }
 
-    /// The number of cells in a row.
-    pub(super) fn columns(&self) -> u32 {
-        self.columns.unsigned_abs()
-    }
-
     /// The cells that the grid has, known or not, row by row.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
         let (first, columns) = (self.first, self.columns);
@@ -245,7 +240,11 @@ impl Occupancy {
         if Some(all) == old {
             return true;
         }
-        let (low, high) = (all.0.offset(-SPARE, -SPARE), all.1.offset(SPARE, SPARE));
+        // Room to spare where it grows, and not on the other sides.
+        let spare = |grows: bool| if grows { SPARE } else { 0 };
+        let grows = |side: fn(&(Cell, Cell)) -> i32| old.is_none_or(|old| side(&old) != side(&all));
+        let low = all.0.offset(-spare(grows(|all| all.0.column)), -spare(grows(|all| all.0.row)));
+        let high = all.1.offset(spare(grows(|all| all.1.column)), spare(grows(|all| all.1.row)));
         let (columns, rows) = (
             i64::from(high.column) - i64::from(low.column) + 1,
             i64::from(high.row) - i64::from(low.row) + 1,

@@ -93,7 +93,7 @@ impl Floor {
 
     /// The point itself, if a body may be there; otherwise the nearest centre of a free cell from which no wall parts it.
     /// Itself, too, if there is none nearby.
-    fn nearest_free(&self, point: Point) -> Point {
+    pub fn nearest_free(&self, point: Point) -> Point {
         if self.is_free(point) {
             return point;
         }

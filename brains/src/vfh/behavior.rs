@@ -154,6 +154,11 @@ impl Vfh {
             return Err(problem);
         }
         check(p)?;
+        let most_m = 0.5 * (body.radius_m + p.clearance_m);
+        if p.cell_m > most_m {
+            let problem = "must be at most half of the body's radius with its clearance";
+            return Err(format!("cell_m: {problem}, {most_m}, is {}", p.cell_m));
+        }
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         Ok(Self {
             goals,
@@ -262,6 +267,9 @@ impl Vfh {
     }
 }
 
+/// No laser sweeps for longer, in seconds.
+const LONGEST_SWEEP_S: f64 = 10.0;
+
 /// What makes no sense.
 fn check(p: &Parameters) -> Result<(), String> {
     let positive = [
@@ -289,14 +297,17 @@ fn check(p: &Parameters) -> Result<(), String> {
             return Err(format!("{name}: must not be negative, is {value}"));
         }
     }
+    if p.sweep_s > LONGEST_SWEEP_S {
+        return Err(format!("sweep_s: must be at most {LONGEST_SWEEP_S}, is {}", p.sweep_s));
+    }
     if p.cell_m * 1000.0 < p.window_m {
         return Err(format!("cell_m: must be at least a thousandth of window_m, is {}", p.cell_m));
     }
     if !(8..=720).contains(&p.sectors) {
         return Err(format!("sectors: must be from 8 to 720, is {}", p.sectors));
     }
-    if p.high.is_nan() || p.high < p.low {
-        return Err(format!("high: must not be below low, is {}", p.high));
+    if !(p.low..1.0).contains(&p.high) {
+        return Err(format!("high: must not be below low, and below 1, is {}", p.high));
     }
     Ok(())
 }

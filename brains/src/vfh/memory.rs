@@ -40,10 +40,8 @@ impl Memory {
             let is_fresh = at_ns.saturating_sub(*seen_ns) <= forget_ns;
             is_near && is_fresh && !is_seen_through(scan, laser_from_world.transform(place), 2.0 * half_m)
         });
-        let spacing = scan.spacing_rad();
         for (i, &distance_m) in scan.distances_m.iter().enumerate().filter(|(_, m)| m.is_finite()) {
-            let kappa = i as f64 * spacing - 0.5 * scan.opening_rad;
-            let (sin, cos) = math::sin_cos(kappa);
+            let (sin, cos) = math::sin_cos(scan.bearing_rad(i));
             let place = world_from_laser.transform(Point::new(distance_m * cos, distance_m * sin));
             if (place - world_from_robot.position).norm() <= window_m {
                 let number = |m: f64| math::floor(m / self.cell_m) as i64;

@@ -121,6 +121,9 @@ fn what_makes_no_sense_is_said() {
     assert_eq!(problem("window_m = 0"), "window_m: must be positive, is 0");
     assert_eq!(problem("clearance_m = -1"), "clearance_m: must not be negative, is -1");
     assert_eq!(problem("sectors = 4"), "sectors: must be from 8 to 720, is 4");
-    assert_eq!(problem("low = 0.6"), "high: must not be below low, is 0.5");
+    assert_eq!(problem("low = 0.6"), "high: must not be below low, and below 1, is 0.5");
+    assert_eq!(problem("high = 1"), "high: must not be below low, and below 1, is 1");
+    assert_eq!(problem("sweep_s = 11"), "sweep_s: must be at most 10, is 11");
+    assert!(problem("cell_m = 0.5").starts_with("cell_m: must be at most half of the body's radius"));
     assert_eq!(problem("cell_m = 0.001"), "cell_m: must be at least a thousandth of window_m, is 0.001");
 }

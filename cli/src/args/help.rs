@@ -36,7 +36,7 @@ pub(super) const TUNE_EXAMPLES: &str = "\
 Examples:
   baudbot tune experiments/tune-sweeper.toml
   baudbot tune my.toml --out /tmp/my --jobs 2
-  baudbot tune my.toml --seeds 101..105          the same with other seeds
+  baudbot tune my.toml --seeds 101..105 --out my-101.tune      the same with other seeds
 
 The experiment file has a table [tune], which says what is made large, and a range for each of its fields. DIR gets
 rows.jsonl (a line a run), and at the end candidates.csv, trace.svg, summary.txt and, if the brain is one that is described

@@ -9,7 +9,7 @@ mod way;
 use std::process::ExitCode;
 
 use anyhow::Context;
-use baudbot_brains::planning::{Cell, End, Grid, PlanError};
+use baudbot_brains::planning::{Cell, End, Grid, GridError, PlanError};
 use baudbot_geometry::{Bounds, Point};
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
@@ -80,7 +80,14 @@ impl<'a> Task<'a> {
         }
         let clearance_m = robot.drive.radius_m + args.margin_m;
         let grid = map::grid(scenario.arena(), args.cell_m, clearance_m);
-        let grid = grid.map_err(|error| Refused::error(format!("--cell-m {}: {error}", args.cell_m)))?;
+        let grid = grid.map_err(|error| {
+            Refused::error(match error {
+                GridError::NoWalls => {
+                    "the scenario's arena has no walls: there is nothing to plan around".to_owned()
+                }
+                error => format!("--cell-m {}: {error}", args.cell_m),
+            })
+        })?;
         let from = args.from.unwrap_or(robot.start.pose.position);
         Ok(Self { args, robot, grid, clearance_m, from, to: args.to })
     }

@@ -70,7 +70,9 @@ fn where_there_is_nothing_to_export_it_says_what_to_do() {
     assert!(refusal(&[&silent, "--utilities-svg", "-"]).contains("has no beliefs there"));
     let column = refusal(&[&silent, "--utilities-svg", "-", "--with", "sonar"]);
     assert!(
-        column.starts_with("error: --with: no robot has a column `sonar`; there are: gauge.voltage_v, "),
+        column
+            .starts_with("error: --with: no robot has a sensor's column `sonar`; there are: encoders.left, ")
+            && column.contains("gauge.voltage_v"),
         "{column}"
     );
     assert!(refusal(&[&silent, "--with", "gauge.charge"]).contains("--utilities-svg"));

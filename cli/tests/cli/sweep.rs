@@ -127,7 +127,7 @@ fn two_sweeps_do_not_write_into_one_folder() {
     wait_for_rows(&to, 1);
     let (code, _, err) = baudbot(&["sweep", &grid, "--out", &to]);
     assert_eq!(code, 2);
-    assert!(err.starts_with("error: another sweep is writing into ") && err.contains("--out"), "{err}");
+    assert!(err.starts_with("error: another experiment is writing into ") && err.contains("--out"), "{err}");
 }
 
 #[test]

@@ -23,6 +23,12 @@ impl Scale {
         Self { from: low - margin, to: high + margin, log, pixels }
     }
 
+    /// A scale from one number to another, and a little more.
+    pub(super) fn between(from: f64, to: f64, pixels: (f64, f64)) -> Self {
+        let margin = 0.04 * (to - from);
+        Self { from: from - margin, to: to + margin, log: false, pixels }
+    }
+
     /// A scale from 0, or near the numbers if they are far from it, to a round number.
     pub(super) fn round(numbers: &[f64], pixels: (f64, f64)) -> Self {
         let (low, high) = ends(numbers);

@@ -35,7 +35,7 @@ pub(crate) fn draw(trace: &Trace) -> String {
     let mut canvas = Canvas::default();
     let size = (right + legend, numbers.bottom.max(needed) + 60.0);
     page::open(&mut canvas, size, &trace.title, &trace.subtitle);
-    let across = Scale::of(&[1.0, trace.generations.max(2.0)], (LEFT, right));
+    let across = Scale::between(1.0, trace.generations.max(2.0), (LEFT, right));
     draw_scores(&mut canvas, &scores, &across, trace);
     draw_numbers(&mut canvas, &numbers, &across, trace);
     page::close(canvas)

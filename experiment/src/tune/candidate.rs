@@ -2,6 +2,7 @@
 
 use crate::choice::{Level, Range};
 use crate::experiment::Experiment;
+use crate::figures::Figure;
 use crate::row::Row;
 use crate::statistics::Sample;
 
@@ -40,8 +41,9 @@ impl Outcome {
             outcome.runs += 1;
             outcome.succeeded += u64::from(experiment.succeeded(row).unwrap_or(true));
             let score = row.outcome.as_ref().map_err(Clone::clone).and_then(|ran| {
-                let lacks = |figure: crate::figures::Figure| {
-                    format!("`{}` was not counted, and so there is no score", figure.info().name)
+                let lacks = |figure: Figure| match figure {
+                    Figure::GoalTimeS => "the goal was not reached, and so there is no score".to_owned(),
+                    figure => format!("`{}` was not counted, and so there is no score", figure.info().name),
                 };
                 goal.score(&ran.figures).map_err(lacks)
             });
@@ -58,10 +60,13 @@ impl Outcome {
         self.scores.mean().filter(|_| self.error.is_none())
     }
 
-    /// What is made small: one of whose runs more succeed is better than any of which fewer do, and what has no score is worst.
+    /// What is made small: one of whose runs more succeed is better than any of which fewer do, and what has no score is worse
+    /// than what has one, of those that have none again the less the more succeed.
     pub(super) fn cost(&self) -> f64 {
         let failed = 1.0 - self.succeeded as f64 / self.runs.max(1) as f64;
-        self.score().map_or(WORST, |score| (failed * FAILURE - score).min(WORST))
+        // In the order of the scores, and never far from 0, however large these are.
+        let drawn_in = |score: f64| score.signum() * score.abs().ln_1p();
+        failed * FAILURE - self.score().map_or(-NO_SCORE, drawn_in)
     }
 }
 
@@ -85,11 +90,12 @@ pub(super) fn levels(ranges: &[Range], values: &[f64]) -> Vec<Level> {
     ranges.iter().zip(values).map(|(range, value)| range.level(*value)).collect()
 }
 
-/// What costs a candidate of which all runs fail.
-const FAILURE: f64 = 1e6;
+/// What costs a candidate of which all runs fail. Of a million runs each is worth 2000, and no two scores are farther apart
+/// than 1500.
+const FAILURE: f64 = 2e9;
 
-/// The cost of a candidate without a score.
-const WORST: f64 = 1e9;
+/// What costs a candidate that has no score: more than any score, and nothing beside a failure.
+const NO_SCORE: f64 = 800.0;
 
 #[cfg(test)]
 mod tests {
@@ -119,6 +125,12 @@ mod tests {
         let costs = [outcome(0.1, 2), outcome(0.9, 1), outcome(0.9, 0)].map(|outcome| outcome.cost());
         assert!(costs.is_sorted(), "{costs:?}");
         assert!(outcome(0.9, 2).cost() < costs[0]);
-        assert!(Outcome { error: Some("none".into()), ..outcome(5.0, 2) }.cost() > costs[2]);
+        for (score, succeeded) in [(1e300, 1), (-1e300, 2), (0.0, 0)] {
+            let scoreless = Outcome { error: Some("none".into()), ..outcome(score, succeeded) };
+            assert!(scoreless.cost() > outcome(-1e9, succeeded).cost());
+            assert!(scoreless.cost() < outcome(1e300, succeeded.saturating_sub(1)).cost() || succeeded == 0);
+        }
+        assert!(outcome(-1e9, 2).cost() < outcome(1e9, 1).cost(), "whatever they score");
+        assert!(outcome(2.5e5, 2).cost() < outcome(2.4e5, 2).cost());
     }
 }

@@ -36,6 +36,11 @@ impl Goal {
         Ok(Self { weights })
     }
 
+    /// Whether some runs lack a figure that others have.
+    pub(super) fn may_be_missed(&self) -> bool {
+        self.weights.iter().any(|(figure, _)| *figure == Figure::GoalTimeS)
+    }
+
     /// The score of a run; of one that lacks a figure, the figure that it lacks.
     pub fn score(&self, figures: &Figures) -> Result<f64, Figure> {
         let part =

@@ -56,16 +56,21 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
     if experiment.seeds.last() > i64::MAX as u64 - tuning.check_seeds {
         return Err(Error::field("seeds", "are too large: those of the check come after them"));
     }
-    check(experiment)?;
-    let folder = Folder::take(options.out)?;
     let course = tuning.course(ranges.len());
+    let most_runs = most_runs(experiment, tuning, &course)?;
+    check(experiment)?;
+    if !options.confirmed {
+        Estimate::new(most_runs, 1, Duration::ZERO, 1).refuse_long("up to ")?;
+    }
+    let folder = Folder::take(options.out)?;
     // More generations go on with what there is.
     let own = format!("{:?}", (course, &tuning.goal, tuning.check_seeds, &experiment.success));
     let header = Header::new(&experiment.name, fingerprint_with(experiment, &own), build(), i64::MAX as u64);
     let mut journal = sweep::begin_journal(&folder, &header, options.fresh)?;
     let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
     let name = sweep::world_name(folder.id(), options.out);
-    let mut tuner = Tuner { experiment, tuning, options, course, ranges, rows, journal: &mut journal, name };
+    let journal = &mut journal;
+    let mut tuner = Tuner { experiment, tuning, options, course, ranges, rows, journal, name, most_runs };
     let untuned = match tuner.untuned() {
         Err(error) => {
             sweep::forget_journal(&folder, options.fresh)?;
@@ -97,6 +102,7 @@ struct Tuner<'a> {
     rows: BTreeMap<u64, Row>,
     journal: &'a mut Journal,
     name: String,
+    most_runs: u64,
 }
 
 impl Tuner<'_> {
@@ -106,7 +112,7 @@ impl Tuner<'_> {
         let took = self.run(self.tasks(&none, false))?;
         let pilots = took.1;
         if pilots > 0 && !self.options.confirmed && !self.is_stopped() {
-            let missing = self.most_runs().saturating_sub(self.rows.len() as u64);
+            let missing = self.most_runs.saturating_sub(self.rows.len() as u64);
             Estimate::new(missing, pilots, took.0, self.options.jobs).refuse_long("up to ")?;
         }
         Ok(self.judged(none, false))
@@ -142,7 +148,7 @@ impl Tuner<'_> {
             };
             past.push(judged.iter().map(|candidate| candidate.outcome.cost()).collect());
             tuned.candidates.extend(judged);
-            tuned.refuse_hopeless()?;
+            tuned.refuse_hopeless(&self.tuning.goal)?;
         }
         Ok(())
     }
@@ -184,7 +190,7 @@ impl Tuner<'_> {
     fn run(&mut self, tasks: Vec<Task>) -> Result<(Duration, u64), Error> {
         let missing: Vec<_> = tasks.into_iter().filter(|task| !self.rows.contains_key(&task.run)).collect();
         let (mut time, mut count) = (Duration::ZERO, 0);
-        let (options, most) = (self.options, self.most_runs());
+        let (options, most) = (self.options, self.most_runs);
         (options.progress)(self.rows.len() as u64, most);
         let workers = Workers { place: options.place.clone(), jobs: options.jobs, name: self.name.clone() };
         let (journal, rows) = (&mut *self.journal, &mut self.rows);
@@ -208,14 +214,21 @@ impl Tuner<'_> {
         Some(Candidate { outcome, ..candidate })
     }
 
-    fn most_runs(&self) -> u64 {
-        let candidates = (self.course.population * self.tuning.generations) as u64;
-        (1 + candidates) * self.experiment.seeds.count() + 2 * self.tuning.check_seeds
-    }
-
     fn is_stopped(&self) -> bool {
         self.options.stop.load(Ordering::Relaxed)
     }
+}
+
+/// So many runs there are at most; each candidate has numbers for those of a check, too.
+fn most_runs(experiment: &Experiment, tuning: &Tuning, course: &Course) -> Result<u64, Error> {
+    let (seeds, checks) = (experiment.seeds.count(), tuning.check_seeds);
+    let candidates = 1 + (course.population * tuning.generations) as u64;
+    let numbers = seeds.checked_add(checks).and_then(|block| block.checked_mul(candidates));
+    let is_countable = numbers.is_some_and(|numbers| numbers <= i64::MAX as u64);
+    if !is_countable {
+        return Err(Error::field("seeds", "there are more than 2^63 runs"));
+    }
+    Ok(candidates * seeds + 2 * checks)
 }
 
 /// Removes what an earlier tuning made of its journal.

@@ -14,6 +14,7 @@ use crate::experiment::Experiment;
 use crate::outputs::{Content, Folder};
 
 use super::candidate::{Candidate, Outcome, levels};
+use super::goal::Goal;
 
 /// How a tuning went.
 #[derive(Debug)]
@@ -45,10 +46,11 @@ impl Tuned {
         scored.min_by(|a, b| a.outcome.cost().total_cmp(&b.outcome.cost()))
     }
 
-    /// An error if no candidate so far has a score: more will not have one either.
-    pub(super) fn refuse_hopeless(&self) -> Result<(), Error> {
+    /// An error if no run of any candidate so far had a score, and no other will have one either.
+    pub(super) fn refuse_hopeless(&self, goal: &Goal) -> Result<(), Error> {
+        let has_any = self.candidates.iter().any(|candidate| candidate.outcome.scores.count() > 0);
         match self.candidates.iter().find_map(|candidate| candidate.outcome.error.as_ref()) {
-            Some(error) if self.best().is_none() => Err(Error::Refused(format!(
+            Some(error) if !has_any && !goal.may_be_missed() => Err(Error::Refused(format!(
                 "none of {} candidates has a score: {error}",
                 self.candidates.len()
             ))),

@@ -177,6 +177,31 @@ fn what_cannot_be_tuned_is_refused_with_the_field_and_the_mend() {
     assert!(refused(&unknown).starts_with("tune.popluation: ") || refused(&unknown).contains("popluation"));
     let uncounted = STRAIGHT.replace("{ distance_m = 1.0 }", "{ covered = 1.0 }");
     assert!(refused(&uncounted).ends_with("`covered` was not counted, and so there is no score"));
+    let endless = STRAIGHT.replace("seeds = 2\n", "seeds = 1000000000000000000\n");
+    assert_eq!(refused(&endless), "seeds: there are more than 2^63 runs");
     let method = format!("{STRAIGHT}method = \"sgd\"\n");
     assert!(refused(&method).contains("cma-es"), "{}", refused(&method));
+}
+
+/// A run that does not reach its goal has no time to it; it is worse than one that does, and no reason to stop.
+#[test]
+fn the_way_to_a_goal_can_be_made_short() {
+    let toml = STRAIGHT.replace("{ distance_m = 1.0 }", "{ goal_time_s = -1.0 }");
+    let toml = toml.replace("constant:left=0.1", "constant").replace("seconds = 1.0", "seconds = 3.0");
+    let toml = toml.replace("collisions_at_most = 0", "goal_reached = true");
+    let room =
+        ROOM.replacen("[[arena", "[end]\ngoal = { x_m = 0.25, y_m = 0.0, radius_m = 0.15 }\n[[arena", 1);
+    let experiment = Experiment::parse(&toml, "test", |_| Ok(room)).unwrap();
+    let (out, stop) = (folder("goal"), AtomicBool::new(false));
+    let (place, fresh, confirmed) = (Place::Here, false, true);
+    let options = Options { out: &out, fresh, place, jobs: 2, confirmed, stop: &stop, progress: &|_, _| {} };
+    let tuned = tune(&experiment, &options).unwrap();
+    assert_eq!(tuned.untuned.as_ref().unwrap().outcome.score(), None, "it stands");
+    assert!(
+        tuned.candidates.iter().any(|candidate| candidate.outcome.score().is_none()),
+        "some drive elsewhere"
+    );
+    let best = tuned.best().unwrap();
+    assert!(best.outcome.succeeded == 2 && best.outcome.score().unwrap() > -3.0, "{best:?}");
+    std::fs::remove_dir_all(out).unwrap();
 }

@@ -173,7 +173,7 @@ impl AntBrain {
     /// Takes in what is new; how far it went since the last time.
     fn look(&mut self, turn: &Turn) -> f64 {
         let mut distance_m = 0.0;
-        if let Some((_, values)) = news(turn, self.places.odometer)
+        if let Some((at_ns, values)) = news(turn, self.places.odometer)
             && let [x, y, heading, ..] = *values
         {
             let now = Vector::new(x, y);
@@ -182,7 +182,7 @@ impl AntBrain {
             }
             self.odometer = Some((now, heading));
             if self.places.compass.is_none() {
-                self.face(turn.at_ns, heading);
+                self.face(at_ns, heading);
             }
         }
         if let Some((at_ns, values)) = self.places.compass.and_then(|compass| news(turn, compass)) {

@@ -8,6 +8,8 @@ mod chart;
 mod picture;
 mod table;
 
+use std::collections::BTreeSet;
+
 use anyhow::Context;
 use baudbot_proto::v1::Belief;
 use baudbot_recording::{Frames, Tape};
@@ -122,10 +124,10 @@ pub(super) fn columns(names: &[String], robots: &[RobotSpec]) -> anyhow::Result<
         let places: Vec<_> =
             known.iter().map(|columns| columns.iter().position(|column| column == name)).collect();
         if places.iter().all(Option::is_none) {
-            let mut all: Vec<_> = known.iter().flatten().take(MOST_NAMED).map(String::as_str).collect();
-            all.dedup();
-            let all = all.join(", ");
-            return Err(Refused::error(format!("--with: no robot has a column `{name}`; there are: {all}")));
+            let all: BTreeSet<_> = known.iter().flatten().map(String::as_str).collect();
+            let all = all.into_iter().take(MOST_NAMED).collect::<Vec<_>>().join(", ");
+            let problem = format!("--with: no robot has a sensor's column `{name}`; there are: {all}");
+            return Err(Refused::error(problem));
         }
         Ok(Column { name: name.clone(), places })
     };
