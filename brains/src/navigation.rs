@@ -2,7 +2,7 @@
 //!
 //! - [`Floor`]: walls as a description has them, and ways between points that keep clear of them.
 //! - [`Way`]: straight pieces one after the other, and places on them by their distance from the beginning.
-//! - [`Goals`]: points to be visited in turn.
+//! - `Goals`: points to be visited in turn.
 //! - [`Pursuit`]: the point of a way that a robot drives at.
 
 mod floor;

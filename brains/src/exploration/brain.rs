@@ -1,7 +1,7 @@
 //! A brain that explores: Wahde 2016, §6.1.
 //!
 //! It needs a laser range finder and an odometer. As in the notes it believes the odometer; with `slam` each scan corrects
-//! that, see [`slam`](crate::slam). For proximity it uses whatever infra-red sensors
+//! that, see [`slam`]. For proximity it uses whatever infra-red sensors
 //! and sonars look ahead; they should be mounted lower than the laser.
 //!
 //! Each new reading of the odometer is a step of its [`Explorer`]. Turns and ways become motor signals by proportional
