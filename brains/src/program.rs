@@ -3,6 +3,8 @@
 //! [`main`] runs one of the catalogue. [`described`] runs those that are [described](crate::description) in a file, and may
 //! name kinds of processes that the program adds to the [`Registry`].
 
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Context;
@@ -41,9 +43,23 @@ pub fn described(registry: &Registry) -> ExitCode {
                 let description = description.clone();
                 Ok(Anew::new(move |body: &Body| description.brain(seed, body, registry), body)?)
             };
-            block_on(drive(file, &arguments, make))
+            block_on(drive(&name_of(file), &arguments, make))
         }),
     )
+}
+
+/// The name that people see of what describes a brain; the contract allows 64 bytes.
+pub fn shown_name(description: &str) -> String {
+    let mut end = description.len().min(64);
+    while !description.is_char_boundary(end) {
+        end -= 1;
+    }
+    description[..end].to_owned()
+}
+
+/// That of a file: without the folders that it is in.
+fn name_of(file: &str) -> String {
+    shown_name(Path::new(file).file_name().and_then(OsStr::to_str).unwrap_or(file))
 }
 
 fn read(file: &str) -> anyhow::Result<Description> {
@@ -144,6 +160,14 @@ fn settings(entry: &Entry) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_names_are_cut_and_files_go_by_their_name() {
+        assert_eq!(shown_name(&"ä".repeat(40)), "ä".repeat(32));
+        assert_eq!(shown_name(&format!("a{}", "ä".repeat(40))).len(), 63);
+        assert_eq!(name_of(&format!("/{}/brain.toml", "folder/".repeat(20))), "brain.toml");
+        assert_eq!(name_of(&"b".repeat(99)).len(), 64);
+    }
 
     #[test]
     fn the_command_lines_of_all_brains_are_sound() {

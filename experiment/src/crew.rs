@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
+use baudbot_brains::program::shown_name;
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Device;
@@ -152,15 +153,6 @@ impl Crew {
     }
 }
 
-/// The name that people see; the contract allows 64 bytes.
-fn shown_name(description: &str) -> String {
-    let mut end = description.len().min(64);
-    while !description.is_char_boundary(end) {
-        end -= 1;
-    }
-    description[..end].to_owned()
-}
-
 /// The brain of a robot that is given none.
 pub const DEFAULT: &str = "avoid";
 
@@ -219,11 +211,5 @@ mod tests {
         assert!(jobs(&["dave=avoid"]).unwrap_err().ends_with("there are: alice, bob, carol"));
         assert!(jobs(&["avoid", "wander"]).unwrap_err().contains("all robots can have only one brain"));
         assert!(jobs(&["bob=avoid", "bob=none"]).unwrap_err().contains("robot `bob` can have only one"));
-    }
-
-    #[test]
-    fn long_names_are_cut() {
-        assert_eq!(shown_name(&"ä".repeat(40)), "ä".repeat(32));
-        assert_eq!(shown_name(&format!("a{}", "ä".repeat(40))).len(), 63);
     }
 }
