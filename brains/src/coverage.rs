@@ -5,7 +5,8 @@
 //! region after region.
 
 mod behavior;
+mod passage;
 mod regions;
 
 pub use behavior::{CoverRows, Parameters};
-pub use regions::{Region, Rows, reachable, regions};
+pub use regions::{Parts, Region, Rows, regions};

@@ -10,7 +10,7 @@ mod goals;
 mod pursuit;
 mod way;
 
-pub use floor::{Floor, Method};
+pub use floor::{CELLS_A_STEP, Floor, Method};
 pub(crate) use goals::Goals;
 pub use pursuit::Pursuit;
 pub use way::Way;

@@ -49,5 +49,5 @@ pub use plan::{End, Plan, PlanError};
 pub use search::{a_star, dijkstra, greedy};
 pub use sight::line_of_sight;
 pub use text::Sketch;
-pub use theta::theta_star;
+pub use theta::{ThetaStar, theta_star};
 pub use walker::walk;

@@ -21,20 +21,19 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A reading of a `laser` that does not sit on a turret; `None` of anything else. A data sheet does not say how wide
-    /// the laser opens, nor whether it sweeps clockwise: `opening_rad` is negative if it does.
+    /// A reading of a `laser` that does not sit on a turret; `None` of anything else.
     #[must_use]
-    pub fn of(sensor: &Sensor, opening_rad: f64, reading: &Reading) -> Option<Self> {
-        let (range_m, mount) = (sensor.range_m?, sensor.mount?);
+    pub fn of(sensor: &Sensor, reading: &Reading) -> Option<Self> {
+        let (range_m, mount, opening_rad) = (sensor.range_m?, sensor.mount?, sensor.opening_rad?);
         if sensor.kind != LASER || mount.turret.is_some() || reading.values.len() != sensor.values() {
             return None;
         }
         let mut distances_m: Vec<_> = reading.values.iter().map(|&value| distance(value, range_m)).collect();
-        if opening_rad < 0.0 {
+        if sensor.sweep.is_some_and(|sweep| sweep.clockwise) {
             distances_m.reverse();
         }
         let robot_from_laser = Pose::new(mount.x_m, mount.y_m, mount.heading_rad);
-        let scan = Self { robot_from_laser, opening_rad: opening_rad.abs(), range_m, distances_m };
+        let scan = Self { robot_from_laser, opening_rad, range_m, distances_m };
         (!scan.distances_m.is_empty()).then_some(scan)
     }
 
@@ -86,39 +85,44 @@ const LASER: &str = "laser";
 
 #[cfg(test)]
 mod tests {
+    use baudbot_client::Sweep;
+
     use super::*;
     use crate::test_body::{body, turn};
 
-    fn scan_of(values: &[f64], opening_rad: f64) -> Option<Scan> {
+    /// Of a laser that opens by 3 rad.
+    fn scan_of(values: &[f64], clockwise: bool) -> Option<Scan> {
         let mut body = body(&[("urg", "laser", 0.25)]);
         body.sensors[0].range_m = Some(4.0);
+        body.sensors[0].opening_rad = Some(3.0);
+        body.sensors[0].sweep = Some(Sweep { duration_ns: 100_000_000, clockwise });
         body.sensors[0].components[0].count = 4;
         let turn = turn(&body, 0, &[Some(values)]);
-        Scan::of(&body.sensors[0], opening_rad, turn.reading("urg").unwrap())
+        Scan::of(&body.sensors[0], turn.reading("urg").unwrap())
     }
 
     #[test]
     fn minus_one_is_nothing_within_range() {
-        let scan = scan_of(&[1.0, -1.0, 4.0, 0.0], 3.0).unwrap();
+        let scan = scan_of(&[1.0, -1.0, 4.0, 0.0], false).unwrap();
         assert_eq!(scan.distances_m, [1.0, f64::INFINITY, 4.0, f64::INFINITY]);
         assert_eq!((scan.range_m, scan.robot_from_laser.heading), (4.0, 0.25));
         assert_eq!(scan.spacing_rad(), 1.0);
-        assert!(scan_of(&[1.0, f64::NAN, 1.0, 1.0], 3.0).unwrap().distances_m[1].is_nan());
+        assert!(scan_of(&[1.0, f64::NAN, 1.0, 1.0], false).unwrap().distances_m[1].is_nan());
     }
 
     #[test]
     fn a_clockwise_sweep_is_turned_around() {
-        let scan = scan_of(&[1.0, 2.0, 3.0, -1.0], -3.0).unwrap();
+        let scan = scan_of(&[1.0, 2.0, 3.0, -1.0], true).unwrap();
         assert_eq!(scan.distances_m, [f64::INFINITY, 3.0, 2.0, 1.0]);
         assert_eq!(scan.opening_rad, 3.0);
     }
 
     #[test]
     fn only_whole_readings_of_lasers_are_scans() {
-        assert_eq!(scan_of(&[1.0, 2.0], 3.0), None);
+        assert_eq!(scan_of(&[1.0, 2.0], false), None);
         let body = body(&[("sonar", "sonar", 0.0)]);
         let turn = turn(&body, 0, &[Some(&[1.0])]);
-        assert_eq!(Scan::of(&body.sensors[0], 3.0, turn.reading("sonar").unwrap()), None);
+        assert_eq!(Scan::of(&body.sensors[0], turn.reading("sonar").unwrap()), None);
     }
 
     #[test]

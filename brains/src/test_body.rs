@@ -1,8 +1,9 @@
 //! Bodies and turns made up for tests.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Reading, Sensor, Turn};
+use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Reading, Sensor, Sweep, Turn};
 
 /// A body with sensors of these names, kinds and headings.
 pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
@@ -18,6 +19,8 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         range_m: Some(1.0),
         counts_per_turn: None,
         port: None,
+        opening_rad: (kind == "laser").then_some(4.0 * PI / 3.0),
+        sweep: (kind == "laser").then_some(Sweep { duration_ns: 66_500_000, clockwise: false }),
     };
     Body {
         name: "alice".to_owned(),

@@ -76,6 +76,20 @@ pub struct Sensor {
     pub counts_per_turn: Option<u32>,
     /// A cable of its own to the laptop, past the microcontroller, if it has one.
     pub port: Option<Port>,
+    /// The angle from the first of the rays that it looks along to the last, in radians, if it looks along rays; 0 if that
+    /// is one ray.
+    pub opening_rad: Option<f64>,
+    /// How a laser's mirror turns.
+    pub sweep: Option<Sweep>,
+}
+
+/// The sweep of a laser range finder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sweep {
+    /// Time from the first ray of a scan to the last, in nanoseconds.
+    pub duration_ns: u64,
+    /// The first ray is the one farthest to the left, and not the one farthest to the right.
+    pub clockwise: bool,
 }
 
 /// A sensor's own cable to the laptop.

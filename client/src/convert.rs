@@ -10,7 +10,7 @@ use baudbot_proto::v1::encoding::Kind;
 use baudbot_proto::v1::robot_step::Output;
 use baudbot_wire::Encoding;
 
-use crate::body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor};
+use crate::body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
 use crate::brain::Action;
 use crate::error::Breach;
 use crate::session::{Answer, Event, Hello, Part, Welcome};
@@ -156,6 +156,8 @@ fn sensor(described: v1::SensorDescription) -> Result<Sensor, Breach> {
         range_m: described.range_m,
         counts_per_turn: described.counts_per_turn,
         port: described.port.map(port),
+        opening_rad: described.opening_rad,
+        sweep: described.sweep.map(|v1::Sweep { duration_ns, clockwise }| Sweep { duration_ns, clockwise }),
     })
 }
 

@@ -61,7 +61,7 @@ mod wire;
 pub use baudbot_proto::v1::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
 pub use baudbot_wire::Encoding;
 
-pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor};
+pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
 pub use brain::{Action, Brain, Summary, run, run_fleet};
 pub use client::{Client, connect};
 pub use error::{Breach, Error};

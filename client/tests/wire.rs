@@ -27,6 +27,8 @@ fn body(protocol: Protocol) -> Arc<Body> {
         range_m: None,
         counts_per_turn: None,
         port: None,
+        opening_rad: None,
+        sweep: None,
     };
     Arc::new(Body {
         name: "alice".to_owned(),

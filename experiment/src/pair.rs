@@ -5,7 +5,7 @@ use std::sync::Arc;
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{
     Action, Actuator, Belief, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading,
-    Sensor, Turn,
+    Sensor, Sweep, Turn,
 };
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::firmware::{Mode, Protocol as SimProtocol};
@@ -237,6 +237,11 @@ fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
         range_m: spec.device.range_m(),
         counts_per_turn,
         port: spec.port.as_ref().map(|own| port(own, &spec.device)),
+        opening_rad: spec.device.fan().map(|fan| fan.opening_rad()),
+        sweep: match &spec.device {
+            Device::Laser(laser) => Some(Sweep { duration_ns: laser.sweep_ns, clockwise: laser.clockwise }),
+            _ => None,
+        },
     }
 }
 

@@ -50,6 +50,12 @@ impl Fan {
         self.relative.len()
     }
 
+    /// The angle from the first ray to the last, in radians; 0 of a single ray.
+    #[must_use]
+    pub fn opening_rad(&self) -> f64 {
+        2.0 * (self.len() - 1) as f64 * self.half_spacing
+    }
+
     /// The relative ray angles, in radians. Eq. (3.14).
     #[must_use]
     pub fn kappas(&self) -> &[f64] {

@@ -126,10 +126,7 @@ impl Detailed {
             return None;
         }
         let range_m = sensor.device.range_m().unwrap_or(f64::INFINITY);
-        let opening_rad = match sensor.device.fan() {
-            Some(fan) => fan.kappas().last()? - fan.kappas().first()?,
-            None => 0.0,
-        };
+        let opening_rad = sensor.device.fan().map_or(0.0, |fan| fan.opening_rad());
         let length = |glance: &Glance| glance.distance_m.unwrap_or(range_m) as f32;
         let lengths_m = glances.iter().map(length).collect();
         Some(RayFan { world_from_sensor: onlooker.place(self.robot, mount), opening_rad, lengths_m })

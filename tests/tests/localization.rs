@@ -76,7 +76,7 @@ fn a_laser_keeps_a_robot_on_its_way_whose_odometer_errs_by_metres() {
     keeps_its_way(1..=2);
 }
 
-/// `cargo test --release -p baudbot-tests --test localization -- --ignored --nocapture`
+/// `cargo test --release -p baudbot-tests --test system localization -- --ignored --nocapture`
 #[test]
 #[ignore = "takes a minute"]
 fn with_ten_seeds() {

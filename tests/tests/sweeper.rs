@@ -28,7 +28,7 @@ fn it_sweeps_and_charges_in_time() {
     never_runs_empty(1..=3, 25);
 }
 
-/// `cargo test --release -p baudbot-tests --test sweeper -- --ignored`
+/// `cargo test --release -p baudbot-tests --test system sweeper -- --ignored`
 #[test]
 #[ignore = "takes a minute"]
 fn it_never_runs_empty_in_an_hour() {

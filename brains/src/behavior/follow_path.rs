@@ -1,15 +1,19 @@
 //! Path following: to goals in a known map, on a planned way that keeps clear of the walls, by pure pursuit.
 //!
-//! The way is planned when a goal becomes the next one, and anew if the robot has strayed from it: because something pushed
-//! it, or because localization has found out that it is elsewhere. In the notes a way of §6.2.1 is followed from cell to cell;
-//! what is between planning and wheels is ours.
+//! The ways from goal to goal are known from the beginning. The robot plans one to its first goal, and anew if it has strayed:
+//! because something pushed it, or because localization has found out that it is elsewhere. It stands while it does so, since
+//! a way through a large map takes longer than a step may. In the notes a way of §6.2.1 is followed from cell to cell; what is
+//! between planning and wheels is ours.
+
+use std::task::{Poll, ready};
 
 use baudbot_client::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 
 use super::steering::{Helm, Steering, braking};
-use crate::navigation::{Floor, Goals, Method, Pursuit, Way};
+use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Pursuit, Way};
+use crate::planning::ThetaStar;
 use crate::process::{Moment, MotorBehavior};
 
 /// Where it goes, and between which walls.
@@ -71,12 +75,17 @@ fn stray_m() -> f64 {
 pub struct FollowPath {
     floor: Floor,
     goals: Goals,
+    /// To each goal the way from the one before it; to the first one that from the last, if it goes round.
+    ways: Vec<Option<Vec<Point>>>,
     helm: Helm,
     half_track_m: f64,
     look_ahead_m: f64,
     stray_m: f64,
     /// To which goal, by its place, and the way there.
     pursuit: Option<(usize, Pursuit)>,
+    /// A way that is being planned: to which goal, and from where.
+    planned: Option<(usize, Point)>,
+    search: ThetaStar,
     /// It has found no way, and tries again at this instant.
     retry_ns: Option<u64>,
 }
@@ -101,8 +110,8 @@ impl FollowPath {
         }
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, p.method)?;
-        check(&floor, goals.points())?;
         Ok(Self {
+            ways: ways(&floor, goals.points(), p.again)?,
             floor,
             goals,
             helm: Helm::new(p.steering),
@@ -110,6 +119,8 @@ impl FollowPath {
             look_ahead_m: p.look_ahead_m,
             stray_m: p.stray_m,
             pursuit: None,
+            planned: None,
+            search: ThetaStar::default(),
             retry_ns: None,
         })
     }
@@ -119,24 +130,45 @@ impl FollowPath {
         self.goals.has_arrived()
     }
 
-    /// Makes sure that there is a way to the goal; an error in words if there is none.
-    fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Result<(), String> {
+    /// Makes sure that there is a way to the goal. Pending until there is one; an error in words if there is none.
+    fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Poll<Result<(), String>> {
         let place = self.goals.next();
-        let followed = self.pursuit.as_mut().filter(|(to, _)| *to == place);
-        if followed.is_some_and(|(_, pursuit)| pursuit.advance(here) <= self.stray_m) {
-            return Ok(());
-        }
-        let problem =
-            || format!("goals_m[{place}]: no way leads there from ({:.2} m, {:.2} m)", here.x, here.y);
-        if self.retry_ns.is_some_and(|retry_ns| at_ns < retry_ns) {
-            return Err(problem());
+        let is_followed = match &mut self.pursuit {
+            Some((to, pursuit)) if *to == place => pursuit.advance(here) <= self.stray_m,
+            _ => self.go_on(place, here),
+        };
+        if is_followed {
+            return Poll::Ready(Ok(()));
         }
         self.pursuit = None;
-        self.retry_ns = Some(at_ns + RETRY_NS);
-        let way = self.floor.way(here, goal).map_err(|_| problem())?;
-        self.retry_ns = None;
+        let problem = |from: Point| {
+            format!("goals_m[{place}]: no way leads there from ({:.2} m, {:.2} m)", from.x, from.y)
+        };
+        if self.retry_ns.is_some_and(|retry_ns| at_ns < retry_ns) {
+            return Poll::Ready(Err(problem(here)));
+        }
+        let from = self.planned.filter(|(to, _)| *to == place).map_or(here, |(_, from)| from);
+        self.planned = Some((place, from));
+        let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut CELLS_A_STEP.clone()));
+        self.planned = None;
+        self.retry_ns = way.is_err().then_some(at_ns + RETRY_NS);
+        self.follow(place, way.map_err(|_| problem(from))?);
+        Poll::Ready(Ok(()))
+    }
+
+    /// Takes the way that is known from one goal to the next, if the robot is at the former.
+    fn go_on(&mut self, place: usize, here: Point) -> bool {
+        let before = place.checked_sub(1).unwrap_or(self.goals.points().len() - 1);
+        let is_there = (self.goals.points()[before] - here).norm() <= self.goals.reached_m();
+        match self.ways[place].clone().filter(|_| is_there) {
+            Some(way) => self.follow(place, way),
+            None => return false,
+        }
+        true
+    }
+
+    fn follow(&mut self, place: usize, way: Vec<Point>) {
         self.pursuit = Some((place, Pursuit::new(Way::new(way), self.look_ahead_m)));
-        Ok(())
     }
 
     /// Signals on the way.
@@ -151,25 +183,23 @@ impl FollowPath {
     }
 }
 
-/// What can be known of the goals before it is known where the robot is.
-fn check(floor: &Floor, goals: &[Point]) -> Result<(), String> {
+/// The ways from goal to goal: what can be known of them before it is known where the robot is.
+fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, String> {
     let place = |point: &Point| format!("({} m, {} m)", point.x, point.y);
-    for (i, goal) in goals.iter().enumerate() {
-        if !floor.is_free(*goal) {
-            let why =
-                "is outside of the map, or nearer to a wall than the body's radius and `clearance_m` allow";
-            return Err(format!("goals_m[{i}]: {} {why}", place(goal)));
-        }
-        if i > 0 && floor.way(goals[i - 1], *goal).is_err() {
-            let why = "with the body's radius and `clearance_m` on both sides";
-            return Err(format!(
-                "goals_m[{i}]: no way leads to {} from {}, {why}",
-                place(goal),
-                place(&goals[i - 1])
-            ));
-        }
+    if let Some(i) = goals.iter().position(|goal| !floor.is_free(*goal)) {
+        let why = "is outside of the map, or nearer to a wall than the body's radius and `clearance_m` allow";
+        return Err(format!("goals_m[{i}]: {} {why}", place(&goals[i])));
     }
-    Ok(())
+    let before = |i: usize| i.checked_sub(1).or_else(|| again.then_some(goals.len() - 1));
+    let way = |i: usize| {
+        let Some(before) = before(i) else { return Ok(None) };
+        let (from, to) = (&goals[before], &goals[i]);
+        floor.way(*from, *to).map(Some).map_err(|_| {
+            let why = "with the body's radius and `clearance_m` on both sides";
+            format!("goals_m[{i}]: no way leads to {} from {}, {why}", place(to), place(from))
+        })
+    };
+    (0..goals.len()).map(way).collect()
 }
 
 impl MotorBehavior for FollowPath {
@@ -177,6 +207,7 @@ impl MotorBehavior for FollowPath {
     fn enter(&mut self, _: &mut Moment<'_>) {
         self.goals.begin();
         self.pursuit = None;
+        self.planned = None;
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
@@ -190,8 +221,13 @@ impl MotorBehavior for FollowPath {
                 if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
             return Some(Signals::default());
         };
-        if let Err(problem) = self.plan(here, goal, moment.turn.at_ns) {
-            moment.beliefs.intention = problem;
+        let wait = match self.plan(here, goal, moment.turn.at_ns) {
+            Poll::Ready(Ok(())) => None,
+            Poll::Ready(Err(problem)) => Some(problem),
+            Poll::Pending => Some("plans its way".to_owned()),
+        };
+        if let Some(why) = wait {
+            moment.beliefs.intention = why;
             return Some(Signals::default());
         }
         if let Some((_, pursuit)) = &self.pursuit {

@@ -25,12 +25,6 @@ pub struct Parameters {
     /// Name of the laser.
     #[serde(default = "laser_name")]
     pub laser: String,
-    /// How wide the laser opens, in radians; negative if it sweeps clockwise. No data sheet says it.
-    pub opening_rad: f64,
-    /// How long a sweep takes, in seconds: what bends the scan of a robot that moves is mended by its odometry. No data sheet
-    /// says it, either.
-    #[serde(default)]
-    pub sweep_s: f64,
     /// Time from one match to the next, in seconds.
     #[serde(default = "every_s")]
     pub every_s: f64,
@@ -91,8 +85,8 @@ impl Localize {
     /// # Errors
     /// In words.
     pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
-        let Parameters { laser, opening_rad, sweep_s, every_s, rays, .. } = parameters;
-        let scanner = Scanner::new(kit.body, laser, *opening_rad, *sweep_s, *rays)?;
+        let Parameters { laser, every_s, rays, .. } = parameters;
+        let scanner = Scanner::new(kit.body, laser, *rays)?;
         if !(0.0..=1e6).contains(every_s) {
             return Err(format!("every_s: must be from 0 to 1000000, is {every_s}"));
         }

@@ -18,11 +18,6 @@ pub struct Parameters {
     /// Name of the laser.
     #[serde(default = "laser_name")]
     pub laser: String,
-    /// How wide the laser opens, in radians; negative if it sweeps clockwise. No data sheet says it.
-    pub opening_rad: f64,
-    /// How long a sweep takes, in seconds. No data sheet says it, either.
-    #[serde(default)]
-    pub sweep_s: f64,
     /// Side of the grid's cells, in metres.
     #[serde(default = "cell_m")]
     pub cell_m: f64,
@@ -58,7 +53,7 @@ impl MakeMap {
     /// # Errors
     /// In words.
     pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
-        let &Parameters { ref laser, opening_rad, sweep_s, cell_m, rays } = parameters;
+        let &Parameters { ref laser, cell_m, rays } = parameters;
         if !(0.01..=1.0).contains(&cell_m) {
             return Err(format!("cell_m: must be from 0.01 to 1, is {cell_m}"));
         }
@@ -71,7 +66,7 @@ impl MakeMap {
                 "laser: `{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least"
             ));
         }
-        let scanner = Scanner::new(kit.body, laser, opening_rad, sweep_s, usize::MAX)?;
+        let scanner = Scanner::new(kit.body, laser, usize::MAX)?;
         let slam = Slam::new(slam::Parameters { cell_m, rays, ..slam::Parameters::default() });
         Ok(Self { scanner, slam })
     }

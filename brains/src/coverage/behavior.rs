@@ -1,18 +1,18 @@
-//! The motor behaviour.
-//!
-//! Regions are taken as they come: the next one is that of which a corner is nearest along a way. That is not the shortest
-//! way through all of them, which would be a travelling salesman's.
+//! The motor behaviour. It stands while it plans.
 
 use std::collections::VecDeque;
+use std::task::{Poll, ready};
 
 use baudbot_client::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 
-use super::regions::{Region, Rows, reachable, regions};
+use super::passage::Passage;
+use super::regions::{Parts, Region, Rows, regions};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
-use crate::navigation::{Floor, Method, Pursuit, Way};
+use crate::navigation::{CELLS_A_STEP, Floor, Method, Pursuit, Way};
+use crate::planning::ThetaStar;
 use crate::process::{Moment, MotorBehavior};
 
 /// What is covered, and how.
@@ -67,6 +67,9 @@ fn stray_m() -> f64 {
 #[derive(Clone, Debug)]
 pub struct CoverRows {
     floor: Floor,
+    parts: Parts,
+    /// Those of the whole map, with rows along each axis.
+    regions: [(Rows, Vec<Region>); 2],
     rows: Rows,
     /// Cells from one row to the next.
     apart: usize,
@@ -75,6 +78,11 @@ pub struct CoverRows {
     /// Straight pieces of the way that is left in this region.
     legs: VecDeque<Way>,
     pursuit: Option<Pursuit>,
+    /// The way to the next region that is being planned.
+    passage: Option<Passage>,
+    /// It has strayed, or was interrupted: from where it finds back, to the rest of its leg.
+    back: Option<(Point, Vec<Point>)>,
+    search: ThetaStar,
     helm: Helm,
     half_track_m: f64,
     look_ahead_m: f64,
@@ -108,13 +116,19 @@ impl CoverRows {
             return Err(format!("clearance_m: must not be negative, is {}", p.clearance_m));
         }
         let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, Method::ThetaStar)?;
+        let apart = ((row_m / p.cell_m + ROUNDING) as usize).max(1);
         Ok(Self {
+            parts: Parts::new(floor.grid()),
+            regions: [Rows::AlongX, Rows::AlongY].map(|rows| (rows, regions(floor.grid(), rows, apart))),
             floor,
             rows: Rows::AlongX,
-            apart: ((row_m / p.cell_m + ROUNDING) as usize).max(1),
+            apart,
             left: None,
             legs: VecDeque::new(),
             pursuit: None,
+            passage: None,
+            back: None,
+            search: ThetaStar::default(),
             helm: Helm::new(p.steering),
             half_track_m: body.half_track_m,
             look_ahead_m: p.look_ahead_m,
@@ -131,115 +145,95 @@ impl CoverRows {
     /// The regions that a robot can reach from a free place, with rows along the axis along which there are fewer of them.
     fn divide(&mut self, place: Point) -> Vec<Region> {
         let Some(cell) = self.floor.grid().cell_at(place) else { return Vec::new() };
-        let grid = reachable(self.floor.grid(), cell);
-        let found = [Rows::AlongX, Rows::AlongY].map(|rows| (rows, regions(&grid, rows, self.apart)));
+        let part = self.parts.of(cell);
+        let of_part = |(rows, all): &(Rows, Vec<Region>)| {
+            let is_in = |region: &&Region| self.parts.of(region.a_cell(*rows)) == part;
+            (*rows, all.iter().filter(is_in).cloned().collect::<Vec<_>>())
+        };
         let count = |(rows, found): &(Rows, Vec<Region>)| -> usize {
             found.iter().map(|region| region.rows(*rows, self.apart).len()).sum()
         };
-        let [along_x, along_y] = found;
+        let [along_x, along_y] = [of_part(&self.regions[0]), of_part(&self.regions[1])];
         let (rows, found) = if count(&along_y) < count(&along_x) { along_y } else { along_x };
         self.rows = rows;
         found
     }
 
-    /// Takes the region of which a corner is nearest, and plans the way there and through it.
-    fn next_region(&mut self, here: Point) {
-        let Some(left) = &mut self.left else { return };
-        let center = |cell| self.floor.grid().center(cell);
-        let mut corners: Vec<_> = left
-            .iter()
-            .enumerate()
-            .flat_map(|(i, region)| entries(region, self.rows, self.apart).map(|rows| (i, rows)))
-            .map(|(i, rows)| (i, rows.into_iter().map(|row| row.map(center)).collect::<Vec<_>>()))
-            .map(|(i, rows)| ((rows[0][0] - here).norm(), i, rows))
-            .collect();
-        corners.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut best: Option<(f64, usize, Way, Vec<[Point; 2]>)> = None;
-        for (straight_m, i, rows) in corners {
-            if best.as_ref().is_some_and(|(length_m, ..)| straight_m >= *length_m) {
-                break;
+    /// Plans the way to the next region and through it.
+    fn next_region(&mut self, here: Point, cells: &mut usize) -> Poll<()> {
+        let Some(left) = &mut self.left else { return Poll::Ready(()) };
+        let passage =
+            self.passage.get_or_insert_with(|| Passage::new(&self.floor, left, self.rows, self.apart, here));
+        match ready!(passage.plan(&self.floor, &mut self.search, cells)) {
+            Some((region, way)) => {
+                left.remove(region);
+                self.legs = way.legs(BEND_RAD).into();
             }
-            let Ok(way) = self.floor.way(here, rows[0][0]) else { continue };
-            let way = Way::new(way);
-            if best.as_ref().is_none_or(|(length_m, ..)| way.length_m() < *length_m) {
-                best = Some((way.length_m(), i, way, rows));
-            }
+            None => left.clear(),
         }
-        let Some((_, i, way, rows)) = best else {
-            left.clear();
-            return;
-        };
-        left.remove(i);
-        let points = way.points().to_vec();
-        self.legs = self.through(points, &rows).legs(BEND_RAD).into();
+        self.passage = None;
+        Poll::Ready(())
     }
 
-    /// A way on through rows, to and fro.
-    fn through(&self, mut points: Vec<Point>, rows: &[[Point; 2]]) -> Way {
-        for (i, &[near, far]) in rows.iter().enumerate() {
-            let [from, to] = if i % 2 == 0 { [near, far] } else { [far, near] };
-            if let Some(last) = points.last() {
-                points.extend(self.floor.way(*last, from).unwrap_or_default());
-            }
-            points.push(to);
-        }
-        Way::new(points)
-    }
-
-    /// Sees to it that there is a leg that is not at its end.
-    fn go_on(&mut self, here: Point) {
+    /// Sees to it that there is a leg that is not at its end, unless all is done.
+    fn go_on(&mut self, here: Point, cells: &mut usize) -> Poll<()> {
         while self.pursuit.as_ref().is_none_or(|pursuit| pursuit.left_m() <= self.reached_m) {
             self.pursuit = None;
             if self.legs.is_empty() {
-                self.next_region(here);
+                ready!(self.next_region(here, cells));
             }
             let Some(mut pursuit) = self.legs.pop_front().map(|leg| Pursuit::new(leg, self.look_ahead_m))
             else {
-                return;
+                break;
             };
             pursuit.advance(here);
             self.pursuit = Some(pursuit);
         }
+        Poll::Ready(())
+    }
+
+    /// It is to find back to its leg.
+    fn lose(&mut self, here: Point) {
+        let rest: Vec<_> = self.pursuit.iter().flat_map(Pursuit::rest).collect();
+        self.back = (!rest.is_empty()).then_some((here, rest));
     }
 
     /// Back to the leg that it has strayed from, and on along that. Where no way leads there it keeps what it has: it may
     /// believe to be elsewhere soon.
-    fn find_back(&mut self, here: Point) {
-        let rest: Vec<_> = self.pursuit.iter().flat_map(Pursuit::rest).collect();
-        if let Some(Ok(way)) = rest.first().map(|place| self.floor.way(here, *place)) {
+    fn find_back(&mut self, cells: &mut usize) -> Poll<()> {
+        let Some((from, rest)) = &self.back else { return Poll::Ready(()) };
+        let way = ready!(self.floor.seek(&mut self.search, *from, rest[0], cells));
+        if let Ok(way) = way {
             self.pursuit = None;
-            let back = Way::new(way.into_iter().chain(rest).collect());
+            let back = Way::new(way.into_iter().chain(rest.iter().copied()).collect());
             for leg in back.legs(BEND_RAD).into_iter().rev() {
                 self.legs.push_front(leg);
             }
         }
+        self.back = None;
+        Poll::Ready(())
     }
 
-    fn drive(&mut self, world_from_robot: &Pose) -> Signals {
-        let here = world_from_robot.position;
-        if self.pursuit.as_mut().is_some_and(|pursuit| pursuit.advance(here) > self.stray_m) {
-            self.find_back(here);
+    /// Signals on its way. Pending while that is being planned.
+    fn drive(&mut self, world_from_robot: &Pose) -> Poll<Signals> {
+        let (here, mut cells) = (world_from_robot.position, CELLS_A_STEP);
+        let strays = |pursuit: &mut Pursuit| pursuit.advance(here) > self.stray_m;
+        if self.back.is_none() && self.pursuit.as_mut().is_some_and(strays) {
+            self.lose(here);
         }
-        self.go_on(here);
-        let Some(pursuit) = &self.pursuit else { return Signals::default() };
+        ready!(self.find_back(&mut cells));
+        ready!(self.go_on(here, &mut cells));
+        let Some(pursuit) = &self.pursuit else { return Poll::Ready(Signals::default()) };
         let target = pursuit.target(|point| self.floor.is_clear(here, point)).unwrap_or(here);
-        self.helm.pursue(world_from_robot, target, self.half_track_m, braking(pursuit.left_m()))
+        Poll::Ready(self.helm.pursue(world_from_robot, target, self.half_track_m, braking(pursuit.left_m())))
     }
-}
-
-/// The rows of a region from each of its four corners: first the near end of a row, then its far one.
-fn entries(region: &Region, rows: Rows, apart: usize) -> [Vec<[crate::planning::Cell; 2]>; 4] {
-    let up = region.rows(rows, apart);
-    let down: Vec<_> = up.iter().rev().copied().collect();
-    let other_side = |rows: &[[_; 2]]| rows.iter().map(|&[from, to]| [to, from]).collect();
-    [other_side(&up), other_side(&down), up, down]
 }
 
 impl MotorBehavior for CoverRows {
     /// It finds its way back to where it was interrupted.
     fn enter(&mut self, moment: &mut Moment<'_>) {
         if let Some(estimate) = moment.beliefs.pose {
-            self.find_back(estimate.world_from_robot.position);
+            self.lose(estimate.world_from_robot.position);
         }
     }
 
@@ -254,13 +248,19 @@ impl MotorBehavior for CoverRows {
         if self.left.is_none() {
             self.left = Some(self.divide(place));
         }
-        let signals = self.drive(&world_from_robot);
+        let driven = self.drive(&world_from_robot);
         let points = self.pursuit.iter().flat_map(Pursuit::rest);
         moment.beliefs.path = points.chain(self.legs.iter().flat_map(|leg| leg.points().to_vec())).collect();
         let left = self.left.as_ref().map_or(0, Vec::len);
-        moment.beliefs.intention =
-            if self.has_covered() { "has covered all".to_owned() } else { format!("{left} regions left") };
-        Some(signals)
+        moment.beliefs.intention = match driven {
+            Poll::Pending => format!("plans its way, {left} regions left"),
+            Poll::Ready(_) if self.has_covered() => "has covered all".to_owned(),
+            Poll::Ready(_) => format!("{left} regions left"),
+        };
+        Some(match driven {
+            Poll::Ready(signals) => signals,
+            Poll::Pending => Signals::default(),
+        })
     }
 }
 

@@ -4,8 +4,6 @@
 //! of these is a region that grows. Where a stretch parts, or two join, regions end and others begin; and also where an end
 //! of a stretch jumps, so that no strip is left beside a step in a wall (that is not in Choset and Pignon).
 
-use std::collections::VecDeque;
-
 use crate::planning::{Cell, Grid, Moves};
 
 /// Stretches of free cells, line after line.
@@ -56,26 +54,41 @@ impl Region {
     }
 }
 
-/// The same grid with all cells blocked to which no way leads from this one.
-pub fn reachable(grid: &Grid, from: Cell) -> Grid {
-    let mut is_reached = vec![false; grid.columns() * grid.rows()];
-    let number = |cell: Cell| cell.row * grid.columns() + cell.column;
-    let mut open = VecDeque::from_iter(grid.is_free(from).then_some(from));
-    for cell in &open {
-        is_reached[number(*cell)] = true;
+/// The free cells of a grid in parts: from each cell of a part ways lead to all others of it, and to no others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parts {
+    columns: usize,
+    /// Of each cell the part it belongs to, row by row.
+    numbers: Vec<Option<u32>>,
+}
+
+impl Parts {
+    /// Those of this grid.
+    pub fn new(grid: &Grid) -> Self {
+        let mut parts = Self { columns: grid.columns(), numbers: vec![None; grid.columns() * grid.rows()] };
+        let mut number = 0;
+        for cell in grid.cells().filter(|&cell| grid.is_free(cell)) {
+            if parts.of(cell).is_none() {
+                parts.fill(grid, cell, number);
+                number += 1;
+            }
+        }
+        parts
     }
-    while let Some(cell) = open.pop_front() {
-        for (next, _) in Moves::Four.neighbours(grid, cell) {
-            if !std::mem::replace(&mut is_reached[number(next)], true) {
-                open.push_back(next);
+
+    /// To which part a cell of the grid belongs; a blocked one to none.
+    pub fn of(&self, cell: Cell) -> Option<u32> {
+        self.numbers[cell.row * self.columns + cell.column]
+    }
+
+    fn fill(&mut self, grid: &Grid, from: Cell, number: u32) {
+        let mut open = vec![from];
+        while let Some(cell) = open.pop() {
+            if self.numbers[cell.row * self.columns + cell.column].replace(number).is_none() {
+                open.extend(Moves::Four.neighbours(grid, cell).map(|(next, _)| next));
             }
         }
     }
-    let mut reached = grid.clone();
-    for cell in grid.cells().filter(|&cell| !is_reached[number(cell)]) {
-        reached.block(cell);
-    }
-    reached
 }
 
 /// The regions of the free cells. An end of a stretch that differs by more than `jump` cells from line to line begins
@@ -107,6 +120,11 @@ pub fn regions(grid: &Grid, rows: Rows, jump: usize) -> Vec<Region> {
 }
 
 impl Region {
+    /// One of its cells.
+    pub fn a_cell(&self, rows: Rows) -> Cell {
+        rows.cell(self.first_line, self.stretches[0].0)
+    }
+
     /// Whether this one is the other, a line later.
     fn starts_as(&self, old: &Self) -> bool {
         self.first_line == old.first_line && self.stretches.starts_with(&old.stretches)
@@ -208,11 +226,13 @@ mod tests {
     }
 
     #[test]
-    fn what_no_way_leads_to_is_blocked() {
-        let grid = grid("..#..\n..#..\n..#..");
-        let reached = reachable(&grid, Cell { column: 0, row: 0 });
-        assert_eq!(reached.cells().filter(|&cell| reached.is_free(cell)).count(), 6);
-        let none = reachable(&grid, Cell { column: 2, row: 0 });
-        assert_eq!(none.cells().filter(|&cell| none.is_free(cell)).count(), 0);
+    fn what_no_way_leads_to_is_another_part() {
+        let grid = grid("..#.\n..##\n..#.");
+        let parts = Parts::new(&grid);
+        let found: Vec<_> = grid.cells().map(|cell| parts.of(cell)).collect();
+        let (left, below, above) = (Some(0), Some(1), Some(2));
+        assert_eq!(found[..4], [left, left, None, below]);
+        assert_eq!(found[4..8], [left, left, None, None]);
+        assert_eq!(found[8..], [left, left, None, above]);
     }
 }

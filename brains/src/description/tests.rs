@@ -214,7 +214,7 @@ fn numbers_that_make_no_sense_are_refused() {
     let find = |more: &str| {
         format!(
             "[motor.a]\nkind = \"constant\"\n[cognitive.find]\nkind = \"laser_localization\"\n\
-             [cognitive.find.parameters]\nwalls_m = []\nopening_rad = 4.0\n{more}"
+             [cognitive.find.parameters]\nwalls_m = []\n{more}"
         )
     };
     let refused = |more: &str| problem(&find(more)).replace("cognitive.find.parameters: ", "");

@@ -12,7 +12,7 @@
 //! - A scan goes with the pose that the odometer says for the end of its sweep; what the robot's motion has bent is
 //!   [mended](crate::localization::deskew).
 //! - Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
-//! - Lasers that sweep clockwise, and those on a turret, are not understood.
+//! - Lasers on a turret are not understood.
 
 use baudbot_client::{Action, Belief, Body, Brain, Mount, Sensor, Signals, Turn};
 use baudbot_geometry::{Direction, Point, Pose, angle, math};
@@ -74,8 +74,7 @@ impl Explore {
     pub fn new(parameters: Parameters, body: &Body) -> Option<Self> {
         body.sensor(ODOMETER).filter(|sensor| sensor.values() >= 3)?;
         let laser = body.sensors.iter().find(|sensor| sensor.kind == "laser")?;
-        let Parameters { opening_rad, sweep_s, .. } = parameters;
-        let scanner = Scanner::new(body, &laser.name, opening_rad, sweep_s, usize::MAX).ok()?;
+        let scanner = Scanner::new(body, &laser.name, usize::MAX).ok()?;
         let wheels = odometry::Parameters::of(body, ODOMETER)?;
         let explorer = explorer(&parameters, body.radius_m, laser.range_m?);
         let feeler = |(sensor, described): (usize, &Sensor)| Feeler {

@@ -21,7 +21,8 @@ use baudbot_geometry::{Point, Pose};
 
 use super::approach::{Approach, heading_to, turn};
 use super::{Command, Explorer, Failure, Input};
-use crate::mapping::frontier::{groups, is_frontier};
+use crate::mapping::disc::Disc;
+use crate::mapping::frontier::{frontiers, groups, is_frontier};
 use crate::mapping::{Cell, Floor, Occupancy, Occupied, PlacedScan};
 
 /// The lengths of the method.
@@ -163,12 +164,13 @@ impl Frontiers {
             return State::Ended(Command::Failed(Failure::Stuck));
         }
         let floor = self.floor(here);
-        let is_in_view = self.cells_in_view();
+        let frontiers = self.frontiers();
+        let view = Disc::new(self.parameters.view_m / self.grid.cell_m());
+        let is_in_view = self.cells_in_view(frontiers.clone(), &view);
         let seen = Shared::new(None);
         let is_goal = |cell: Cell| {
-            seen.set(
-                self.grid.place(cell).filter(|place| is_in_view[*place]).and_then(|_| self.seen_from(cell)),
-            );
+            let is_near = self.grid.place(cell).is_some_and(|place| is_in_view[place]);
+            seen.set(if is_near { self.seen_from(cell, &frontiers, &view) } else { None });
             seen.get().is_some()
         };
         let way = floor.way(here.position, is_goal);
@@ -220,38 +222,37 @@ impl Frontiers {
         Floor::new(&self.grid, self.parameters.half_width_m, here.position, &self.bumps)
     }
 
+    /// For each cell of the grid whether it is on a frontier that was not given up.
+    fn frontiers(&self) -> Vec<bool> {
+        let mut frontiers = frontiers(&self.grid);
+        for place in self.given_up.iter().filter_map(|cell| self.grid.place(*cell)) {
+            frontiers[place] = false;
+        }
+        frontiers
+    }
+
     /// For each cell of the grid whether it is near enough to a frontier that counts.
-    fn cells_in_view(&self) -> Vec<bool> {
-        let groups = groups(&self.grid, |cell| !self.given_up.contains(&cell));
-        let groups = groups.into_iter().filter(|group| group.len() >= self.parameters.least_cells);
-        let mut is_in_view = vec![false; self.grid.cells().count()];
-        for place in
-            groups.flatten().flat_map(|cell| self.around(cell)).filter_map(|cell| self.grid.place(cell))
-        {
-            is_in_view[place] = true;
+    fn cells_in_view(&self, frontiers: Vec<bool>, view: &Disc) -> Vec<bool> {
+        let mut is_in_view = vec![false; frontiers.len()];
+        let groups = groups(&self.grid, frontiers).into_iter();
+        for cell in groups.filter(|group| group.len() >= self.parameters.least_cells).flatten() {
+            for places in self.grid.places(cell, view) {
+                is_in_view[places].fill(true);
+            }
         }
         is_in_view
     }
 
     /// The nearest frontier cell that can be seen from a cell. What is too small to count does so here: who is near it
     /// anyway may look.
-    fn seen_from(&self, cell: Cell) -> Option<Cell> {
+    fn seen_from(&self, cell: Cell, frontiers: &[bool], view: &Disc) -> Option<Cell> {
         let is_clear = |other: &Cell| {
             let mut line = self.grid.line(self.grid.center(cell), self.grid.center(*other));
             line.all(|cell| self.grid.state(cell) == Occupied::Free)
         };
-        let counts = |other: &Cell| is_frontier(&self.grid, *other) && !self.given_up.contains(other);
-        let seen = self.around(cell).filter(|other| counts(other) && is_clear(other));
+        let near = self.grid.places(cell, view).flatten().filter(|place| frontiers[*place]);
+        let seen = near.map(|place| self.grid.cell_of(place)).filter(is_clear);
         seen.min_by_key(|other| cell.distance_squared(*other))
-    }
-
-    /// All cells whose centres are within `view_m` of that of one.
-    fn around(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
-        let reach = self.parameters.view_m / self.grid.cell_m();
-        let most = reach as i32;
-        let all =
-            (-most..=most).flat_map(move |row| (-most..=most).map(move |column| cell.offset(column, row)));
-        all.filter(move |other| cell.distance_squared(*other) as f64 <= reach * reach)
     }
 
     /// A frontier that was looked at from near in vain, with what is beside it.

@@ -15,8 +15,7 @@ use baudbot_geometry::{Direction, Pose, angle, math};
 
 use crate::scan::Scan;
 
-/// When the rays of a scan were taken: evenly one after the other. A laser with a cable of its own says when its sweep
-/// began; how long one lasts is not in its data sheet.
+/// When the rays of a scan were taken: evenly one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sweep {
     /// The instant of the first ray, the rightmost, in nanoseconds.

@@ -10,9 +10,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use baudbot_geometry::{Point, math};
+use baudbot_geometry::Point;
 
-use super::occupancy::{Cell, Occupancy, Occupied};
+use super::disc::Disc;
+use super::occupancy::{Cell, Occupancy};
 
 /// Which cells of a grid are open.
 #[derive(Clone, Debug)]
@@ -34,35 +35,29 @@ impl<'a> Floor<'a> {
     /// as occupied, whatever the grid says.
     #[must_use]
     pub fn new(grid: &'a Occupancy, radius_m: f64, here: Point, obstacles: &[Point]) -> Self {
-        let reach = radius_m / grid.cell_m() + 0.5;
-        let is_free = |cell: Cell| grid.state(cell) == Occupied::Free;
         let room = |log_odds: &f32| if *log_odds < 0.0 { Room::Open } else { Room::Closed };
         let mut floor = Self { grid, room: grid.values().iter().map(room).collect() };
+        let body = Disc::new(radius_m / grid.cell_m() + 0.5);
         let obstacles: Vec<_> = obstacles.iter().map(|point| grid.cell(*point)).collect();
         let occupied = grid.cells().zip(grid.values()).filter(|(_, log_odds)| **log_odds > 0.0);
         for cell in occupied.map(|(cell, _)| cell).chain(obstacles.iter().copied()) {
-            floor.change_disc(cell, reach, |_, _| Room::Closed);
+            floor.close(cell, &body);
         }
-        floor.change_disc(grid.cell(here), reach, |cell, room| match room {
-            Room::Closed if is_free(cell) => Room::Tight,
-            room => room,
-        });
+        for place in grid.places(grid.cell(here), &body).flatten() {
+            if floor.room[place] == Room::Closed && grid.values()[place] < 0.0 {
+                floor.room[place] = Room::Tight;
+            }
+        }
+        let beside = Disc::new(1.0);
         for cell in obstacles {
-            floor.change_disc(cell, 1.0, |_, _| Room::Closed);
+            floor.close(cell, &beside);
         }
         floor
     }
 
-    fn change_disc(&mut self, center: Cell, reach: f64, change: impl Fn(Cell, Room) -> Room) {
-        let most = math::floor(reach) as i32;
-        for row in -most..=most {
-            for column in -most..=most {
-                let cell = center.offset(column, row);
-                let is_in = center.distance_squared(cell) as f64 <= reach * reach;
-                if let Some(place) = self.grid.place(cell).filter(|_| is_in) {
-                    self.room[place] = change(cell, self.room[place]);
-                }
-            }
+    fn close(&mut self, center: Cell, disc: &Disc) {
+        for places in self.grid.places(center, disc) {
+            self.room[places].fill(Room::Closed);
         }
     }
 

@@ -12,12 +12,16 @@ pub fn is_frontier(grid: &Occupancy, cell: Cell) -> bool {
     grid.state(cell) == Occupied::Free && SIDES.into_iter().any(is_unknown)
 }
 
-/// All frontier cells for which `counts` holds, in groups that touch.
+/// For each cell of the grid, in order, whether it is on a frontier.
 #[must_use]
-pub fn groups(grid: &Occupancy, counts: impl Fn(Cell) -> bool) -> Vec<Vec<Cell>> {
+pub(crate) fn frontiers(grid: &Occupancy) -> Vec<bool> {
     let known = grid.cells().zip(grid.values());
-    let mut waiting: Vec<bool> =
-        known.map(|(cell, log_odds)| *log_odds < 0.0 && is_frontier(grid, cell) && counts(cell)).collect();
+    known.map(|(cell, log_odds)| *log_odds < 0.0 && is_frontier(grid, cell)).collect()
+}
+
+/// The cells of the grid that are `waiting`, in order, in groups that touch.
+#[must_use]
+pub(crate) fn groups(grid: &Occupancy, mut waiting: Vec<bool>) -> Vec<Vec<Cell>> {
     let mut groups = Vec::new();
     for (place, cell) in grid.cells().enumerate() {
         if !std::mem::take(&mut waiting[place]) {
@@ -73,7 +77,8 @@ mod tests {
 
     #[test]
     fn a_corridor_has_a_frontier_ahead_and_one_behind() {
-        let groups = groups(&corridor(), |_| true);
+        let grid = corridor();
+        let groups = groups(&grid, frontiers(&grid));
         let mut columns: Vec<_> = groups.iter().map(|group| group[0].column).collect();
         columns.sort_unstable();
         assert_eq!(columns.len(), 2, "{columns:?}");
@@ -82,9 +87,11 @@ mod tests {
     }
 
     #[test]
-    fn only_cells_that_count_are_found() {
+    fn only_cells_that_wait_are_found() {
         let grid = corridor();
-        assert_eq!(groups(&grid, |cell| cell.column > 5).len(), 1);
-        assert_eq!(groups(&Occupancy::new(0.1), |_| true), Vec::<Vec<Cell>>::new());
+        let ahead = frontiers(&grid).into_iter().zip(grid.cells()).map(|(is, cell)| is && cell.column > 5);
+        assert_eq!(groups(&grid, ahead.collect()).len(), 1);
+        let nothing = Occupancy::new(0.1);
+        assert_eq!(groups(&nothing, frontiers(&nothing)), Vec::<Vec<Cell>>::new());
     }
 }

@@ -1,5 +1,6 @@
 //! What a brain makes of what it has seen.
 
+pub(crate) mod disc;
 pub mod floor;
 pub mod frontier;
 pub mod occupancy;

@@ -7,8 +7,11 @@
 //! *Deviations.* A scan changes each cell once, and a hit counts more than any number of rays that passed: otherwise
 //! the many rays along a wall wipe out what few of them met. Rays have no width.
 
+use std::ops::Range;
+
 use baudbot_geometry::{Point, math};
 
+use super::disc::Disc;
 use super::placed::PlacedScan;
 use super::raster::line;
 
@@ -148,6 +151,24 @@ impl Occupancy {
             (cell.column.checked_sub(self.first.column)?, cell.row.checked_sub(self.first.row)?);
         let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
         is_in.then(|| row as usize * self.columns as usize + column as usize)
+    }
+
+    /// The cell at a place in the order of [`cells`](Self::cells).
+    pub(crate) fn cell_of(&self, place: usize) -> Cell {
+        let columns = self.columns as usize;
+        self.first.offset((place % columns) as i32, (place / columns) as i32)
+    }
+
+    /// The places of a disc's cells around this one, row by row, as far as the grid has them.
+    pub(crate) fn places(&self, center: Cell, disc: &Disc) -> impl Iterator<Item = Range<usize>> {
+        disc.rows.iter().filter_map(move |&(row, half)| {
+            let row = center.row.checked_add(row)?;
+            let from = center.column.saturating_sub(half).max(self.first.column);
+            let last = self.first.column.saturating_add(self.columns - 1);
+            let until = center.column.saturating_add(half).min(last);
+            let range = self.place(Cell { column: from, row })?..=self.place(Cell { column: until, row })?;
+            (from <= until).then(|| *range.start()..range.end() + 1)
+        })
     }
 
     /// The log-odds of all cells, in the order of [`cells`](Self::cells).
@@ -300,7 +321,7 @@ mod tests {
         }
     }
 
-    fn states(grid: &Occupancy, columns: std::ops::Range<i32>) -> String {
+    fn states(grid: &Occupancy, columns: Range<i32>) -> String {
         let letter = |column| match grid.state(Cell { column, row: 0 }) {
             Occupied::Free => '.',
             Occupied::Occupied => '#',

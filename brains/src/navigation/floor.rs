@@ -1,9 +1,11 @@
 //! The floor between known walls, and ways across it.
 
-use baudbot_geometry::{Point, Segment};
+use std::task::{Poll, ready};
+
+use baudbot_geometry::{Point, Segment, Vector};
 use serde::Deserialize;
 
-use crate::planning::{Cell, CellGrid, Grid, PlanError, line_of_sight, theta_star};
+use crate::planning::{Cell, CellGrid, End, Grid, PlanError, ThetaStar, line_of_sight};
 
 /// Where the centre of a body may be, between walls, and ways for it.
 #[derive(Clone, Debug)]
@@ -18,7 +20,7 @@ pub struct Floor {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// On the grid, by A\* with ways that turn by any angle: [`theta_star`].
+    /// On the grid, by A\* with ways that turn by any angle: [`theta_star`](crate::planning::theta_star).
     #[default]
     ThetaStar,
     /// Through few large cells, and pulled tight: [`CellGrid`].
@@ -68,27 +70,50 @@ impl Floor {
     /// # Errors
     /// If no way leads there.
     pub fn way(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
+        let mut search = ThetaStar::default();
+        loop {
+            if let Poll::Ready(way) = self.seek(&mut search, from, to, &mut usize::MAX.clone()) {
+                return way;
+            }
+        }
+    }
+
+    /// The same in parts: looks at no more cells than are `left`, and goes on with that search when it is called again.
+    ///
+    /// # Errors
+    /// If no way leads there.
+    pub fn seek(
+        &self,
+        search: &mut ThetaStar,
+        from: Point,
+        to: Point,
+        left: &mut usize,
+    ) -> Poll<Result<Vec<Point>, PlanError>> {
         let start = self.nearest_free(from);
         let rest = match &self.cells {
             _ if self.is_clear(start, to) => vec![start, to],
             Some(cells) => cells.route(start, to)?.points,
-            None => self.any_angle(start, to)?,
+            None => ready!(self.any_angle(search, start, to, left))?,
         };
         let mut way = vec![from];
         way.extend(rest);
         way.dedup();
-        Ok(way)
+        Poll::Ready(Ok(way))
     }
 
-    fn any_angle(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
-        use crate::planning::End;
+    fn any_angle(
+        &self,
+        search: &mut ThetaStar,
+        from: Point,
+        to: Point,
+        left: &mut usize,
+    ) -> Poll<Result<Vec<Point>, PlanError>> {
         let cell = |end, point| self.grid.cell_at(point).ok_or(PlanError::OffMap { end, point });
-        let plan = theta_star(&self.grid, cell(End::Start, from)?, cell(End::Target, to)?)?;
-        let mut way = plan.points(&self.grid);
+        let ends = [cell(End::Start, from)?, cell(End::Target, to)?];
+        let turns = ready!(search.seek(&self.grid, ends, left))?;
         // The ends of the way are centres of cells. Those stay in it: a straight line that leaves them out may cut a corner.
-        way.insert(0, from);
-        way.push(to);
-        Ok(way)
+        let turns = turns.into_iter().map(|cell| self.grid.center(cell));
+        Poll::Ready(Ok([from].into_iter().chain(turns).chain([to]).collect()))
     }
 
     /// The point itself, if a body may be there; otherwise the nearest centre of a free cell from which no wall parts it.
@@ -98,7 +123,9 @@ impl Floor {
             return point;
         }
         let place = |cell: Cell| self.grid.center(cell);
-        let centers = self.grid.cells().filter(|&cell| self.grid.is_free(cell)).map(place);
+        let reach = Vector::new(ESCAPE_M, ESCAPE_M);
+        let around = self.grid.within(point - reach, point + reach);
+        let centers = around.filter(|&cell| self.grid.is_free(cell)).map(place);
         let near = centers.map(|center| ((center - point).norm(), center)).filter(|(m, _)| *m < ESCAPE_M);
         let near = near.filter(|&(_, end)| {
             let line = Segment { start: point, end };
@@ -107,6 +134,9 @@ impl Floor {
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(point, |(_, center)| center)
     }
 }
+
+/// So many cells are looked at in one step of a behaviour, that planning takes a fraction of a millisecond.
+pub const CELLS_A_STEP: usize = 500;
 
 /// Who is farther from free floor than this, in metres, is not on this map.
 const ESCAPE_M: f64 = 1.0;

@@ -41,6 +41,11 @@ impl Goals {
         &self.points
     }
 
+    /// Each is reached within this distance, in metres.
+    pub(crate) fn reached_m(&self) -> f64 {
+        self.reached_m
+    }
+
     /// Those that are left of this round.
     pub(crate) fn left(&self) -> &[Point] {
         self.points.get(self.next..).unwrap_or_default()

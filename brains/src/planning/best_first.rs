@@ -5,6 +5,7 @@
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
+use std::task::Poll;
 
 /// A graph with a target. Nodes are numbers from 0 on.
 pub(super) trait Graph {
@@ -19,9 +20,15 @@ pub(super) trait Graph {
         cost + estimate
     }
 
-    /// The cost of going straight to a node from the predecessor of its neighbour, if that is possible.
-    fn shortcut(&self, _predecessor: usize, _node: usize) -> Option<f64> {
+    /// The cost of going straight to a node from the predecessor of its neighbour, if there is such a way where nothing is
+    /// [in between](Self::sees); `None` if paths follow the edges.
+    fn straight(&self, _predecessor: usize, _node: usize) -> Option<f64> {
         None
+    }
+
+    /// Whether nothing is between two nodes.
+    fn sees(&self, _from: usize, _to: usize) -> bool {
+        false
     }
 }
 
@@ -31,59 +38,84 @@ pub(super) struct Found {
     pub(super) path: Vec<usize>,
     /// Cost of the path.
     pub(super) cost: f64,
-    /// Nodes that were taken from the list, in order; the target is the last.
-    pub(super) expanded: Vec<usize>,
-    /// Nodes that were put on the list, in order.
-    pub(super) touched: Vec<usize>,
 }
 
-/// Searches a graph of so many nodes; `None` if no path leads to the target.
-pub(super) fn best_first(graph: &impl Graph, nodes: usize, start: usize, target: usize) -> Option<Found> {
-    let mut search = Search::new(nodes);
-    search.reach(graph, start, start, 0.0);
-    while let Some(node) = search.next() {
-        if node == target {
-            return Some(search.found(start, target));
-        }
-        let predecessor = search.predecessors[node];
-        for (next, step) in graph.neighbours(node) {
-            if search.visited[next] {
-                continue;
-            }
-            let (from, step) = match graph.shortcut(predecessor, next) {
-                Some(straight) => (predecessor, straight),
-                None => (node, step),
-            };
-            let cost = search.costs[from] + step;
-            if cost < search.costs[next] {
-                search.reach(graph, from, next, cost);
-            }
-        }
-    }
-    None
-}
-
-struct Search {
+/// A search that may be broken off after some nodes and taken up again. What it needs of memory it keeps for the next one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Search {
+    start: usize,
+    target: usize,
     costs: Vec<f64>,
     predecessors: Vec<usize>,
     visited: Vec<bool>,
     /// Has a node twice if its cost became less; the second time it is visited already.
     open: BinaryHeap<Reverse<Entry>>,
-    expanded: Vec<usize>,
-    touched: Vec<usize>,
+    /// Nodes that were taken from the list, in order; a target that was found is the last.
+    pub(super) expanded: Vec<usize>,
+    /// Nodes that were put on the list, in order.
+    pub(super) touched: Vec<usize>,
     entries: u64,
 }
 
 impl Search {
-    fn new(nodes: usize) -> Self {
-        Self {
-            costs: vec![f64::INFINITY; nodes],
-            predecessors: vec![0; nodes],
-            visited: vec![false; nodes],
-            open: BinaryHeap::new(),
-            expanded: Vec::new(),
-            touched: Vec::new(),
-            entries: 0,
+    /// Begins a search of a graph with so many nodes.
+    pub(super) fn begin(&mut self, graph: &impl Graph, nodes: usize, start: usize, target: usize) {
+        for node in self.touched.drain(..) {
+            self.costs[node] = f64::INFINITY;
+            self.visited[node] = false;
+        }
+        self.costs.resize(nodes, f64::INFINITY);
+        self.predecessors.resize(nodes, 0);
+        self.visited.resize(nodes, false);
+        self.open.clear();
+        self.expanded.clear();
+        (self.start, self.target, self.entries) = (start, target, 0);
+        self.reach(graph, start, start, 0.0);
+    }
+
+    /// Goes on by so many nodes at most as are `left`: pending if it is not at its end after them. At its end it has found
+    /// a path, or knows that there is none.
+    pub(super) fn advance(&mut self, graph: &impl Graph, left: &mut usize) -> Poll<Option<Found>> {
+        while *left > 0 {
+            *left -= 1;
+            match self.next() {
+                None => return Poll::Ready(None),
+                Some(node) if node == self.target => return Poll::Ready(Some(self.found())),
+                Some(node) => self.expand(graph, node),
+            }
+        }
+        Poll::Pending
+    }
+
+    /// Goes on to its end: a path, or `None` if there is none.
+    pub(super) fn finish(&mut self, graph: &impl Graph) -> Option<Found> {
+        loop {
+            if let Poll::Ready(found) = self.advance(graph, &mut usize::MAX.clone()) {
+                return found;
+            }
+        }
+    }
+
+    /// Looks at the neighbours of a node.
+    fn expand(&mut self, graph: &impl Graph, node: usize) {
+        let predecessor = self.predecessors[node];
+        for (next, step) in graph.neighbours(node) {
+            if self.visited[next] {
+                continue;
+            }
+            let known = self.costs[next];
+            let shorter = |straight: &f64| self.costs[predecessor] + straight < known;
+            let (from, cost) = match graph.straight(predecessor, next) {
+                // No path by this node can be shorter than one straight on from its predecessor.
+                Some(straight) if !shorter(&straight) => continue,
+                Some(straight) if graph.sees(predecessor, next) => {
+                    (predecessor, self.costs[predecessor] + straight)
+                }
+                _ => (node, self.costs[node] + step),
+            };
+            if cost < known {
+                self.reach(graph, from, next, cost);
+            }
         }
     }
 
@@ -112,19 +144,20 @@ impl Search {
         }
     }
 
-    fn found(self, start: usize, target: usize) -> Found {
-        let mut path = vec![target];
-        let mut node = target;
-        while node != start {
+    fn found(&self) -> Found {
+        let mut path = vec![self.target];
+        let mut node = self.target;
+        while node != self.start {
             node = self.predecessors[node];
             path.push(node);
         }
         path.reverse();
-        Found { path, cost: self.costs[target], expanded: self.expanded, touched: self.touched }
+        Found { path, cost: self.costs[self.target] }
     }
 }
 
 /// A node on the list.
+#[derive(Clone, Debug)]
 struct Entry {
     rank: f64,
     estimate: f64,

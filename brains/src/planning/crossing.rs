@@ -2,7 +2,7 @@
 
 use baudbot_geometry::Point;
 
-use super::best_first::{Graph, best_first};
+use super::best_first::{Graph, Search};
 use super::cells::{CellGrid, Door, middle};
 
 /// The graph of a cell grid between two points. Of each door the ends and the middle are nodes, once for each way
@@ -37,7 +37,9 @@ impl Crossing {
     /// The cells of the shortest way in the graph; `None` if there is no way.
     pub(super) fn cells(&self) -> Option<Vec<usize>> {
         let target = self.nodes.len() - 1;
-        let found = best_first(self, self.nodes.len(), target - 1, target)?;
+        let mut search = Search::default();
+        search.begin(self, self.nodes.len(), target - 1, target);
+        let found = search.finish(self)?;
         let mut cells: Vec<usize> = Vec::new();
         for cell in found.path.into_iter().map(|node| self.nodes[node].cell) {
             // A way that is equally short may touch a corner twice, and so come back to a cell: that loop is left

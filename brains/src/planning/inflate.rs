@@ -52,7 +52,7 @@ impl Grid {
     }
 
     /// The cells that have a point in the box between two corners, and a few around them.
-    fn within(&self, least: Point, greatest: Point) -> impl Iterator<Item = Cell> + use<> {
+    pub(crate) fn within(&self, least: Point, greatest: Point) -> impl Iterator<Item = Cell> + use<> {
         let place = |m: f64, origin_m: f64| math::floor((m - origin_m) / self.cell_m());
         let range = |from: f64, to: f64, count: usize| {
             // A cast to an unsigned number ends at 0 and at its largest value.

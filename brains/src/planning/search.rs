@@ -10,7 +10,7 @@
 //! [`walk`](super::walk). Fig. 6.9 stops once the target has been reached, by which we mean once it is the current
 //! node: a shorter way to it can be found until then.
 
-use super::best_first::{Found, Graph, best_first};
+use super::best_first::{self, Found, Graph};
 use super::grid::{Cell, Grid};
 use super::heuristic::Heuristic;
 use super::moves::Moves;
@@ -99,13 +99,14 @@ fn search(search: &Search<'_>, start: Cell) -> Result<Plan, PlanError> {
 /// Searches a graph whose nodes are the cells of a grid.
 pub(super) fn plan(grid: &Grid, graph: &impl Graph, start: Cell, target: Cell) -> Result<Plan, PlanError> {
     check_ends(grid, start, target)?;
-    let found = best_first(graph, grid.len(), grid.number(start), grid.number(target));
-    let Found { path, cost, expanded, touched } = found.ok_or(PlanError::Unreachable { start, target })?;
+    let mut search = best_first::Search::default();
+    search.begin(graph, grid.len(), grid.number(start), grid.number(target));
+    let Found { path, cost } = search.finish(graph).ok_or(PlanError::Unreachable { start, target })?;
     let cells = |nodes: Vec<usize>| nodes.into_iter().map(|node| grid.cell(node)).collect();
     Ok(Plan {
         cells: cells(path),
         length_m: cost * grid.cell_m(),
-        expanded: cells(expanded),
-        touched: cells(touched),
+        expanded: cells(search.expanded),
+        touched: cells(search.touched),
     })
 }

@@ -5,11 +5,13 @@
 //! shorter than one in eight directions. It need not be the very shortest: only lines from one predecessor are
 //! tried.
 
-use super::best_first::Graph;
+use std::task::Poll;
+
+use super::best_first::{Graph, Search};
 use super::grid::{Cell, Grid};
 use super::heuristic::Heuristic;
 use super::moves::Moves;
-use super::plan::{Plan, PlanError};
+use super::plan::{Plan, PlanError, check_ends};
 use super::search::plan;
 use super::sight::line_of_sight;
 
@@ -19,6 +21,41 @@ use super::sight::line_of_sight;
 /// If an end is outside of the grid or blocked, or no way leads from one to the other.
 pub fn theta_star(grid: &Grid, start: Cell, target: Cell) -> Result<Plan, PlanError> {
     plan(grid, &AnyAngle { grid, target }, start, target)
+}
+
+/// [`theta_star`] a few cells at a time, for who has little time in each step.
+#[derive(Clone, Debug, Default)]
+pub struct ThetaStar {
+    /// Between which cells a way is being looked for.
+    ends: Option<(Cell, Cell)>,
+    search: Search,
+}
+
+impl ThetaStar {
+    /// Looks for the way between two cells, and goes on with that if it is called again with the same ones and the same
+    /// grid. It looks at the neighbours of no more cells than are `left`, and takes from that number those that it looked
+    /// at. When it is ready it has the cells in which the way turns, with both ends.
+    ///
+    /// # Errors
+    /// As [`theta_star`].
+    pub fn seek(
+        &mut self,
+        grid: &Grid,
+        [start, target]: [Cell; 2],
+        left: &mut usize,
+    ) -> Poll<Result<Vec<Cell>, PlanError>> {
+        let graph = AnyAngle { grid, target };
+        if self.ends != Some((start, target)) {
+            check_ends(grid, start, target)?;
+            self.search.begin(&graph, grid.len(), grid.number(start), grid.number(target));
+            self.ends = Some((start, target));
+        }
+        self.search.advance(&graph, left).map(|found| {
+            self.ends = None;
+            let found = found.ok_or(PlanError::Unreachable { start, target })?;
+            Ok(found.path.into_iter().map(|node| grid.cell(node)).collect())
+        })
+    }
 }
 
 struct AnyAngle<'a> {
@@ -36,8 +73,11 @@ impl Graph for AnyAngle<'_> {
         Heuristic::Euclidean.estimate(self.grid.cell(node), self.target)
     }
 
-    fn shortcut(&self, predecessor: usize, node: usize) -> Option<f64> {
-        let (from, to) = (self.grid.cell(predecessor), self.grid.cell(node));
-        line_of_sight(self.grid, from, to).then(|| Heuristic::Euclidean.estimate(from, to))
+    fn straight(&self, predecessor: usize, node: usize) -> Option<f64> {
+        Some(Heuristic::Euclidean.estimate(self.grid.cell(predecessor), self.grid.cell(node)))
+    }
+
+    fn sees(&self, from: usize, to: usize) -> bool {
+        line_of_sight(self.grid, self.grid.cell(from), self.grid.cell(to))
     }
 }

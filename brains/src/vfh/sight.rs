@@ -62,7 +62,7 @@ impl Sight {
             let reading = turn.readings.get(i)?.as_ref().filter(|reading| reading.readable)?;
             let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
             let scan = match eye {
-                Eye::Laser { opening_rad } => Scan::of(sensor, opening_rad, reading)?,
+                Eye::Laser { .. } => Scan::of(sensor, reading)?,
                 Eye::Sonar { cone_rad } => cone(sensor, cone_rad, *reading.values.first()?)?,
                 Eye::Infrared { cone_rad, constants } => {
                     cone(sensor, cone_rad, constants.distance_m(*reading.values.first()?))?

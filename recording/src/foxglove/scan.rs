@@ -27,7 +27,7 @@ impl Scanner {
     /// Lasers, and the depths that a line camera sees. Where the sensor sits must be known.
     pub(super) fn of(robot: &str, sensor: &v1::SensorDescription) -> Option<Self> {
         let (component, from_left) = match sensor.kind.as_str() {
-            "laser" => ("", false),
+            "laser" => ("", sensor.sweep.is_some_and(|sweep| sweep.clockwise)),
             "line-camera" => ("depth_m", true),
             _ => return None,
         };
@@ -125,6 +125,15 @@ mod tests {
         assert_eq!(scan.frame_id, "robot/alice/eye");
         let at = scan.timestamp.unwrap();
         assert_eq!((at.sec(), at.nsec()), (1, 500_000_000));
+    }
+
+    #[test]
+    fn a_laser_that_sweeps_clockwise_begins_on_the_left() {
+        let sweep = Some(v1::Sweep { duration_ns: 100_000_000, clockwise: true });
+        let sensor = v1::SensorDescription { sweep, ..sensor("laser", &[("", 2)]) };
+        let mut laser = Scanner::of("alice", &sensor).unwrap();
+        let scan = scan(&laser.look(&detail(&[3.0, 4.0], None), 0).unwrap());
+        assert_eq!((scan.start_angle, scan.end_angle, &*scan.ranges), (1.0, -1.0, &[3.0, 4.0][..]));
     }
 
     #[test]

@@ -106,6 +106,13 @@ fn sensor(spec: &Sensor) -> v1::SensorDescription {
             _ => None,
         },
         port: spec.port.as_ref().map(|own| port(own, &spec.device)),
+        opening_rad: spec.device.fan().map(|fan| fan.opening_rad()),
+        sweep: match &spec.device {
+            Device::Laser(laser) => {
+                Some(v1::Sweep { duration_ns: laser.sweep_ns, clockwise: laser.clockwise })
+            }
+            _ => None,
+        },
     }
 }
 

@@ -5,11 +5,9 @@
 //! turns home after so many seconds.
 //!
 //! Deviations: a scan comes late, and the robot may have turned since, so that the directions in it are those of the compass
-//! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside. No data sheet says how far
-//! a laser's rays are spread: that is a parameter, a full turn unless told otherwise, from right to left.
+//! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside.
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 
 use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Turn};
 use baudbot_geometry::{Direction, Vector, angle, math};
@@ -27,8 +25,6 @@ pub struct Parameters {
     pub ant: AntParameters,
     /// It turns home after so many seconds.
     pub forage_s: f64,
-    /// Angle between the first ray of its laser and the last, in radians.
-    pub opening_rad: f64,
     /// It turns aside from what is nearer than this ahead, in metres from the laser.
     pub aside_m: f64,
     /// Speed of the robot with the signal 1, in m/s.
@@ -38,7 +34,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let ant = AntParameters { turn_rad_s: 1.0, match_below: 0.03, ..AntParameters::default() };
-        Self { ant, forage_s: 60.0, opening_rad: TAU, aside_m: 0.6, full_speed_m_s: 0.5 }
+        Self { ant, forage_s: 60.0, aside_m: 0.6, full_speed_m_s: 0.5 }
     }
 }
 
@@ -86,12 +82,6 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         field: |p| &mut p.forage_s,
     },
     Parameter {
-        name: "opening_rad",
-        meaning: "angle between the first ray of its laser and the last, in radians",
-        range: 0.01..=TAU,
-        field: |p| &mut p.opening_rad,
-    },
-    Parameter {
         name: "aside_m",
         meaning: "it turns aside from what is nearer than this ahead, in metres from the laser",
         range: 0.0..=100.0,
@@ -131,6 +121,9 @@ pub struct AntBrain {
 struct Places {
     laser: usize,
     range_m: f64,
+    /// From its first ray to its last, in radians, and whether the first is the leftmost.
+    opening_rad: f64,
+    clockwise: bool,
     /// Where the laser looks, in radians to the left of the robot.
     mount_rad: f64,
     odometer: usize,
@@ -145,6 +138,8 @@ impl AntBrain {
         let places = Places {
             laser,
             range_m: body.sensors[laser].range_m.unwrap_or(f64::INFINITY),
+            opening_rad: body.sensors[laser].opening_rad?,
+            clockwise: body.sensors[laser].sweep?.clockwise,
             mount_rad: body.sensors[laser].mount.unwrap_or_default().heading_rad,
             odometer: place("odometer").filter(|&place| body.sensors[place].components.len() >= 3)?,
             compass: place("compass"),
@@ -192,9 +187,12 @@ impl AntBrain {
             && let Some((at_ns, scan)) = news(turn, self.places.laser)
         {
             let heading_rad = self.heading_at(at_ns).unwrap_or(heading_rad) + self.places.mount_rad;
-            let (opening_rad, range_m) = (self.parameters.opening_rad, self.places.range_m);
+            let Places { opening_rad, clockwise, range_m, .. } = self.places;
             let mut found = landmarks::find(scan, opening_rad, range_m, JUMP_M);
-            found.iter_mut().for_each(|landmark| landmark.bearing_rad += heading_rad);
+            for Landmark { bearing_rad, .. } in &mut found {
+                // Seen from left to right, a bearing is one to the right.
+                *bearing_rad = heading_rad + if clockwise { -*bearing_rad } else { *bearing_rad };
+            }
             self.landmarks = Some(found);
             self.scanned_ns = turn.at_ns;
         }

@@ -94,6 +94,26 @@ fn goals_are_visited_in_turn_and_the_way_is_shown() {
 }
 
 #[test]
+fn the_way_to_a_next_goal_is_known_and_one_from_elsewhere_is_planned_in_parts() {
+    let goals = "goals_m = [[0.5, 0.5], [3.5, 0.5], [0.5, 1.0]]\ncell_m = 0.01\nstray_m = 0.1";
+    let mut follow = made(goals).unwrap();
+    let (_, beliefs) = step(&mut follow, Pose::new(0.5, 0.51, 0.0), 0);
+    assert_eq!((beliefs.path.last(), beliefs.path.len() > 2), (Some(&Point::new(3.5, 0.5)), true));
+    // Pushed away it stands for some steps, and says why.
+    let pushed = Pose::new(1.4, 0.6, 0.0);
+    let planning = (1..200).take_while(|i| {
+        let ([left, right], beliefs) = step(&mut follow, pushed, i * 20_000_000);
+        let is_planning = beliefs.intention == "plans its way" && beliefs.path.is_empty();
+        assert!(!is_planning || (left, right) == (0.0, 0.0));
+        is_planning
+    });
+    let steps = planning.count();
+    assert!((2..100).contains(&steps), "{steps}");
+    let (_, beliefs) = step(&mut follow, pushed, 9_000_000_000);
+    assert_eq!(beliefs.path.first(), Some(&pushed.position));
+}
+
+#[test]
 fn a_goal_to_which_no_way_leads_is_named() {
     let problem = |more: &str| made(more).unwrap_err();
     assert_eq!(
@@ -112,7 +132,13 @@ fn a_goal_to_which_no_way_leads_is_named() {
     assert!(problem("goals_m = [[1, 1]]\nmethod = \"magic\"").starts_with("unknown variant `magic`"));
     // Of the first goal only the robot can tell, which then stands and says so.
     let mut follow = made("goals_m = [[3.5, 2.5]]").unwrap();
-    let (signals, beliefs) = step(&mut follow, Pose::new(0.5, 0.5, 0.0), 0);
-    assert_eq!(signals, [0.0, 0.0]);
-    assert_eq!(beliefs.intention, "goals_m[0]: no way leads there from (0.50 m, 0.50 m)");
+    let said: Vec<_> = (0..20)
+        .map(|_| {
+            let (signals, beliefs) = step(&mut follow, Pose::new(0.5, 0.5, 0.0), 0);
+            assert_eq!(signals, [0.0, 0.0]);
+            beliefs.intention
+        })
+        .collect();
+    assert_eq!(said[0], "plans its way");
+    assert_eq!(said[19], "goals_m[0]: no way leads there from (0.50 m, 0.50 m)");
 }

@@ -10,10 +10,6 @@ use crate::parameter::Parameter;
 pub struct Parameters {
     /// 0: by nodes; 1: by frontiers. What is in between is rounded.
     pub method: f64,
-    /// Angle from the laser's first ray to its last, in radians. No data sheet says it; the default is a URG-04LX's.
-    pub opening_rad: f64,
-    /// How long the laser takes for that, in seconds. No data sheet says it; the default is a URG-04LX's.
-    pub sweep_s: f64,
     /// 1: the odometer is corrected by scans, see [`slam`](crate::slam); 0: it is believed. What is in between is rounded.
     pub slam: f64,
     /// How far away from the robot nodes are placed, D, in metres.
@@ -47,8 +43,6 @@ impl Default for Parameters {
         let nodes = nodes::Parameters::default();
         Self {
             method: 0.0,
-            opening_rad: 681.0 * PI / 512.0,
-            sweep_s: 0.0665,
             slam: 0.0,
             distance_m: nodes.placement.distance_m,
             margin_m: nodes.placement.margin_m,
@@ -72,18 +66,6 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         meaning: "0: by nodes (Wahde 2016, §6.1); 1: by frontiers (Yamauchi 1997)",
         range: 0.0..=1.0,
         field: |p| &mut p.method,
-    },
-    Parameter {
-        name: "opening_rad",
-        meaning: "angle from the laser's first ray to its last, in radians",
-        range: 0.1..=2.0 * PI,
-        field: |p| &mut p.opening_rad,
-    },
-    Parameter {
-        name: "sweep_s",
-        meaning: "time from the laser's first ray to its last, in seconds",
-        range: 0.0..=10.0,
-        field: |p| &mut p.sweep_s,
     },
     Parameter {
         name: "slam",

@@ -1,6 +1,6 @@
 //! The robot on a plain with pillars, without dynamics or delays.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use baudbot_geometry::{Point as Place, Pose};
 
@@ -33,6 +33,7 @@ fn scan(pose: &Pose) -> Vec<f64> {
 fn run(seed: u64, drift_rad: f64, seconds: u64) -> (Option<Pose>, Pose, AntBrain) {
     let mut body = body(&[("eye", "laser", 0.0), ("odometer", "odometer", 0.0), ("sky", "compass", 0.0)]);
     body.sensors[0].range_m = Some(4.0);
+    body.sensors[0].opening_rad = Some(TAU);
     let parameters = Parameters { forage_s: 40.0, ..Parameters::default() };
     let mut brain = AntBrain::new(parameters, Chance::new(seed, "alice/ant"), &body).unwrap();
     let (mut pose, mut search) = (Pose::new(0.0, 0.0, 0.3), None);
