@@ -6,7 +6,8 @@
 //! 4. [`particles`] follows many poses at once, and finds a robot that is lost.
 //! 5. [`deskew`] mends a scan that was taken while the robot moved.
 //!
-//! Each is given the pose from [`odometry`](crate::odometry), and gives it back better.
+//! Each is given the pose from [`odometry`](crate::odometry), and gives it back better. Which poses [`laser`] and [`refine`]
+//! look at on the way, [`Tried`] says to whom wants to watch.
 
 pub mod deskew;
 pub mod laser;
@@ -19,4 +20,19 @@ pub(crate) mod test_arena;
 #[cfg(test)]
 mod tracking_tests;
 
+use baudbot_geometry::Pose;
+
 pub use map::{Map, VirtualLaser};
+
+/// A pose at which a search has made a virtual scan, as in Fig. 6.18 of the notes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tried {
+    /// Robot in the world.
+    pub world_from_robot: Pose,
+    /// What the search makes small: ε of (6.8), or the sum of [`refine`], which only compares with others of its phase.
+    pub error: f64,
+    /// Whether the search went on from there.
+    pub accepted: bool,
+    /// Which start it goes back to: 0 is the guess.
+    pub start: usize,
+}

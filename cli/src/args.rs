@@ -3,6 +3,7 @@
 mod bench;
 mod export;
 mod help;
+mod locate;
 mod new;
 mod places;
 mod plan;
@@ -23,6 +24,7 @@ use self::help::{
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
     WATCH_EXAMPLES,
 };
+pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
@@ -83,6 +85,9 @@ pub(crate) enum Command {
     /// Finds a way through a scenario's arena, and shows which cells were looked at for it
     #[command(after_long_help = plan::EXAMPLES)]
     Plan(PlanArgs),
+    /// Looks for a robot's place by a scan of its laser, and shows which poses were tried for it
+    #[command(after_long_help = locate::EXAMPLES)]
+    Locate(LocateArgs),
     /// Lists presets of robots and their parts, or shows one with where its numbers are from
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),

@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `preset`, `export`,
-//!    `watch`, `new` and `bench` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
+//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
+//!    `export`, `watch`, `new` and `bench` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
@@ -29,6 +29,7 @@ mod error;
 mod export;
 mod foxglove;
 mod link;
+mod locate;
 mod logs;
 mod map;
 mod new;
@@ -91,6 +92,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Diagram(args) => diagram::diagram(&args),
         Command::Budget(args) => return budget::budget(&args),
         Command::Plan(args) => return plan::plan(&args),
+        Command::Locate(args) => return locate::locate(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Bench(args) => return bench::bench(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),

@@ -37,6 +37,8 @@ struct Plan {
     pace: Pace,
     /// Seed of the brains.
     seed: u64,
+    /// How long a frame of the recording is, if brains are to publish as often.
+    frame: Option<Duration>,
     note: Option<String>,
 }
 
@@ -105,7 +107,8 @@ impl Plan {
         let jobs = crew::share_out(&args.brains, scenario.robots())?;
         jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed());
-        Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, note })
+        let frame = record::short_frame(&args.record);
+        Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, frame, note })
     }
 
     /// How many ticks the run has, if its time is limited.
@@ -228,7 +231,7 @@ impl Running<'_> {
         let mut control = connect::control(channel.clone());
         let mut brains = JoinSet::new();
         for job in &self.plan.jobs {
-            let client = Client::from_channel(channel.clone());
+            let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
             let mut crew = Crew::attach(client, &self.plan.world, job.clone(), self.plan.seed).await?;
             // The crew holds its robots until all is over.
             brains.spawn(async move { crew.run(|| ()).await.map(|_| crew) });

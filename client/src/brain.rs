@@ -15,8 +15,8 @@ pub trait Brain {
     /// One step. It is called once a turn, in order.
     fn step(&mut self, turn: &Turn) -> Action;
 
-    /// What it believes and does, for people who look. [`run`] and [`run_fleet`] ask for it some 20 times a simulated second
-    /// and [publish](Robot::publish) it. `None`: nothing.
+    /// What it believes and does, for people who look. [`run`] and [`run_fleet`] ask for it some 20 times a simulated second,
+    /// or [as often as is wanted](crate::Client::publishes_every), and [publish](Robot::publish) it. `None`: nothing.
     fn belief(&mut self) -> Option<Belief> {
         None
     }
@@ -126,7 +126,7 @@ pub struct Summary {
 /// # Errors
 /// See [`Robot::turn`].
 pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result<Summary, Error> {
-    let (mut summary, mut looks) = (Summary::default(), Looks::default());
+    let (mut summary, mut looks) = (Summary::default(), Looks::every(robot.publishes_every_ns()));
     while let Some(turn) = robot.turn().await? {
         summary.turns += 1;
         summary.last_tick = turn.tick;
@@ -150,7 +150,7 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
         return Err(Error::Brains { robots: fleet.bodies().len(), brains: brains.len() });
     }
     let mut summary = Summary::default();
-    let mut looks: Vec<_> = brains.iter().map(|_| Looks::default()).collect();
+    let mut looks: Vec<_> = brains.iter().map(|_| Looks::every(fleet.publishes_every_ns())).collect();
     while let Some(turns) = fleet.turns().await? {
         let mut actions = Vec::with_capacity(turns.len());
         for (robot, turn) in &turns {
@@ -174,21 +174,22 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
 }
 
 /// When people look.
-#[derive(Default)]
 struct Looks {
+    every_ns: u64,
     next_ns: u64,
 }
 
 impl Looks {
+    fn every(every_ns: u64) -> Self {
+        Self { every_ns, next_ns: 0 }
+    }
+
     fn is_due(&mut self, at_ns: u64) -> bool {
         // A world that was reset begins at 0 again.
-        let is_due = at_ns >= self.next_ns || self.next_ns - at_ns > EVERY_NS;
+        let is_due = at_ns >= self.next_ns || self.next_ns - at_ns > self.every_ns;
         if is_due {
-            self.next_ns = at_ns + EVERY_NS;
+            self.next_ns = at_ns + self.every_ns;
         }
         is_due
     }
 }
-
-/// People see no more than some 20 pictures a second as such, in nanoseconds.
-const EVERY_NS: u64 = 50_000_000;

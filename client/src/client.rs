@@ -1,5 +1,7 @@
 //! A connection to a server, from which brains attach to robots.
 
+use std::time::Duration;
+
 use tonic::transport::Channel;
 
 use crate::address;
@@ -24,12 +26,19 @@ pub struct Client {
     brain: String,
     memory_bytes: Option<u64>,
     thinks_as_scenario: bool,
+    publishes_every: Duration,
 }
 
 impl Client {
     /// A client of the server at the other end of `channel`, such as one in the same process.
     pub fn from_channel(channel: Channel) -> Self {
-        Self { channel, brain: "brain".to_owned(), memory_bytes: None, thinks_as_scenario: false }
+        Self {
+            channel,
+            brain: "brain".to_owned(),
+            memory_bytes: None,
+            thinks_as_scenario: false,
+            publishes_every: LOOKS_EVERY,
+        }
     }
 
     /// The connection, for clients of the server's other services.
@@ -59,6 +68,14 @@ impl Client {
     #[must_use]
     pub fn thinks_as_scenario(self) -> Self {
         Self { thinks_as_scenario: true, ..self }
+    }
+
+    /// How often, in simulated time, [`run`](crate::run) and [`run_fleet`](crate::run_fleet) publish what brains believe
+    /// that attach from now on; 50 ms unless told otherwise, since people see no more than some 20 pictures a second as such.
+    /// A recording that is to show each step needs more.
+    #[must_use]
+    pub fn publishes_every(self, every: Duration) -> Self {
+        Self { publishes_every: every, ..self }
     }
 
     /// Takes hold of a robot. It is let go when the [`Robot`] is dropped.
@@ -98,6 +115,11 @@ impl Client {
             memory_bytes: *memory_bytes,
             thinks_as_scenario: *thinks_as_scenario,
         };
-        Session::open(self.channel.clone(), &hello).await
+        let mut session = Session::open(self.channel.clone(), &hello).await?;
+        session.publishes_every_ns = self.publishes_every.as_nanos() as u64;
+        Ok(session)
     }
 }
+
+/// How often people look, of whom nothing is known.
+pub(crate) const LOOKS_EVERY: Duration = Duration::from_millis(50);

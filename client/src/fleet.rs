@@ -21,6 +21,11 @@ impl Fleet {
         Self { session }
     }
 
+    /// How often what their brains believe is published.
+    pub(crate) fn publishes_every_ns(&self) -> u64 {
+        self.session.publishes_every_ns
+    }
+
     /// Their data sheets, in the order in which they were asked for.
     pub fn bodies(&self) -> &[Arc<Body>] {
         &self.session.welcome().bodies

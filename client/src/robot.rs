@@ -22,6 +22,11 @@ impl Robot {
         Self { session }
     }
 
+    /// How often what its brain believes is published.
+    pub(crate) fn publishes_every_ns(&self) -> u64 {
+        self.session.publishes_every_ns
+    }
+
     /// Its data sheet.
     pub fn body(&self) -> &Arc<Body> {
         // A Welcome has as many bodies as the Hello has robots, which was one.

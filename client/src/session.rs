@@ -8,6 +8,7 @@ use tonic::transport::Channel;
 
 use crate::body::Body;
 use crate::brain::Action;
+use crate::client::LOOKS_EVERY;
 use crate::convert;
 use crate::error::Error;
 use crate::stream::Stream;
@@ -96,6 +97,8 @@ pub(crate) struct Session {
     asked: Vec<usize>,
     /// The server was promised an answer for each robot that has a part in a turn.
     answers_all: bool,
+    /// How often its brains publish what they believe, in nanoseconds of simulated time.
+    pub(crate) publishes_every_ns: u64,
 }
 
 impl Session {
@@ -113,6 +116,7 @@ impl Session {
             asleep: Vec::new(),
             asked: Vec::new(),
             answers_all: hello.thinks_as_scenario,
+            publishes_every_ns: LOOKS_EVERY.as_nanos() as u64,
         })
     }
 

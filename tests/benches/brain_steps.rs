@@ -25,6 +25,7 @@ const COURSES: &[(&str, &str)] = &[
     ("hall", include_str!("../../scenarios/hall.toml")),
     ("larva", include_str!("../../scenarios/ecoli-one.toml")),
     ("mower", include_str!("../../scenarios/mower.toml")),
+    ("patient", include_str!("../../scenarios/patient.toml")),
     ("stentor", include_str!("../../scenarios/stentor.toml")),
     ("sweeper", include_str!("../../scenarios/sweeper.toml")),
     ("tour", include_str!("../../scenarios/tour.toml")),

@@ -22,6 +22,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("errands", include_str!("../../repertoires/errands.toml")),
     ("hall", include_str!("../../repertoires/hall.toml")),
     ("mower", include_str!("../../repertoires/mower.toml")),
+    ("patient", include_str!("../../repertoires/patient.toml")),
     ("sweeper", include_str!("../../repertoires/sweeper.toml")),
     ("tour", include_str!("../../repertoires/tour.toml")),
     ("wedge", include_str!("../../repertoires/wedge.toml")),

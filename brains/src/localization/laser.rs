@@ -23,6 +23,7 @@
 
 use baudbot_geometry::Pose;
 
+use super::Tried;
 use super::map::{Map, VirtualLaser};
 use crate::Chance;
 use crate::scan::Scan;
@@ -82,20 +83,44 @@ pub struct Match {
 /// If the scan has no rays.
 #[must_use]
 pub fn localize(map: &Map, scan: &Scan, guess: &Pose, parameters: &Parameters, chance: &mut Chance) -> Match {
+    localize_watched(map, scan, guess, parameters, chance, |_| ())
+}
+
+/// The same search, of which each pose that is tried is told: first the guess.
+///
+/// # Panics
+/// If the scan has no rays.
+#[must_use]
+pub fn localize_watched(
+    map: &Map,
+    scan: &Scan,
+    guess: &Pose,
+    parameters: &Parameters,
+    chance: &mut Chance,
+    mut watch: impl FnMut(&Tried),
+) -> Match {
     let laser = VirtualLaser::like(scan);
     let mut distances_m = vec![0.0; laser.rays()];
-    let mut try_pose = |pose: &Pose| {
+    let mut try_pose = |pose: &Pose, best: Option<f64>| {
         laser.look(map, pose, &mut distances_m);
-        matching_error(&scan.distances_m, &distances_m)
+        let error = matching_error(&scan.distances_m, &distances_m);
+        let tried = Tried {
+            world_from_robot: *pose,
+            error,
+            accepted: best.is_none_or(|best| error < best),
+            start: 0,
+        };
+        watch(&tried);
+        tried
     };
-    let mut best = Match { world_from_robot: *guess, error: try_pose(guess), scans: 1 };
+    let mut best = Match { world_from_robot: *guess, error: try_pose(guess, None).error, scans: 1 };
     let (mut size, mut failures) = (1.0, 0);
     while best.error >= parameters.threshold && best.scans <= parameters.iterations {
         let pose = in_box(&best.world_from_robot, parameters, size, chance);
-        let error = try_pose(&pose);
+        let tried = try_pose(&pose, Some(best.error));
         best.scans += 1;
-        if error < best.error {
-            best = Match { world_from_robot: pose, error, ..best };
+        if tried.accepted {
+            best = Match { world_from_robot: pose, error: tried.error, ..best };
             failures = 0;
             continue;
         }
@@ -302,6 +327,33 @@ mod tests {
         assert!((25.0..75.0).contains(&median), "{median}");
         let never = Parameters { threshold: 0.0, iterations: 10, ..NOTES };
         assert_eq!(Results::of(&office(), 171, 1, &never).scans, [11.0]);
+    }
+
+    #[test]
+    fn who_watches_is_told_of_each_pose_and_changes_nothing() {
+        let (map, truth, laser) = (office(), Pose::new(2.0, 2.0, 0.5), urg(171));
+        let (mut tried, mut noise) = (Vec::new(), Chance::new(1, "noise"));
+        let scan = noisy_scan(&laser, &map, &truth, 0.01, &mut noise);
+        let guess = Pose::new(2.2, 1.9, 0.6);
+        let found = localize_watched(&map, &scan, &guess, &NOTES, &mut Chance::new(1, "search"), |pose| {
+            tried.push(*pose);
+        });
+        assert_eq!(found, localize(&map, &scan, &guess, &NOTES, &mut Chance::new(1, "search")));
+        assert_eq!((tried.len(), tried[0].world_from_robot), (found.scans, guess));
+        let mut best = Tried { error: f64::INFINITY, ..tried[0] };
+        for next in &tried {
+            let seen = laser.scan(&map, &next.world_from_robot);
+            assert_eq!(next.error, matching_error(&scan.distances_m, &seen.distances_m));
+            assert_eq!(next.accepted, next.error < best.error, "{next:?} after {best:?}");
+            let off = next.world_from_robot.position - best.world_from_robot.position;
+            assert!(
+                off.x.abs() <= 0.05 && off.y.abs() <= 0.05,
+                "outside of the box: {next:?} after {best:?}"
+            );
+            best = if next.accepted { *next } else { best };
+        }
+        assert_eq!((best.world_from_robot, best.error), (found.world_from_robot, found.error));
+        assert!(tried.iter().filter(|tried| tried.accepted).count() > 10);
     }
 
     #[test]

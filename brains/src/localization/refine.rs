@@ -28,6 +28,7 @@
 use baudbot_geometry::{Pose, Vector, angle, math};
 use nalgebra::{Matrix3, Vector3};
 
+use super::Tried;
 use super::map::{Echo, Map, VirtualLaser};
 use crate::Chance;
 use crate::estimate::Estimate;
@@ -81,14 +82,31 @@ pub fn refine(
     parameters: &Parameters,
     chance: &mut Chance,
 ) -> Refined {
+    refine_watched(map, scan, guess, parameters, chance, |_| ())
+}
+
+/// The same search, of which each pose that is looked at is told: first the guess, and where a start goes on with the narrow
+/// loss its pose again.
+///
+/// # Panics
+/// If the scan has no rays.
+#[must_use]
+pub fn refine_watched(
+    map: &Map,
+    scan: &Scan,
+    guess: &Estimate,
+    parameters: &Parameters,
+    chance: &mut Chance,
+    mut watch: impl FnMut(&Tried),
+) -> Refined {
     let problem = Problem::new(map, scan, guess, parameters);
-    let mut best = problem.descend(guess.world_from_robot);
+    let mut best = problem.descend(guess.world_from_robot, 0, &mut watch);
     let mut scans = best.scans;
-    for _ in 0..parameters.starts {
+    for start in 1..=parameters.starts {
         if problem.fit(&best.at) >= parameters.enough || scans >= parameters.all_scans {
             break;
         }
-        let found = problem.descend(problem.draw(chance));
+        let found = problem.descend(problem.draw(chance), start, &mut watch);
         scans += found.scans;
         if found.at.cost < best.at.cost {
             best = found;
@@ -147,22 +165,33 @@ impl<'a> Problem<'a> {
         moved(&self.guess.world_from_robot, &(root * deviates))
     }
 
-    /// Goes down from a pose, first with a wide loss and then with a narrow one.
-    fn descend(&self, start: Pose) -> Descent {
+    /// Goes down from the pose of a start, first with a wide loss and then with a narrow one.
+    fn descend(&self, from: Pose, start: usize, watch: &mut impl FnMut(&Tried)) -> Descent {
+        let mut tell = |look: &Look, accepted| {
+            watch(&Tried { world_from_robot: look.pose, error: look.cost, accepted, start });
+        };
         let each = self.parameters.scans / 2;
-        let wide = self.descend_with(start, WIDE, each);
-        let narrow = self.descend_with(wide.at.pose, NARROW, each);
+        let wide = self.descend_with(from, WIDE, each, &mut tell);
+        let narrow = self.descend_with(wide.at.pose, NARROW, each, &mut tell);
         Descent { at: narrow.at, scans: wide.scans + narrow.scans }
     }
 
-    fn descend_with(&self, start: Pose, scale: f64, most_scans: usize) -> Descent {
-        let (mut at, mut scans, mut damping) = (self.look(&start, scale), 1, 1e-3);
+    fn descend_with(
+        &self,
+        from: Pose,
+        scale: f64,
+        most_scans: usize,
+        tell: &mut impl FnMut(&Look, bool),
+    ) -> Descent {
+        let (mut at, mut scans, mut damping) = (self.look(&from, scale), 1, 1e-3);
+        tell(&at, true);
         while scans < most_scans {
             let damped = at.curvature + Matrix3::from_diagonal(&at.curvature.diagonal()) * damping;
             let Some(step) = damped.cholesky().map(|damped| damped.solve(&-at.gradient)) else { break };
             let next = self.look(&moved(&at.pose, &step), scale);
             scans += 1;
             let gain = at.cost - next.cost;
+            tell(&next, gain > 0.0);
             if gain > 0.0 {
                 let is_flat = gain < ENOUGH * at.cost;
                 at = next;

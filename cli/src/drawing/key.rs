@@ -10,7 +10,7 @@ use super::kinds::Kind;
 use super::labels::{shortened, without_middle, wrapped};
 use super::palette::{self, FIELDS, INK, LAMP, MOVER, PALE_INK, hue};
 use super::view::{drawn, rectangle};
-use super::xml::{Canvas, Element};
+use super::xml::{Canvas, Element, px};
 use super::{Shown, senses, things};
 use crate::text::{NOTHING, count};
 
@@ -55,6 +55,26 @@ pub(super) fn of_rest() -> Block {
     let mut canvas = Canvas::default();
     canvas.put(text((0.0, 12.0), "There are robots of other kinds, too.", SIZE, PALE_INK));
     Block { canvas, height: 14.0 }
+}
+
+/// What is said of something that was drawn, line by line, the first in bold, and what its marks mean.
+pub(super) fn of_marks(notes: &[String], marks: Vec<(Element, &'static str)>) -> Block {
+    let mut canvas = Canvas::default();
+    let mut y = 12.0;
+    for (i, note) in notes.iter().enumerate() {
+        for line in wrapped(note, SIZE + 1.0, WIDTH, 2) {
+            let text = text((0.0, y), &line, SIZE, INK);
+            canvas.put(if i == 0 { text.set("font-weight", "600") } else { text });
+            y += LINE + 1.5;
+        }
+    }
+    y += 4.0;
+    for (mark, what) in marks {
+        canvas.put(mark.set("transform", &format!("translate(0 {})", px(y - 9.0))));
+        canvas.put(text((22.0, y), what, SIZE, INK));
+        y += LINE + 2.5;
+    }
+    Block { canvas, height: y - 8.0 }
 }
 
 /// Zones, lamps, fields and marks, those on robots if they are drawn; none if there is nothing to tell.
@@ -105,7 +125,8 @@ fn entries(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
 
 /// Marks of which there is at least one in the picture.
 fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
-    let (with_robots, with_wheels) = (matches!(shown, Shown::Starts), !matches!(shown, Shown::Route(_)));
+    let with_robots = matches!(shown, Shown::Starts);
+    let with_wheels = with_robots || matches!(shown, Shown::Trails(_));
     let arena = scenario.arena();
     let low = arena.polygons().iter().map(|polygon| &polygon.look);
     let mut looks = low.chain(arena.pillars().iter().map(|pillar| &pillar.look));

@@ -1,5 +1,5 @@
-//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows; and the ways that robots
-//! went in it (`baudbot export --svg`) or could go (`baudbot plan --svg`).
+//! `baudbot check --svg`: a scenario from above, as a picture that a browser shows; the ways that robots went in it
+//! (`baudbot export --svg`) or could go (`baudbot plan --svg`); and where one looked for its place (`baudbot locate --svg`).
 //!
 //! From the picture inwards:
 //!
@@ -7,7 +7,7 @@
 //! 2. `lens` enlarges robots that are small in the plan, `key` says what the colours mean, `block` makes columns of both,
 //!    and `kinds` finds robots that are alike.
 //! 3. `ground`, `walls`, `things`, `body` and `senses` draw what there is, from the floor upwards, into any window;
-//!    `trails` draws over it where robots went, `route` a way that was planned.
+//!    `trails` draws over it where robots went, `route` a way that was planned, `quest` poses that were tried.
 //! 4. `view` is such a window, `extent` the part of the world in it, `frame` its axes, `labels` finds room for names,
 //!    `palette` has the colours, and `baudbot_experiment::svg`, here `xml`, writes elements.
 //!
@@ -24,6 +24,7 @@ mod kinds;
 mod labels;
 mod lens;
 mod palette;
+mod quest;
 mod route;
 mod senses;
 #[cfg(test)]
@@ -43,6 +44,7 @@ use self::kinds::Kind;
 use self::labels::{Labels, Style};
 pub(crate) use self::labels::{shortened, width, without_middle, wrapped};
 pub(crate) use self::palette::{FRAME, INK, PALE_INK, PAPER, TRAILS};
+pub(crate) use self::quest::{Attempt, Quest};
 pub(crate) use self::route::Route;
 pub(crate) use self::trails::{Collision, Trail, Trails};
 use self::view::View;
@@ -65,6 +67,11 @@ pub(crate) fn draw_route(scenario: &Scenario, label: &str, route: &Route) -> Str
     picture(scenario, label, Shown::Route(route))
 }
 
+/// The picture of a scenario in which a robot looks for its place.
+pub(crate) fn draw_quest(scenario: &Scenario, label: &str, quest: &Quest) -> String {
+    picture(scenario, label, Shown::Quest(quest))
+}
+
 /// What is shown in the arena.
 #[derive(Clone, Copy)]
 enum Shown<'a> {
@@ -74,6 +81,8 @@ enum Shown<'a> {
     Trails(&'a Trails),
     /// Where one could go.
     Route(&'a Route),
+    /// Where one looked for its place.
+    Quest(&'a Quest),
 }
 
 fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
@@ -83,6 +92,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let start = extent::of(scenario);
     let went = match shown {
         Shown::Trails(trails) => trails.bounds(scenario.robots()),
+        Shown::Quest(quest) => Some(quest.bounds()),
         Shown::Starts | Shown::Route(_) => None,
     };
     let bounds = went.map_or(start, |went| start.union(&went));
@@ -94,7 +104,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let view = View { world: bounds, scale, left: frame::LEFT, top: head.height };
     let lenses = match shown {
         Shown::Starts => Lenses::new(&kinds, scale),
-        Shown::Trails(_) | Shown::Route(_) => Lenses::none(),
+        Shown::Trails(_) | Shown::Route(_) | Shown::Quest(_) => Lenses::none(),
     };
     let plan = Plan { view, world: &world, onlooker: &onlooker, kinds: &kinds, lenses: &lenses, shown };
     let mut canvas = Canvas::default();
@@ -195,12 +205,13 @@ impl Plan<'_> {
         let scenario = self.world.scenario();
         let surroundings = key::of_surroundings(scenario, self.shown);
         let own = match self.shown {
-            Shown::Starts => None,
-            Shown::Trails(trails) => Some(trails::key(scenario, trails)),
-            Shown::Route(route) => Some(route::key(route)),
+            Shown::Starts => Vec::new(),
+            Shown::Trails(trails) => vec![trails::key(scenario, trails)],
+            Shown::Route(route) => vec![route::key(route)],
+            Shown::Quest(quest) => vec![quest::enlarged(quest, scenario, self.view.scale), quest::key(quest)],
         };
-        if let Some(own) = own {
-            return [own].into_iter().chain(surroundings).collect();
+        if !own.is_empty() {
+            return own.into_iter().chain(surroundings).collect();
         }
         let sizes = (self.lenses.height, self.view.scale);
         let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, self.world, self.onlooker, sizes);
@@ -224,6 +235,7 @@ impl Plan<'_> {
         match self.shown {
             Shown::Starts => self.draw_robots(canvas),
             Shown::Route(route) => route::draw_way(canvas, view, route),
+            Shown::Quest(quest) => quest::draw(canvas, view, scenario, quest),
             Shown::Trails(trails) => {
                 canvas.open(Element::group().set("opacity", "0.4"));
                 scenario.robots().iter().for_each(|robot| body::draw(canvas, view, robot));
@@ -264,7 +276,8 @@ impl Plan<'_> {
     fn label(&self, labels: &mut Labels) {
         let (view, scenario): (&View, &Scenario) = (&self.view, self.world.scenario());
         let lenses = self.lenses;
-        let robots = if matches!(self.shown, Shown::Route(_)) { &[] } else { scenario.robots() };
+        let robots =
+            if matches!(self.shown, Shown::Route(_) | Shown::Quest(_)) { &[] } else { scenario.robots() };
         for robot in robots {
             labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
         }

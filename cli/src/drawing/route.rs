@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use baudbot_geometry::{Bounds, Point};
 
-use super::block::{Block, WIDTH};
-use super::labels::wrapped;
+use super::block::Block;
+use super::key;
 use super::palette::{INK, PAPER};
 use super::view::{View, drawn, rectangle};
 use super::xml::{Canvas, Element, px};
@@ -58,22 +58,7 @@ pub(super) fn draw_way(canvas: &mut Canvas, view: &View, route: &Route) {
 
 /// What it means.
 pub(super) fn key(route: &Route) -> Block {
-    let mut canvas = Canvas::default();
-    let mut y = 12.0;
-    for (i, note) in route.notes.iter().enumerate() {
-        for line in wrapped(note, SIZE + 1.0, WIDTH, 2) {
-            let text = text((0.0, y), &line);
-            canvas.put(if i == 0 { text.set("font-weight", "600") } else { text });
-            y += LINE + 1.0;
-        }
-    }
-    y += 4.0;
-    for (mark, what) in entries(route) {
-        canvas.put(mark.set("transform", &format!("translate(0 {})", px(y - 9.0))));
-        canvas.put(text((22.0, y), what));
-        y += LINE + 2.0;
-    }
-    Block { canvas, height: y - 8.0 }
+    key::of_marks(&route.notes, entries(route))
 }
 
 fn entries(route: &Route) -> Vec<(Element, &'static str)> {
@@ -102,16 +87,6 @@ fn boxes(view: &View, boxes: &[Bounds]) -> String {
     }
     data
 }
-
-fn text((x, y): (f64, f64), text: &str) -> Element {
-    let at = Element::new("text").number("x", x).number("y", y).number("font-size", SIZE);
-    at.set("fill", INK).text(text)
-}
-
-/// Of letters.
-const SIZE: f64 = 11.0;
-/// From one line to the next.
-const LINE: f64 = 15.0;
 
 const BLOCKED: &str = "#d3d7de";
 const LOOKED_AT: &str = "#c3e8bd";

@@ -7,6 +7,7 @@ mod devices;
 mod diagrams;
 mod export;
 mod foxglove;
+mod locating;
 mod logs;
 mod new;
 #[cfg(feature = "otel")]

@@ -34,6 +34,26 @@ fn searches(most: f64, noise: f64, parameters: &Parameters, count: usize) -> Vec
 }
 
 #[test]
+fn who_watches_is_told_of_each_pose_and_changes_nothing() {
+    let (map, truth) = (office(), Pose::new(2.0, 2.0, 0.5));
+    let scan = noisy_scan(&urg(171), &map, &truth, 0.01, &mut Chance::new(1, "noise"));
+    let start = guess_within(Pose::new(3.0, 1.2, 1.7), 1.0);
+    let parameters = Parameters { starts: 3, enough: 2.0, all_scans: 1000, ..Parameters::default() };
+    let mut tried: Vec<Tried> = Vec::new();
+    let found = refine_watched(&map, &scan, &start, &parameters, &mut Chance::new(1, "search"), |pose| {
+        tried.push(*pose)
+    });
+    assert_eq!(found, refine(&map, &scan, &start, &parameters, &mut Chance::new(1, "search")));
+    assert_eq!((tried.len(), tried[0].world_from_robot), (found.scans, start.world_from_robot));
+    let ends: Vec<_> =
+        (0..=3).map(|start| tried.iter().rfind(|tried| tried.start == start && tried.accepted)).collect();
+    // The narrow loss is that of all ends, so that the least of their sums is the result.
+    let best = ends.iter().flatten().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap();
+    assert_eq!((ends.iter().flatten().count(), best.world_from_robot), (4, found.estimate.world_from_robot));
+    assert!(tried.iter().any(|tried| !tried.accepted));
+}
+
+#[test]
 fn slopes_are_those_of_small_steps() {
     let pillar = Circle { center: Point::new(3.0, 1.2), radius: 0.5 };
     let map = Map::new(rectangle([0.0, 0.0, 4.0, 3.0]), vec![pillar]).unwrap();

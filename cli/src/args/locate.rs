@@ -1,0 +1,182 @@
+//! The arguments of `baudbot locate`.
+
+use std::path::PathBuf;
+
+use baudbot_brains::localization::{laser, refine};
+use baudbot_geometry::{Pose, angle};
+use clap::{Args, ValueEnum};
+
+use super::{ChangeArgs, finite};
+
+#[derive(Debug, Args)]
+pub(crate) struct LocateArgs {
+    /// A scenario file, or one that is part of the program; one of its robots needs a laser
+    pub(crate) scenario: String,
+    /// Where the robot believes to be, in metres and radians
+    #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
+    pub(crate) guess: Pose,
+    /// Where it is, in metres and radians [default: where it starts]
+    #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
+    pub(crate) at: Option<Pose>,
+    /// The robot that looks for its place [default: the first with a laser]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// The laser that it looks with [default: its first]
+    #[arg(long, value_name = "SENSOR")]
+    pub(crate) laser: Option<String>,
+    /// How the place is searched
+    #[arg(long, value_name = "METHOD", default_value = "search")]
+    pub(crate) method: Search,
+    /// So many rays of the scan are matched, about
+    #[arg(long, value_name = "N", default_value_t = 171, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) rays: u32,
+    #[command(flatten)]
+    pub(crate) search: SearchArgs,
+    #[command(flatten)]
+    pub(crate) refine: RefineArgs,
+    /// Draw the scan and the poses that were tried as a picture in SVG; `-` is stdout, and nothing else is then written
+    /// there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Write what was found, and all poses that were tried, as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+/// How a place is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Search {
+    /// As in the notes: at random in a box around the best pose so far
+    Search,
+    /// By robust least squares on the rays, from the guess and from poses drawn around it
+    Refine,
+}
+
+/// What only `--method search` has.
+#[derive(Debug, Args)]
+pub(crate) struct SearchArgs {
+    /// search: whole width of the box in x and in y, in metres [default: 0.1]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
+    box_m: Option<f64>,
+    /// search: whole width of the box in heading, in radians [default: 0.1]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = finite)]
+    box_rad: Option<f64>,
+    /// search: it ends below this matching error; 0 goes on until all poses are tried [default: 0.02]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = finite)]
+    threshold: Option<f64>,
+    /// search: poses that are tried at most besides the guess [default: 300]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    iterations: Option<u32>,
+    /// search: the box becomes smaller when it fails, which the notes' does not
+    #[arg(long)]
+    shrink: bool,
+}
+
+/// What only `--method refine` has.
+#[derive(Debug, Args)]
+pub(crate) struct RefineArgs {
+    /// refine: starts at most besides the guess [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    starts: Option<u32>,
+    /// refine: standard deviation of the guess in x and in y, in metres [default: 0.2]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = finite)]
+    sd_m: Option<f64>,
+    /// refine: standard deviation of the guess in heading, in radians [default: 0.2]
+    #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = finite)]
+    sd_rad: Option<f64>,
+}
+
+impl SearchArgs {
+    /// The options that are given.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &'static str> {
+        let all = [
+            ("--box-m", self.box_m.is_some()),
+            ("--box-rad", self.box_rad.is_some()),
+            ("--threshold", self.threshold.is_some()),
+            ("--iterations", self.iterations.is_some()),
+            ("--shrink", self.shrink),
+        ];
+        all.into_iter().filter(|(_, is)| *is).map(|(option, _)| option)
+    }
+
+    /// What the library is asked for, or which option cannot be so.
+    pub(crate) fn parameters(&self) -> Result<laser::Parameters, String> {
+        let default = laser::Parameters::default();
+        Ok(laser::Parameters {
+            box_m: positive("--box-m", self.box_m.unwrap_or(default.box_m))?,
+            box_rad: positive("--box-rad", self.box_rad.unwrap_or(default.box_rad))?,
+            threshold: match self.threshold.unwrap_or(default.threshold) {
+                threshold if threshold < 0.0 => {
+                    return Err(format!("--threshold: must be 0 or more, is {threshold}"));
+                }
+                threshold => threshold,
+            },
+            iterations: self.iterations.map_or(default.iterations, |n| n as usize),
+            shrink: self.shrink.then(Default::default),
+        })
+    }
+}
+
+impl RefineArgs {
+    /// The options that are given.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &'static str> {
+        let all = [
+            ("--starts", self.starts.is_some()),
+            ("--sd-m", self.sd_m.is_some()),
+            ("--sd-rad", self.sd_rad.is_some()),
+        ];
+        all.into_iter().filter(|(_, is)| *is).map(|(option, _)| option)
+    }
+
+    /// What the library is asked for.
+    pub(crate) fn parameters(&self) -> refine::Parameters {
+        let default = refine::Parameters::default();
+        refine::Parameters { starts: self.starts.map_or(default.starts, |n| n as usize), ..default }
+    }
+
+    /// How sure the guess is, in metres and radians, or which option cannot be so.
+    pub(crate) fn deviations(&self) -> Result<(f64, f64), String> {
+        let sd_m = positive("--sd-m", self.sd_m.unwrap_or(UNSURE))?;
+        Ok((sd_m, positive("--sd-rad", self.sd_rad.unwrap_or(UNSURE))?))
+    }
+}
+
+/// A length or an angle that is one.
+fn positive(option: &str, number: f64) -> Result<f64, String> {
+    let fits = number > 0.0 && number <= MOST;
+    if fits { Ok(number) } else { Err(format!("{option}: must be above 0 and at most {MOST}, is {number}")) }
+}
+
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| finite(number.trim()).ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, heading]) if [x, y, heading].iter().all(|number| number.abs() <= MOST_PLACE) => {
+            Ok(Pose::new(x, y, angle::wrap(heading)))
+        }
+        _ => Err(format!(
+            "must be x, y and heading with commas between them, in metres and radians, such as 1.5,-2,0.1; is `{text}`"
+        )),
+    }
+}
+
+/// How sure a guess is that does not say it, in metres and radians.
+const UNSURE: f64 = 0.2;
+
+/// No box is wider, and no guess less sure, in metres and radians.
+const MOST: f64 = 100.0;
+
+/// As in scenarios.
+const MOST_PLACE: f64 = 1e6;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  baudbot locate scenarios/tour.toml --guess 2.3,1.8,0.2
+  baudbot locate scenarios/tour.toml --guess 2.3,1.8,0.2 --threshold 0 --seed 2 --svg poses.svg
+  baudbot locate scenarios/tour.toml --at 6,3,1.5 --guess 5.5,3.3,1.9 --method refine
+  baudbot locate my.toml --robot alice --laser urg --guess 0.1,0,0.05 --iterations 1000 --shrink --json
+
+The robot stands still, and its laser takes one scan as in a run, with its noise. The map is what stands still in the
+arena and is as high as the laser; what moves is seen, and not in the map. --seed draws another scan, and other poses.
+The exit code is 1 if nowhere enough rays could be compared.";

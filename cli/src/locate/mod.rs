@@ -1,0 +1,248 @@
+//! `baudbot locate`: the search for a robot's place by its scan (Section 6.3.1), and the poses that were tried, Fig. 6.18.
+//!
+//! [`look`] takes a scan in a world, and makes a map of its arena; [`hunt`] searches by `baudbot_brains::localization`;
+//! `drawing` shows both.
+
+mod hunt;
+mod look;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::Context;
+use baudbot_brains::scan::Scan;
+use baudbot_geometry::{Point, Pose, Vector, math};
+use clap::ValueEnum;
+use serde::Serialize;
+
+use self::hunt::{Hunt, Step, error_at, off};
+use self::look::Looker;
+use crate::args::LocateArgs;
+use crate::drawing::{self, Attempt, Quest};
+use crate::run::overrides;
+use crate::scenarios::Source;
+use crate::text::{self, NOTHING, count, handy, pairs};
+
+pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = Arc::new(source.parse(&overrides(&args.changes)?)?);
+    let looker = Looker::find(args, scenario.robots())?;
+    let map = looker.map(scenario.arena())?;
+    let whole = looker.scan(&scenario, args.at)?;
+    let scan = whole.thinned(args.rays as usize);
+    let hunt = Hunt::new(args, &map, &scan, scenario.seed())?;
+    let truth = args.at.unwrap_or(looker.robot.start.pose);
+    let error_at_truth = error_at(&map, &scan, &truth);
+    let rays = whole.distances_m.len();
+    let told = Told { args, looker, hunt: &hunt, scan: &scan, rays, truth, error_at_truth };
+    let code = if hunt.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    if let Some(path) = &args.svg {
+        text::write(path, &drawing::draw_quest(&scenario, source.label(), &told.quest()))?;
+        if path == Path::new("-") {
+            return Ok(code);
+        }
+    }
+    if args.json {
+        let json = serde_json::to_string_pretty(&told.found()).context("cannot write what was found")?;
+        text::print(&format!("{json}\n"))?;
+    } else {
+        text::print(&told.words())?;
+    }
+    Ok(code)
+}
+
+/// What there is to tell.
+struct Told<'a> {
+    args: &'a LocateArgs,
+    looker: Looker<'a>,
+    hunt: &'a Hunt,
+    scan: &'a Scan,
+    /// Of the whole scan.
+    rays: usize,
+    truth: Pose,
+    error_at_truth: f64,
+}
+
+/// What was found, for programs. An error that is null: too few rays could be compared.
+#[derive(Serialize)]
+struct Found<'a> {
+    method: String,
+    robot: &'a str,
+    laser: &'a str,
+    rays: usize,
+    rays_of_laser: usize,
+    truth: Place,
+    error_at_truth: f64,
+    guess: Place,
+    found: Place,
+    error: f64,
+    off_m: f64,
+    off_rad: f64,
+    /// Of refinement: part of the rays that fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fit: Option<f64>,
+    poses_tried: usize,
+    poses_accepted: usize,
+    starts: usize,
+    best_start: usize,
+    tried: Vec<TriedPose>,
+}
+
+#[derive(Serialize)]
+struct Place {
+    x_m: f64,
+    y_m: f64,
+    heading_rad: f64,
+}
+
+#[derive(Serialize)]
+struct TriedPose {
+    #[serde(flatten)]
+    place: Place,
+    error: f64,
+    accepted: bool,
+    start: usize,
+}
+
+impl From<Pose> for Place {
+    fn from(pose: Pose) -> Self {
+        Self { x_m: pose.position.x, y_m: pose.position.y, heading_rad: pose.heading }
+    }
+}
+
+impl<'a> Told<'a> {
+    fn method(&self) -> String {
+        self.args.method.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+
+    fn accepted(&self) -> usize {
+        self.hunt.steps.iter().filter(|step| step.accepted).count()
+    }
+
+    fn found(&self) -> Found<'a> {
+        let hunt = self.hunt;
+        let (off_m, off_rad) = off(&hunt.found, &self.truth);
+        let tried = |step: &Step| {
+            let Step { pose, error, accepted, start } = *step;
+            TriedPose { place: pose.into(), error, accepted, start }
+        };
+        Found {
+            method: self.method(),
+            robot: &self.looker.robot.name,
+            laser: self.looker.sensor(),
+            rays: self.scan.distances_m.len(),
+            rays_of_laser: self.rays,
+            truth: self.truth.into(),
+            error_at_truth: self.error_at_truth,
+            guess: self.args.guess.into(),
+            found: hunt.found.into(),
+            error: hunt.error(),
+            off_m,
+            off_rad,
+            fit: hunt.fit,
+            poses_tried: hunt.steps.len(),
+            poses_accepted: self.accepted(),
+            starts: hunt.starts(),
+            best_start: hunt.best(),
+            tried: hunt.steps.iter().map(tried).collect(),
+        }
+    }
+
+    fn words(&self) -> String {
+        let (found, hunt) = (self.found(), self.hunt);
+        let error_at_guess = hunt.steps.first().map_or(f64::INFINITY, |step| step.error);
+        let mut facts = vec![
+            ("method", found.method),
+            (
+                "robot",
+                format!("{}, {} of {} of {}", found.robot, found.rays, count(self.rays, "ray"), found.laser),
+            ),
+            ("truth", format!("{}; ε {}", place(&self.truth), epsilon(self.error_at_truth))),
+            ("guess", self.told_of(&self.args.guess, error_at_guess)),
+            ("found", self.told_of(&hunt.found, found.error)),
+            ("tried", self.effort()),
+        ];
+        facts.extend(hunt.fit.map(|fit| ("fit", format!("{} of the rays", text::percent(fit)))));
+        if hunt.starts() > 1 {
+            facts.push(("starts", format!("{}, of which {} was the best", hunt.starts(), hunt.best())));
+        }
+        format!("{}\n{}", pairs("", &facts), self.table())
+    }
+
+    fn told_of(&self, pose: &Pose, error: f64) -> String {
+        let (m, rad) = off(pose, &self.truth);
+        format!("{}; {m:.3} m and {rad:.3} rad off; ε {}", place(pose), epsilon(error))
+    }
+
+    fn effort(&self) -> String {
+        format!("{}, {} accepted", count(self.hunt.steps.len(), "pose"), self.accepted())
+    }
+
+    /// The poses that were accepted on the way to where it ended.
+    fn table(&self) -> String {
+        let head = ["pose", "ε", "x in m", "y in m", "heading in rad", "off by m", "off by rad"];
+        let row = |(number, step): (usize, &Step)| {
+            let Pose { position, heading } = step.pose;
+            let (m, rad) = off(&step.pose, &self.truth);
+            let numbers = [position.x, position.y, heading, m, rad].map(|number| format!("{number:.3}"));
+            let [x, y, heading, m, rad] = numbers;
+            [number.to_string(), epsilon(step.error), x, y, heading, m, rad]
+        };
+        let rows = self.hunt.accepted(self.hunt.best()).map(row);
+        text::table("", &[head.map(str::to_owned)].into_iter().chain(rows).collect::<Vec<_>>())
+    }
+
+    /// What is drawn of it.
+    fn quest(&self) -> Quest {
+        let hunt = self.hunt;
+        let attempt = |start: usize| Attempt {
+            steps: hunt.accepted(start).map(|(number, step)| (number, step.pose)).collect(),
+        };
+        let best = hunt.best();
+        let others = (0..hunt.starts()).filter(|start| *start != best);
+        let (m, rad) = off(&hunt.found, &self.truth);
+        Quest {
+            robot: self.looker.robot.name.clone(),
+            truth: self.truth,
+            guess: self.args.guess,
+            found: hunt.found,
+            rejected: hunt.steps.iter().filter(|step| !step.accepted).map(|step| step.pose).collect(),
+            best: attempt(best),
+            others: others.map(attempt).collect(),
+            seen_from_guess: seen_from(self.scan, &self.args.guess),
+            seen_from_found: seen_from(self.scan, &hunt.found),
+            notes: vec![
+                format!(
+                    "{}, {} of {}",
+                    self.method(),
+                    count(self.scan.distances_m.len(), "ray"),
+                    self.looker.sensor()
+                ),
+                self.effort(),
+                format!("{m:.3} m and {rad:.3} rad off in the end, ε {}", epsilon(hunt.error())),
+                format!("ε {} at the true pose", epsilon(self.error_at_truth)),
+            ],
+        }
+    }
+}
+
+/// Where what was measured would be if the robot were there.
+fn seen_from(scan: &Scan, world_from_robot: &Pose) -> Vec<Point> {
+    let world_from_laser = world_from_robot.compose(&scan.robot_from_laser);
+    let hits = scan.distances_m.iter().enumerate().filter(|(_, distance)| distance.is_finite());
+    let point = |(i, distance): (usize, &f64)| {
+        let (sin, cos) = math::sin_cos(world_from_laser.heading + scan.bearing_rad(i));
+        world_from_laser.position + Vector::new(cos, sin) * *distance
+    };
+    hits.map(point).collect()
+}
+
+fn place(pose: &Pose) -> String {
+    format!("({}, {}), {} rad", handy(pose.position.x), handy(pose.position.y), handy(pose.heading))
+}
+
+/// A matching error; there is none where too few rays could be compared.
+fn epsilon(error: f64) -> String {
+    if error.is_finite() { format!("{error:.4}") } else { NOTHING.to_owned() }
+}
