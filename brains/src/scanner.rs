@@ -69,6 +69,17 @@ impl Scanner {
         Some((ended_ns, deskew(&scan, deskew::Sweep { right_ns, left_ns }, ended_ns, pose_at)?))
     }
 
+    /// The same as it is, without any odometry: for who stands still, or knows only where it is now.
+    pub fn take_as_is(&mut self) -> Option<(u64, Scan)> {
+        let (begun_ns, scan) = self.waiting.take()?;
+        Some((begun_ns.saturating_add(self.sweep.duration_ns), scan))
+    }
+
+    /// The reading that waits is not of interest any more.
+    pub fn forget(&mut self) {
+        self.waiting = None;
+    }
+
     /// Whether the reading that waits was begun at this instant or later; false if none waits.
     pub fn waits_since(&self, at_ns: u64) -> bool {
         self.waiting.as_ref().is_some_and(|(begun_ns, _)| *begun_ns >= at_ns)

@@ -10,10 +10,8 @@ use super::memory::Memory;
 use super::sight::{self, Sight};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
-use crate::localization::deskew::{Sweep, deskew};
 use crate::navigation::Goals;
 use crate::process::{Moment, MotorBehavior};
-use crate::scan::Scan;
 
 /// Where it goes, and what it heeds on its way.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -30,9 +28,6 @@ pub struct Parameters {
     /// By which sensors it sees.
     #[serde(default)]
     pub sight: sight::Parameters,
-    /// How long the sweep of a laser takes, in seconds.
-    #[serde(default)]
-    pub sweep_s: f64,
     /// Room to be kept beside the body, in metres: r_s.
     #[serde(default = "clearance_m")]
     pub clearance_m: f64,
@@ -69,6 +64,12 @@ pub struct Parameters {
     /// It drives no further with so much room ahead, in metres.
     #[serde(default = "stop_m")]
     pub stop_m: f64,
+    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does.
+    #[serde(default = "walker_m_s")]
+    pub walker_m_s: f64,
+    /// From when something is seen until it has stopped for that, in seconds.
+    #[serde(default = "halt_s")]
+    pub halt_s: f64,
     /// It stands still if it has seen nothing for so long, in seconds.
     #[serde(default = "stale_s")]
     pub stale_s: f64,
@@ -125,6 +126,14 @@ fn stop_m() -> f64 {
     0.1
 }
 
+fn walker_m_s() -> f64 {
+    0.5
+}
+
+fn halt_s() -> f64 {
+    0.9
+}
+
 fn stale_s() -> f64 {
     0.5
 }
@@ -141,6 +150,8 @@ pub struct Vfh {
     radius_m: f64,
     previous_rad: Option<f64>,
     seen_ns: Option<u64>,
+    /// When the newest scan was taken.
+    taken_ns: u64,
 }
 
 impl Vfh {
@@ -169,6 +180,7 @@ impl Vfh {
             radius_m: body.radius_m,
             previous_rad: None,
             seen_ns: None,
+            taken_ns: 0,
             parameters,
         })
     }
@@ -180,27 +192,11 @@ impl Vfh {
 
     /// Takes in what has come.
     fn look(&mut self, moment: &Moment<'_>) {
-        for (at_ns, scan) in self.sight.scans(moment.turn) {
-            let Some((at_ns, scan, world_from_robot)) = self.placed(scan, at_ns, moment) else { continue };
-            self.memory.see(&scan, &world_from_robot, at_ns);
+        for seen in self.sight.look(moment.turn, moment.beliefs) {
+            self.memory.see(&seen.scan, &seen.world_from_robot, seen.at_ns);
             self.seen_ns = Some(moment.turn.at_ns);
+            self.taken_ns = self.taken_ns.max(seen.at_ns);
         }
-    }
-
-    /// A scan as if it had been taken at the end of its sweep, with that instant and the pose at it.
-    fn placed(&self, scan: Scan, begun_ns: u64, moment: &Moment<'_>) -> Option<(u64, Scan, Pose)> {
-        let Some(odometry) = &moment.beliefs.odometry else {
-            return Some((begun_ns, scan, moment.beliefs.pose?.world_from_robot));
-        };
-        let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
-        let ended_ns = begun_ns + (self.parameters.sweep_s * 1e9) as u64;
-        if ended_ns == begun_ns {
-            return Some((begun_ns, scan, pose_at(begun_ns)?));
-        }
-        let is_clockwise = self.parameters.sight.laser_opening_rad.is_some_and(|rad| rad < 0.0);
-        let [right_ns, left_ns] = if is_clockwise { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
-        let scan = deskew(&scan, Sweep { right_ns, left_ns }, ended_ns, pose_at)?;
-        Some((ended_ns, scan, pose_at(ended_ns)?))
     }
 
     /// The direction to drive in, in radians; `None` if all are blocked.
@@ -240,11 +236,30 @@ impl Vfh {
         self.memory.obstacles().filter_map(room).fold(f64::INFINITY, f64::min)
     }
 
+    /// So fast it may drive that it stands before somebody who walks can be at it, in metres a second. Who comes from behind
+    /// sees to that himself.
+    fn safe_m_s(&self, world_from_robot: &Pose, now_ns: u64) -> f64 {
+        let p = &self.parameters;
+        if p.walker_m_s == 0.0 {
+            return f64::INFINITY;
+        }
+        let age_s = now_ns.saturating_sub(self.taken_ns) as f64 * 1e-9;
+        let walked_m = p.walker_m_s * (age_s + p.halt_s);
+        let reach_m = self.radius_m + walked_m + p.steering.speed_m_s * p.halt_s;
+        let ahead = world_from_robot.direction().vector();
+        let way = |obstacle: Point| obstacle - world_from_robot.position;
+        let counts = |obstacle: Point| way(obstacle).dot(&ahead) > 0.0 && way(obstacle).norm() < reach_m;
+        let safe_m_s = |obstacle| (way(obstacle).norm() - self.radius_m - walked_m) / p.halt_s;
+        self.memory.walkers(counts).map(safe_m_s).fold(f64::INFINITY, f64::min)
+    }
+
     /// Signals towards a direction, with as much speed as there is room, at most a part of the whole.
-    fn signals(&mut self, world_from_robot: &Pose, direction_rad: f64, most: f64) -> Signals {
+    fn signals(&mut self, world_from_robot: &Pose, direction_rad: f64, most: f64, now_ns: u64) -> Signals {
         let p = &self.parameters;
         let part = ((self.room_m(world_from_robot) - p.stop_m) / p.slow_m).min(most);
-        if part > 0.0 {
+        let safe = self.safe_m_s(world_from_robot, now_ns) / p.steering.speed_m_s;
+        if part > 0.0 && safe > SLOWEST {
+            let part = part.min(safe);
             return self.helm.signals(world_from_robot, direction_rad, part.max(SLOWEST));
         }
         // There is no room to drive, but to turn.
@@ -255,20 +270,17 @@ impl Vfh {
     }
 
     /// Signals on the way to a goal, and what it says.
-    fn drive(&mut self, world_from_robot: &Pose, goal: Point) -> (Signals, &'static str) {
+    fn drive(&mut self, world_from_robot: &Pose, goal: Point, now_ns: u64) -> (Signals, &'static str) {
         let most =
             if self.goals.is_last() { braking((goal - world_from_robot.position).norm()) } else { 1.0 };
         if let Some(direction_rad) = self.direction(world_from_robot, goal) {
-            return (self.signals(world_from_robot, direction_rad, most), "");
+            return (self.signals(world_from_robot, direction_rad, most, now_ns), "");
         }
         // Round about: to the left, until a direction becomes free.
         let signal = self.parameters.steering.rotation_m_s / self.parameters.steering.full_speed_m_s;
         (Signals { left: -signal, right: signal }, "sees no way")
     }
 }
-
-/// No laser sweeps for longer, in seconds.
-const LONGEST_SWEEP_S: f64 = 10.0;
 
 /// What makes no sense.
 fn check(p: &Parameters) -> Result<(), String> {
@@ -279,6 +291,7 @@ fn check(p: &Parameters) -> Result<(), String> {
         ("low", p.low),
         ("wide_rad", p.wide_rad),
         ("slow_m", p.slow_m),
+        ("halt_s", p.halt_s),
         ("stale_s", p.stale_s),
     ];
     for (name, value) in positive {
@@ -287,18 +300,15 @@ fn check(p: &Parameters) -> Result<(), String> {
         }
     }
     let others = [
-        ("sweep_s", p.sweep_s),
         ("clearance_m", p.clearance_m),
         ("turn_radius_m", p.turn_radius_m),
         ("stop_m", p.stop_m),
+        ("walker_m_s", p.walker_m_s),
     ];
     for (name, value) in others.into_iter().chain(p.costs.map(|cost| ("costs", cost))) {
         if !(value.is_finite() && value >= 0.0) {
             return Err(format!("{name}: must not be negative, is {value}"));
         }
-    }
-    if p.sweep_s > LONGEST_SWEEP_S {
-        return Err(format!("sweep_s: must be at most {LONGEST_SWEEP_S}, is {}", p.sweep_s));
     }
     if p.cell_m * 1000.0 < p.window_m {
         return Err(format!("cell_m: must be at least a thousandth of window_m, is {}", p.cell_m));
@@ -316,10 +326,11 @@ impl MotorBehavior for Vfh {
     /// It begins with the first goal again if it had arrived, and remembers nothing of what it saw before.
     fn enter(&mut self, _: &mut Moment<'_>) {
         self.goals.begin();
+        self.sight.forget();
         let p = &self.parameters;
         self.memory = Memory::new(p.cell_m, p.window_m, p.forget_s);
         self.histogram = Histogram::new(p.sectors);
-        (self.previous_rad, self.seen_ns) = (None, None);
+        (self.previous_rad, self.seen_ns, self.taken_ns) = (None, None, 0);
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
@@ -333,7 +344,7 @@ impl MotorBehavior for Vfh {
         let (signals, intention) = match goal {
             None => (Signals::default(), if self.has_arrived() { "has arrived" } else { "" }),
             Some(_) if is_blind => (Signals::default(), "sees nothing"),
-            Some(goal) => self.drive(&estimate.world_from_robot, goal),
+            Some(goal) => self.drive(&estimate.world_from_robot, goal, moment.turn.at_ns),
         };
         intention.clone_into(&mut moment.beliefs.intention);
         Some(signals)

@@ -3,7 +3,7 @@
 //! A cell is occupied from when something was seen in it until a ray goes through it, until it is forgotten, or until the
 //! robot is far from it. So what leaves the field of view stays for a while, and who walks through it leaves no trail.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use baudbot_geometry::{Point, Pose, angle, math};
 
@@ -15,14 +15,24 @@ pub struct Memory {
     cell_m: f64,
     window_m: f64,
     forget_ns: u64,
-    /// By column and row; with the instant at which something was seen last.
-    cells: BTreeMap<(i64, i64), u64>,
+    /// By column and row.
+    cells: BTreeMap<(i64, i64), Cell>,
+    newest_ns: u64,
+}
+
+/// A cell in which something is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cell {
+    /// When it came.
+    since_ns: u64,
+    /// When it was seen last.
+    seen_ns: u64,
 }
 
 impl Memory {
     /// One of cells with sides of `cell_m`, as far as `window_m` around the robot, for so long.
     pub fn new(cell_m: f64, window_m: f64, forget_s: f64) -> Self {
-        Self { cell_m, window_m, forget_ns: (forget_s * 1e9) as u64, cells: BTreeMap::new() }
+        Self { cell_m, window_m, forget_ns: (forget_s * 1e9) as u64, cells: BTreeMap::new(), newest_ns: 0 }
     }
 
     /// Takes in a scan that was taken at this instant, from this pose.
@@ -33,29 +43,63 @@ impl Memory {
         let center = |(column, row): (i64, i64)| {
             Point::new(column as f64 * 2.0 * half_m + half_m, row as f64 * 2.0 * half_m + half_m)
         };
+        self.newest_ns = self.newest_ns.max(at_ns);
+        let hits = self.hits(scan, &world_from_laser, world_from_robot.position);
+        for &hit in &hits {
+            let new = Cell { since_ns: at_ns, seen_ns: at_ns };
+            self.cells.entry(hit).or_insert(new).seen_ns = at_ns;
+        }
         let (window_m, forget_ns) = (self.window_m, self.forget_ns);
-        self.cells.retain(|&cell, seen_ns| {
-            let place = center(cell);
+        self.cells.retain(|&place, cell| {
+            // At an edge one ray goes past what another one meets.
+            if hits.contains(&place) {
+                return true;
+            }
+            let place = center(place);
             let is_near = (place - world_from_robot.position).norm() <= window_m + 2.0 * half_m;
-            let is_fresh = at_ns.saturating_sub(*seen_ns) <= forget_ns;
+            let is_fresh = at_ns.saturating_sub(cell.seen_ns) <= forget_ns;
             is_near && is_fresh && !is_seen_through(scan, laser_from_world.transform(place), 2.0 * half_m)
         });
-        for (i, &distance_m) in scan.distances_m.iter().enumerate().filter(|(_, m)| m.is_finite()) {
+    }
+
+    /// The cells in which rays end.
+    fn hits(&self, scan: &Scan, world_from_laser: &Pose, here: Point) -> BTreeSet<(i64, i64)> {
+        let seen = scan.distances_m.iter().enumerate().filter(|(_, m)| m.is_finite());
+        let places = seen.map(|(i, distance_m)| {
             let (sin, cos) = math::sin_cos(scan.bearing_rad(i));
-            let place = world_from_laser.transform(Point::new(distance_m * cos, distance_m * sin));
-            if (place - world_from_robot.position).norm() <= window_m {
-                let number = |m: f64| math::floor(m / self.cell_m) as i64;
-                self.cells.insert((number(place.x), number(place.y)), at_ns);
-            }
-        }
+            world_from_laser.transform(Point::new(distance_m * cos, distance_m * sin))
+        });
+        let near = places.filter(|place| (place - here).norm() <= self.window_m);
+        let number = |m: f64| math::floor(m / self.cell_m) as i64;
+        near.map(|place| (number(place.x), number(place.y))).collect()
     }
 
     /// The centres of the cells in which something is, as far as it is known.
     pub fn obstacles(&self) -> impl Iterator<Item = Point> + '_ {
-        let place = |number: i64| (number as f64 + 0.5) * self.cell_m;
-        self.cells.keys().map(move |&(column, row)| Point::new(place(column), place(row)))
+        self.cells.keys().map(|&cell| self.center(cell))
+    }
+
+    /// The centres of those of them that may be of somebody who walks, and for which `counts` holds: nothing has been there
+    /// or beside for as long as half a second. Who walks leaves two cells within that. What is seen for the first time
+    /// may walk, too.
+    pub fn walkers(&self, counts: impl Fn(Point) -> bool) -> impl Iterator<Item = Point> {
+        let has_stood = |cell: &Cell| self.newest_ns.saturating_sub(cell.since_ns) >= STOOD_NS;
+        let stands = move |(column, row): (i64, i64)| {
+            (column - 1..=column + 1).any(|column| {
+                self.cells.range((column, row - 1)..=(column, row + 1)).any(|(_, c)| has_stood(c))
+            })
+        };
+        let near = self.cells.keys().map(|&cell| (cell, self.center(cell)));
+        near.filter(move |&(cell, place)| counts(place) && !stands(cell)).map(|(_, place)| place)
+    }
+
+    fn center(&self, (column, row): (i64, i64)) -> Point {
+        Point::new((column as f64 + 0.5) * self.cell_m, (row as f64 + 0.5) * self.cell_m)
     }
 }
+
+/// What has been in its place for so long does not walk, in nanoseconds.
+const STOOD_NS: u64 = 500_000_000;
 
 /// Whether the ray towards a place, in the frame of the laser, goes on behind it.
 fn is_seen_through(scan: &Scan, place: Point, cell_m: f64) -> bool {
@@ -103,6 +147,40 @@ mod tests {
         assert_eq!(seen(&memory).len(), 1, "it looks elsewhere");
         memory.see(&scan([FREE; 5]), &here, 4);
         assert_eq!(seen(&memory).len(), 0, "it has gone");
+    }
+
+    #[test]
+    fn who_walks_is_told_from_what_stands() {
+        let mut memory = Memory::new(0.1, 2.0, 5.0);
+        let walkers = |memory: &Memory| memory.walkers(|_| true).count();
+        for i in 0..10 {
+            // To the left a post, and somebody who comes from ahead at 0.5 m/s.
+            let ahead_m = 1.2 - 0.05 * f64::from(i);
+            let noise_m = 0.02 * f64::from(i % 2);
+            let scan = scan([FREE, FREE, ahead_m, FREE, 1.05 + noise_m]);
+            memory.see(&scan, &Pose::new(1.0, 1.0, 0.0), 100_000_000 * i as u64);
+            let expected = if i < 5 { 2..=4 } else { 1..=2 };
+            assert!(expected.contains(&walkers(&memory)), "{i}: {}", walkers(&memory));
+        }
+        assert!(memory.walkers(|place| place.y > 1.1).next().is_none());
+    }
+
+    /// One ray passes the middle of a cell that its neighbour meets at the edge.
+    #[test]
+    fn what_one_ray_meets_and_another_passes_has_stood_there_all_the_time() {
+        let mut memory = Memory::new(0.1, 2.0, 5.0);
+        for i in 0..7 {
+            memory.see(
+                &scan([0.8, FREE, FREE, FREE, FREE]),
+                &Pose::new(1.1545, 1.0729, 0.1),
+                100_000_000 * i,
+            );
+            assert_eq!(
+                (seen(&memory).len(), memory.walkers(|_| true).count()),
+                (1, usize::from(i < 5)),
+                "{i}"
+            );
+        }
     }
 
     #[test]

@@ -4,7 +4,9 @@ use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
+use crate::process::Beliefs;
 use crate::scan::Scan;
+use crate::scanner::Scanner;
 
 /// What no data sheet says.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -13,9 +15,7 @@ pub struct Parameters {
     /// Names of sensors of the kinds `laser`, `sonar` and `ir`. Without them it is all lasers, of a robot without a laser all
     /// sonars, and of one without these all infra-red sensors.
     pub names: Vec<String>,
-    /// How wide a laser opens, in radians; negative if it sweeps clockwise.
-    pub laser_opening_rad: Option<f64>,
-    /// How wide a sonar or an infra-red sensor opens, in radians.
+    /// How wide a sonar or an infra-red sensor opens, in radians, if it is not as its data sheet says.
     pub cone_rad: Option<f64>,
     /// The constants of the infra-red sensors' readings c₁ / d² + c₂ (3.13).
     pub ir: Option<Infrared>,
@@ -34,14 +34,28 @@ pub struct Infrared {
 /// The sensors of a robot that see how far away something is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sight {
-    eyes: Vec<(usize, Eye)>,
+    lasers: Vec<Scanner>,
+    /// The others, by their places on the data sheet.
+    cones: Vec<(usize, Cone)>,
 }
 
+/// A scan, and whence it was taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// When, in nanoseconds.
+    pub at_ns: u64,
+    /// What: all of it at that instant.
+    pub scan: Scan,
+    /// Where the robot was then.
+    pub world_from_robot: Pose,
+}
+
+/// A sensor that says one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Eye {
-    Laser { opening_rad: f64 },
-    Sonar { cone_rad: f64 },
-    Infrared { cone_rad: f64, constants: Infrared },
+struct Cone {
+    opening_rad: f64,
+    /// Those of an infra-red sensor; a sonar says metres.
+    infrared: Option<Infrared>,
 }
 
 impl Sight {
@@ -50,36 +64,81 @@ impl Sight {
     /// # Errors
     /// If it has no such sensor, or something is missing that its data sheet does not say, in words.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
-        let sensors = chosen(parameters, body)?;
-        let eyes = sensors.into_iter().map(|i| Ok((i, eye(parameters, &body.sensors[i])?)));
-        Ok(Self { eyes: eyes.collect::<Result<_, String>>()? })
+        let mut sight = Self { lasers: Vec::new(), cones: Vec::new() };
+        for i in chosen(parameters, body)? {
+            let sensor = &body.sensors[i];
+            let problem = || format!("sight: sensor `{}` has no range, or no place on the body", sensor.name);
+            fixed(sensor).ok_or_else(problem)?;
+            if sensor.kind == "laser" {
+                sight.lasers.push(Scanner::new(body, &sensor.name, usize::MAX)?);
+            } else {
+                sight.cones.push((i, cone(parameters, sensor)?));
+            }
+        }
+        Ok(sight)
     }
 
-    /// What has just been seen, and when: the instant of the sample, or that of the turn.
-    pub fn scans(&self, turn: &Turn) -> Vec<(u64, Scan)> {
-        let seen = |&(i, eye): &(usize, Eye)| {
-            let sensor = turn.body.sensors.get(i)?;
-            let reading = turn.readings.get(i)?.as_ref().filter(|reading| reading.readable)?;
-            let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
-            let scan = match eye {
-                Eye::Laser { .. } => Scan::of(sensor, reading)?,
-                Eye::Sonar { cone_rad } => cone(sensor, cone_rad, *reading.values.first()?)?,
-                Eye::Infrared { cone_rad, constants } => {
-                    cone(sensor, cone_rad, constants.distance_m(*reading.values.first()?))?
-                }
+    /// What can be placed by now. The scan of a laser waits until the odometry has come to the end of its sweep; who has
+    /// a pose and no odometry takes it as it is.
+    pub fn look(&mut self, turn: &Turn, beliefs: &Beliefs) -> Vec<Seen> {
+        let mut seen = Vec::new();
+        for laser in &mut self.lasers {
+            laser.hear(turn);
+            let taken = match &beliefs.odometry {
+                Some(odometry) => laser.take(odometry),
+                None => laser.take_as_is(),
             };
-            Some((at_ns, scan))
-        };
-        self.eyes.iter().filter_map(seen).collect()
+            seen.extend(taken.and_then(|(at_ns, scan)| placed(at_ns, scan, beliefs)));
+        }
+        let heard = self.cones.iter().filter_map(|(i, cone)| cone.scan(turn, *i));
+        seen.extend(heard.filter_map(|(at_ns, scan)| placed(at_ns, scan, beliefs)));
+        seen
+    }
+
+    /// What still waits is not of interest any more.
+    pub fn forget(&mut self) {
+        self.lasers.iter_mut().for_each(Scanner::forget);
+    }
+}
+
+/// A scan with the pose from which it was taken; `None` if that is not known.
+fn placed(at_ns: u64, scan: Scan, beliefs: &Beliefs) -> Option<Seen> {
+    let estimate = match &beliefs.odometry {
+        Some(odometry) => odometry.at(at_ns),
+        None => beliefs.pose,
+    };
+    Some(Seen { at_ns, scan, world_from_robot: estimate?.world_from_robot })
+}
+
+impl Cone {
+    /// The reading of this sensor, and when it was taken: the instant of the sample, or that of the turn. It may be anywhere
+    /// across the cone.
+    fn scan(&self, turn: &Turn, sensor: usize) -> Option<(u64, Scan)> {
+        let (reading, sensor) = (turn.readings.get(sensor)?.as_ref()?, turn.body.sensors.get(sensor)?);
+        let value = *reading.values.first().filter(|_| reading.readable)?;
+        let (range_m, robot_from_laser) = fixed(sensor)?;
+        let distance_m = self.infrared.map_or(value, |constants| constants.distance_m(value, range_m));
+        let is_seen = distance_m.is_nan() || (distance_m > 0.0 && distance_m < range_m);
+        let distances_m = vec![if is_seen { distance_m } else { f64::INFINITY }; CONE_RAYS];
+        let scan = Scan { robot_from_laser, opening_rad: self.opening_rad, range_m, distances_m };
+        Some((reading.sampled_at_ns.unwrap_or(turn.at_ns), scan))
     }
 }
 
 impl Infrared {
     /// How far away something is by a reading, in metres: (3.13) the other way round, for a ray straight ahead. Rays aside
-    /// reflect less, so the true distance is rather less than more. Where nothing is, it is infinite.
-    fn distance_m(&self, reading: f64) -> f64 {
-        let above = reading - self.c2;
-        if above > 0.0 { math::sqrt(self.c1_m2 / above) } else { f64::INFINITY }
+    /// reflect less, so the true distance is rather less than more. Where nothing is, it is infinite. The reading is the mean
+    /// of the sensor's rays (3.12): one that is less than that of a whole hit at the range, and more than nothing, is of
+    /// something that a few rays meet, and nobody knows how far away.
+    fn distance_m(&self, reading: f64, range_m: f64) -> f64 {
+        let least = self.c1_m2 / (range_m * range_m) + self.c2;
+        if reading >= least {
+            math::sqrt(self.c1_m2 / (reading - self.c2))
+        } else if reading > NOTHING * least {
+            f64::NAN
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -96,60 +155,51 @@ fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, String> {
     }
     let of_kind = |kind: &&str| -> Vec<usize> {
         let sensors = body.sensors.iter().enumerate();
-        sensors.filter(|(_, sensor)| sensor.kind == *kind && fixed(sensor)).map(|(i, _)| i).collect()
+        let is_fixed = |sensor: &Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
+        sensors.filter(|(_, sensor)| sensor.kind == *kind && is_fixed(sensor)).map(|(i, _)| i).collect()
     };
     let found = KINDS.iter().map(of_kind).find(|sensors| !sensors.is_empty());
     found.ok_or_else(|| format!("robot `{}` has no sensor of kind `laser`, `sonar` or `ir`", body.name))
 }
 
-/// Whether a sensor sits on the body and not on a turret.
-fn fixed(sensor: &Sensor) -> bool {
-    sensor.mount.as_ref().is_some_and(|mount| mount.turret.is_none())
+/// The range and the place of a sensor that sits on the body and not on a turret.
+fn fixed(sensor: &Sensor) -> Option<(f64, Pose)> {
+    let mount = sensor.mount.filter(|mount| mount.turret.is_none())?;
+    let range_m = sensor.range_m.filter(|range_m| range_m.is_finite())?;
+    Some((range_m, Pose::new(mount.x_m, mount.y_m, mount.heading_rad)))
 }
 
-fn eye(parameters: &Parameters, sensor: &Sensor) -> Result<Eye, String> {
-    let (name, range) = (&sensor.name, sensor.range_m.filter(|range_m| range_m.is_finite()));
-    if range.is_none() || !fixed(sensor) {
-        return Err(format!("sight: sensor `{name}` has no range, or no place on the body"));
+fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, String> {
+    // One ray alone does not say how wide a sensor opens.
+    let of_sheet = sensor.opening_rad.filter(|opening_rad| *opening_rad > 0.0);
+    let opening_rad = parameters.cone_rad.or(of_sheet).unwrap_or(CONE_RAD);
+    if !(opening_rad > 0.0 && opening_rad <= std::f64::consts::PI) {
+        return Err(format!("sight.cone_rad: must be above 0 and at most π, is {opening_rad}"));
     }
-    let cone_rad = parameters.cone_rad.unwrap_or(CONE_RAD);
-    if !(cone_rad > 0.0 && cone_rad <= std::f64::consts::PI) {
-        return Err(format!("sight.cone_rad: must be above 0 and at most π, is {cone_rad}"));
+    if sensor.kind == "sonar" {
+        return Ok(Cone { opening_rad, infrared: None });
     }
-    match sensor.kind.as_str() {
-        "laser" => {
-            let opening_rad = parameters.laser_opening_rad.filter(|rad| rad.is_finite() && *rad != 0.0);
-            let missing = || format!("sight.laser_opening_rad: must be given for laser `{name}`, and not 0");
-            Ok(Eye::Laser { opening_rad: opening_rad.ok_or_else(missing)? })
-        }
-        "sonar" => Ok(Eye::Sonar { cone_rad }),
-        _ => {
-            let constants = parameters.ir.filter(|ir| ir.c1_m2 > 0.0 && ir.c2.is_finite());
-            let missing = || format!("sight.ir: c1_m2 and c2 of (3.13) must be given for sensor `{name}`");
-            Ok(Eye::Infrared { cone_rad, constants: constants.ok_or_else(missing)? })
-        }
-    }
-}
-
-/// The scan of a sensor that says one distance: it may be anywhere across its cone.
-fn cone(sensor: &Sensor, opening_rad: f64, distance_m: f64) -> Option<Scan> {
-    let (range_m, mount) = (sensor.range_m?, sensor.mount?);
-    let seen = distance_m > 0.0 && distance_m < range_m;
-    let distance_m = if seen { distance_m } else { f64::INFINITY };
-    let robot_from_laser = Pose::new(mount.x_m, mount.y_m, mount.heading_rad);
-    Some(Scan { robot_from_laser, opening_rad, range_m, distances_m: vec![distance_m; CONE_RAYS] })
+    let constants = parameters.ir.filter(|ir| ir.c1_m2 > 0.0 && ir.c2.is_finite());
+    let missing = || format!("sight.ir: c1_m2 and c2 of (3.13) must be given for sensor `{}`", sensor.name);
+    Ok(Cone { opening_rad, infrared: Some(constants.ok_or_else(missing)?) })
 }
 
 /// From the one that sees best to the one that sees least.
 const KINDS: [&str; 3] = ["laser", "sonar", "ir"];
-/// How wide a sonar or an infra-red sensor opens if nobody says so, in radians.
+/// How wide a sonar or an infra-red sensor opens of which nobody says so, in radians.
 const CONE_RAD: f64 = 0.5;
+/// Less than this part of a whole hit at its range is what an infra-red sensor reads of nothing.
+const NOTHING: f64 = 0.1;
 /// Rays across such a cone.
 const CONE_RAYS: usize = 7;
 
 #[cfg(test)]
 mod tests {
+    use baudbot_client::Sweep;
+
     use super::*;
+    use crate::estimate::Estimate;
+    use crate::odometry::{self, Odometry};
     use crate::test_body::{body, turn};
 
     fn parameters(toml: &str) -> Parameters {
@@ -158,21 +208,82 @@ mod tests {
 
     #[test]
     fn readings_become_scans() {
-        let body = body(&[("left", "ir", 0.5), ("right", "ir", -0.5)]);
-        let sight = Sight::new(&parameters("ir = { c1_m2 = 0.03, c2 = 0.1 }"), &body).unwrap();
+        let body = body(&[("left", "ir", 0.5), ("ahead", "ir", 0.0), ("right", "ir", -0.5)]);
+        let mut sight = Sight::new(&parameters("ir = { c1_m2 = 0.03, c2 = 0.1 }"), &body).unwrap();
+        let pose = Pose::new(1.0, 2.0, 0.0);
         // (3.13) at 0.5 m is 0.12 + 0.1; nothing within a metre is less than 0.13.
-        let scans = sight.scans(&turn(&body, 7, &[Some(&[0.22]), Some(&[0.11])]));
-        assert_eq!(scans.len(), 2);
-        assert!(
-            (scans[0].1.distances_m[3] - 0.5).abs() < 1e-12 && scans[0].1.robot_from_laser.heading == 0.5
-        );
-        assert_eq!((scans[1].0, scans[1].1.distances_m[0]), (7, f64::INFINITY));
+        let turn = turn(&body, 7, &[Some(&[0.22]), Some(&[0.11]), Some(&[0.0])]);
+        let [left, ahead, right] = &sight.look(&turn, &standing(pose))[..] else { panic!("three scans") };
+        assert!((left.scan.distances_m[3] - 0.5).abs() < 1e-12 && left.scan.robot_from_laser.heading == 0.5);
+        assert!(ahead.scan.distances_m[3].is_nan(), "a few rays meet something");
+        assert_eq!((right.at_ns, right.scan.distances_m[0]), (7, f64::INFINITY));
+        assert_eq!((left.world_from_robot, right.world_from_robot), (pose, pose));
+    }
+
+    fn standing(world_from_robot: Pose) -> Beliefs {
+        Beliefs { pose: Some(Estimate::exact(world_from_robot)), ..Beliefs::default() }
+    }
+
+    fn laser_of_3_rays() -> Body {
+        let mut body = body(&[("urg", "laser", 0.0)]);
+        body.sensors[0].components[0].count = 3;
+        body.sensors[0].opening_rad = Some(2.0);
+        body.sensors[0].sweep = Some(Sweep { duration_ns: 200_000_000, clockwise: false });
+        body
+    }
+
+    /// It drives along x at 0.1 m/s, and its odometer says so ten times a second.
+    fn odometry(until_ns: u64) -> Odometry {
+        let parameters = odometry::Parameters {
+            half_track_m: 0.2,
+            m_per_count: [1e-4; 2],
+            modulus: None,
+            variance_m2_per_m: 0.0,
+            history: 100,
+        };
+        let mut odometry = Odometry::new(parameters, 0, Estimate::exact(Pose::new(0.0, 0.0, 0.0)));
+        for at_ns in (0..=until_ns).step_by(100_000_000) {
+            odometry.odometer(at_ns, Pose::new(0.1 * at_ns as f64 * 1e-9, 0.0, 0.0));
+        }
+        odometry
+    }
+
+    #[test]
+    fn a_scan_waits_for_the_odometry_of_its_end() {
+        let body = laser_of_3_rays();
+        let mut sight = Sight::new(&Parameters::default(), &body).unwrap();
+        let knowing = |until_ns| Beliefs { odometry: Some(odometry(until_ns)), ..Beliefs::default() };
+        let early = turn(&body, 300_000_000, &[Some(&[0.5, 0.5, 0.5])]);
+        assert_eq!(sight.look(&early, &knowing(400_000_000)), []);
+        let later = turn(&body, 600_000_000, &[None]);
+        let [seen] = &sight.look(&later, &knowing(600_000_000))[..] else { panic!("one scan") };
+        assert_eq!(seen.at_ns, 500_000_000);
+        assert!((seen.world_from_robot.position.x - 0.05).abs() < 1e-12, "{seen:?}");
+        // The ray ahead was taken half of the sweep before, a centimetre back.
+        assert!((seen.scan.distances_m[1] - 0.49).abs() < 1e-3, "{seen:?}");
+        assert_eq!(sight.look(&later, &knowing(600_000_000)), [], "only once");
+    }
+
+    #[test]
+    fn a_scan_without_an_instant_ended_when_it_came() {
+        let body = laser_of_3_rays();
+        let mut sight = Sight::new(&Parameters::default(), &body).unwrap();
+        let mut turn = turn(&body, 500_000_000, &[Some(&[0.5, 0.5, 0.5])]);
+        turn.readings[0].as_mut().unwrap().sampled_at_ns = None;
+        let beliefs = Beliefs { odometry: Some(odometry(500_000_000)), ..Beliefs::default() };
+        assert_eq!(sight.look(&turn, &beliefs)[0].at_ns, 500_000_000);
+        let [seen] = &sight.look(&turn, &standing(Pose::new(1.0, 2.0, 0.0)))[..] else { panic!("one scan") };
+        assert_eq!((seen.at_ns, &seen.scan.distances_m[..]), (500_000_000, &[0.5; 3][..]), "as it is");
+        sight.lasers[0].hear(&turn);
+        sight.forget();
+        turn.readings[0] = None;
+        assert_eq!(sight.look(&turn, &beliefs), []);
     }
 
     #[test]
     fn the_best_kind_of_sensor_is_taken_unless_some_are_named() {
         let body = body(&[("front", "ir", 0.0), ("ping", "sonar", 0.0), ("back", "sonar", 3.0)]);
-        let seen = |toml: &str| Sight::new(&parameters(toml), &body).map(|sight| sight.eyes.len());
+        let seen = |toml: &str| Sight::new(&parameters(toml), &body).map(|sight| sight.cones.len());
         assert_eq!(seen(""), Ok(2));
         assert_eq!(seen("names = [\"front\"]\nir = { c1_m2 = 0.03, c2 = 0.1 }"), Ok(1));
         let problem = |toml: &str| seen(toml).unwrap_err();
@@ -188,10 +299,12 @@ mod tests {
     }
 
     #[test]
-    fn a_laser_needs_its_opening() {
-        let body = body(&[("urg", "laser", 0.0)]);
+    fn what_a_data_sheet_lacks_is_said() {
+        let mut body = body(&[("urg", "laser", 0.0)]);
+        body.sensors[0].opening_rad = None;
         let problem = Sight::new(&Parameters::default(), &body).unwrap_err();
-        assert_eq!(problem, "sight.laser_opening_rad: must be given for laser `urg`, and not 0");
+        let lacks = "laser: the data sheet of `urg` does not say how wide it opens: is the server older?";
+        assert_eq!(problem, lacks);
         let problem = Sight::new(&Parameters::default(), &crate::test_body::body(&[])).unwrap_err();
         assert_eq!(problem, "robot `alice` has no sensor of kind `laser`, `sonar` or `ir`");
     }
