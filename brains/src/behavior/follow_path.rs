@@ -149,7 +149,7 @@ impl FollowPath {
         }
         let from = self.planned.filter(|(to, _)| *to == place).map_or(here, |(_, from)| from);
         self.planned = Some((place, from));
-        let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut CELLS_A_STEP.clone()));
+        let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut { CELLS_A_STEP }));
         self.planned = None;
         self.retry_ns = way.is_err().then_some(at_ns + RETRY_NS);
         self.follow(place, way.map_err(|_| problem(from))?);

@@ -72,7 +72,7 @@ impl Floor {
     pub fn way(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
         let mut search = ThetaStar::default();
         loop {
-            if let Poll::Ready(way) = self.seek(&mut search, from, to, &mut usize::MAX.clone()) {
+            if let Poll::Ready(way) = self.seek(&mut search, from, to, &mut { usize::MAX }) {
                 return way;
             }
         }

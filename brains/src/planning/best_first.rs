@@ -90,7 +90,7 @@ impl Search {
     /// Goes on to its end: a path, or `None` if there is none.
     pub(super) fn finish(&mut self, graph: &impl Graph) -> Option<Found> {
         loop {
-            if let Poll::Ready(found) = self.advance(graph, &mut usize::MAX.clone()) {
+            if let Poll::Ready(found) = self.advance(graph, &mut { usize::MAX }) {
                 return found;
             }
         }
