@@ -21,7 +21,8 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A reading of a `laser` that does not sit on a turret; `None` of anything else.
+    /// A reading of a `laser` that does not sit on a turret; `None` of anything else, or if its data sheet does not say how wide
+    /// it opens.
     #[must_use]
     pub fn of(sensor: &Sensor, reading: &Reading) -> Option<Self> {
         let (range_m, mount, opening_rad) = (sensor.range_m?, sensor.mount?, sensor.opening_rad?);

@@ -35,7 +35,10 @@ impl Scanner {
         let missing = |what: &str| {
             format!("laser: the data sheet of `{laser}` does not say {what}: is the server older?")
         };
-        sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
+        let opening_rad = sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
+        if !(opening_rad > 0.0 && sheet.values() > 1) {
+            return Err(format!("laser: the rays of `{laser}` all go one way, which makes no scan"));
+        }
         let sweep = sheet.sweep.ok_or_else(|| missing("how it sweeps"))?;
         if rays == 0 {
             return Err("rays: must be at least 1".to_owned());

@@ -278,7 +278,7 @@ mod tests {
     fn a_ray_that_met_nothing_is_as_long_as_the_laser_sees() {
         let body = body(&[("laser", "laser", 0.0)]);
         let mut senses = Senses::new(vec![variable(Mapping::Min, &["laser"], &body)], &body);
-        assert_eq!(senses.take(&turn(&body, 0, &[Some(&[-1.0])])), [1.0]);
+        assert_eq!(senses.take(&turn(&body, 0, &[Some(&[-1.0; 3])])), [1.0]);
     }
 
     #[test]

@@ -8,11 +8,15 @@ use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Readi
 /// A body with sensors of these names, kinds and headings.
 pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
     let component =
-        Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count: 1 };
+        |count| Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count };
     let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
         name: name.to_owned(),
         kind: kind.to_owned(),
-        components: vec![component.clone(); if kind == "odometer" { 3 } else { 1 }],
+        components: match kind {
+            "odometer" => vec![component(1); 3],
+            "laser" => vec![component(3)],
+            _ => vec![component(1)],
+        },
         period_ns: 20_000_000,
         phase_ns: 0,
         mount: Some(Mount { heading_rad, ..Mount::default() }),

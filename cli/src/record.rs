@@ -15,10 +15,12 @@ pub(crate) fn add(world: WorldConfig, args: &RecordArgs) -> WorldConfig {
     }
 }
 
-/// How long a frame of the recording is, if it has more frames than brains publish for people.
-pub(crate) fn short_frame(args: &RecordArgs) -> Option<Duration> {
-    let is_short = args.record.is_some() && args.record_hz > PEOPLE_HZ;
-    is_short.then(|| Duration::from_secs_f64(1.0 / args.record_hz))
+/// How long a frame of the recording is, if it has more frames than brains publish for people. A frame has whole steps, as
+/// the recorder rounds them.
+pub(crate) fn short_frame(args: &RecordArgs, step_ns: u64) -> Option<Duration> {
+    args.record.as_ref().filter(|_| args.record_hz > 0.0)?;
+    let steps = (1e9 / args.record_hz / step_ns as f64).round().max(1.0) as u64;
+    Some(Duration::from_nanos(steps.saturating_mul(step_ns))).filter(|frame| *frame < Client::LOOKS_EVERY)
 }
 
 /// A client whose brains publish as often as there are frames.
@@ -28,6 +30,3 @@ pub(crate) fn publishing(client: Client, frame: Option<Duration>) -> Client {
         None => client,
     }
 }
-
-/// So often brains publish unless told otherwise.
-const PEOPLE_HZ: f64 = 20.0;

@@ -107,7 +107,7 @@ impl Plan {
         let jobs = crew::share_out(&args.brains, scenario.robots())?;
         jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed());
-        let frame = record::short_frame(&args.record);
+        let frame = record::short_frame(&args.record, scenario.step_ns());
         Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, frame, note })
     }
 

@@ -188,7 +188,7 @@ impl Looks {
         // A world that was reset begins at 0 again.
         let is_due = at_ns >= self.next_ns || self.next_ns - at_ns > self.every_ns;
         if is_due {
-            self.next_ns = at_ns + self.every_ns;
+            self.next_ns = at_ns.saturating_add(self.every_ns);
         }
         is_due
     }

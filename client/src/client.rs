@@ -5,6 +5,7 @@ use std::time::Duration;
 use tonic::transport::Channel;
 
 use crate::address;
+use crate::convert;
 use crate::error::Error;
 use crate::fleet::Fleet;
 use crate::raw::RawRobot;
@@ -30,6 +31,10 @@ pub struct Client {
 }
 
 impl Client {
+    /// How often brains publish what they believe unless told otherwise: people see no more than some 20 pictures a second
+    /// as such.
+    pub const LOOKS_EVERY: Duration = Duration::from_millis(50);
+
     /// A client of the server at the other end of `channel`, such as one in the same process.
     pub fn from_channel(channel: Channel) -> Self {
         Self {
@@ -37,7 +42,7 @@ impl Client {
             brain: "brain".to_owned(),
             memory_bytes: None,
             thinks_as_scenario: false,
-            publishes_every: LOOKS_EVERY,
+            publishes_every: Self::LOOKS_EVERY,
         }
     }
 
@@ -71,8 +76,7 @@ impl Client {
     }
 
     /// How often, in simulated time, [`run`](crate::run) and [`run_fleet`](crate::run_fleet) publish what brains believe
-    /// that attach from now on; 50 ms unless told otherwise, since people see no more than some 20 pictures a second as such.
-    /// A recording that is to show each step needs more.
+    /// that attach from now on; [`LOOKS_EVERY`](Self::LOOKS_EVERY) unless told otherwise. A recording that is to show each step needs more.
     #[must_use]
     pub fn publishes_every(self, every: Duration) -> Self {
         Self { publishes_every: every, ..self }
@@ -116,10 +120,7 @@ impl Client {
             thinks_as_scenario: *thinks_as_scenario,
         };
         let mut session = Session::open(self.channel.clone(), &hello).await?;
-        session.publishes_every_ns = self.publishes_every.as_nanos() as u64;
+        session.publishes_every_ns = convert::nanoseconds(self.publishes_every);
         Ok(session)
     }
 }
-
-/// How often people look, of whom nothing is known.
-pub(crate) const LOOKS_EVERY: Duration = Duration::from_millis(50);

@@ -8,7 +8,7 @@ use tonic::transport::Channel;
 
 use crate::body::Body;
 use crate::brain::Action;
-use crate::client::LOOKS_EVERY;
+use crate::client::Client;
 use crate::convert;
 use crate::error::Error;
 use crate::stream::Stream;
@@ -116,7 +116,7 @@ impl Session {
             asleep: Vec::new(),
             asked: Vec::new(),
             answers_all: hello.thinks_as_scenario,
-            publishes_every_ns: LOOKS_EVERY.as_nanos() as u64,
+            publishes_every_ns: convert::nanoseconds(Client::LOOKS_EVERY),
         })
     }
 

@@ -15,10 +15,22 @@ mod localization;
 mod lookahead;
 mod metrics;
 mod navigation;
-mod pace;
 mod page;
 mod recording;
 mod room;
 mod services;
 mod sweeper;
 mod wayfinding;
+
+/// A file that nobody names here is no test.
+#[test]
+fn each_file_of_tests_is_part_of_a_program() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
+    let alone = ["main.rs", "golden_hashes.rs", "pace.rs"];
+    let files =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    for file in files.filter(|file| file.ends_with(".rs") && !alone.contains(&&**file)) {
+        let module = format!("\nmod {};\n", file.trim_end_matches(".rs"));
+        assert!(include_str!("main.rs").contains(&module), "main.rs lacks:{module}");
+    }
+}

@@ -86,8 +86,8 @@ pub struct FollowPath {
     /// A way that is being planned: to which goal, and from where.
     planned: Option<(usize, Point)>,
     search: ThetaStar,
-    /// It has found no way, and tries again at this instant.
-    retry_ns: Option<u64>,
+    /// It has found no way to this goal, and tries again at this instant.
+    retry: Option<(usize, u64)>,
 }
 
 impl FollowPath {
@@ -121,7 +121,7 @@ impl FollowPath {
             pursuit: None,
             planned: None,
             search: ThetaStar::default(),
-            retry_ns: None,
+            retry: None,
         })
     }
 
@@ -144,26 +144,27 @@ impl FollowPath {
         let problem = |from: Point| {
             format!("goals_m[{place}]: no way leads there from ({:.2} m, {:.2} m)", from.x, from.y)
         };
-        if self.retry_ns.is_some_and(|retry_ns| at_ns < retry_ns) {
+        if self.retry.is_some_and(|(to, retry_ns)| to == place && at_ns < retry_ns) {
             return Poll::Ready(Err(problem(here)));
         }
         let from = self.planned.filter(|(to, _)| *to == place).map_or(here, |(_, from)| from);
         self.planned = Some((place, from));
         let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut { CELLS_A_STEP }));
         self.planned = None;
-        self.retry_ns = way.is_err().then_some(at_ns + RETRY_NS);
+        self.retry = way.is_err().then_some((place, at_ns.saturating_add(RETRY_NS)));
         self.follow(place, way.map_err(|_| problem(from))?);
         Poll::Ready(Ok(()))
     }
 
-    /// Takes the way that is known from one goal to the next, if the robot is at the former.
+    /// Takes the way that is known from one goal to the next, if the robot is at the former and nothing is between.
     fn go_on(&mut self, place: usize, here: Point) -> bool {
-        let before = place.checked_sub(1).unwrap_or(self.goals.points().len() - 1);
-        let is_there = (self.goals.points()[before] - here).norm() <= self.goals.reached_m();
-        match self.ways[place].clone().filter(|_| is_there) {
-            Some(way) => self.follow(place, way),
-            None => return false,
-        }
+        let Some(way) = &self.ways[place] else { return false };
+        let is_there = way.first().is_some_and(|first| (first - here).norm() <= self.goals.reached_m());
+        // Straight to where the way first turns, if it can.
+        let first = (0..way.len().min(2)).rev().find(|&i| self.floor.is_clear(here, way[i]));
+        let Some(first) = first.filter(|_| is_there) else { return false };
+        let way = [here].into_iter().chain(way[first..].iter().copied()).collect();
+        self.follow(place, way);
         true
     }
 
@@ -206,8 +207,7 @@ impl MotorBehavior for FollowPath {
     /// It begins with the first goal again if it had arrived; a tour that was interrupted goes on, on a new way.
     fn enter(&mut self, _: &mut Moment<'_>) {
         self.goals.begin();
-        self.pursuit = None;
-        self.planned = None;
+        (self.pursuit, self.planned, self.retry) = (None, None, None);
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {

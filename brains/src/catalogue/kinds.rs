@@ -40,7 +40,7 @@ pub(super) const KINDS: &[Kind] = &[
         settings: || settings(ant::PARAMETERS),
         make: |wish| {
             let brain = AntBrain::new(wish.parameters(ant::PARAMETERS)?, wish.chance(), wish.body);
-            let needed = "a sensor of kind `laser` and a sensor of kind `odometer`";
+            let needed = "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`";
             Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
         },
     },
@@ -76,7 +76,8 @@ pub(super) const KINDS: &[Kind] = &[
         settings: || settings(explore::PARAMETERS),
         make: |wish| {
             let explore = Explore::new(wish.parameters(explore::PARAMETERS)?, wish.body);
-            let needed = "a sensor of kind `laser` and a sensor `odometer` with x_m, y_m and heading_rad";
+            let needed = "a sensor of kind `laser` that tells how it sweeps, over two rays or more, and a sensor \
+                          `odometer` with x_m, y_m and heading_rad";
             Ok(Box::new(explore.ok_or_else(|| wish.lacks(needed))?))
         },
     },

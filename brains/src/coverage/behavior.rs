@@ -230,8 +230,9 @@ impl CoverRows {
 }
 
 impl MotorBehavior for CoverRows {
-    /// It finds its way back to where it was interrupted.
+    /// It finds its way back to where it was interrupted. The way to a region that it was planning began elsewhere.
     fn enter(&mut self, moment: &mut Moment<'_>) {
+        self.passage = None;
         if let Some(estimate) = moment.beliefs.pose {
             self.lose(estimate.world_from_robot.position);
         }

@@ -105,6 +105,36 @@ fn who_is_on_no_floor_waits_until_it_is_and_who_is_close_to_a_wall_begins_there(
     assert!(intention.ends_with(" regions left") && !close.has_covered(), "{intention}");
 }
 
+/// With small cells a plan takes many steps. It stands meanwhile, and may be interrupted.
+#[test]
+fn who_plans_for_many_steps_stands_and_has_not_covered_all() {
+    let (body, mut cover) = (body(&[]), made("cell_m = 0.005\nrow_m = 1.0").unwrap());
+    let (mut planning, mut interrupted, mut pose) = (0, 0, Pose::new(0.5, 0.5, 0.0));
+    for i in 0..60_000_u64 {
+        let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
+        let (turn, gammas) = (turn(&body, i * 20_000_000, &[]), &mut Vec::new());
+        let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
+        let Signals { left, right } = cover.step(&mut moment).expect("signals");
+        if moment.beliefs.intention.starts_with("plans its way") {
+            assert!((left, right) == (0.0, 0.0) && !cover.has_covered());
+            planning += 1;
+            // Something else drives it elsewhere, now and then.
+            if planning % 5 == 2 && interrupted < 3 {
+                interrupted += 1;
+                pose = Pose::new(0.5 + 0.4 * f64::from(interrupted), 0.5, 1.0);
+                cover.enter(&mut moment);
+            }
+        }
+        if cover.has_covered() {
+            assert!(planning > 10 && interrupted == 3, "{planning} {interrupted}");
+            return;
+        }
+        pose.heading += (right - left) * 0.5 / 0.4 * 0.02;
+        pose.position += pose.direction().vector() * ((left + right) * 0.25 * 0.02);
+    }
+    panic!("it does not end: at {pose:?}");
+}
+
 #[test]
 fn what_makes_no_sense_is_said() {
     assert_eq!(made("row_m = 0").unwrap_err(), "row_m: must be positive, is 0");

@@ -70,7 +70,8 @@ struct Feeler {
 }
 
 impl Explore {
-    /// A brain at its start for a robot with this body; `None` if it has no laser, or no odometer.
+    /// A brain at its start for a robot with this body; `None` if it has no laser of which a scan can be made, or
+    /// no odometer.
     pub fn new(parameters: Parameters, body: &Body) -> Option<Self> {
         body.sensor(ODOMETER).filter(|sensor| sensor.values() >= 3)?;
         let laser = body.sensors.iter().find(|sensor| sensor.kind == "laser")?;

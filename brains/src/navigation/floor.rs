@@ -78,7 +78,8 @@ impl Floor {
         }
     }
 
-    /// The same in parts: looks at no more cells than are `left`, and goes on with that search when it is called again.
+    /// The same in parts: a search on the grid looks at no more cells than are `left`, and goes on when it is called again. A
+    /// straight way, and one through the few convex cells, is found at once.
     ///
     /// # Errors
     /// If no way leads there.

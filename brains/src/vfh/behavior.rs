@@ -64,7 +64,8 @@ pub struct Parameters {
     /// It drives no further with so much room ahead, in metres.
     #[serde(default = "stop_m")]
     pub stop_m: f64,
-    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does.
+    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Who is slower than
+    /// [`Memory::slowest_m_s`] is taken to stand.
     #[serde(default = "walker_m_s")]
     pub walker_m_s: f64,
     /// From when something is seen until it has stopped for that, in seconds.
@@ -170,6 +171,12 @@ impl Vfh {
             let problem = "must be at most half of the body's radius with its clearance";
             return Err(format!("cell_m: {problem}, {most_m}, is {}", p.cell_m));
         }
+        let slowest_m_s = Memory::slowest_m_s(p.cell_m);
+        if p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
+            let why = "with cells of `cell_m` who is slower cannot be told from what stands";
+            let found = p.walker_m_s;
+            return Err(format!("walker_m_s: must be 0, or at least {slowest_m_s}, is {found}: {why}"));
+        }
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         Ok(Self {
             goals,
@@ -253,20 +260,27 @@ impl Vfh {
         self.memory.walkers(counts).map(safe_m_s).fold(f64::INFINITY, f64::min)
     }
 
-    /// Signals towards a direction, with as much speed as there is room, at most a part of the whole.
-    fn signals(&mut self, world_from_robot: &Pose, direction_rad: f64, most: f64, now_ns: u64) -> Signals {
+    /// Signals towards a direction, with as much speed as there is room, at most a part of the whole; and what it says.
+    fn signals(
+        &mut self,
+        world_from_robot: &Pose,
+        direction_rad: f64,
+        most: f64,
+        now_ns: u64,
+    ) -> (Signals, &'static str) {
         let p = &self.parameters;
         let part = ((self.room_m(world_from_robot) - p.stop_m) / p.slow_m).min(most);
         let safe = self.safe_m_s(world_from_robot, now_ns) / p.steering.speed_m_s;
         if part > 0.0 && safe > SLOWEST {
             let part = part.min(safe);
-            return self.helm.signals(world_from_robot, direction_rad, part.max(SLOWEST));
+            return (self.helm.signals(world_from_robot, direction_rad, part.max(SLOWEST)), "");
         }
+        let why = if part > 0.0 { "waits for somebody" } else { "has no room ahead" };
         // There is no room to drive, but to turn.
         let off_rad = angle::difference(direction_rad, world_from_robot.heading);
         let is_off = off_rad.abs() > p.steering.rotate_until_rad;
         let signal = p.steering.rotation_m_s.copysign(off_rad) / p.steering.full_speed_m_s;
-        if is_off { Signals { left: -signal, right: signal } } else { Signals::default() }
+        (if is_off { Signals { left: -signal, right: signal } } else { Signals::default() }, why)
     }
 
     /// Signals on the way to a goal, and what it says.
@@ -274,7 +288,7 @@ impl Vfh {
         let most =
             if self.goals.is_last() { braking((goal - world_from_robot.position).norm()) } else { 1.0 };
         if let Some(direction_rad) = self.direction(world_from_robot, goal) {
-            return (self.signals(world_from_robot, direction_rad, most, now_ns), "");
+            return self.signals(world_from_robot, direction_rad, most, now_ns);
         }
         // Round about: to the left, until a direction becomes free.
         let signal = self.parameters.steering.rotation_m_s / self.parameters.steering.full_speed_m_s;

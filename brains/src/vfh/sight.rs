@@ -1,5 +1,7 @@
 //! What a robot's sensors see, as scans.
 
+use std::f64::consts::PI;
+
 use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
@@ -132,7 +134,9 @@ impl Infrared {
     /// something that a few rays meet, and nobody knows how far away.
     fn distance_m(&self, reading: f64, range_m: f64) -> f64 {
         let least = self.c1_m2 / (range_m * range_m) + self.c2;
-        if reading >= least {
+        if reading.is_nan() {
+            f64::NAN
+        } else if reading >= least {
             math::sqrt(self.c1_m2 / (reading - self.c2))
         } else if reading > NOTHING * least {
             f64::NAN
@@ -171,9 +175,9 @@ fn fixed(sensor: &Sensor) -> Option<(f64, Pose)> {
 
 fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, String> {
     // One ray alone does not say how wide a sensor opens.
-    let of_sheet = sensor.opening_rad.filter(|opening_rad| *opening_rad > 0.0);
+    let of_sheet = sensor.opening_rad.filter(|opening_rad| *opening_rad > 0.0).map(|rad| rad.min(PI));
     let opening_rad = parameters.cone_rad.or(of_sheet).unwrap_or(CONE_RAD);
-    if !(opening_rad > 0.0 && opening_rad <= std::f64::consts::PI) {
+    if !(opening_rad > 0.0 && opening_rad <= PI) {
         return Err(format!("sight.cone_rad: must be above 0 and at most π, is {opening_rad}"));
     }
     if sensor.kind == "sonar" {

@@ -145,5 +145,9 @@ fn what_makes_no_sense_is_said() {
     assert_eq!(problem("low = 0.6"), "high: must not be below low, and below 1, is 0.5");
     assert_eq!(problem("high = 1"), "high: must not be below low, and below 1, is 1");
     assert!(problem("cell_m = 0.5").starts_with("cell_m: must be at most half of the body's radius"));
+    assert_eq!(
+        problem("walker_m_s = 0.1"),
+        "walker_m_s: must be 0, or at least 0.2, is 0.1: with cells of `cell_m` who is slower cannot be told from what stands"
+    );
     assert_eq!(problem("cell_m = 0.001"), "cell_m: must be at least a thousandth of window_m, is 0.001");
 }

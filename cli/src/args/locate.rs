@@ -21,7 +21,7 @@ pub(crate) struct LocateArgs {
     /// The robot that looks for its place [default: the first with a laser]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// The laser that it looks with [default: its first]
+    /// The laser that it looks with [default: its first that is not on a turret]
     #[arg(long, value_name = "SENSOR")]
     pub(crate) laser: Option<String>,
     /// How the place is searched

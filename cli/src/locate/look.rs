@@ -44,7 +44,10 @@ impl<'a> Looker<'a> {
         let wanted = |(_, sensor, _): &(usize, &Sensor, &Laser)| {
             args.laser.as_ref().is_none_or(|name| sensor.name == *name)
         };
-        let Some((sensor, _, laser)) = lasers(robot).find(wanted) else {
+        // Of those that may be chosen one on the body itself, rather than on a turret.
+        let on_body = |(_, _, laser): &(usize, &Sensor, &Laser)| laser.mount.turret.is_none();
+        let found = lasers(robot).filter(wanted).find(on_body).or_else(|| lasers(robot).find(wanted));
+        let Some((sensor, _, laser)) = found else {
             let names =
                 lasers(robot).map(|(_, sensor, _)| sensor.name.as_str()).collect::<Vec<_>>().join(", ");
             return Err(Refused::error(match &args.laser {
@@ -80,8 +83,8 @@ impl<'a> Looker<'a> {
         Map::new(lines, discs).map_err(|error| Refused::error(error.to_string()))
     }
 
-    /// The first scan that the laser takes while the robot stands there.
-    pub(super) fn scan(&self, scenario: &Arc<Scenario>, at: Option<Pose>) -> anyhow::Result<Scan> {
+    /// The first scan that the laser takes while the robot stands there, and where that is: it may have been pushed.
+    pub(super) fn scan(&self, scenario: &Arc<Scenario>, at: Option<Pose>) -> anyhow::Result<(Scan, Pose)> {
         let mut world = World::new(Arc::clone(scenario));
         world.keep_timeline(0);
         let pose = at.unwrap_or(self.robot.start.pose);
@@ -89,10 +92,11 @@ impl<'a> Looker<'a> {
         world.intervene(&put).map_err(|error| refusal(at, &error))?;
         while world.time() <= PATIENCE && world.ending().is_none() {
             world.begin();
-            if let Some(sensor) = world.robot(self.place).sensors().nth(self.sensor)
+            let robot = world.robot(self.place);
+            if let Some(sensor) = robot.sensors().nth(self.sensor)
                 && sensor.samples > 0
             {
-                return self.read(sensor.sample);
+                return Ok((self.read(sensor.sample)?, robot.motion().pose));
             }
             world.finish(&[]);
         }

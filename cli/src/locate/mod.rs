@@ -29,10 +29,9 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let scenario = Arc::new(source.parse(&overrides(&args.changes)?)?);
     let looker = Looker::find(args, scenario.robots())?;
     let map = looker.map(scenario.arena())?;
-    let whole = looker.scan(&scenario, args.at)?;
+    let (whole, truth) = looker.scan(&scenario, args.at)?;
     let scan = whole.thinned(args.rays as usize);
     let hunt = Hunt::new(args, &map, &scan, scenario.seed())?;
-    let truth = args.at.unwrap_or(looker.robot.start.pose);
     let error_at_truth = error_at(&map, &scan, &truth);
     let rays = whole.distances_m.len();
     let told = Told { args, looker, hunt: &hunt, scan: &scan, rays, truth, error_at_truth };

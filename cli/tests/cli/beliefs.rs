@@ -53,7 +53,7 @@ fn beliefs_are_a_table_and_utilities_a_chart() {
     }
 }
 
-/// A recording with a frame for each step has a belief for each step, and not only as often as people look.
+/// A recording with a frame for each step has a belief for nearly each step, and not only as often as people look.
 #[test]
 fn with_more_frames_brains_say_more() {
     let patient = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/patient.toml");

@@ -131,7 +131,7 @@ struct Places {
 }
 
 impl AntBrain {
-    /// A brain at its nest. `None` if the robot has no laser or no odometer.
+    /// A brain at its nest. `None` if the robot has no laser of which is known how it sweeps, or no odometer.
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
         let place = |kind: &str| body.sensors.iter().position(|sensor| sensor.kind == kind);
         let laser = place("laser")?;

@@ -12,12 +12,13 @@ pub(super) struct Landmark {
 }
 
 /// The things in a scan of so many radians, its rays from right to left; what is not positive, or not nearer than
-/// `range_m`, met nothing. Rays side by side belong to one thing unless it jumps between them by more than `jump_m`. Of a
-/// full turn the last ray, which is the first again, does not count, and a thing may lie across the ends.
+/// `range_m`, met nothing. Rays side by side belong to one thing unless it jumps between them by more than `jump_m`. Where the
+/// rays go all around, a thing may lie across the ends; a last ray that is the first again does not count.
 pub(super) fn find(scan: &[f64], opening_rad: f64, range_m: f64, jump_m: f64) -> Vec<Landmark> {
-    let is_ring = opening_rad > TAU - 1e-6;
-    let rays = if is_ring { scan.len().saturating_sub(1) } else { scan.len() };
     let step_rad = opening_rad / scan.len().saturating_sub(1).max(1) as f64;
+    let is_ring = opening_rad + step_rad > TAU - 1e-6;
+    let is_closed = opening_rad > TAU - 1e-6;
+    let rays = if is_closed { scan.len().saturating_sub(1) } else { scan.len() };
     let bearing = |ray: usize| ray as f64 * step_rad - 0.5 * opening_rad;
     let hit = |ray: usize| Some(scan[ray % rays]).filter(|&distance| distance > 0.0 && distance < range_m);
     let joins =
@@ -53,6 +54,15 @@ mod tests {
             there.map_or(-1.0, |(.., distance)| *distance)
         };
         (-180..=180).map(at).collect()
+    }
+
+    /// 360 rays a degree apart, of which the last is not the first again.
+    #[test]
+    fn rays_that_go_all_around_but_for_one_step_have_no_ends_either() {
+        let mut scan = ring(&[(178, 184, 0.9)]);
+        scan.pop();
+        let found = find(&scan, 359.0_f64.to_radians(), 4.0, 0.3);
+        assert_eq!(found.len(), 1, "{found:?}");
     }
 
     #[test]
