@@ -38,6 +38,22 @@ pub enum FaultKind {
         /// Its name.
         name: String,
     },
+    /// The signal of a sensor is lost: it gives zeros, as if these were new.
+    LostSignal {
+        /// Its place in [`RobotModel::sensors`](crate::robot::RobotModel::sensors).
+        sensor: usize,
+        /// Its name.
+        name: String,
+    },
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Amiss {
+    /// It gives its last value.
+    Sticks,
+    /// It gives zeros.
+    Lost,
 }
 
 impl fmt::Display for FaultKind {
@@ -47,6 +63,7 @@ impl fmt::Display for FaultKind {
             Self::ByteErrors { .. } => f.write_str("byte errors"),
             Self::Brain => f.write_str("brain stalls"),
             Self::Sensor { name, .. } => write!(f, "{name} sticks"),
+            Self::LostSignal { name, .. } => write!(f, "signal of {name} lost"),
         }
     }
 }

@@ -16,6 +16,7 @@ pub(crate) use channel::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Wheels;
+use crate::fault::Amiss;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::robot::RobotSpec;
@@ -149,11 +150,15 @@ impl Microcontroller {
     pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) -> Option<Ping> {
         let channel = &mut self.channels[i];
         channel.due.serve(&sensor.schedule, at.now);
-        let sticks = channel.samples > 0 && at.robot.sticks(i, at.now);
+        let amiss = at.robot.amiss(i, at.now);
+        let sticks = channel.samples > 0 && amiss == Some(Amiss::Sticks);
         let stuck = sticks.then(|| (channel.values.clone(), channel.measured_at));
         let effect = channel.read(sensor, at);
         if let Some((values, measured_at)) = stuck {
             (channel.values, channel.measured_at) = (values, measured_at);
+        }
+        if amiss == Some(Amiss::Lost) {
+            channel.values.fill(0.0);
         }
         channel.sampled_at = at.now;
         channel.fresh = true;
@@ -173,8 +178,8 @@ impl Microcontroller {
     pub(crate) fn measure(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) {
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
         let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
-        let sticks = at.robot.sticks(i, at.now);
-        running.measure(sensor, clock, at, Parts { memory, noise, stream }, sticks);
+        let amiss = at.robot.amiss(i, at.now);
+        running.measure(sensor, clock, at, Parts { memory, noise, stream }, amiss);
     }
 
     /// When the measurement of sensor `i` began that comes to its output next.

@@ -24,7 +24,7 @@ use crate::arena::Look;
 use crate::battery::{Battery, BatteryState};
 use crate::collision::Partner;
 use crate::drive::{Drive, Motion, Wheels};
-use crate::fault::{Fault, FaultKind, When};
+use crate::fault::{Amiss, Fault, FaultKind, When};
 use crate::firmware::Firmware;
 use crate::laptop::Laptop;
 use crate::link::{Direction, Line, Link};
@@ -117,11 +117,19 @@ impl RobotSpec {
         matches!(self.link, Link::Onboard)
     }
 
-    /// Whether this sensor sticks.
-    pub(crate) fn sticks(&self, sensor: usize, at: SimTime) -> bool {
-        let is_it =
-            |fault: &Fault| matches!(&fault.kind, FaultKind::Sensor { sensor: i, .. } if *i == sensor);
-        self.faults.iter().any(|fault| is_it(fault) && fault.when.until(at).is_some())
+    /// What is wrong with this sensor. One whose signal is lost cannot stick.
+    pub(crate) fn amiss(&self, sensor: usize, at: SimTime) -> Option<Amiss> {
+        let of = |fault: &Fault| {
+            let amiss = match &fault.kind {
+                FaultKind::Sensor { sensor: i, .. } if *i == sensor => Amiss::Sticks,
+                FaultKind::LostSignal { sensor: i, .. } if *i == sensor => Amiss::Lost,
+                FaultKind::Sensor { .. } | FaultKind::LostSignal { .. } => return None,
+                FaultKind::Cable | FaultKind::ByteErrors { .. } | FaultKind::Brain => return None,
+            };
+            fault.when.until(at).map(|_| amiss)
+        };
+        let all = || self.faults.iter().filter_map(of);
+        all().find(|amiss| *amiss == Amiss::Lost).or_else(|| all().next())
     }
 
     /// From when on its brain does not stall, from `from` on and as far as `end`.

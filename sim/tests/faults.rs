@@ -73,6 +73,45 @@ fn a_sensor_that_sticks_gives_its_last_value_and_grows_old() {
 }
 
 #[test]
+fn a_sensor_whose_signal_is_lost_gives_zero_and_is_back_at_once() {
+    let lost = "{ kind = \"lost-signal\", sensor = \"odometer\", from_s = 1.0, for_s = 0.5 }";
+    let stuck = "{ kind = \"sensor\", sensor = \"odometer\", from_s = 1.2, for_s = 0.6 }";
+    let mut world = world(&robot(UART, &format!("{lost}, {stuck}")));
+    let x_m = |world: &World| world.robot(0).sensors().next().unwrap().sample[0];
+    run(&mut world, 100, 0.1, 0.1);
+    let before = x_m(&world);
+    for _ in 0..50 {
+        run(&mut world, 1, 0.1, 0.1);
+        assert_eq!(world.robot(0).sensors().next().unwrap().sample, [0.0; 3]);
+    }
+    // Where it then sticks, it sticks to nothing.
+    run(&mut world, 30, 0.1, 0.1);
+    assert_eq!(x_m(&world), 0.0);
+    run(&mut world, 1, 0.1, 0.1);
+    assert!(before > 0.0 && x_m(&world) > before + 0.01, "{before}");
+}
+
+/// A laser has a clock and a cable of its own.
+#[test]
+fn a_laser_whose_signal_is_lost_gives_zeros_in_all_its_rays() {
+    let toml = robot(UART, "{ kind = \"lost-signal\", sensor = \"urg\", from_s = 1.0, for_s = 1.0 }")
+        + "[robots.sensors.urg]\npreset = \"urg-04lx\"\nmount = {}\n";
+    let mut world = world(&toml);
+    let mut scans = [0; 2];
+    for _ in 0..300 {
+        run(&mut world, 1, 0.0, 0.0);
+        let urg = world.robot(0).sensors().nth(1).unwrap();
+        let lost = (1.2..1.9).contains(&world.time().as_seconds());
+        let is_there = world.time().as_seconds() < 0.9 || world.time().as_seconds() > 2.2;
+        if urg.samples > 0 && (lost || is_there) {
+            assert_eq!(urg.sample.iter().all(|&value| value == 0.0), lost, "{}", world.time().as_seconds());
+            scans[usize::from(lost)] += 1;
+        }
+    }
+    assert!(scans.iter().all(|&n| n > 50), "{scans:?}");
+}
+
+#[test]
 fn faults_by_chance_come_once_in_each_span_and_depend_on_the_seed_alone() {
     let fault = "{ kind = \"cable\", every_s = 1.0, for_s = 0.1 }";
     let with = |seed: u64, list: &str| {
@@ -115,6 +154,7 @@ fn what_makes_no_sense_is_refused_with_its_path() {
             "faults[0].sensor: only for kind",
         ),
         (UART, "{ kind = \"sensor\", for_s = 1, from_s = 2 }", "faults[0].sensor: is missing"),
+        (UART, "{ kind = \"lost-signal\", for_s = 1, from_s = 2 }", "faults[0].sensor: is missing"),
         (
             UART,
             "{ kind = \"sensor\", for_s = 1, from_s = 2, sensor = \"x\" }",

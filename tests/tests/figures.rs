@@ -225,36 +225,39 @@ fn a_photoresistor_in_the_dark_blocks_a_bs2_for_131_ms() {
     assert!((37..=77).contains(&whisker), "between two of them, or after each other one: {whisker}");
 }
 
-/// What the utility of waiting is before the cable fails at 5 s, how deep it falls, for how many steps it falls, and whether
-/// the other behaviour was chosen meanwhile.
-fn dip(brain: &str) -> (f64, f64, usize, bool) {
+/// What the utility of waiting is before the signal is lost at 5 s, how deep it falls, for how many steps it falls, and how
+/// far the robot drives meanwhile.
+fn dip(brain: &str) -> (f64, f64, usize, f64) {
     const PATIENT: &str = include_str!("../../scenarios/patient.toml");
     let mut pair = Pair::new(scenario(PATIENT, &["noise=false"]), brain).unwrap();
     let mut course = Vec::new();
-    let mut changed = false;
+    let at_m = |pair: &Pair| pair.world.robot(0).motion().pose.position.x;
+    let mut from_m = 0.0;
     for tick in 0..700 {
+        if tick == 495 {
+            from_m = at_m(&pair);
+        }
         pair.tick(|_| {});
         let belief = pair.belief(0).unwrap();
         let wait = belief.utilities.iter().find(|utility| utility.name == "wait").unwrap();
         course.push(wait.value);
-        changed |= tick > 450 && !wait.active;
     }
     let before = course[495];
     let fell = course[495..].windows(2).filter(|pair| pair[1] < pair[0] - 1e-9).count();
     let least = course[495..].iter().copied().fold(f64::INFINITY, f64::min);
-    (before, before - least, fell, changed)
+    (before, before - least, fell, at_m(&pair) - from_m)
 }
 
 #[test]
 fn a_signal_that_is_lost_for_150_ms_makes_a_small_dip_in_a_utility() {
     // tanh(1 + 0.5 z) with z = 1, and tanh(1) below it; 15 of Euler's steps with a time constant of 0.3 s.
-    let (before, filtered, steps, changed) = dip("patient");
+    let (before, filtered, steps, drove_m) = dip("patient");
     assert!((before - 0.905148).abs() < 1e-6, "{before}");
     assert!((filtered - 0.057223).abs() < 1e-6, "{filtered}");
-    assert_eq!((steps, changed), (15, false));
-    // Without the filter the brain is deceived.
-    let (before, unfiltered, _, changed) = dip("patient:motor.wait.utility.tau_s=0.01");
-    assert!((before - 0.905148).abs() < 1e-6 && changed, "{before} {changed}");
+    assert_eq!((steps, drove_m < 1e-6), (15, true), "{drove_m}");
+    // Without the filter the robot starts into the door.
+    let (before, unfiltered, _, drove_m) = dip("patient:motor.wait.utility.tau_s=0.01");
+    assert!((before - 0.905148).abs() < 1e-6 && drove_m > 0.01, "{before} {drove_m}");
     assert!((unfiltered - 0.143554).abs() < 1e-6, "{unfiltered}");
     assert!((filtered / unfiltered - 0.3986).abs() < 1e-4, "{}", filtered / unfiltered);
 }

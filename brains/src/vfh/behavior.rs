@@ -64,8 +64,8 @@ pub struct Parameters {
     /// It drives no further with so much room ahead, in metres.
     #[serde(default = "stop_m")]
     pub stop_m: f64,
-    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Who is slower than
-    /// [`Memory::slowest_m_s`] is taken to stand.
+    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Only by lasers it heeds that. Who is slower
+    /// than [`Memory::slowest_m_s`] is taken to stand.
     #[serde(default = "walker_m_s")]
     pub walker_m_s: f64,
     /// From when something is seen until it has stopped for that, in seconds.
@@ -247,7 +247,7 @@ impl Vfh {
     /// sees to that himself.
     fn safe_m_s(&self, world_from_robot: &Pose, now_ns: u64) -> f64 {
         let p = &self.parameters;
-        if p.walker_m_s == 0.0 {
+        if p.walker_m_s == 0.0 || !self.sight.tells_walkers() {
             return f64::INFINITY;
         }
         let age_s = now_ns.saturating_sub(self.taken_ns) as f64 * 1e-9;

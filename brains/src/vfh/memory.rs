@@ -27,9 +27,6 @@ struct Cell {
     since_ns: u64,
     /// When it was seen last.
     seen_ns: u64,
-    /// No ray has gone through it since then. One that another sensor sees again soon has been there all the time: cones
-    /// that overlap contradict each other.
-    is_there: bool,
 }
 
 impl Memory {
@@ -45,9 +42,8 @@ impl Memory {
         self.newest_ns = self.newest_ns.max(at_ns);
         let hits = self.hits(scan, &world_from_laser, world_from_robot.position);
         for &hit in &hits {
-            let cell =
-                self.cells.entry(hit).or_insert(Cell { since_ns: at_ns, seen_ns: at_ns, is_there: true });
-            (cell.seen_ns, cell.is_there) = (at_ns, true);
+            let new = Cell { since_ns: at_ns, seen_ns: at_ns };
+            self.cells.entry(hit).or_insert(new).seen_ns = at_ns;
         }
         let (cell_m, window_m, forget_ns) = (self.cell_m, self.window_m, self.forget_ns);
         self.cells.retain(|&place, cell| {
@@ -57,8 +53,8 @@ impl Memory {
             }
             let place = center(place, cell_m);
             let is_near = (place - world_from_robot.position).norm() <= window_m + cell_m;
-            cell.is_there &= !is_seen_through(scan, laser_from_world.transform(place), cell_m);
-            is_near && at_ns.saturating_sub(cell.seen_ns) <= if cell.is_there { forget_ns } else { STOOD_NS }
+            let is_fresh = at_ns.saturating_sub(cell.seen_ns) <= forget_ns;
+            is_near && is_fresh && !is_seen_through(scan, laser_from_world.transform(place), cell_m)
         });
     }
 
@@ -76,12 +72,7 @@ impl Memory {
 
     /// The centres of the cells in which something is, as far as it is known.
     pub fn obstacles(&self) -> impl Iterator<Item = Point> + '_ {
-        self.there().map(|(place, _)| center(place, self.cell_m))
-    }
-
-    /// The cells in which something is.
-    fn there(&self) -> impl Iterator<Item = ((i64, i64), &Cell)> {
-        self.cells.iter().filter(|(_, cell)| cell.is_there).map(|(&place, cell)| (place, cell))
+        self.cells.keys().map(|&cell| center(cell, self.cell_m))
     }
 
     /// How fast somebody must walk to be told from what stands, in metres a second: two cells in half a second.
@@ -95,11 +86,10 @@ impl Memory {
         let has_stood = |cell: &Cell| self.newest_ns.saturating_sub(cell.since_ns) >= STOOD_NS;
         let stands = move |(column, row): (i64, i64)| {
             (column - 1..=column + 1).any(|column| {
-                let mut beside = self.cells.range((column, row - 1)..=(column, row + 1));
-                beside.any(|(_, cell)| cell.is_there && has_stood(cell))
+                self.cells.range((column, row - 1)..=(column, row + 1)).any(|(_, cell)| has_stood(cell))
             })
         };
-        let near = self.there().map(|(cell, _)| (cell, center(cell, self.cell_m)));
+        let near = self.cells.keys().map(|&cell| (cell, center(cell, self.cell_m)));
         near.filter(move |&(cell, place)| counts(place) && !stands(cell)).map(|(_, place)| place)
     }
 }
@@ -191,20 +181,6 @@ mod tests {
                 (1, usize::from(i < 5)),
                 "{i}"
             );
-        }
-    }
-
-    /// Two sonars whose cones overlap: one hears something at its edge, the other looks past it.
-    #[test]
-    fn what_one_sensor_sees_and_another_does_not_stands_all_the_same() {
-        let mut memory = Memory::new(0.1, 2.0, 5.0);
-        let here = Pose::new(1.0, 1.0, 0.0);
-        for i in 0..20 {
-            let what = if i % 2 == 0 { [FREE, FREE, 0.95, FREE, FREE] } else { [FREE; 5] };
-            memory.see(&scan(what), &here, 100_000_000 * i);
-            assert_eq!(seen(&memory).len(), usize::from(i % 2 == 0), "{i}");
-            let is_walker = memory.walkers(|_| true).count() > 0;
-            assert_eq!(is_walker, i % 2 == 0 && i < 5, "{i}");
         }
     }
 

@@ -97,6 +97,12 @@ impl Sight {
         seen
     }
 
+    /// Whether it can tell who walks from what stands. The arcs of sensors that say one distance come and go with each turn of
+    /// the robot, and where two of them overlap.
+    pub fn tells_walkers(&self) -> bool {
+        self.cones.is_empty()
+    }
+
     /// What still waits is not of interest any more.
     pub fn forget(&mut self) {
         self.lasers.iter_mut().for_each(Scanner::forget);

@@ -38,6 +38,7 @@ enum Kind {
     ByteErrors,
     Brain,
     Sensor,
+    LostSignal,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
@@ -119,7 +120,9 @@ fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
     let rate = raw.byte_error_rate;
     let problem = "only for kind = \"byte-errors\"";
     refuse(path, "byte_error_rate", rate.is_some() && !is(Kind::ByteErrors), problem)?;
-    refuse(path, "sensor", raw.sensor.is_some() && !is(Kind::Sensor), "only for kind = \"sensor\"")?;
+    let no_sensor = !is(Kind::Sensor) && !is(Kind::LostSignal);
+    let problem = "only for kind = \"sensor\" or \"lost-signal\"";
+    refuse(path, "sensor", raw.sensor.is_some() && no_sensor, problem)?;
     match raw.kind {
         Kind::Cable => Ok(FaultKind::Cable),
         Kind::Brain => Ok(FaultKind::Brain),
@@ -130,27 +133,35 @@ fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
             })
         }
         Kind::Sensor => {
-            let at = path.field("sensor");
-            let name = raw
-                .sensor
-                .clone()
-                .ok_or_else(|| at.error("is missing: the name of the sensor that sticks"))?;
-            let found = parts.sensors.iter().position(|sensor| sensor.name == name);
-            let sensor = found.ok_or_else(|| {
-                let names: Vec<_> = parts.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
-                let there_are = if names.is_empty() { "none".to_string() } else { names.join(", ") };
-                at.error(format!("there is no sensor `{name}`; there are: {there_are}"))
-            })?;
+            let (sensor, name) = sensor(path, raw, parts.sensors, "sticks")?;
             Ok(FaultKind::Sensor { sensor, name })
         }
+        Kind::LostSignal => {
+            let (sensor, name) = sensor(path, raw, parts.sensors, "gives nothing")?;
+            Ok(FaultKind::LostSignal { sensor, name })
+        }
     }
+}
+
+/// The sensor of which this is the fault: its place and its name.
+fn sensor(path: &Path, raw: &RawFault, sensors: &[Sensor], amiss: &str) -> Result<(usize, String)> {
+    let at = path.field("sensor");
+    let missing = || at.error(format!("is missing: the name of the sensor that {amiss}"));
+    let name = raw.sensor.clone().ok_or_else(missing)?;
+    let found = sensors.iter().position(|sensor| sensor.name == name);
+    let sensor = found.ok_or_else(|| {
+        let names: Vec<_> = sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+        let there_are = if names.is_empty() { "none".to_string() } else { names.join(", ") };
+        at.error(format!("there is no sensor `{name}`; there are: {there_are}"))
+    })?;
+    Ok((sensor, name))
 }
 
 /// What concerns the cable is put into it.
 fn affect(path: &Path, fault: &Fault, parts: &mut Parts<'_>) -> Result<()> {
     let no_cable = || path.field("kind").error("there is no cable; only a uart or a usb link has one");
     match (&fault.kind, &mut *parts.link) {
-        (FaultKind::Brain | FaultKind::Sensor { .. }, _) => {}
+        (FaultKind::Brain | FaultKind::Sensor { .. } | FaultKind::LostSignal { .. }, _) => {}
         (FaultKind::Cable, Link::Uart(uart)) => uart.cuts.push(fault.when),
         (FaultKind::Cable, Link::Usb(usb)) => usb.cuts.push(fault.when),
         (FaultKind::ByteErrors { rate }, Link::Uart(uart)) => uart.error_bursts.push((fault.when, *rate)),

@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Device, Measurement, Memory, Sensor, noise};
+use crate::fault::Amiss;
 use crate::random::Stream;
 use crate::time::SimTime;
 
@@ -99,14 +100,14 @@ impl Running {
     }
 
     /// Measures; of a scan, all that is taken before the tick ends. A device that sticks has measured what it had
-    /// before, if anything.
+    /// before, if anything, and one whose signal is lost zeros.
     pub(crate) fn measure(
         &mut self,
         sensor: &Sensor,
         clock: &OwnClock,
         at: &Measurement<'_>,
         parts: Parts<'_>,
-        sticks: bool,
+        amiss: Option<Amiss>,
     ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
@@ -130,7 +131,7 @@ impl Running {
             }
         };
         sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
-        self.finish(end + clock.latency_ns, sticks);
+        self.finish(end + clock.latency_ns, amiss);
         self.due = self.due + self.period_ns;
         let late =
             if clock.jitter_ns == 0 || !at.noise { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
@@ -139,10 +140,13 @@ impl Running {
     }
 
     /// What has been measured will be at the output at `ready_at`.
-    fn finish(&mut self, ready_at: SimTime, sticks: bool) {
-        let values = core::mem::take(&mut self.scan);
+    fn finish(&mut self, ready_at: SimTime, amiss: Option<Amiss>) {
+        let mut values = core::mem::take(&mut self.scan);
+        if amiss == Some(Amiss::Lost) {
+            values.fill(0.0);
+        }
         let last = self.pending.as_ref().or(self.held.as_ref());
-        self.pending = Some(match last.filter(|_| sticks) {
+        self.pending = Some(match last.filter(|_| amiss == Some(Amiss::Sticks)) {
             Some(last) => Held { measured_at: self.begins, ready_at, ..last.clone() },
             None => Held { values, measured_at: self.begins, truly_at: self.begins, ready_at },
         });
