@@ -1,7 +1,13 @@
-//! `explore` in `explore-room.toml` and `explore-office.toml`: a robot with a URG-04LX senses at least 99.5 % of the
-//! floor, as the notes' does (§6.1).
+//! `explore` in `explore-room.toml`, `explore-office.toml` and arenas that nobody has drawn: a robot with a URG-04LX senses
+//! at least 99.5 % of the floor, as the notes' does (§6.1).
+//!
+//! Of the runs from many starts, `START=5` in the environment picks one.
+
+use std::fmt::Write;
+use std::ops::Range;
 
 use baudbot_brains::Chance;
+use baudbot_brains::exploration::generated::Plan;
 use baudbot_sim::{Override, Scenario};
 use baudbot_tests::Pair;
 
@@ -14,6 +20,8 @@ const FRONTIERS: &str = "explore:method=1";
 #[derive(Debug)]
 #[expect(dead_code, reason = "some are only printed")]
 struct Explored {
+    /// Which of the starts, or of the generated arenas, it was.
+    number: u64,
     sensed: f64,
     distance_m: f64,
     seconds: f64,
@@ -26,13 +34,14 @@ struct Explored {
 const ERRING: &str = "robots.robot.sensors.odometer.sigma_m=0.001";
 
 /// Lets the brain explore until all that the scenario wants is sensed, or its time is over.
-fn explore(scenario: Scenario, brain: &str) -> Explored {
+fn explore((number, scenario): (u64, Scenario), brain: &str) -> Explored {
     let mut pair = Pair::new(scenario, brain).unwrap();
     pair.run(u64::MAX);
     let (robot, rules) = (pair.world.robot(0), pair.world.scenario().rules());
     let at = robot.motion().pose.position;
     let odometer = robot.sensors().nth(1).expect("encoders, and then the odometer").sample;
     Explored {
+        number,
         sensed: pair.world.score().sensed(rules).unwrap(),
         distance_m: robot.counters().distance_m,
         seconds: pair.world.time().as_ns() as f64 * 1e-9,
@@ -52,16 +61,22 @@ fn started(toml: &str, changes: &[&str], pose: [f64; 3]) -> Option<Scenario> {
     Scenario::parse_with(toml, &changes).ok()
 }
 
+/// Whether the environment wants this run.
+fn is_wanted(number: u64) -> bool {
+    std::env::var("START").map_or(true, |wanted| wanted == number.to_string())
+}
+
 /// So many poses at which the robot can stand, in a world of this size in metres.
-fn starts(toml: &str, changes: &[&str], size_m: [f64; 2], count: usize) -> Vec<Scenario> {
-    let mut chance = Chance::new(7, "starts");
+fn starts(toml: &str, changes: &[&str], size_m: [f64; 2], seed: u64, count: usize) -> Vec<(u64, Scenario)> {
+    let mut chance = Chance::new(seed, "starts");
     let mut any =
         || [chance.uniform() * size_m[0], chance.uniform() * size_m[1], chance.uniform() * 6.0 - 3.0];
-    std::iter::repeat_with(|| started(toml, changes, any())).flatten().take(count).collect()
+    let starts = std::iter::repeat_with(|| started(toml, changes, any())).flatten().take(count);
+    (0..).zip(starts).filter(|(number, _)| is_wanted(*number)).collect()
 }
 
 fn check(toml: &str, brain: &str, most_m: f64) {
-    let explored = explore(Scenario::parse(toml).unwrap(), brain);
+    let explored = explore((0, Scenario::parse(toml).unwrap()), brain);
     println!("{brain}: {explored:?}");
     assert!(explored.sensed >= 0.995 && explored.distance_m <= most_m, "{brain}: {explored:?}");
     assert_eq!(explored.collisions, 0, "{brain}: {explored:?}");
@@ -89,7 +104,7 @@ fn room_and_office_are_explored_from_30_random_starts() {
         (OFFICE, [12.0, 9.0], FRONTIERS, 65.0),
     ] {
         let runs: Vec<_> =
-            starts(toml, &[], size_m, 30).into_iter().map(|start| explore(start, brain)).collect();
+            starts(toml, &[], size_m, 7, 30).into_iter().map(|start| explore(start, brain)).collect();
         let mean = runs.iter().map(|run| run.distance_m).sum::<f64>() / runs.len() as f64;
         let most = runs.iter().map(|run| run.distance_m).fold(0.0, f64::max);
         let collisions: u64 = runs.iter().map(|run| run.collisions).sum();
@@ -101,8 +116,8 @@ fn room_and_office_are_explored_from_30_random_starts() {
 }
 
 /// With an odometer that errs the robot finds itself on the map that it makes. Says how many runs sensed less than 99 %.
-fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, count: usize) -> usize {
-    let starts = starts(toml, &[ERRING], size_m, count);
+fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, seed: u64, count: usize) -> usize {
+    let starts = starts(toml, &[ERRING], size_m, seed, count);
     let runs: Vec<_> = starts.into_iter().map(|start| explore(start, brain)).collect();
     let collisions: u64 = runs.iter().map(|run| run.collisions).sum();
     let drift_m = runs.iter().map(|run| run.drift_m).fold(0.0, f64::max);
@@ -114,21 +129,87 @@ fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, count: usize) -> us
 
 #[test]
 fn an_odometer_that_errs_is_corrected_by_slam() {
-    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 2), 0);
-    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 1), 0);
+    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 7, 2), 0);
+    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 7, 1), 0);
 }
 
 #[test]
 #[ignore = "a minute in release; the same with 3 starts always"]
 fn with_slam_room_and_office_are_explored_by_frontiers_from_30_random_starts() {
-    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1,method=1", 30), 0);
-    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 30), 0);
+    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1,method=1", 7, 30), 0);
+    assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 7, 30), 0);
 }
 
-/// Of the office's starts one is known to fail: it ends with 98.5 %, since nodes that could not be reached close a corner.
 #[test]
 #[ignore = "minutes in release; the same with 3 starts always"]
-fn with_slam_room_and_office_are_explored_by_nodes_from_30_random_starts() {
-    assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 30), 0);
-    assert!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1", 30) <= 1);
+fn with_slam_room_and_office_are_explored_by_nodes_from_60_random_starts() {
+    for seed in [7, 8] {
+        assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", seed, 30), 0);
+        assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1", seed, 30), 0);
+    }
+}
+
+/// A polygon of a scenario.
+fn polygon(toml: &mut String, name: &str, is_box: bool, points_m: &[[f64; 2]]) {
+    write!(
+        toml,
+        "[[arena.polygons]]\nname = \"{name}\"\nsolid = {is_box}\nclosed = {}\npoints_m = {points_m:?}\n\n",
+        points_m.len() > 2
+    )
+    .expect("a text takes all");
+}
+
+/// The generated arena of this number, with the robot of the office at a random start.
+fn generated(number: u64) -> Scenario {
+    let Plan { size_m: (width_m, height_m), walls, boxes, .. } = Plan::generate(number);
+    let (head, _) = OFFICE.split_once("[[arena.polygons]]").expect("an arena");
+    let (_, robot) = OFFICE.split_once("[[robots]]").expect("a robot");
+    let mut toml = head.to_owned();
+    let border = [[0.0, 0.0], [width_m, 0.0], [width_m, height_m], [0.0, height_m]];
+    polygon(&mut toml, "border", false, &border);
+    for (i, [x0, y0, x1, y1]) in walls.into_iter().enumerate() {
+        polygon(&mut toml, &format!("wall_{i}"), false, &[[x0, y0], [x1, y1]]);
+    }
+    for (i, points) in boxes.iter().enumerate() {
+        let points: Vec<_> = points.iter().map(|point| [point.x, point.y]).collect();
+        polygon(&mut toml, &format!("box_{i}"), true, &points);
+    }
+    toml += "[[robots]]";
+    toml += robot;
+    let mut chance = Chance::new(number, "start");
+    let mut any = || [width_m * chance.uniform(), height_m * chance.uniform(), chance.uniform() * 6.0 - 3.0];
+    std::iter::repeat_with(|| started(&toml, &[], any())).flatten().next().expect("never ends")
+}
+
+/// Explores generated arenas with an odometer that is right; says in how many too little was seen.
+fn fail_in_generated(numbers: Range<u64>, brain: &str) -> usize {
+    let numbers = numbers.filter(|number| is_wanted(*number));
+    let runs: Vec<_> = numbers.map(|number| explore((number, generated(number)), brain)).collect();
+    let way_m: f64 = runs.iter().map(|run| run.distance_m).sum();
+    let collisions: u64 = runs.iter().map(|run| run.collisions).sum();
+    let failed: Vec<_> = runs.iter().filter(|run| run.sensed < 0.995).collect();
+    println!("{brain}: {} arenas, {way_m} m, {collisions} collisions, failed: {failed:?}", runs.len());
+    assert_eq!(collisions, 0, "{brain}");
+    failed.len()
+}
+
+#[test]
+fn three_generated_arenas_are_explored() {
+    assert_eq!(fail_in_generated(0..3, NODES), 0);
+    assert_eq!(fail_in_generated(0..3, FRONTIERS), 0);
+}
+
+/// One is known to end with 98.1 %: no node is placed in a door of which all see a part only.
+#[test]
+#[ignore = "a minute in release; the same with 3 arenas always"]
+fn sixty_generated_arenas_are_explored_by_nodes() {
+    assert!(fail_in_generated(0..60, NODES) <= 1);
+}
+
+/// Two are known to have no end: at the edge of a box on the border of the grid's cells, frontiers come and go by the laser's
+/// noise.
+#[test]
+#[ignore = "a minute in release; the same with 3 arenas always"]
+fn sixty_generated_arenas_are_explored_by_frontiers() {
+    assert!(fail_in_generated(0..60, FRONTIERS) <= 2);
 }

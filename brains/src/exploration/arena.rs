@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use baudbot_geometry::{Direction, Index, Point, Pose, Ray, Segment, angle, polygon};
 
+use super::generated::rectangle;
 use super::{Command, Explorer, Input};
 use crate::Chance;
 use crate::mapping::PlacedScan;
@@ -29,11 +30,6 @@ pub(crate) struct Run {
     pub(crate) seconds: f64,
     /// The least room that the disc had, in metres.
     pub(crate) least_room_m: f64,
-}
-
-/// A rectangle by two corners.
-pub(crate) fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Point> {
-    vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]
 }
 
 impl Arena {

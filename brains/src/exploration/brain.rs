@@ -1,8 +1,8 @@
 //! A brain that explores: Wahde 2016, §6.1.
 //!
 //! It needs a laser range finder and an odometer. As in the notes it believes the odometer; with `slam` each scan corrects
-//! that, see [`slam`]. For proximity it uses whatever infra-red sensors
-//! and sonars look ahead; they should be mounted lower than the laser.
+//! that, see [`slam`]. For proximity it uses the laser
+//! and whatever infra-red sensors and sonars look ahead; they should be mounted lower than the laser.
 //!
 //! Each new reading of the odometer is a step of its [`Explorer`]. Turns and ways become motor signals by proportional
 //! control of heading and speed, closed over the odometer.
@@ -149,6 +149,16 @@ impl Explore {
         self.scan = Some(PlacedScan { world_from_robot, scan });
     }
 
+    /// Whether its last scan shows something in the way that is near: sonars overlook edges, and walls that they meet at an
+    /// acute angle.
+    fn sees_near(&self, here: &Pose) -> bool {
+        let forward = here.direction();
+        let in_robot = |end: Point| Point::from(forward.inverse().apply(end - here.position));
+        let mut ends = self.scan.iter().flat_map(PlacedScan::ends);
+        let room_m = self.radius_m + BARELY_M;
+        ends.any(|(end, met)| met && is_in_way(in_robot(end), self.parameters.near_m, room_m))
+    }
+
     /// Whether it ought to drive and has not moved for too long.
     fn is_stalled(&mut self, at_ns: u64, here: Point) -> bool {
         if !matches!(self.command, Command::Drive { .. }) {
@@ -200,7 +210,7 @@ impl Explore {
         };
         let here = odometry.estimate().world_from_robot;
         let is_near = self.feelers.iter().any(|feeler| feeler.is_near);
-        let near = self.is_stalled(at_ns, here.position) || is_near;
+        let near = self.is_stalled(at_ns, here.position) || is_near || self.sees_near(&here);
         let input = Input { world_from_robot: here, scan: self.scan.as_ref(), near };
         self.command = self.explorer.step(&input);
         let Signals { left, right } = within(self.signal_limit, self.signals(&here));
@@ -239,9 +249,14 @@ impl Feeler {
         }
         let forward = self.robot_from_sensor.direction();
         let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
-        let ahead_m = point_in_robot - Point::new(parameters.near_m, 0.0);
-        point_in_robot.x > 0.0 && ahead_m.norm() < radius_m + ALMOST_M
+        is_in_way(point_in_robot, parameters.near_m, radius_m + ALMOST_M)
     }
+}
+
+/// Whether a point would be in a disc of this radius that is so far ahead.
+fn is_in_way(point_in_robot: Point, ahead_m: f64, radius_m: f64) -> bool {
+    let off = point_in_robot - Point::new(ahead_m, 0.0);
+    point_in_robot.x > 0.0 && off.norm() < radius_m
 }
 
 fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
@@ -281,6 +296,8 @@ const ROOM_M: f64 = 0.05;
 /// Room that there must be beside a disc that is a little ahead, in metres. A sonar does not say where in its cone something
 /// is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
 const ALMOST_M: f64 = 0.03;
+/// The same for what the laser sees, which is where it is seen but for a centimetre.
+const BARELY_M: f64 = 0.01;
 /// Cosine of the greatest angle at which a sensor looks ahead: 80°.
 const AHEAD_COS: f64 = 0.17;
 /// Turn rate for each radian to be turned.

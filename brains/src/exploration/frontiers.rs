@@ -10,12 +10,13 @@
 //!
 //! - Yamauchi's robot drives to the middle of a group of frontier cells, and sweeps its sensors all around there.
 //! - A frontier that is still one after it was looked at from near is given up, as is a group of fewer than
-//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart.
+//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was the end of a
+//!   plan too often: beside an edge that lies on the border of two cells, frontiers come and go by the laser's noise.
 //! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
 //!   room for ever; but not more often than `attempts` times.
 
 use std::cell::Cell as Shared;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use baudbot_geometry::{Point, Pose};
 
@@ -59,6 +60,8 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
+    /// How many plans led to each frontier.
+    planned: BTreeMap<Cell, usize>,
     state: State,
 }
 
@@ -107,6 +110,7 @@ impl Frontiers {
             bumps: Vec::new(),
             forgotten: 0,
             given_up: BTreeSet::new(),
+            planned: BTreeMap::new(),
             state: State::Plan,
         }
     }
@@ -174,9 +178,13 @@ impl Frontiers {
             seen.get().is_some()
         };
         let way = floor.way(here.position, is_goal);
-        match way.zip(seen.get()) {
-            Some((way, frontier)) => {
-                let mut turns = floor.straighten(here.position, &way);
+        let found = way.map(|way| floor.straighten(here.position, &way)).zip(seen.get());
+        match found {
+            Some((_, frontier)) if self.is_futile(frontier) => {
+                self.give_up(frontier);
+                State::Plan
+            }
+            Some((mut turns, frontier)) => {
                 turns.reverse();
                 let to = turns.pop().unwrap_or(here.position);
                 State::Go { plan: Plan { turns, frontier }, approach: Approach::new(to) }
@@ -255,6 +263,13 @@ impl Frontiers {
         seen.min_by_key(|other| cell.distance_squared(*other))
     }
 
+    /// Whether too many plans led to this frontier, with this one.
+    fn is_futile(&mut self, frontier: Cell) -> bool {
+        let plans = self.planned.entry(frontier).or_default();
+        *plans += 1;
+        *plans > MOST_PLANS
+    }
+
     /// A frontier that was looked at from near in vain, with what is beside it.
     fn give_up(&mut self, frontier: Cell) {
         let beside = |row| (-1..=1).map(move |column| frontier.offset(column, row));
@@ -264,6 +279,9 @@ impl Frontiers {
 
 /// How far beyond half the width of a way something is taken to be that proximity found, in metres.
 const BUMP_M: f64 = 0.05;
+
+/// So many plans may lead to one frontier.
+const MOST_PLANS: usize = 20;
 
 /// A robot that was stopped so often is in a place where it cannot move.
 const MOST_BUMPS: usize = 300;

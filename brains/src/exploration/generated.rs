@@ -1,22 +1,41 @@
-//! Arenas that nobody has drawn: rooms, offices and corridors with tables and pillars, each chosen by a number. All that
-//! can be seen from where the robot can get to is to be seen.
+//! Arenas that nobody has drawn: rooms, offices and corridors with tables and pillars, each chosen by a number.
+//!
+//! They are for tests of explorers, here and of the whole system, and no part of what this crate promises.
 
-use baudbot_geometry::Segment;
+use baudbot_geometry::{Point, Segment, polygon};
 
-use super::arena::{Arena, Run, rectangle};
-use super::*;
 use crate::Chance;
 
+#[cfg(test)]
+mod tests;
+
 /// Walls, and what stands between them.
-struct Plan {
-    size_m: (f64, f64),
-    walls: Vec<[f64; 4]>,
-    boxes: Vec<Vec<Point>>,
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Width and height, with one corner at the origin, in metres.
+    pub size_m: (f64, f64),
+    /// From one point to another: x, y, x, y, in metres. Those around the whole are not among them.
+    pub walls: Vec<[f64; 4]>,
+    /// Polygons, in metres.
+    pub boxes: Vec<Vec<Point>>,
     chance: Chance,
 }
 
 impl Plan {
-    fn new(number: u64) -> Self {
+    /// The arena of a number: by turns a room, an office, a corridor.
+    #[must_use]
+    pub fn generate(number: u64) -> Self {
+        let mut plan = Self::empty(number);
+        match number % 3 {
+            0 => {}
+            1 => plan.office(),
+            _ => plan.corridor(),
+        }
+        plan.furnish();
+        plan
+    }
+
+    fn empty(number: u64) -> Self {
         let mut chance = Chance::new(number, "arena");
         let size_m = (between(&mut chance, 5.0, 12.0), between(&mut chance, 4.0, 9.0));
         // To whole cells of the floor that is counted.
@@ -76,11 +95,7 @@ impl Plan {
             let (center, reach) = (Point::new(x, y), a.hypot(b) + PASSAGE_M);
             let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
             let border = rectangle(0.0, 0.0, self.size_m.0, self.size_m.1);
-            let edges = self
-                .boxes
-                .iter()
-                .chain([&border])
-                .flat_map(|points| baudbot_geometry::polygon::edges(points));
+            let edges = self.boxes.iter().chain([&border]).flat_map(|points| polygon::edges(points));
             if self.walls.iter().map(wall).chain(edges).all(|segment| segment.distance(center) > reach) {
                 self.boxes.push(rectangle(x - a, y - b, x + a, y + b));
             }
@@ -88,69 +103,13 @@ impl Plan {
     }
 }
 
+/// A rectangle by two corners.
+pub(super) fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Point> {
+    vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]
+}
+
 fn between(chance: &mut Chance, least: f64, most: f64) -> f64 {
     least + (most - least) * chance.uniform()
-}
-
-/// The arena of a number: by turns a room, an office, a corridor.
-fn arena(number: u64) -> Arena {
-    let mut plan = Plan::new(number);
-    match number % 3 {
-        0 => {}
-        1 => plan.office(),
-        _ => plan.corridor(),
-    }
-    plan.furnish();
-    Arena::new(plan.size_m, &plan.walls, plan.boxes, vec![])
-}
-
-/// Explores arenas from a start each, and says which ended badly.
-fn explore<E: Explorer>(numbers: std::ops::Range<u64>, new: impl Fn() -> E) -> Vec<(u64, Run)> {
-    let run = |number| {
-        let arena = arena(number);
-        let start = arena.starts(1)[0];
-        (number, arena.run_for(&mut new(), start, arena.visible_from(start.position), |_| {}))
-    };
-    let runs: Vec<_> = numbers.map(run).collect();
-    let way: f64 = runs.iter().map(|(_, run)| run.path_m).sum();
-    let least = runs.iter().map(|(_, run)| run.sensed).fold(1.0, f64::min);
-    println!("{} arenas, {way} m, least sensed {least}", runs.len());
-    let is_bad = |run: &Run| run.end != Command::Done || run.sensed < 0.995 || run.least_room_m <= 0.0;
-    runs.into_iter().filter(|(_, run)| is_bad(run)).collect()
-}
-
-fn by_nodes() -> Nodes {
-    Nodes::new(nodes::Parameters::default())
-}
-
-fn by_frontiers() -> Frontiers {
-    Frontiers::new(frontiers::Parameters::default())
-}
-
-#[test]
-fn three_generated_arenas_are_seen_by_nodes() {
-    let bad = explore(0..3, by_nodes);
-    assert!(bad.is_empty(), "{bad:?}");
-}
-
-#[test]
-fn three_generated_arenas_are_seen_by_frontiers() {
-    let bad = explore(0..3, by_frontiers);
-    assert!(bad.is_empty(), "{bad:?}");
-}
-
-#[test]
-#[ignore = "half a minute; the same with 3 arenas always"]
-fn sixty_generated_arenas_are_seen_by_nodes() {
-    let bad = explore(0..60, by_nodes);
-    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
-}
-
-#[test]
-#[ignore = "a minute; the same with 3 arenas always"]
-fn sixty_generated_arenas_are_seen_by_frontiers() {
-    let bad = explore(0..60, by_frontiers);
-    assert!(bad.is_empty(), "{}: {bad:?}", bad.len());
 }
 
 const DOOR_M: f64 = 1.2;

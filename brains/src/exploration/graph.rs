@@ -91,6 +91,20 @@ impl Graph {
         }
     }
 
+    /// Joins a node with all that its last scan shows a clear way to, within `sight_m`. A way that could not be gone stays
+    /// what it is: what stopped the robot may be too low for the laser.
+    pub(super) fn join_seen(&mut self, from: usize, sight_m: f64, half_width_m: f64) {
+        let Some(scan) = self.nodes[from].scans.last() else { return };
+        let is_seen = |to: &usize| {
+            let Node { place, status, .. } = &self.nodes[*to];
+            let is_open = *status != Status::Unreachable && !self.blocked.contains(&(from, *to));
+            let is_near = (place - self.place(from)).norm() <= sight_m;
+            *to != from && is_open && is_near && scan.view(*place, half_width_m) == View::Clear
+        };
+        let seen: Vec<_> = (0..self.nodes.len()).filter(is_seen).collect();
+        seen.into_iter().for_each(|to| self.join(from, to));
+    }
+
     /// The robot could not go this way.
     pub(super) fn block(&mut self, from: usize, to: usize) {
         self.blocked.push((from, to));

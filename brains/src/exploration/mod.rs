@@ -16,10 +16,11 @@ pub mod graph;
 pub mod nodes;
 pub mod placement;
 
+#[doc(hidden)]
+pub mod generated;
+
 #[cfg(test)]
 mod arena;
-#[cfg(test)]
-mod generated;
 
 use baudbot_geometry::{Point, Pose};
 

@@ -24,6 +24,14 @@
 //! - An unreachable node is tried again, when no node is pending, from another side: from a completed node that saw a
 //!   clear way to it, and only if nothing that was reached is within d of it. Otherwise one node that could not be reached
 //!   in a door costs a room.
+//! - A robot between two nodes that can go to none from which there is a way to its target goes back to where it came from.
+//!   There it looks all round, places nodes, and joins the node with all to which a way is clear. Where the pose is not
+//!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
+//!
+//! *Limit.* Who looks past a door's post sees only a part of the door before the scan ends. If all nodes beside it do, none is
+//! placed there, and of the room behind only what is seen through the door is seen.
+
+use std::f64::consts::PI;
 
 use baudbot_geometry::{Point, Pose, angle};
 
@@ -67,6 +75,8 @@ pub struct Nodes {
     not_directly_from: Vec<usize>,
     /// Where it could not go since it was at the active node.
     tried: Vec<usize>,
+    /// Nodes from which it has looked all round.
+    looked_round: Vec<usize>,
     /// Where it has turned aside since then, between nodes.
     trail: Vec<Point>,
     state: State,
@@ -75,9 +85,11 @@ pub struct Nodes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Start,
-    /// Places the first nodes once it faces this way.
-    LookBack {
+    /// At the active node, to place others around it and to see which can be gone to, once it faces this way; and then the
+    /// same of what is behind it, if there is `more`.
+    LookRound {
         heading_rad: f64,
+        more: bool,
     },
     /// At the active node, which is new, to place others around it.
     Place,
@@ -128,6 +140,7 @@ impl Nodes {
             target: None,
             not_directly_from: Vec::new(),
             tried: Vec::new(),
+            looked_round: Vec::new(),
             trail: Vec::new(),
             state: State::Start,
         }
@@ -149,19 +162,8 @@ impl Nodes {
     fn advance(&mut self, input: &Input<'_>) -> Option<Command> {
         let here = &input.world_from_robot;
         match self.state {
-            State::Start => {
-                if let Some(wait) = self.place(input, here.heading) {
-                    return Some(wait);
-                }
-                self.state =
-                    State::LookBack { heading_rad: angle::wrap(here.heading + std::f64::consts::PI) };
-            }
-            State::LookBack { heading_rad } => {
-                if let Some(turn) = self.place(input, heading_rad) {
-                    return Some(turn);
-                }
-                self.state = State::Decide;
-            }
+            State::Start => self.state = State::LookRound { heading_rad: here.heading, more: true },
+            State::LookRound { heading_rad, more } => return self.look_round(input, heading_rad, more),
             State::Place => {
                 if let Some(wait) = self.place(input, here.heading) {
                     return Some(wait);
@@ -197,18 +199,33 @@ impl Nodes {
         None
     }
 
+    /// As [`place`](Self::place), and joins the active node with those to which a way is seen to be clear.
+    fn look_round(&mut self, input: &Input<'_>, heading_rad: f64, more: bool) -> Option<Command> {
+        if let Some(turn) = self.place(input, heading_rad) {
+            return Some(turn);
+        }
+        let Parameters { sight_m, half_width_m, .. } = self.parameters;
+        self.graph.join_seen(self.active, sight_m, half_width_m);
+        self.looked_round.push(self.active);
+        let behind_rad = angle::wrap(heading_rad + PI);
+        self.state =
+            if more { State::LookRound { heading_rad: behind_rad, more: false } } else { State::Decide };
+        None
+    }
+
     /// Where to go next.
     fn decide(&mut self, here: &Pose) -> State {
         loop {
             let Some(target) = self.choose(here) else { return State::Ended(Command::Done) };
             let ways = self.graph.ways_to(target);
-            let state = if self.distance(here, self.active) <= self.parameters.reach_m {
-                self.leave(here, target, &ways)
-            } else {
-                self.rejoin(here, target, &ways)
-            };
-            if let Some(state) = state {
+            if self.distance(here, self.active) > self.parameters.reach_m {
+                return self.rejoin(here, target, &ways);
+            }
+            if let Some(state) = self.leave(here, target, &ways) {
                 return state;
+            }
+            if !self.looked_round.contains(&self.active) {
+                return State::LookRound { heading_rad: here.heading, more: true };
             }
             self.graph.give_up(target, self.active);
         }
@@ -257,20 +274,20 @@ impl Nodes {
         Some(State::Go(leg))
     }
 
-    /// From between two nodes on; `None` if there is no way to the target.
-    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
+    /// From between two nodes on: to a node in sight from which there is a way to the target, or else back, since there
+    /// may be more to be seen.
+    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> State {
         let in_sight = |node: &usize| self.distance(here, *node) <= self.parameters.sight_m;
         let nodes = self.graph.having(Status::Completed).chain([target]);
         let nodes = nodes.filter(|node| *node == self.active || in_sight(node));
-        let ways = nodes.map(|node| (self.distance(here, node) + ways.length(node), node));
-        let mut ways = ways.filter(|(length, _)| length.is_finite()).peekable();
-        ways.peek()?;
-        let untried = ways.filter(|(_, node)| !self.tried.contains(node));
-        Some(match untried.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, node)) if node == self.active => State::Go(self.back()),
-            Some((_, node)) => State::Look { node },
-            None => State::Ended(Command::Failed(Failure::Stuck)),
-        })
+        let untried = nodes.filter(|node| !self.tried.contains(node));
+        let ways = untried.map(|node| (self.distance(here, node) + ways.length(node), node));
+        let best = ways.filter(|(length, _)| length.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
+        match best {
+            Some((_, node)) if node != self.active => State::Look { node },
+            _ if !self.tried.contains(&self.active) => State::Go(self.back()),
+            _ => State::Ended(Command::Failed(Failure::Stuck)),
+        }
     }
 
     /// The way that it came: nothing was in it.

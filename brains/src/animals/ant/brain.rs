@@ -5,7 +5,9 @@
 //! turns home after so many seconds.
 //!
 //! Deviations: a scan comes late, and the robot may have turned since, so that the directions in it are those of the compass
-//! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside.
+//! at its instant. And a robot cannot walk over landmarks: where one is near ahead it turns aside. On its way home it then goes
+//! straight on for a while, and turns to the same side if one is in the way again soon: otherwise one that stands just between
+//! it and its nest would turn it aside and back again for ever.
 
 use std::collections::VecDeque;
 
@@ -114,6 +116,8 @@ pub struct AntBrain {
     scanned_ns: u64,
     left_ns: Option<u64>,
     stepped_ns: u64,
+    /// Where to it turned aside last, 1 for left and -1 for right, and when.
+    aside: Option<(f64, u64)>,
 }
 
 /// Places of sensors in the body's list.
@@ -157,6 +161,7 @@ impl AntBrain {
             scanned_ns: 0,
             left_ns: None,
             stepped_ns: 0,
+            aside: None,
         })
     }
 
@@ -225,17 +230,26 @@ impl AntBrain {
         let food = turn.at_ns.saturating_sub(left_ns) as f64 * 1e-9 >= self.parameters.forage_s;
         let sensed = Sensed { distance_m, heading_rad, landmarks_rad: &bearings, food, nest: false };
         let motion = self.ant.step(&sensed, dt_s);
-        let is_home = self.ant.phase() == Phase::Home;
         let near = seen
             .iter()
             .zip(&bearings)
             .map(|(landmark, bearing)| Landmark { bearing_rad: angle::wrap(*bearing), ..*landmark });
         let in_the_way = near.filter(|landmark| self.is_in_the_way(landmark));
         let nearest = in_the_way.reduce(|a, b| if b.distance_m < a.distance_m { b } else { a });
-        Some(match nearest {
-            Some(landmark) if !is_home => self.aside(motion, &landmark),
-            _ => motion,
+        Some(match (self.ant.phase(), nearest) {
+            (Phase::Home, _) | (Phase::Forage, None) => motion,
+            (_, Some(landmark)) => self.aside(motion, &landmark, turn.at_ns),
+            (Phase::Return | Phase::Search, None) if self.turned_within(PASS_NS, turn.at_ns).is_some() => {
+                Motion { speed_m_s: self.parameters.ant.speed_m_s, turn_rate_rad_s: 0.0 }
+            }
+            (Phase::Return | Phase::Search, None) => motion,
         })
+    }
+
+    /// Which way it turned aside, if that is not longer ago than this.
+    fn turned_within(&self, past_ns: u64, at_ns: u64) -> Option<f64> {
+        let (side, then_ns) = self.aside?;
+        (at_ns.saturating_sub(then_ns) <= past_ns).then_some(side)
     }
 
     /// Whether its body would meet this if it went straight on.
@@ -246,12 +260,17 @@ impl AntBrain {
     }
 
     /// Past something that is near, the more slowly the nearer it is.
-    fn aside(&self, motion: Motion, landmark: &Landmark) -> Motion {
-        let turn_rad_s = self.parameters.ant.turn_rad_s;
-        let away = if landmark.bearing_rad > 0.0 { -turn_rad_s } else { turn_rad_s };
+    fn aside(&mut self, motion: Motion, landmark: &Landmark, at_ns: u64) -> Motion {
+        let away = if landmark.bearing_rad > 0.0 { -1.0 } else { 1.0 };
+        let side = match self.ant.phase() {
+            Phase::Return | Phase::Search => self.turned_within(KEEP_NS, at_ns).unwrap_or(away),
+            Phase::Forage | Phase::Home => away,
+        };
+        self.aside = Some((side, at_ns));
         let stop_m = self.radius_m + STOP_M;
         let room = (landmark.distance_m - stop_m) / (self.parameters.aside_m - stop_m).max(1e-3);
-        Motion { speed_m_s: room.clamp(0.0, 1.0) * motion.speed_m_s, turn_rate_rad_s: away }
+        let turn_rate_rad_s = side * self.parameters.ant.turn_rad_s;
+        Motion { speed_m_s: room.clamp(0.0, 1.0) * motion.speed_m_s, turn_rate_rad_s }
     }
 }
 
@@ -295,6 +314,12 @@ const CLEAR_M: f64 = 0.15;
 
 /// It stands still and turns where a landmark is nearer to its rim than this, in metres.
 const STOP_M: f64 = 0.05;
+
+/// So long it goes straight on after it has turned aside, in nanoseconds, ...
+const PASS_NS: u64 = 1_000_000_000;
+
+/// ... and so long it keeps to that side.
+const KEEP_NS: u64 = 3_000_000_000;
 
 /// Headings that are kept: more than come while a scan is under way.
 const HEADINGS: usize = 64;

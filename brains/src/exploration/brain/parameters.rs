@@ -30,7 +30,7 @@ pub struct Parameters {
     pub turn_rate_rad_s: f64,
     /// Speed of a wheel at signal 1, in m/s, about: what is wrong with it the odometer shows.
     pub full_speed_m_s: f64,
-    /// What a sonar finds this close to the robot on its way is near, in metres.
+    /// What a sonar or the laser finds this close to the robot on its way is near, in metres.
     pub near_m: f64,
     /// An infra-red reading from which something is near.
     pub near_reading: f64,
@@ -129,7 +129,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "near_m",
-        meaning: "what a sonar finds this close on its way is near, in metres",
+        meaning: "what a sonar or the laser finds this close on its way is near, in metres",
         range: 0.0..=100.0,
         field: |p| &mut p.near_m,
     },

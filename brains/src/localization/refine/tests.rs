@@ -41,7 +41,7 @@ fn who_watches_is_told_of_each_pose_and_changes_nothing() {
     let parameters = Parameters { starts: 3, enough: 2.0, all_scans: 1000, ..Parameters::default() };
     let mut tried: Vec<Tried> = Vec::new();
     let found = refine_watched(&map, &scan, &start, &parameters, &mut Chance::new(1, "search"), |pose| {
-        tried.push(*pose)
+        tried.push(*pose);
     });
     assert_eq!(found, refine(&map, &scan, &start, &parameters, &mut Chance::new(1, "search")));
     assert_eq!((tried.len(), tried[0].world_from_robot), (found.scans, start.world_from_robot));
