@@ -1,7 +1,7 @@
 //! From a laser's readings to scans of one instant.
 //!
 //! A reading comes late, and is of a robot that moved. It waits until the odometry has come to the end of its sweep, and
-//! then is [mended](deskew) by what that says.
+//! then is [mended](crate::localization::deskew) by what that says.
 //!
 //! *Limit.* Lasers on turrets are not understood.
 
