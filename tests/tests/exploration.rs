@@ -206,8 +206,8 @@ fn sixty_generated_arenas_are_explored_by_nodes() {
     assert!(fail_in_generated(0..60, NODES) <= 1);
 }
 
-/// Two are known to have no end: at the edge of a box on the border of the grid's cells, frontiers come and go by the laser's
-/// noise.
+/// Two had no end before plans to one frontier were counted: at the edge of a box on the border of the grid's cells, frontiers
+/// come and go by the laser's noise.
 #[test]
 #[ignore = "a minute in release; the same with 3 arenas always"]
 fn sixty_generated_arenas_are_explored_by_frontiers() {

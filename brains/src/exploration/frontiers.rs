@@ -281,7 +281,7 @@ impl Frontiers {
 const BUMP_M: f64 = 0.05;
 
 /// So many plans may lead to one frontier.
-const MOST_PLANS: usize = 8;
+const MOST_PLANS: usize = 20;
 
 /// A robot that was stopped so often is in a place where it cannot move.
 const MOST_BUMPS: usize = 300;
