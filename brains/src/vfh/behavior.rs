@@ -64,7 +64,7 @@ pub struct Parameters {
     /// It drives no further with so much room ahead, in metres.
     #[serde(default = "stop_m")]
     pub stop_m: f64,
-    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Only by lasers it heeds that. Who is slower
+    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Only by lasers alone it heeds that. Who is slower
     /// than [`Memory::slowest_m_s`] is taken to stand.
     #[serde(default = "walker_m_s")]
     pub walker_m_s: f64,
@@ -171,8 +171,8 @@ impl Vfh {
             let problem = "must be at most half of the body's radius with its clearance";
             return Err(format!("cell_m: {problem}, {most_m}, is {}", p.cell_m));
         }
-        let slowest_m_s = Memory::slowest_m_s(p.cell_m);
-        if p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
+        let (sight, slowest_m_s) = (Sight::new(&p.sight, body)?, Memory::slowest_m_s(p.cell_m));
+        if sight.tells_walkers() && p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
             let why = "with cells of `cell_m` who is slower cannot be told from what stands";
             let found = p.walker_m_s;
             return Err(format!("walker_m_s: must be 0, or at least {slowest_m_s}, is {found}: {why}"));
@@ -180,7 +180,7 @@ impl Vfh {
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         Ok(Self {
             goals,
-            sight: Sight::new(&p.sight, body)?,
+            sight,
             memory: Memory::new(p.cell_m, p.window_m, p.forget_s),
             histogram: Histogram::new(p.sectors),
             helm: Helm::new(p.steering),

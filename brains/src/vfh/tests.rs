@@ -149,5 +149,9 @@ fn what_makes_no_sense_is_said() {
         problem("walker_m_s = 0.1"),
         "walker_m_s: must be 0, or at least 0.2, is 0.1: with cells of `cell_m` who is slower cannot be told from what stands"
     );
+    // Who cannot tell who walks may have cells of any size.
+    let sonar = body(&[("ping", "sonar", 0.0)]);
+    let coarse = toml::from_str("goals_m = [[1, 1]]\ncell_m = 0.17").unwrap();
+    assert!(Vfh::new(coarse, &sonar).is_ok());
     assert_eq!(problem("cell_m = 0.001"), "cell_m: must be at least a thousandth of window_m, is 0.001");
 }
