@@ -258,15 +258,9 @@ fn a_fork_goes_on_with_other_brains() {
     assert!(out.starts_with("world wander, ticks 100 to 200 (1 s)") && out.contains("identical"), "{out}");
 }
 
-/// A server that is killed at no particular moment while a brain drives, in the folder of the test's own files.
-struct Killed {
-    file: PathBuf,
-    /// The last tick that somebody saw, and how many ticks there are in a second by the wall clock.
-    seen_tick: u64,
-    ticks_per_s: f64,
-}
-
-fn killed(number: u64) -> Killed {
+/// The recording of a server that is killed at no particular moment while a brain drives, and a tick that somebody saw a
+/// second before.
+fn killed(number: u64) -> (PathBuf, u64) {
     let (file, socket) = (place(&format!("killed-{number}.mcap")), place(&format!("killed-{number}.sock")));
     let address = format!("unix:{}", text(&socket));
     // By the clock in half of the runs, else as fast as the brain answers.
@@ -288,26 +282,21 @@ fn killed(number: u64) -> Killed {
     let mut server = Running::start(&args);
     server.lines_until("world wander");
     let brain = Running::start(&["brain", "wander:forward=0.3", "--connect", &address]);
-    // A number that is as good as chance, and the same each time: 0.3 to 2.3 s.
-    let wait_ms = 300 + (number * 7919) % 2000;
+    // A number that is as good as chance, and the same each time: 0.3 to 1.3 s.
+    let wait_ms = 300 + (number * 7919) % 1000;
     std::thread::sleep(std::time::Duration::from_millis(wait_ms));
-    let began = std::time::Instant::now();
-    let tick = || {
-        let out = good(&["watch", "--connect", &address, "--once"]);
-        let tick = out.split("tick ").nth(1).unwrap().lines().next().unwrap();
-        tick.parse::<u64>().unwrap()
-    };
-    let first = tick();
-    let seen_tick = tick();
-    let ticks_per_s = (seen_tick - first) as f64 / began.elapsed().as_secs_f64();
+    let out = good(&["watch", "--connect", &address, "--once"]);
+    let seen_tick = out.split("tick ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+    // Not rates: what a second is worth in ticks is another thing on a machine that has a lot to do.
+    std::thread::sleep(std::time::Duration::from_secs(1));
     server.signal("-KILL");
     drop((server, brain));
-    Killed { file, seen_tick, ticks_per_s }
+    (file, seen_tick)
 }
 
 #[test]
 fn a_server_that_is_killed_loses_a_second_at_most_and_goes_on_to_the_same_bits() {
-    let all: Vec<Vec<u64>> = (0..10).map(|worker| (0..5).map(|i| worker * 5 + i).collect()).collect();
+    let all: Vec<Vec<u64>> = (0..5).map(|worker| (0..10).map(|i| worker * 10 + i).collect()).collect();
     std::thread::scope(|scope| {
         for numbers in all {
             scope.spawn(|| numbers.into_iter().for_each(kill_and_resume));
@@ -316,14 +305,15 @@ fn a_server_that_is_killed_loses_a_second_at_most_and_goes_on_to_the_same_bits()
 }
 
 fn kill_and_resume(number: u64) {
-    let Killed { file, seen_tick, ticks_per_s } = killed(number);
+    let (file, seen_tick) = killed(number);
     let (code, out, err) = baudbot(&["replay", text(&file), "--json"]);
     let found: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{number}: {err}"));
     assert_eq!((code, &found["identical"]), (0, &Value::Bool(true)), "{number}: {found}");
     let last_tick = found["last_tick"].as_u64().unwrap();
-    // Between the second look and the kill hardly any time has passed.
-    let lost_s = (seen_tick as f64 - last_tick as f64) / ticks_per_s.max(300.0);
-    assert!(lost_s < 1.0, "{number}: tick {seen_tick} was seen, {last_tick} is there: {lost_s} s are lost");
+    assert!(
+        last_tick >= seen_tick,
+        "{number}: tick {seen_tick} was seen a second before, {last_tick} is there"
+    );
     let (next, socket) = (place(&format!("after-{number}.mcap")), place(&format!("after-{number}.sock")));
     let address = format!("unix:{}", text(&socket));
     let args = ["serve", "--resume", text(&file), "--paused", "--listen", &address, "--record", text(&next)];
