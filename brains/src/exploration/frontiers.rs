@@ -10,8 +10,9 @@
 //!
 //! - Yamauchi's robot drives to the middle of a group of frontier cells, and sweeps its sensors all around there.
 //! - A frontier that is still one after it was looked at from near is given up, as is a group of fewer than
-//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was the end of a
-//!   plan too often: beside an edge that lies on the border of two cells, frontiers come and go by the laser's noise.
+//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was
+//!   none any more on the way there, and came back, too often: beside an edge that lies on the border of two cells,
+//!   frontiers come and go by the laser's noise.
 //! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
 //!   room for ever; but not more often than `attempts` times.
 
@@ -60,8 +61,8 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
-    /// How many plans led to each frontier.
-    planned: BTreeMap<Cell, usize>,
+    /// How often each frontier to which a plan led was none any more.
+    resolved: BTreeMap<Cell, usize>,
     state: State,
 }
 
@@ -110,7 +111,7 @@ impl Frontiers {
             bumps: Vec::new(),
             forgotten: 0,
             given_up: BTreeSet::new(),
-            planned: BTreeMap::new(),
+            resolved: BTreeMap::new(),
             state: State::Plan,
         }
     }
@@ -131,10 +132,17 @@ impl Frontiers {
             self.state = State::Ended(Command::Failed(Failure::TooLarge));
         }
         self.grid.free_disc(scan.world_from_robot.position, self.parameters.half_width_m);
-        if let State::Go { plan, approach } = &self.state
-            && !self.is_still_good(&input.world_from_robot, plan, approach)
-        {
-            self.state = State::Plan;
+        match &self.state {
+            State::Go { plan: Plan { frontier, .. }, .. } | State::Look { frontier }
+                if !is_frontier(&self.grid, *frontier) =>
+            {
+                self.resolve(*frontier);
+                self.state = State::Plan;
+            }
+            State::Go { plan, approach } if !self.is_open(&input.world_from_robot, plan, approach) => {
+                self.state = State::Plan;
+            }
+            _ => {}
         }
     }
 
@@ -145,7 +153,6 @@ impl Frontiers {
             State::Plan if self.last_scan.is_none() => return Some(Command::Wait),
             State::Plan => self.state = self.plan(here),
             State::Go { plan, approach } => return self.go(input, plan, approach),
-            State::Look { frontier } if !is_frontier(&self.grid, frontier) => {}
             State::Look { frontier } => {
                 let is_here = input.scan.is_some_and(|scan| scan.is_from(here));
                 let turn = turn(here, heading_to(here, self.grid.center(frontier)));
@@ -180,10 +187,6 @@ impl Frontiers {
         let way = floor.way(here.position, is_goal);
         let found = way.map(|way| floor.straighten(here.position, &way)).zip(seen.get());
         match found {
-            Some((_, frontier)) if self.is_futile(frontier) => {
-                self.give_up(frontier);
-                State::Plan
-            }
             Some((mut turns, frontier)) => {
                 turns.reverse();
                 let to = turns.pop().unwrap_or(here.position);
@@ -216,14 +219,12 @@ impl Frontiers {
         Some(command)
     }
 
-    /// Whether there is still a frontier and an open way to it.
-    fn is_still_good(&self, here: &Pose, plan: &Plan, approach: &Approach) -> bool {
+    /// Whether there is still an open way to the frontier.
+    fn is_open(&self, here: &Pose, plan: &Plan, approach: &Approach) -> bool {
         let floor = self.floor(here);
         let mut from = here.position;
         let mut is_open = |to: Point| floor.is_line_open(std::mem::replace(&mut from, to), to);
-        is_frontier(&self.grid, plan.frontier)
-            && is_open(approach.to)
-            && plan.turns.iter().rev().all(|turn| is_open(*turn))
+        is_open(approach.to) && plan.turns.iter().rev().all(|turn| is_open(*turn))
     }
 
     fn floor(&self, here: &Pose) -> Floor<'_> {
@@ -263,11 +264,13 @@ impl Frontiers {
         seen.min_by_key(|other| cell.distance_squared(*other))
     }
 
-    /// Whether too many plans led to this frontier, with this one.
-    fn is_futile(&mut self, frontier: Cell) -> bool {
-        let plans = self.planned.entry(frontier).or_default();
-        *plans += 1;
-        *plans > MOST_PLANS
+    /// The frontier is none any more. One that was so too often is given up: it will be back.
+    fn resolve(&mut self, frontier: Cell) {
+        let times = self.resolved.entry(frontier).or_default();
+        *times += 1;
+        if *times == MOST_TIMES {
+            self.give_up(frontier);
+        }
     }
 
     /// A frontier that was looked at from near in vain, with what is beside it.
@@ -280,8 +283,8 @@ impl Frontiers {
 /// How far beyond half the width of a way something is taken to be that proximity found, in metres.
 const BUMP_M: f64 = 0.05;
 
-/// So many plans may lead to one frontier.
-const MOST_PLANS: usize = 20;
+/// A frontier that was none any more so often is noise.
+const MOST_TIMES: usize = 5;
 
 /// A robot that was stopped so often is in a place where it cannot move.
 const MOST_BUMPS: usize = 300;

@@ -5,6 +5,7 @@
 
 use baudbot_geometry::{Direction, Point, math};
 
+use super::placement::{Aside, Placement};
 use crate::mapping::{PlacedScan, View};
 
 /// What has become of a node.
@@ -25,6 +26,8 @@ pub struct Node {
     pub place: Point,
     /// What has become of it.
     pub status: Status,
+    /// The way to it was not seen whole.
+    is_guess: bool,
     /// What was seen from it: once it is completed, the scans by which nodes were placed around it.
     scans: Vec<PlacedScan>,
     /// Nodes from which the robot has tried in vain to get there.
@@ -68,6 +71,7 @@ impl Graph {
         self.nodes.push(Node {
             place,
             status,
+            is_guess: false,
             scans: Vec::new(),
             tried_from: Vec::new(),
             joined: Vec::new(),
@@ -201,6 +205,36 @@ impl Graph {
         self.nodes.len() > count
     }
 
+    /// Places nodes beside the ends of scans, if their last rays lead to where no other node has looked. Says whether it did.
+    pub(super) fn look_aside(&mut self, placement: &Placement, half_width_m: f64) -> bool {
+        let count = self.nodes.len();
+        for from in self.having(Status::Completed).collect::<Vec<_>>() {
+            let scans = self.nodes[from].scans.iter();
+            let asides: Vec<_> = scans.flat_map(|scan| placement.places_aside(scan)).collect();
+            for Aside { place, beyond } in asides {
+                let was_tried = self.nodes.iter().any(|node| (node.place - place).norm() < half_width_m);
+                let has_room = self.has_room(place, placement.separation_m);
+                if has_room && !was_tried && !self.is_seen(beyond, from) {
+                    let node = self.add(place, Status::Pending);
+                    self.nodes[node].is_guess = true;
+                    self.join(from, node);
+                }
+            }
+        }
+        self.nodes.len() > count
+    }
+
+    /// Whether scans from other nodes have seen this place.
+    fn is_seen(&self, place: Point, from: usize) -> bool {
+        let mut others = self.nodes.iter().enumerate().filter(|(node, _)| *node != from);
+        others.any(|(_, node)| node.scans.iter().any(|scan| scan.sees(place)))
+    }
+
+    /// Whether the way to a node has to be looked at before it is gone.
+    pub(super) fn is_guess(&self, node: usize) -> bool {
+        self.nodes[node].is_guess && self.nodes[node].status == Status::Pending
+    }
+
     /// Whether a place is far from all nodes but the one that it was seen from, and not one that was tried.
     fn is_lonely(&self, place: Point, from: usize, again: &Again) -> bool {
         let mut others = self.nodes.iter().enumerate().filter(|(node, _)| *node != from);
@@ -311,6 +345,61 @@ mod tests {
         assert!(!graph.has_room(Point::new(2.0, 1.5), 0.75));
         graph.give_up(3, 2);
         assert!(graph.has_room(Point::new(2.0, 1.5), 0.75));
+    }
+
+    /// A scan of 60 degrees from the origin in this direction, with a ray each 2 degrees.
+    fn scan(heading: f64, distance_m: impl Fn(usize) -> f64) -> PlacedScan {
+        PlacedScan {
+            world_from_robot: baudbot_geometry::Pose::new(0.0, 0.0, heading),
+            scan: Scan {
+                robot_from_laser: baudbot_geometry::Pose::new(0.0, 0.0, 0.0),
+                opening_rad: 60_f64.to_radians(),
+                range_m: 4.0,
+                distances_m: (0..=30).map(distance_m).collect(),
+            },
+        }
+    }
+
+    #[test]
+    fn a_way_that_the_scan_ended_in_is_looked_at_unless_another_has() {
+        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.8, separation_m: 0.75 };
+        // A gap of 20 degrees at the left end.
+        let gap = || scan(0.0, |ray| if ray >= 20 { 3.0 } else { 1.2 });
+        let mut graph = Graph::default();
+        let here = graph.add(Point::new(0.0, 0.0), Status::Pending);
+        graph.complete(here, scan(0.0, |_| 1.2));
+        assert!(!graph.look_aside(&placement, 0.25), "a wall all along");
+        graph.complete(here, gap());
+        assert!(graph.look_aside(&placement, 0.25));
+        let angle = 10_f64.to_radians() + 0.4;
+        assert!((graph.place(1) - Point::new(angle.cos(), angle.sin())).norm() < 1e-12);
+        assert!(graph.is_guess(1) && graph.nodes()[here].joined == [1]);
+        assert!(!graph.look_aside(&placement, 0.25), "it is there");
+        graph.give_up(1, here);
+        assert!(!graph.look_aside(&placement, 0.25) && !graph.is_guess(1), "and was tried");
+        let mut graph = Graph::default();
+        for place in [Point::new(0.0, 0.0), Point::new(-3.0, 0.0)] {
+            graph.add(place, Status::Pending);
+        }
+        graph.complete(here, gap());
+        graph.complete(1, scan(30_f64.to_radians(), |_| 4.0));
+        assert!(!graph.look_aside(&placement, 0.25), "the other has seen what is there");
+    }
+
+    #[test]
+    fn what_is_seen_is_joined_but_not_what_stopped_somebody() {
+        let mut graph = Graph::default();
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 0.4), (-1.0, 0.0), (3.5, 0.0), (1.5, -0.4)] {
+            graph.add(Point::new(x, y), Status::Pending);
+        }
+        graph.complete(0, scan(0.0, |_| f64::INFINITY));
+        graph.block(0, 2);
+        graph.give_up(5, 1);
+        graph.join_seen(0, 3.0, 0.1);
+        assert_eq!(graph.nodes()[0].joined, [1], "2 is blocked, 3 behind, 4 far, 5 unreachable");
+        graph.complete(1, scan(0.0, |_| 0.5));
+        graph.join_seen(1, 3.0, 0.1);
+        assert_eq!(graph.nodes()[1].joined, [0], "something is in the way");
     }
 
     #[test]

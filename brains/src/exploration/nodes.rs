@@ -27,9 +27,9 @@
 //! - A robot between two nodes that can go to none from which there is a way to its target goes back to where it came from.
 //!   There it looks all round, places nodes, and joins the node with all to which a way is clear. Where the pose is not
 //!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
-//!
-//! *Limit.* Who looks past a door's post sees only a part of the door before the scan ends. If all nodes beside it do, none is
-//! placed there, and of the room behind only what is seen through the door is seen.
+//! - Who looks past a door's post sees only a part of the door before the scan ends, too narrow for a node. Where the scan's
+//!   last ray leads to what no other node has seen, a node is placed as if the door went on. The robot faces it first, and goes
+//!   there if the way is clear.
 
 use std::f64::consts::PI;
 
@@ -242,7 +242,8 @@ impl Nodes {
         let retry = Retry { attempts, separation_m: placement.separation_m, sight_m, half_width_m };
         let again = Again { distance_m: placement.distance_m, half_width_m };
         self.target = self.nearest(here).or_else(|| self.graph.retry(self.active, &retry));
-        if self.target.is_none() && self.graph.look_again(&again) {
+        let graph = &mut self.graph;
+        if self.target.is_none() && (graph.look_again(&again) || graph.look_aside(&placement, half_width_m)) {
             self.target = self.nearest(here);
         }
         self.not_directly_from.clear();
@@ -268,6 +269,9 @@ impl Nodes {
             return Some(State::Look { node: target });
         }
         let next = next?;
+        if self.graph.is_guess(next) {
+            return Some(State::Look { node: next });
+        }
         let to = self.graph.place(next);
         let leg =
             Leg { approach: Approach::new(to), node: Some(next), from: Some(self.active), is_edge: true };
@@ -306,19 +310,17 @@ impl Nodes {
             return Some(turn);
         }
         let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
-        if scan.view(self.graph.place(node), self.parameters.half_width_m) == View::Clear {
-            let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
-            if !at_node {
-                self.trail.push(here.position);
-            }
-            let (to, from) = (self.graph.place(node), at_node.then_some(self.active));
-            self.state =
-                State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge: false });
-        } else {
-            self.not_directly_from.push(self.active);
-            self.tried.push(node);
-            self.state = State::Decide;
+        let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
+        let is_edge = at_node && self.graph.is_guess(node);
+        if scan.view(self.graph.place(node), self.parameters.half_width_m) != View::Clear {
+            self.fail(node, is_edge);
+            return None;
         }
+        if !at_node {
+            self.trail.push(here.position);
+        }
+        let (to, from) = (self.graph.place(node), at_node.then_some(self.active));
+        self.state = State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge });
         None
     }
 
@@ -329,7 +331,7 @@ impl Nodes {
             return None;
         };
         if input.near && matches!(command, Command::Drive { .. }) {
-            self.stop(&leg);
+            self.fail(leg.node.unwrap_or(self.active), leg.is_edge);
             return None;
         }
         self.state = State::Go(leg);
@@ -353,13 +355,12 @@ impl Nodes {
         }
     }
 
-    /// Something is in the way.
-    fn stop(&mut self, leg: &Leg) {
+    /// Something is in the way to a node.
+    fn fail(&mut self, node: usize, is_edge: bool) {
         self.state = State::Decide;
-        let node = leg.node.unwrap_or(self.active);
         self.tried.push(node);
         self.not_directly_from.push(self.active);
-        if leg.is_edge {
+        if is_edge {
             self.graph.block(self.active, node);
             if self.target == Some(node) {
                 self.graph.give_up(node, self.active);

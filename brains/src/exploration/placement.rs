@@ -41,6 +41,22 @@ pub struct Interval {
     pub to_rad: f64,
 }
 
+/// A place beside the end of a scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Aside {
+    /// At the distance D.
+    pub(super) place: Point,
+    /// On the scan's last ray there: as far as that runs, but at most 2 D.
+    pub(super) beyond: Point,
+}
+
+/// Where something is in the world that is there for the laser.
+fn place(scan: &PlacedScan, bearing_rad: f64, distance_m: f64) -> Point {
+    let world_from_laser = scan.world_from_laser();
+    let direction = world_from_laser.direction().rotate(Direction::from_angle(bearing_rad));
+    world_from_laser.position + direction.vector() * distance_m
+}
+
 impl Placement {
     /// The feasible angular intervals of a scan, from right to left, however narrow.
     #[must_use]
@@ -74,13 +90,36 @@ impl Placement {
     /// Where a scan allows nodes, in the world. Other nodes may be too near.
     #[must_use]
     pub fn places(&self, scan: &PlacedScan) -> Vec<Point> {
-        let world_from_laser = scan.world_from_laser();
-        let forward = world_from_laser.direction();
-        let place = |bearing_rad: f64| {
-            let direction = forward.rotate(Direction::from_angle(bearing_rad));
-            world_from_laser.position + direction.vector() * self.distance_m
+        let intervals = self.intervals(&scan.scan);
+        let bearings_rad = intervals.iter().flat_map(|interval| self.directions(interval));
+        bearings_rad.map(|bearing_rad| place(scan, bearing_rad, self.distance_m)).collect()
+    }
+
+    /// Where a scan would allow nodes if the intervals in which it ended went on and were not too narrow.
+    pub(super) fn places_aside(&self, scan: &PlacedScan) -> Vec<Aside> {
+        let Some(last) = scan.scan.distances_m.len().checked_sub(1) else { return Vec::new() };
+        let [right_rad, left_rad] = [0, last].map(|ray| scan.scan.bearing_rad(ray));
+        let aside = |middle_rad: f64, ray: usize| Aside {
+            place: place(scan, middle_rad, self.distance_m),
+            beyond: place(
+                scan,
+                scan.scan.bearing_rad(ray),
+                scan.scan.distances_m[ray].min(2.0 * self.distance_m),
+            ),
         };
-        self.intervals(&scan.scan).iter().flat_map(|interval| self.directions(interval)).map(place).collect()
+        let half_rad = 0.5 * self.width_rad;
+        let mut places = Vec::new();
+        for Interval { from_rad, to_rad } in self.intervals(&scan.scan) {
+            if to_rad - from_rad >= self.width_rad {
+                continue;
+            }
+            if from_rad == right_rad {
+                places.push(aside(to_rad - half_rad, 0));
+            } else if to_rad == left_rad {
+                places.push(aside(from_rad + half_rad, last));
+            }
+        }
+        places
     }
 
     /// Least angle between two nodes of an interval, in radians: max(2 asin(d / 2D), `γ_min`).

@@ -75,3 +75,20 @@ fn it_waits_for_the_first_scan() {
     let input = Input { world_from_robot: Pose::new(0.0, 0.0, 0.0), scan: None, near: false };
     assert_eq!(Frontiers::new(Parameters::default()).step(&input), Command::Wait);
 }
+
+/// Beside an edge, a cell is a frontier after one scan and none after the next.
+#[test]
+fn a_frontier_that_comes_and_goes_is_given_up_with_what_is_beside_it() {
+    let mut explorer = Frontiers::new(Parameters::default());
+    let cell = explorer.grid.cell(Point::new(1.0, 2.0));
+    for _ in 1..MOST_TIMES {
+        explorer.resolve(cell);
+        assert!(explorer.given_up.is_empty());
+    }
+    explorer.resolve(cell.offset(1, 0));
+    assert!(explorer.given_up.is_empty(), "another one");
+    explorer.resolve(cell);
+    assert!(
+        explorer.given_up.contains(&cell.offset(1, -1)) && !explorer.given_up.contains(&cell.offset(2, 0))
+    );
+}
