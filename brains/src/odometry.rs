@@ -20,7 +20,8 @@
 //!   which grows faster, so take k larger than the wheels' noise.
 //!
 //! The scan of a laser arrives late, and says where the robot was when it was taken. Therefore the last
-//! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] mends it, and all that came after.
+//! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] mends it, and all that came after. What came before
+//! moves with it, so that another scan, which began earlier, still knows how the robot went.
 
 mod step;
 #[cfg(test)]
@@ -56,6 +57,8 @@ pub struct Odometry {
     parameters: Parameters,
     /// The newest last; never empty.
     past: VecDeque<Past>,
+    /// The instant that was corrected last. No earlier one can be.
+    corrected_ns: u64,
     last: Option<Last>,
 }
 
@@ -101,7 +104,7 @@ impl Odometry {
     #[must_use]
     pub fn new(parameters: Parameters, at_ns: u64, start: Estimate) -> Self {
         let past = VecDeque::from([Past { at_ns, step: Step::default(), estimate: start }]);
-        Self { parameters, past, last: None }
+        Self { parameters, past, corrected_ns: at_ns, last: None }
     }
 
     /// Starts when this sensor, encoders or an odometer, has its first reading: at a pose that is known, or where the
@@ -193,21 +196,35 @@ impl Odometry {
         let at_ns = self.at_ns();
         self.past.clear();
         self.past.push_back(Past { at_ns, step: Step::default(), estimate });
+        self.corrected_ns = at_ns;
     }
 
-    /// Replaces the estimate of an earlier instant by a better one, and goes again all the way from there.
-    /// Returns false, and changes nothing, if that instant is forgotten.
+    /// Replaces the estimate of an earlier instant by a better one, and goes again all the way from there. The way that led
+    /// there keeps its shape, and is as unsure as it was. Returns false, and changes nothing, if that instant is forgotten,
+    /// or a later one was corrected.
     pub fn correct(&mut self, at_ns: u64, estimate: Estimate) -> bool {
         let after = self.past.partition_point(|past| past.at_ns <= at_ns);
-        let Some(before) = after.checked_sub(1).and_then(|before| self.past.get(before)) else {
+        let (Some(before), Some(old)) = (after.checked_sub(1), self.at(at_ns)) else { return false };
+        if at_ns < self.corrected_ns {
             return false;
-        };
-        let mut again: Vec<_> = self.past.range(after..).copied().collect();
-        if let Some(first) = again.first_mut() {
-            first.step = first.step.rest(fraction(before.at_ns, at_ns, first.at_ns));
         }
-        self.past.clear();
-        self.past.push_back(Past { at_ns, step: Step::default(), estimate });
+        let mut again = self.past.split_off(after);
+        let before = self.past[before];
+        let mut step = if before.at_ns == at_ns { before.step } else { Step::default() };
+        if let Some(first) = again.front_mut() {
+            let fraction = fraction(before.at_ns, at_ns, first.at_ns);
+            if before.at_ns < at_ns {
+                step = first.step.part(fraction);
+            }
+            first.step = first.step.rest(fraction);
+        }
+        self.past.retain(|past| past.at_ns < at_ns);
+        let new_from_old = estimate.world_from_robot.compose(&old.world_from_robot.inverse());
+        for past in &mut self.past {
+            past.estimate.world_from_robot = new_from_old.compose(&past.estimate.world_from_robot);
+        }
+        self.remember(Past { at_ns, step, estimate });
+        self.corrected_ns = at_ns;
         again.into_iter().for_each(|past| self.advance(past.at_ns, past.step));
         true
     }
@@ -226,11 +243,15 @@ impl Odometry {
             self.past[last] = Past { at_ns: newest.at_ns, step, estimate };
             return;
         }
+        self.remember(Past { at_ns, step, estimate });
+    }
+
+    fn remember(&mut self, past: Past) {
         // One more than the readings: the first is where they start from.
         while self.past.len() > self.parameters.history.max(1) {
             self.past.pop_front();
         }
-        self.past.push_back(Past { at_ns, step, estimate });
+        self.past.push_back(past);
     }
 
     fn stepped(&self, estimate: &Estimate, step: &Step) -> Estimate {

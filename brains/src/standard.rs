@@ -12,6 +12,8 @@ use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
 use crate::cognition::slam::{self, MakeMap};
 use crate::coverage::{self, CoverRows};
+use crate::exploration::behavior::ExploreFloor;
+use crate::exploration::brain as explore;
 use crate::potential::PotentialField;
 use crate::registry::Registry;
 use crate::vfh::Vfh;
@@ -26,6 +28,7 @@ impl Registry {
             .motor("cover_rows", |parameters: coverage::Parameters, kit| {
                 CoverRows::new(&parameters, kit.body)
             })
+            .motor("explore", |parameters: explore::Parameters, kit| ExploreFloor::new(parameters, kit.body))
             .motor("follow_path", |parameters: follow_path::Parameters, kit| {
                 FollowPath::new(&parameters, kit.body)
             })

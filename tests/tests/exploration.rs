@@ -7,9 +7,11 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use baudbot_brains::Chance;
+use baudbot_brains::description::Description;
 use baudbot_brains::exploration::generated::Plan;
+use baudbot_brains::registry::Registry;
 use baudbot_sim::{Override, Scenario};
-use baudbot_tests::Pair;
+use baudbot_tests::{Pair, body};
 
 const ROOM: &str = include_str!("../../scenarios/explore-room.toml");
 const OFFICE: &str = include_str!("../../scenarios/explore-office.toml");
@@ -131,6 +133,37 @@ fn fail_with_slam(toml: &str, size_m: [f64; 2], brain: &str, seed: u64, count: u
 fn an_odometer_that_errs_is_corrected_by_slam() {
     assert_eq!(fail_with_slam(ROOM, [5.0, 4.0], "explore:slam=1", 7, 2), 0);
     assert_eq!(fail_with_slam(OFFICE, [12.0, 9.0], "explore:slam=1,method=1", 7, 1), 0);
+}
+
+/// The same as a brain of processes, of which one explores, and goes by what another makes of its scans.
+const PROCESSES: &str = r#"
+[motor.explore]
+kind = "explore"
+
+[motor.explore.parameters]
+method = 1
+
+[cognitive.odometry]
+kind = "odometry"
+
+[cognitive.odometry.parameters]
+sensor = "odometer"
+variance_m2_per_m = 1e-3
+
+[cognitive.slam]
+kind = "slam"
+"#;
+
+#[test]
+fn as_one_process_of_many_it_goes_by_the_map_that_slam_makes() {
+    for (_, scenario) in starts(ROOM, &[ERRING], [5.0, 4.0], 7, 2) {
+        let description = Description::parse(PROCESSES).unwrap();
+        let brain = description.brain(1, &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
+        let mut pair = Pair::with_brain(scenario, brain).unwrap();
+        pair.run(u64::MAX);
+        let sensed = pair.world.score().sensed(pair.world.scenario().rules()).unwrap();
+        assert!(sensed >= 0.99 && pair.world.robot(0).counters().collisions == 0, "{sensed}");
+    }
 }
 
 #[test]

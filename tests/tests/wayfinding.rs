@@ -2,14 +2,16 @@
 //!
 //! In the arenas of the gallery, and in arenas drawn at random, where nothing was tuned.
 
-use std::fmt::Write as _;
+mod arena;
+mod unknown;
 
 use baudbot_brains::Chance;
 use baudbot_brains::description::Description;
-use baudbot_brains::navigation::{Floor, Method};
 use baudbot_brains::registry::Registry;
 use baudbot_sim::Scenario;
 use baudbot_tests::{Pair, body, scenario};
+
+use arena::Arena;
 
 const ERRANDS: &str = include_str!("../../scenarios/errands.toml");
 const HALL: &str = include_str!("../../scenarios/hall.toml");
@@ -82,121 +84,6 @@ fn with_thirty_seeds() {
     all_goals_are_reached(HALL, "hall", 1..=30, 25.0);
 }
 
-/// Walls `[x, y, x, y]`, pillars `[x, y, radius]`, and the size of the whole.
-struct Arena {
-    size_m: [f64; 2],
-    walls: Vec<[f64; 4]>,
-    pillars: Vec<[f64; 3]>,
-}
-
-impl Arena {
-    fn new(size_m: [f64; 2]) -> Self {
-        let [x, y] = size_m;
-        let walls = vec![[0.0, 0.0, x, 0.0], [x, 0.0, x, y], [x, y, 0.0, y], [0.0, y, 0.0, 0.0]];
-        Self { size_m, walls, pillars: Vec::new() }
-    }
-
-    /// A wall across at this x, with a door.
-    fn divide(&mut self, x: f64, [from, to]: [f64; 2], chance: &mut Chance) {
-        let width = 0.9 + 0.4 * chance.uniform();
-        let door = from + 0.3 + (to - from - width - 0.6) * chance.uniform();
-        self.walls.extend([[x, from, x, door], [x, door + width, x, to]]);
-    }
-
-    /// Three rooms, each with a table.
-    fn office(chance: &mut Chance) -> Self {
-        let mut arena = Self::new([9.0, 5.0]);
-        for x in [3.0, 6.0] {
-            arena.divide(x, [0.0, 5.0], chance);
-        }
-        for room in [0.0, 3.0, 6.0] {
-            let (x, y) = (room + 0.8 + 0.6 * chance.uniform(), 0.9 + 2.4 * chance.uniform());
-            let (u, v) = (x + 0.3 + 0.5 * chance.uniform(), y + 0.3 + 0.5 * chance.uniform());
-            arena.walls.extend([[x, y, u, y], [u, y, u, v], [u, v, x, v], [x, v, x, y]]);
-        }
-        arena
-    }
-
-    /// A corridor that winds round four walls.
-    fn corridor(chance: &mut Chance) -> Self {
-        let mut arena = Self::new([7.5, 2.5]);
-        for i in 0..4 {
-            let (x, gap) = (1.5 * f64::from(i + 1), 0.8 + 0.5 * chance.uniform());
-            arena.walls.push(if i % 2 == 0 { [x, 0.0, x, 2.5 - gap] } else { [x, gap, x, 2.5] });
-        }
-        arena
-    }
-
-    /// A room with pillars, each 1.3 m from the next, middle to middle.
-    fn pillars(chance: &mut Chance) -> Self {
-        let mut arena = Self::new([7.0, 6.0]);
-        for _ in 0..200 {
-            let [x, y] = [1.0 + 5.0 * chance.uniform(), 1.0 + 4.0 * chance.uniform()];
-            let far = |u: f64, v: f64, least_m: f64| (x - u).hypot(y - v) > least_m;
-            let is_free = far(0.7, 0.7, 0.9) && far(6.3, 5.3, 0.9) && far(5.5, 1.0, 0.7);
-            if is_free && arena.pillars.len() < 8 && arena.pillars.iter().all(|&[u, v, _]| far(u, v, 1.3)) {
-                arena.pillars.push([x, y, 0.1 + 0.15 * chance.uniform()]);
-            }
-        }
-        arena
-    }
-
-    /// A straight corridor with pillars at its sides.
-    fn aisle(chance: &mut Chance) -> Self {
-        let mut arena = Self::new([9.0, 2.2]);
-        for i in 0..4 {
-            let side = if i % 2 == 0 { 0.3 } else { 1.9 };
-            arena.pillars.push([2.0 + 1.5 * f64::from(i), side + 0.2 * chance.uniform() - 0.1, 0.25]);
-        }
-        arena
-    }
-
-    /// A place where a body has 0.35 m of room, and from which such a way leads to the others.
-    fn place(&self, chance: &mut Chance, to: Option<[f64; 2]>) -> [f64; 2] {
-        let floor = Floor::new(&self.walls, 0.05, 0.35, Method::ThetaStar).unwrap();
-        loop {
-            let [x, y] = self.size_m.map(|m| m * chance.uniform());
-            let is_reached = |[u, v]: [f64; 2]| {
-                let far = (x - u).hypot(y - v) > 0.4 * self.size_m[0];
-                far && floor.way([x, y].into(), [u, v].into()).is_ok()
-            };
-            if floor.is_free([x, y].into()) && to.is_none_or(is_reached) {
-                return [x, y];
-            }
-        }
-    }
-
-    /// The robot of the hall in this arena, with what else there is.
-    fn scenario(&self, start: [f64; 2], seed: u64, more: &str) -> Scenario {
-        let (_, robot) = HALL.split_once("[[robots]]").expect("a robot");
-        // Of the way alone: what an odometer that errs makes of it, other tests tell.
-        self.scenario_of(&robot.replace("sigma_m = 0.0001", "sigma_m = 0.0"), start, seed, more)
-    }
-
-    /// The same with another robot, whose start has a line of its own.
-    fn scenario_of(&self, robot: &str, start: [f64; 2], seed: u64, more: &str) -> Scenario {
-        let mut toml =
-            format!("name = \"random\"\nstep_ms = 10.0\ncollision = \"stop-robot\"\nseed = {seed}\n");
-        for (i, [x, y, u, v]) in self.walls.iter().enumerate() {
-            let _ = writeln!(
-                toml,
-                "[[arena.polygons]]\nname = \"wall{i}\"\nsolid = false\nclosed = false\n\
-                 points_m = [[{x:?}, {y:?}], [{u:?}, {v:?}]]"
-            );
-        }
-        for (i, [x, y, radius]) in self.pillars.iter().enumerate() {
-            let _ = writeln!(
-                toml,
-                "[[arena.circles]]\nname = \"pillar{i}\"\nx_m = {x:?}\ny_m = {y:?}\nradius_m = {radius:?}"
-            );
-        }
-        let (before, rest) = robot.split_once("start = {").expect("a start");
-        let (_, after) = rest.split_once('\n').expect("a line of its own");
-        let place = format!("start = {{ x_m = {:?}, y_m = {:?} }}", start[0], start[1]);
-        scenario(&format!("{toml}\n{more}\n[[robots]]\n{before}{place}\n{after}"), &[])
-    }
-}
-
 const STEERING: &str = "steering = { speed_m_s = 0.4, rotation_m_s = 0.2, full_speed_m_s = 0.8 }";
 
 fn planned_ways_hold(seeds: std::ops::Range<u64>) {
@@ -231,90 +118,6 @@ fn planned_ways_through_random_offices_and_corridors_hold() {
 #[ignore = "some minutes; the same with six arenas always"]
 fn planned_ways_through_200_random_arenas_hold() {
     planned_ways_hold(0..200);
-}
-
-const PERSON: &str = "[[arena.movers]]\nname = \"person\"\nradius_m = 0.2\nx_m = 5.5\ny_m = 1.0\nheight_m = 1.7\n\
-                      wander = { speed_m_s = 0.5, turn_s = 4.0 }";
-
-/// How many were not done in time, and how many collided.
-fn lost_among_obstacles(seeds: std::ops::Range<u64>) -> [usize; 2] {
-    let (mut lost, mut collided) = (0, 0);
-    for seed in seeds {
-        let chance = &mut Chance::new(seed, "unknown");
-        let is_room = seed % 3 != 0;
-        let arena = if is_room { Arena::pillars(chance) } else { Arena::aisle(chance) };
-        let (start, goal) = if is_room { ([0.7, 0.7], [6.3, 5.3]) } else { ([0.7, 1.1], [8.3, 1.1]) };
-        let brain = format!(
-            "[motor.go]\nkind = \"vfh\"\n[motor.go.parameters]\ngoals_m = [{goal:?}]\n\
-             {STEERING}\n[cognitive.odometry]\nkind = \"odometry\""
-        );
-        let person = if is_room { PERSON } else { "" };
-        let mut pair = described(arena.scenario(start, seed, person), &brain);
-        let reached = reaches(&mut pair, goal, 120);
-        let run = of(&pair);
-        if !reached || run.collisions > 0 {
-            println!("seed {seed}: there: {reached}, {run:?}");
-        }
-        lost += usize::from(!reached);
-        collided += usize::from(run.collisions > 0);
-    }
-    [lost, collided]
-}
-
-#[test]
-fn random_rooms_with_pillars_and_a_person_are_crossed_without_a_map() {
-    assert_eq!(lost_among_obstacles(0..6), [0, 0]);
-}
-
-#[test]
-#[ignore = "some minutes; the same with six arenas always"]
-fn all_of_200_random_rooms_are_crossed_and_nobody_is_touched() {
-    assert_eq!(lost_among_obstacles(0..200), [0, 0]);
-}
-
-/// Crosses rooms with pillars, and touches none, by the sensors that this robot has.
-fn pillars_are_passed(robot: &str, more: &str) {
-    for seed in 0..3 {
-        let arena = Arena::pillars(&mut Chance::new(seed, "cones"));
-        let (start, goal) = ([0.7, 0.7], [6.3, 5.3]);
-        let brain = format!(
-            "[motor.go]\nkind = \"vfh\"\n[motor.go.parameters]\ngoals_m = [{goal:?}]\n{more}\n\
-             [cognitive.odometry]\nkind = \"odometry\""
-        );
-        let mut pair = described(arena.scenario_of(robot, start, seed, ""), &brain);
-        let reached = reaches(&mut pair, goal, 120);
-        let run = of(&pair);
-        println!("seed {seed}: {run:?}");
-        assert!(reached && run.collisions == 0, "seed {seed}: {run:?} {:?}", arena.pillars);
-    }
-}
-
-#[test]
-fn pillars_are_passed_by_what_sonars_hear() {
-    let (_, robot) = HALL.split_once("[[robots]]").expect("a robot");
-    let (before, rest) = robot.split_once("[robots.sensors.laser]").expect("a laser");
-    let (_, after) = rest.split_once("[robots.firmware]").expect("firmware");
-    let mut sonars = String::new();
-    for i in 0..13 {
-        // One after the other, as the microcontroller waits for each echo.
-        let (bearing_rad, phase_ms) = (0.25 * (f64::from(i) - 6.0), 11.0 * f64::from(i));
-        let _ = writeln!(
-            sonars,
-            "[robots.sensors.sonar{i}]\nkind = \"sonar\"\nbearing_rad = {bearing_rad:?}\nopening_rad = 0.25\nrays = 5\n\
-             min_m = 0.03\nmax_m = 1.5\nperiod_ms = 150.0\nphase_ms = {phase_ms:?}"
-        );
-    }
-    pillars_are_passed(
-        &format!("{before}{sonars}[robots.firmware]{after}"),
-        &format!("sight = {{ cone_rad = 0.25 }}\n{STEERING}"),
-    );
-}
-
-#[test]
-fn pillars_are_passed_by_what_infrared_sensors_see() {
-    let (_, robot) = SWEEPER.split_once("[[robots]]").expect("a robot");
-    let steering = "steering = { speed_m_s = 0.2, rotation_m_s = 0.1, full_speed_m_s = 0.5 }";
-    pillars_are_passed(robot, &format!("sight = {{ ir = {{ c1_m2 = 0.03, c2 = 0.1 }} }}\n{steering}"));
 }
 
 /// The sweeper's room with a table, its walls, and a battery that lasts.

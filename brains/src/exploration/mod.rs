@@ -7,14 +7,17 @@
 //! | [`Frontiers`] | the nearest place from which something unknown can be seen | Yamauchi 1997 |
 //!
 //! An [`Explorer`] is a state machine without a body: it is told where the robot is believed to be and what it has
-//! seen, and says where to turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body.
+//! seen, and says where to turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body and a
+//! pose, and [`behavior`] makes it one of many in a brain whose other processes know the pose.
 
 mod approach;
+pub mod behavior;
 pub mod brain;
 pub mod frontiers;
 pub mod graph;
 pub mod nodes;
 pub mod placement;
+mod scout;
 
 #[doc(hidden)]
 pub mod generated;

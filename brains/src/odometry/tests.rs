@@ -161,7 +161,33 @@ fn a_late_correction_moves_all_that_came_after() {
     assert_near(late.estimate().world_from_robot, direct.estimate().world_from_robot, 1e-12);
     assert!((late.estimate().covariance - direct.estimate().covariance).norm() < 1e-15);
     assert_eq!(late.at_ns(), 8000);
-    assert!(!late.correct(2000, better), "what was before the correction is gone");
+    let before = late.clone();
+    assert!(!late.correct(2000, better) && late == before, "what is newer is known better");
+}
+
+/// A scan that began before another was matched is mended by how the robot went meanwhile.
+#[test]
+fn the_way_to_what_is_corrected_moves_with_it() {
+    for at_ns in [3000, 3250, 5000, 7000] {
+        let mut odometry = odometry(PARAMETERS, Pose::new(0.5, 0.0, 0.3));
+        (1..=5_u32).for_each(|i| {
+            odometry.encoders(u64::from(1000 * i), [100.0, 120.0].map(|way| way * f64::from(i)));
+        });
+        let pose = |odometry: &Odometry, at_ns| odometry.at(at_ns).unwrap().world_from_robot;
+        let then_from_now = |odometry: &Odometry, from_ns, to_ns| {
+            pose(odometry, from_ns).inverse().compose(&pose(odometry, to_ns))
+        };
+        let before = odometry.clone();
+        let better = Estimate::within(Pose::new(3.0, -1.0, 2.0), 0.01, 0.02);
+        assert!(odometry.correct(at_ns, better));
+        assert_near(pose(&odometry, at_ns), better.world_from_robot, 1e-12);
+        for (from_ns, to_ns) in [(0, 1000), (500, 2700), (2800, 3000), (2800, 3100), (3100, 4600), (0, 5000)]
+        {
+            let (old, new) =
+                (then_from_now(&before, from_ns, to_ns), then_from_now(&odometry, from_ns, to_ns));
+            assert_near(new, old, 1e-4);
+        }
+    }
 }
 
 #[test]

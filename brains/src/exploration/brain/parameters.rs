@@ -2,11 +2,14 @@
 
 use std::f64::consts::PI;
 
+use serde::Deserialize;
+
 use crate::exploration::{frontiers, nodes};
 use crate::parameter::Parameter;
 
 /// How a robot explores. The lengths of the methods that are not here have their own defaults.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// 0: by nodes; 1: by frontiers. What is in between is rounded.
     pub method: f64,
@@ -36,6 +39,12 @@ pub struct Parameters {
     pub near_reading: f64,
     /// After so long without a reading of the odometer it stands still, in seconds.
     pub stale_s: f64,
+}
+
+impl Parameters {
+    pub(crate) fn stale_ns(&self) -> u64 {
+        (self.stale_s * 1e9) as u64
+    }
 }
 
 impl Default for Parameters {

@@ -1,0 +1,225 @@
+//! A robot that explores, once somebody says where it is: what it feels, and signals for what its explorer wants.
+//!
+//! For proximity it uses the laser and whatever infra-red sensors and sonars look ahead; they should be mounted lower than the
+//! laser. Turns and ways become motor signals by proportional control of heading and speed, closed over the believed pose.
+//!
+//! *Deviation.* Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
+
+use baudbot_client::{Body, Mount, Sensor, Signals, Turn};
+use baudbot_geometry::{Direction, Point, Pose, angle, math};
+
+use super::brain::Parameters;
+use super::placement::Placement;
+use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
+use crate::courier::within;
+use crate::mapping::PlacedScan;
+
+/// An explorer with a body.
+pub(super) struct Scout {
+    parameters: Parameters,
+    explorer: Box<dyn Explorer + Send>,
+    half_track_m: f64,
+    radius_m: f64,
+    /// A greater signal is refused.
+    signal_limit: Option<f64>,
+    feelers: Vec<Feeler>,
+    /// Since when, and where, the robot ought to have been driving.
+    driving_since: Option<(u64, Point)>,
+    command: Command,
+}
+
+/// A sensor for proximity.
+#[derive(Clone, Copy, Debug)]
+struct Feeler {
+    sensor: usize,
+    robot_from_sensor: Pose,
+    is_sonar: bool,
+    is_near: bool,
+}
+
+impl Scout {
+    /// That of a robot with this body, and a laser of this range.
+    pub(super) fn new(parameters: Parameters, body: &Body, range_m: f64) -> Self {
+        let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
+            sensor,
+            robot_from_sensor: mount(described),
+            is_sonar: described.kind == "sonar",
+            is_near: false,
+        };
+        let feelers = body.sensors.iter().enumerate();
+        let feelers =
+            feelers.filter(|(_, sensor)| ["ir", "sonar"].contains(&sensor.kind.as_str())).map(feeler);
+        Self {
+            explorer: explorer(&parameters, body.radius_m, range_m),
+            half_track_m: body.half_track_m,
+            radius_m: body.radius_m,
+            signal_limit: body.signal_limit,
+            feelers: feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect(),
+            driving_since: None,
+            command: Command::Wait,
+            parameters,
+        }
+    }
+
+    /// Takes in what is near.
+    pub(super) fn feel(&mut self, turn: &Turn) {
+        for feeler in &mut self.feelers {
+            let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
+            if let Some(&value) =
+                reading.filter(|reading| reading.readable).and_then(|new| new.values.first())
+            {
+                feeler.is_near = feeler.feels(value, self.radius_m, &self.parameters);
+            }
+        }
+    }
+
+    /// One step from here, with the last scan. Signals are such that the motors take them.
+    pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) -> Signals {
+        let is_felt = self.feelers.iter().any(|feeler| feeler.is_near);
+        let is_stalled = self.is_stalled(at_ns, here.position);
+        let near = is_stalled || is_felt || scan.is_some_and(|scan| self.sees_near(here, scan));
+        self.command = self.explorer.step(&Input { world_from_robot: *here, scan, near });
+        within(self.signal_limit, self.signals(here))
+    }
+
+    /// It has stood, for another reason than its own.
+    pub(super) fn interrupt(&mut self) {
+        self.driving_since = None;
+    }
+
+    /// What the explorer last wanted.
+    pub(super) const fn command(&self) -> Command {
+        self.command
+    }
+
+    /// What it is about, in words.
+    pub(super) fn intention(&self) -> String {
+        match self.command {
+            Command::Wait => "waits for a scan".to_owned(),
+            Command::Turn { .. } => "turns".to_owned(),
+            Command::Drive { .. } => "drives".to_owned(),
+            Command::Done => "has seen all".to_owned(),
+            Command::Failed(failure) => format!("gave up: {failure:?}"),
+        }
+    }
+
+    /// Where it goes next, if it goes somewhere.
+    pub(super) fn path(&self) -> Option<Point> {
+        match self.command {
+            Command::Drive { to } => Some(to),
+            _ => None,
+        }
+    }
+
+    /// Whether a scan shows something in the way that is near: sonars overlook edges, and walls that they meet at an
+    /// acute angle.
+    fn sees_near(&self, here: &Pose, scan: &PlacedScan) -> bool {
+        let forward = here.direction();
+        let in_robot = |end: Point| Point::from(forward.inverse().apply(end - here.position));
+        let room_m = self.radius_m + BARELY_M;
+        scan.ends().any(|(end, met)| met && is_in_way(in_robot(end), self.parameters.near_m, room_m))
+    }
+
+    /// Whether it ought to drive and has not moved for too long.
+    fn is_stalled(&mut self, at_ns: u64, here: Point) -> bool {
+        if !matches!(self.command, Command::Drive { .. }) {
+            self.driving_since = None;
+            return false;
+        }
+        let since = self.driving_since.get_or_insert((at_ns, here));
+        if (here - since.1).norm() > MOVED_M {
+            *since = (at_ns, here);
+        }
+        at_ns.saturating_sub(since.0) > STALLED_NS
+    }
+
+    /// Signals of the left and the right motor.
+    fn signals(&self, here: &Pose) -> Signals {
+        let p = &self.parameters;
+        let (speed, turn_rate) = match self.command {
+            Command::Wait | Command::Done | Command::Failed(_) => (0.0, 0.0),
+            Command::Turn { heading_rad } => {
+                let aside = angle::difference(heading_rad, here.heading);
+                let rate = (TURN_GAIN_HZ * aside.abs())
+                    .clamp(LEAST_RATE_RAD_S.min(p.turn_rate_rad_s), p.turn_rate_rad_s);
+                (0.0, rate.copysign(aside))
+            }
+            Command::Drive { to } => {
+                let aside = angle::difference(approach::heading_to(here, to), here.heading);
+                let way_m = (to - here.position).norm();
+                let speed = (SPEED_GAIN_HZ * way_m).clamp(LEAST_SPEED_M_S.min(p.speed_m_s), p.speed_m_s);
+                let rate = (TURN_GAIN_HZ * aside).clamp(-p.turn_rate_rad_s, p.turn_rate_rad_s);
+                (speed * math::cos(aside).max(0.0), rate)
+            }
+        };
+        let wheel = |side: f64| (speed + side * turn_rate * self.half_track_m) / p.full_speed_m_s;
+        Signals { left: wheel(-1.0), right: wheel(1.0) }
+    }
+}
+
+impl Feeler {
+    /// Whether what a sensor reads is near and in the way.
+    fn feels(&self, value: f64, radius_m: f64, parameters: &Parameters) -> bool {
+        if !self.is_sonar {
+            return value >= parameters.near_reading;
+        }
+        let forward = self.robot_from_sensor.direction();
+        let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
+        is_in_way(point_in_robot, parameters.near_m, radius_m + ALMOST_M)
+    }
+}
+
+fn mount(sensor: &Sensor) -> Pose {
+    let Mount { x_m, y_m, heading_rad, .. } = sensor.mount.unwrap_or_default();
+    Pose::new(x_m, y_m, heading_rad)
+}
+
+fn looks_ahead(robot_from_sensor: &Pose) -> bool {
+    Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
+}
+
+/// Whether a point would be in a disc of this radius that is so far ahead.
+fn is_in_way(point_in_robot: Point, ahead_m: f64, radius_m: f64) -> bool {
+    let off = point_in_robot - Point::new(ahead_m, 0.0);
+    point_in_robot.x > 0.0 && off.norm() < radius_m
+}
+
+fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
+    let Parameters { distance_m, margin_m, width_rad, separation_m, cell_m, .. } = *parameters;
+    let half_width_m = radius_m + ROOM_M;
+    if parameters.method >= 0.5 {
+        let defaults = frontiers::Parameters::default();
+        return Box::new(Frontiers::new(frontiers::Parameters { cell_m, half_width_m, ..defaults }));
+    }
+    Box::new(Nodes::new(nodes::Parameters {
+        placement: Placement { distance_m, margin_m, width_rad, separation_m },
+        sight_m: parameters.sight_m.min(range_m),
+        half_width_m,
+        ..nodes::Parameters::default()
+    }))
+}
+
+/// Room beside the robot on its way, in metres.
+const ROOM_M: f64 = 0.05;
+/// Room that there must be beside a disc that is a little ahead, in metres. A sonar does not say where in its cone something
+/// is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
+const ALMOST_M: f64 = 0.03;
+/// The same for what the laser sees, which is where it is seen but for a centimetre.
+const BARELY_M: f64 = 0.01;
+/// Cosine of the greatest angle at which a sensor looks ahead: 80°.
+const AHEAD_COS: f64 = 0.17;
+/// Turn rate for each radian to be turned.
+const TURN_GAIN_HZ: f64 = 2.0;
+/// Least rate of a turn, in rad/s: motors stand still below some signal.
+const LEAST_RATE_RAD_S: f64 = 0.15;
+/// Speed for each metre that is left.
+const SPEED_GAIN_HZ: f64 = 1.5;
+/// Least speed, in m/s.
+const LEAST_SPEED_M_S: f64 = 0.08;
+/// A robot that moves goes so far, in metres, ...
+const MOVED_M: f64 = 0.02;
+/// ... in so many nanoseconds.
+const STALLED_NS: u64 = 2_000_000_000;
+
+#[cfg(test)]
+mod tests;
