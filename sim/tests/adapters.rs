@@ -1,13 +1,11 @@
 //! Brains that talk over what stands between a robot and its laptop: USB adapters, radios, USB, shared wires,
 //! cables that are pulled.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::common::{BODY, command, run, world};
 use baudbot_sim::{Input, World};
-use common::{BODY, command, run, world};
 
 /// A robot with a sensor of four bytes in all, at this mode of firmware.
 fn robot(link: &str, firmware: &str) -> World {

@@ -1,12 +1,10 @@
 //! Nothing that can be run into ever overlaps anything else, whatever drives, swings, wanders or is pushed about.
 
-mod common;
-
 use std::fmt::Write as _;
 
+use crate::common::command;
 use baudbot_geometry::{Circle, Point, Pose, polygon};
 use baudbot_sim::{Input, Outline, Scenario, World};
-use common::command;
 use proptest::prelude::*;
 
 /// Small numbers from a seed, so that a scene is one number.

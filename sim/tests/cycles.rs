@@ -1,10 +1,8 @@
 //! Control cycles: what they cost, whether they are kept, and what a late brain gets.
 
-mod common;
-
+use crate::common::{BODY, command, world};
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{Ending, Input, SimTime, World};
-use common::{BODY, command, world};
 
 /// A robot with two sensors that take 0.3 ms each, one frame each tick of 20 ms, over 9600 baud 8N1.
 fn robot(brain: &str, more: &str) -> String {

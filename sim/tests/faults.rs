@@ -1,10 +1,8 @@
 //! Faults by script and by chance: what they do, and to nothing else.
 
-mod common;
-
+use crate::common::{BODY, refusal, run, world};
 use baudbot_sim::World;
 use baudbot_sim::timeline::What;
-use common::{BODY, refusal, run, world};
 
 fn robot(link: &str, faults: &str) -> String {
     format!(

@@ -1,14 +1,12 @@
 //! A robot that is asked in lines of text: what an exchange costs, what is answered and what is not.
 
-mod common;
-
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::sync::Arc;
 
+use crate::common::{BODY, command, refusal, world, world_with};
 use baudbot_sim::{Input, Scenario, World};
 use baudbot_wire::khepera::{POLL, readings_len_max};
-use common::{BODY, command, refusal, world, world_with};
 
 const SCENARIO: &str = include_str!("../../scenarios/devices/khepera-ascii.toml");
 

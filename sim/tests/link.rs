@@ -1,9 +1,7 @@
 //! What goes wrong on a cable: noise, floods, garbage, busy processors.
 
-mod common;
-
+use crate::common::{BODY, WANDER, command, run, world, world_with};
 use baudbot_sim::Input;
-use common::{BODY, WANDER, command, run, world, world_with};
 
 fn robot(link: &str, more: &str) -> String {
     format!("[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\nlink = {link}\n{more}\n")
@@ -130,7 +128,7 @@ fn the_age_of_a_reading_is_the_truth_where_the_wire_cannot_tell_it() {
         .replace("{ ", "{ protocol = \"bare\", ")
         .replace("phase_ms = 90.0", "phase_ms = 0.0")
         .replace("period_ms = 100.0,", "period_ms = 50.0,");
-    let mut world = common::world(&robot("{ kind = \"ideal\" }", &bare));
+    let mut world = crate::common::world(&robot("{ kind = \"ideal\" }", &bare));
     run(&mut world, 100, 0.0, 0.0);
     let freshness = world.robot(0).sensors().next().unwrap().freshness;
     assert_eq!(

@@ -1,13 +1,11 @@
 //! What the kinds of motors do to a robot in its world, and which scenarios with them are refused.
 
-mod common;
-
 use std::f64::consts::TAU;
 
+use crate::common::{BODY, refusal, run, tick, world};
 use baudbot_sim::motor::Steps;
 use baudbot_sim::{Input, Scenario, World};
 use baudbot_wire::{frame, write_command};
-use common::{BODY, refusal, run, tick, world};
 
 const ENCODERS: &str = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\n";
 

@@ -1,16 +1,14 @@
 //! Presets: each is sound and does what the real thing does, and scenarios are filled from them as promised.
 
-mod common;
-
 use std::f64::consts::TAU;
 
+use crate::common::{ARSIM, refusal, run, tick, world};
 use baudbot_sim::motor::Motors;
 use baudbot_sim::port::Format;
 use baudbot_sim::presets::{Preset, PresetKind, preset, presets};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::{Device, Sensor};
 use baudbot_sim::{Override, Scenario, World};
-use common::{ARSIM, refusal, run, tick, world};
 
 /// Encoders, which regulated motors need.
 const BODY: &str = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n\

@@ -1,9 +1,7 @@
 //! Bad scenarios: each is refused with the path of what is wrong, and how.
 
-mod common;
-
+use crate::common::{ARSIM, BODY, KHEPERA, WANDER, refusal};
 use baudbot_sim::{Override, Scenario};
-use common::{ARSIM, BODY, KHEPERA, WANDER, refusal};
 
 fn robot(more: &str) -> String {
     format!("[[robots]]\nname = \"r\"\n{BODY}\n{more}")

@@ -1,12 +1,10 @@
 //! Robots that are alike: one table with several `starts` is as many robots, and the same as if each were written out.
 
-mod common;
-
 use std::sync::Arc;
 
+use crate::common::{BODY, refusal, run, world};
 use baudbot_sim::budget::Budget;
 use baudbot_sim::{Override, Scenario, World};
-use common::{BODY, refusal, run, world};
 
 /// What the robots of these tests have, with noise and chance of their own.
 const PARTS: &str = "\

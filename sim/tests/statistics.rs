@@ -1,12 +1,10 @@
 //! The tests of distributions accept what is right and reject what is wrong by 5 %.
 
-mod common;
-
-use baudbot_sim::random::Stream;
-use common::statistics::{
+use crate::common::statistics::{
     self, SAMPLES, assert_distributed, assert_rate, chi_squared, correlation, kolmogorov_smirnov, normal,
     rate,
 };
+use baudbot_sim::random::Stream;
 
 fn draw(name: &str, draw: impl Fn(&mut Stream) -> f64) -> Vec<f64> {
     let mut stream = Stream::new(11, name);

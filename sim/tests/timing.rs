@@ -1,11 +1,9 @@
 //! The timing of §3.2.1: how often a brain and a microcontroller can speak, and when a sensor is readable.
 
-mod common;
-
 use std::fmt::Write;
 
+use crate::common::{BODY, KHEPERA, command, world, world_with};
 use baudbot_sim::{Input, SimTime};
-use common::{BODY, KHEPERA, command, world, world_with};
 
 /// A robot with `sensors` compasses of one byte each, which stand for any sensor of one byte.
 fn bare_robot(sensors: usize, baud: u32, bits: u8) -> String {
@@ -109,7 +107,7 @@ fn an_answer_that_fits_into_the_tick_acts_in_it_and_one_that_does_not_acts_later
         let mut world = world(&toml);
         let mut moved = None;
         for tick in 1..10 {
-            common::tick(&mut world, 0.5, 0.5);
+            crate::common::tick(&mut world, 0.5, 0.5);
             if world.robot(0).motion().speed_m_s > 0.0 {
                 moved = moved.or(Some(tick));
             }

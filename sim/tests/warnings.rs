@@ -1,9 +1,7 @@
 //! What a scenario's author is told without being refused.
 
-mod common;
-
+use crate::common::BODY;
 use baudbot_sim::Scenario;
-use common::BODY;
 
 fn warnings(toml: &str) -> Vec<String> {
     let scenario = Scenario::parse(toml).unwrap_or_else(|error| panic!("{error}"));
@@ -16,7 +14,7 @@ fn robot(rest: &str) -> String {
 
 #[test]
 fn a_sound_scenario_has_none() {
-    for toml in [common::ARSIM, common::WANDER, common::KHEPERA] {
+    for toml in [crate::common::ARSIM, crate::common::WANDER, crate::common::KHEPERA] {
         assert_eq!(warnings(toml), Vec::<String>::new());
     }
 }

@@ -1,11 +1,9 @@
 //! What a world promises: the same bits for the same run, and bodies that stay out of walls.
 
-mod common;
-
 use std::fmt::Write;
 
+use crate::common::{ARSIM, BODY, WANDER, run, tick, world, world_with};
 use baudbot_sim::{Ending, SimTime, World};
-use common::{ARSIM, BODY, WANDER, run, tick, world, world_with};
 use proptest::prelude::*;
 
 /// Robots on a grid, each with two noisy IR sensors and encoders.
@@ -150,7 +148,7 @@ fn drive_apart(world: &mut World, ticks: u64, signals: &[(f64, f64)]) {
             .iter()
             .map(|turn| {
                 let (left, right) = signals[turn.robot];
-                common::command(world.robot(turn.robot).spec(), left, right)
+                crate::common::command(world.robot(turn.robot).spec(), left, right)
             })
             .collect();
         let inputs: Vec<_> = turns

@@ -6,8 +6,8 @@ use baudbot_sim::budget::{Budget, RobotBudget, Verdict};
 use baudbot_sim::timeline::What;
 use baudbot_sim::{Input, Scenario, World};
 
+use crate::budget::run::{per_s, run};
 use crate::common::{BODY, KHEPERA};
-use crate::run::{per_s, run};
 
 /// A robot with `sensors` compasses of one byte each, as in `timing.rs`.
 fn bare(sensors: usize, link: &str) -> String {

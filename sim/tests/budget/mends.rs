@@ -5,8 +5,8 @@ use baudbot_sim::{Override, Scenario};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use crate::budget::random::scenarios;
 use crate::common::{BODY, WANDER};
-use crate::random::scenarios;
 
 fn scenario(toml: &str, changes: &[String]) -> Scenario {
     let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();

@@ -7,8 +7,8 @@ use baudbot_sim::budget::{RobotBudget, Span};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use crate::budget::run::{Measured, run};
 use crate::common::BODY;
-use crate::run::{Measured, run};
 
 /// One of these.
 fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str> {

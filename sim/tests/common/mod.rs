@@ -1,5 +1,5 @@
 //! Scenarios and brains for the tests of the world.
-#![allow(dead_code, missing_docs, unreachable_pub, reason = "each test uses some of it")]
+#![allow(missing_docs, unreachable_pub, reason = "nobody else uses it")]
 
 pub mod statistics;
 

@@ -4,7 +4,7 @@ use baudbot_sim::{Input, World};
 
 use crate::common::statistics::{SAMPLES, assert_distributed, correlation, kolmogorov_smirnov, normal};
 use crate::common::{BODY, run, tick, world};
-use crate::scene::{named, near, scene, signals, tick_of, view};
+use crate::devices::scene::{named, near, scene, signals, tick_of, view};
 
 fn turret(more: &str) -> World {
     let actuator = format!(

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::common::statistics::{chi_squared, kolmogorov_smirnov, uniform};
 use crate::common::{BODY, refusal, run, tick, world};
-use crate::scene::{block, named, near, scene, wall};
+use crate::devices::scene::{block, named, near, scene, wall};
 
 fn thing<'a>(world: &'a World, name: &str) -> baudbot_sim::ThingView<'a> {
     world.things().find(|thing| thing.name == name).unwrap()
@@ -202,7 +202,7 @@ fn a_robot_with_corners_runs_into_another_by_turning() {
     let other = scene("", "start = { x_m = 0.3, y_m = 0.5 }", "").replace("name = \"r\"", "name = \"z\"");
     let mut world = world(&(scene("", "", "").replace(BODY, body) + &other));
     for _ in 0..300 {
-        crate::scene::tick_of(&mut world, "r", &[-0.3, 0.3]);
+        crate::devices::scene::tick_of(&mut world, "r", &[-0.3, 0.3]);
     }
     assert_eq!((world.robot(0).counters().collisions, world.robot(1).counters().collisions), (1, 0));
     assert!(world.robot(0).motion().pose.heading < 1.0);

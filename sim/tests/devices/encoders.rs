@@ -6,7 +6,7 @@ use baudbot_sim::World;
 
 use crate::common::statistics::assert_rate;
 use crate::common::{run, world};
-use crate::scene::{first, named, scene, view, with_sensor};
+use crate::devices::scene::{first, named, scene, view, with_sensor};
 
 fn driving(encoders: &str, top: &str) -> World {
     world(&scene(top, "", &named("s", &format!("kind = \"encoders\"\n{encoders}"))))
@@ -118,7 +118,7 @@ fn slip_under_one_wheel_turns_the_robot() {
 
 #[test]
 fn a_step_counter_counts_commanded_steps_also_those_that_are_lost() {
-    let wall = crate::scene::wall(0.25);
+    let wall = crate::devices::scene::wall(0.25);
     let robot = "motors = { kind = \"stepper\", steps_per_turn = 1000, full_rate_steps_s = 1000, max_acceleration_steps_s2 = 4000 }";
     let mut world = world(&scene(&wall, robot, &named("s", "kind = \"steps\"")));
     run(&mut world, 100, 1.0, 0.5);

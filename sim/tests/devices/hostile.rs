@@ -331,7 +331,10 @@ pub(crate) fn act(world: &mut World, ticks: usize) {
         let answer = |turn: &baudbot_sim::Turn| {
             let spec = world.robot(turn.robot).spec();
             let wave = ((i / 20 + spec.name.len()) % 3) as f64 - 1.0;
-            crate::scene::signals(spec, &[0.5, 0.4 * wave, wave, 0.7, 0.5][..2 + spec.actuators.len()])
+            crate::devices::scene::signals(
+                spec,
+                &[0.5, 0.4 * wave, wave, 0.7, 0.5][..2 + spec.actuators.len()],
+            )
         };
         let bytes: Vec<_> = turns.iter().map(answer).collect();
         let inputs: Vec<_> = turns
@@ -395,10 +398,11 @@ fn after_the_end_nothing_changes_any_more() {
 
 #[test]
 fn a_sensor_may_be_read_many_times_a_tick() {
-    let toml = crate::scene::with_sensor("", "kind = \"compass\"\nsigma_rad = 0.1\nperiod_ms = 0.01");
+    let toml =
+        crate::devices::scene::with_sensor("", "kind = \"compass\"\nsigma_rad = 0.1\nperiod_ms = 0.01");
     let mut world = world(&toml);
     run(&mut world, 10, 0.0, 0.0);
-    let compass = crate::scene::view(&world, "s");
+    let compass = crate::devices::scene::view(&world, "s");
     assert_eq!((compass.samples, compass.missed), (10_000, 0));
 }
 

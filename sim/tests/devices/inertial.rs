@@ -6,14 +6,14 @@ use baudbot_sim::World;
 
 use crate::common::statistics::{SAMPLES, assert_distributed, kolmogorov_smirnov, normal};
 use crate::common::{run, world};
-use crate::scene::{collect, first, near, scene, single, singles, specimens, view, with_sensor};
+use crate::devices::scene::{collect, first, near, scene, single, singles, specimens, view, with_sensor};
 
 const ACCELEROMETER: &str = "kind = \"accelerometer\"\nrange_m_s2 = 5.0";
 const GYROSCOPE: &str = "kind = \"gyroscope\"\nrange_rad_s = 4.0";
 const MOVING: &str = "start = { speed_m_s = 0.5, turn_rate_rad_s = 0.8 }";
 
 fn moving(top: &str, sensor: &str) -> String {
-    scene(top, MOVING, &crate::scene::named("s", sensor))
+    scene(top, MOVING, &crate::devices::scene::named("s", sensor))
 }
 
 #[test]
@@ -21,14 +21,17 @@ fn an_accelerometer_feels_the_change_of_speed_and_the_curve() {
     let mut world = world(&moving("", &ACCELEROMETER.replace("5.0", "20.0")));
     world.begin();
     // At the start nothing has changed yet; to the side V φ̇.
-    crate::scene::all_near(view(&world, "s").sample, &[0.0, 0.4]);
+    crate::devices::scene::all_near(view(&world, "s").sample, &[0.0, 0.4]);
     let before = *world.robot(0).motion();
     world.finish(&[]);
     world.begin();
     let now = *world.robot(0).motion();
     let forward = (now.speed_m_s - before.speed_m_s) / 0.01;
     assert!(forward < -1.0, "it brakes: {forward}");
-    crate::scene::all_near(view(&world, "s").sample, &[forward, now.speed_m_s * now.turn_rate_rad_s]);
+    crate::devices::scene::all_near(
+        view(&world, "s").sample,
+        &[forward, now.speed_m_s * now.turn_rate_rad_s],
+    );
 }
 
 #[test]
@@ -36,7 +39,7 @@ fn an_accelerometer_says_no_more_than_its_range() {
     let toml = scene(
         "",
         "start = { speed_m_s = -3.0, turn_rate_rad_s = 8.0 }",
-        &crate::scene::named("s", ACCELEROMETER),
+        &crate::devices::scene::named("s", ACCELEROMETER),
     );
     let readings = collect(&toml, 3);
     assert_eq!(readings[0], [0.0, -5.0]);
@@ -47,7 +50,7 @@ fn an_accelerometer_says_no_more_than_its_range() {
 fn a_gyroscope_reads_the_turn_rate_within_its_range() {
     let at = |rate: f64| {
         let start = format!("start = {{ turn_rate_rad_s = {rate:?} }}");
-        single(&scene("", &start, &crate::scene::named("s", GYROSCOPE)))
+        single(&scene("", &start, &crate::devices::scene::named("s", GYROSCOPE)))
     };
     for (rate, expected) in [(0.8, 0.8), (-3.9, -3.9), (7.0, 4.0), (-7.0, -4.0), (0.0, 0.0)] {
         near(at(rate), expected);
@@ -69,8 +72,8 @@ fn filtered(bandwidth_hz: f64, truth: &[f64]) -> Vec<f64> {
 
 #[test]
 fn bandwidth_is_a_low_pass_filter_of_first_order() {
-    let sensors = crate::scene::named("s", &format!("{GYROSCOPE}\nbandwidth_hz = 5.0"))
-        + &crate::scene::named("a", &format!("{ACCELEROMETER}\nbandwidth_hz = 3.0"));
+    let sensors = crate::devices::scene::named("s", &format!("{GYROSCOPE}\nbandwidth_hz = 5.0"))
+        + &crate::devices::scene::named("a", &format!("{ACCELEROMETER}\nbandwidth_hz = 3.0"));
     let mut world = world(&scene("", MOVING, &sensors));
     let (mut turn, mut side, mut found) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..100 {
@@ -116,7 +119,7 @@ fn an_accelerometer_has_independent_noise_on_its_axes_and_each_specimen_its_gain
 
 fn heading(heading: f64, compass: &str, top: &str) -> f64 {
     let start = format!("start = {{ heading_rad = {heading:?} }}");
-    single(&scene(top, &start, &crate::scene::named("s", &format!("kind = \"compass\"\n{compass}"))))
+    single(&scene(top, &start, &crate::devices::scene::named("s", &format!("kind = \"compass\"\n{compass}"))))
 }
 
 #[test]
@@ -145,7 +148,7 @@ fn a_compass_has_normal_noise_that_wraps() {
     let south = scene(
         "step_ms = 0.05",
         "start = { heading_rad = 3.141592653589793 }",
-        &crate::scene::named("s", "kind = \"compass\"\nsigma_rad = 0.02"),
+        &crate::devices::scene::named("s", "kind = \"compass\"\nsigma_rad = 0.02"),
     );
     let readings = singles(&south, 1000);
     assert!(readings.iter().all(|r| r.abs() <= PI && r.abs() > 3.0), "{readings:?}");

@@ -4,8 +4,8 @@ use baudbot_sim::World;
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, correlation, normal};
 use crate::common::{refusal, run, world, world_with};
-use crate::hostile::{act, everything};
-use crate::scene::{collect, named, scene, singles, specimens, view, with_sensor};
+use crate::devices::hostile::{act, everything};
+use crate::devices::scene::{collect, named, scene, singles, specimens, view, with_sensor};
 
 /// All that all sensors of all robots read in a run.
 fn trace(overrides: &[&str], ticks: usize) -> Vec<Vec<Vec<f64>>> {
@@ -176,8 +176,10 @@ fn the_shorthand_of_a_compass_and_its_noise_are_not_both_given() {
 #[test]
 fn noise_of_a_camera_is_that_of_each_column() {
     let camera = "kind = \"line-camera\"\nmount = {}\nopening_rad = 1.0\ncolumns = 3\nrange_m = 5.0\nnoise = { additive = 0.02 }";
-    let images =
-        collect(&with_sensor(&format!("step_ms = 0.05\n{}", crate::scene::wall(2.0)), camera), SAMPLES);
+    let images = collect(
+        &with_sensor(&format!("step_ms = 0.05\n{}", crate::devices::scene::wall(2.0)), camera),
+        SAMPLES,
+    );
     let grey = 128.0 / 255.0;
     assert_distributed(&mut images.iter().map(|image| image[1]).collect::<Vec<_>>(), |scale| {
         normal(grey, 0.02 * scale)

@@ -4,7 +4,7 @@ use baudbot_sim::World;
 
 use crate::common::statistics::{kolmogorov_smirnov, uniform};
 use crate::common::{run, world};
-use crate::scene::{block, named, near, scene, singles, view, wall, with_sensor};
+use crate::devices::scene::{block, named, near, scene, singles, view, wall, with_sensor};
 
 /// A GP2D12 whose noise shows each new measurement, read each millisecond.
 const SHARP: &str = "kind = \"ir-voltage\"\nbearing_rad = 0.0\nopening_rad = 0.08\nrays = 1\nrange_m = 0.8\n\

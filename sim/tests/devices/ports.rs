@@ -6,7 +6,7 @@ use baudbot_sim::World;
 use baudbot_wire::{line_image, nmea, scip};
 
 use crate::common::{run, world};
-use crate::scene::{block, named, scene, view, wall};
+use crate::devices::scene::{block, named, scene, view, wall};
 
 /// The microcontroller says nothing by itself, so that the brain steps when something has come through a port.
 const POLLED: &str = "firmware = { mode = \"poll\" }";

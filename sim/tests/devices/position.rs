@@ -4,7 +4,7 @@ use baudbot_sim::World;
 
 use crate::common::statistics::{SAMPLES, assert_distributed, correlation, kolmogorov_smirnov, normal};
 use crate::common::{run, world};
-use crate::scene::{collect, first, named, near, scene, view, with_sensor};
+use crate::devices::scene::{collect, first, named, near, scene, view, with_sensor};
 
 const ODOMETER: &str = "kind = \"odometer\"";
 
@@ -17,7 +17,7 @@ fn an_odometer_without_noise_follows_the_true_pose() {
     let pose = world.robot(0).motion().pose;
     let sample = view(&world, "s").sample;
     assert!((pose.position.x - 1.0).abs() > 0.3, "{pose:?}");
-    crate::scene::all_near(sample, &[pose.position.x, pose.position.y, pose.heading]);
+    crate::devices::scene::all_near(sample, &[pose.position.x, pose.position.y, pose.heading]);
 }
 
 #[test]
@@ -63,14 +63,14 @@ fn a_receiver_tells_latitude_longitude_speed_and_course() {
     let sample = view(&world, "s").sample;
     near(sample[0], 57.7 + 200.0 / METRES_PER_DEGREE);
     near(sample[1], 11.97 + 100.0 / (METRES_PER_DEGREE * 57.7_f64.to_radians().cos()));
-    crate::scene::all_near(&sample[2..], &[1.0, 0.6, 0.5]);
+    crate::devices::scene::all_near(&sample[2..], &[1.0, 0.6, 0.5]);
 }
 
 #[test]
 fn a_receiver_tells_the_course_of_a_robot_that_drives_backwards() {
     let mut world = gps("", "start = { heading_rad = 0.5, speed_m_s = -0.6 }", "");
     world.begin();
-    crate::scene::all_near(&view(&world, "s").sample[2..], &[1.0, 0.6, 0.5 - std::f64::consts::PI]);
+    crate::devices::scene::all_near(&view(&world, "s").sample[2..], &[1.0, 0.6, 0.5 - std::f64::consts::PI]);
 }
 
 /// East and north of the origin, in metres.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, chi_squared, normal};
 use crate::common::{refusal, world};
-use crate::scene::{
+use crate::devices::scene::{
     all_near, block, collect, first, named, near, scene, single, singles, view, wall, with_sensor,
 };
 
@@ -385,7 +385,7 @@ fn a_laser_on_a_turret_looks_where_the_turret_stands() {
     world.begin();
     near(view(&world, "s").sample[0], 2.0);
     for _ in 0..6 {
-        crate::scene::tick_of(&mut world, "r", &[0.0, 0.0, 1.0]);
+        crate::devices::scene::tick_of(&mut world, "r", &[0.0, 0.0, 1.0]);
     }
     world.begin();
     near(world.robot(0).actuators()[0].angle_rad, FRAC_PI_2);

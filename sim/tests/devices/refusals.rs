@@ -1,7 +1,7 @@
 //! What is no device, and how that is said: with the field and the number.
 
 use crate::common::refusal;
-use crate::scene::{named, scene, with_sensor};
+use crate::devices::scene::{named, scene, with_sensor};
 
 /// Of a robot with the sensor `s`.
 #[track_caller]
@@ -342,7 +342,7 @@ fn things_in_the_arena() {
     );
     let stuck = format!(
         "{}{mover}radius_m = 0.2\nwander = {{ speed_m_s = 1.0, turn_s = 1.0 }}\n",
-        crate::scene::wall(3.1)
+        crate::devices::scene::wall(3.1)
     );
     top(&stuck, "arena.movers[0]: `m` stands in `wall`, so it could never wander");
 }

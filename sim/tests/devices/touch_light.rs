@@ -6,7 +6,7 @@ use baudbot_sim::{Ending, World};
 
 use crate::common::statistics::{SAMPLES, assert_distributed, assert_rate, chi_squared, normal};
 use crate::common::{run, tick, world};
-use crate::scene::{
+use crate::devices::scene::{
     all_near, block, first, named, near, scene, single, singles, tick_of, view, wall, with_sensor,
 };
 

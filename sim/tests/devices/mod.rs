@@ -2,9 +2,6 @@
 //! hashes come out. Expectations are worked out by hand from the equations, or are the distribution that a file asks
 //! for.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod actuators;
 mod arena;
 mod encoders;

@@ -1,0 +1,40 @@
+//! The world from outside: scenarios, what robots do and sense, cables, budgets. One program, so that all that they share is built once.
+
+mod adapters;
+mod airtight;
+mod budget;
+mod common;
+mod coverage;
+mod cycles;
+mod devices;
+mod devices_scenarios;
+mod faults;
+mod intervention;
+mod khepera;
+mod link;
+mod lookahead;
+mod motors;
+mod named_tests;
+mod onboard;
+mod presets;
+mod saved;
+mod scenario;
+mod scenario_docs;
+mod starts;
+mod statistics;
+mod timing;
+mod warnings;
+mod world;
+
+/// A file that nobody names here is no test.
+#[test]
+fn each_file_of_tests_is_part_of_a_program() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
+    let alone = ["main.rs", "steady_tick.rs"];
+    let files =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    for file in files.filter(|file| file.ends_with(".rs") && !alone.contains(&&**file)) {
+        let module = format!("\nmod {};\n", file.trim_end_matches(".rs"));
+        assert!(include_str!("main.rs").contains(&module), "main.rs lacks:{module}");
+    }
+}
