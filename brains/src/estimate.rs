@@ -27,6 +27,20 @@ impl Estimate {
         Self { world_from_robot, covariance: Matrix3::from_diagonal(&variances) }
     }
 
+    /// The same in another frame of the world, with the error's axes.
+    #[must_use]
+    pub(crate) fn moved(&self, new_from_old: &Pose) -> Self {
+        let (sin, cos) = math::sin_cos(new_from_old.heading);
+        #[rustfmt::skip]
+        let turn = Matrix3::new(
+            cos, -sin, 0.0,
+            sin,  cos, 0.0,
+            0.0,  0.0, 1.0,
+        );
+        let world_from_robot = new_from_old.compose(&self.world_from_robot);
+        Self { world_from_robot, covariance: turn * self.covariance * turn.transpose() }
+    }
+
     /// The pose as observers are shown it.
     #[must_use]
     pub fn shown(&self) -> BelievedPose {
@@ -62,5 +76,17 @@ mod tests {
         assert!((estimate.position_sd_m() - 0.3 * 2.0_f64.sqrt()).abs() < 1e-15);
         assert!((estimate.heading_sd_rad() - 0.05).abs() < 1e-15);
         assert_eq!(Estimate::exact(Pose::new(1.0, 2.0, 3.0)).position_sd_m(), 0.0);
+    }
+
+    #[test]
+    fn an_error_along_x_is_along_y_after_a_quarter_of_a_turn() {
+        let covariance = Matrix3::new(4.0, 0.0, 0.3, 0.0, 1.0, 0.0, 0.3, 0.0, 0.1);
+        let estimate = Estimate { world_from_robot: Pose::new(1.0, 0.0, 0.5), covariance };
+        let moved = estimate.moved(&Pose::new(2.0, 0.0, std::f64::consts::FRAC_PI_2));
+        let expected = Matrix3::new(1.0, 0.0, 0.0, 0.0, 4.0, 0.3, 0.0, 0.3, 0.1);
+        assert!((moved.covariance - expected).norm() < 1e-12, "{moved:?}");
+        let Pose { position, heading } = moved.world_from_robot;
+        assert!((position.x - 2.0).abs() < 1e-12 && (position.y - 1.0).abs() < 1e-12);
+        assert!((heading - 0.5 - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     }
 }

@@ -58,6 +58,7 @@ pub mod wander;
 mod anew;
 mod chance;
 mod courier;
+mod feelers;
 mod parameter;
 mod standard;
 #[cfg(test)]

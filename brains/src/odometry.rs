@@ -47,7 +47,7 @@ pub struct Parameters {
     pub modulus: Option<f64>,
     /// Variance of the error of a wheel's way, in square metres, for each metre that it goes.
     pub variance_m2_per_m: f64,
-    /// How many past readings are kept, at least 1.
+    /// How many past poses are kept, at least 1: those of readings, and those that were corrected.
     pub history: usize,
 }
 
@@ -191,6 +191,12 @@ impl Odometry {
         Some(self.stepped(&before.estimate, &part))
     }
 
+    /// The same, if nothing later was corrected: only then it can be [corrected](Self::correct).
+    #[must_use]
+    pub fn correctable(&self, at_ns: u64) -> Option<Estimate> {
+        self.at(at_ns).filter(|_| at_ns >= self.corrected_ns)
+    }
+
     /// Replaces the estimate by a better one, and forgets the old.
     pub fn reset(&mut self, estimate: Estimate) {
         let at_ns = self.at_ns();
@@ -204,10 +210,7 @@ impl Odometry {
     /// or a later one was corrected.
     pub fn correct(&mut self, at_ns: u64, estimate: Estimate) -> bool {
         let after = self.past.partition_point(|past| past.at_ns <= at_ns);
-        let (Some(before), Some(old)) = (after.checked_sub(1), self.at(at_ns)) else { return false };
-        if at_ns < self.corrected_ns {
-            return false;
-        }
+        let (Some(before), Some(old)) = (after.checked_sub(1), self.correctable(at_ns)) else { return false };
         let mut again = self.past.split_off(after);
         let before = self.past[before];
         let mut step = if before.at_ns == at_ns { before.step } else { Step::default() };
@@ -220,9 +223,7 @@ impl Odometry {
         }
         self.past.retain(|past| past.at_ns < at_ns);
         let new_from_old = estimate.world_from_robot.compose(&old.world_from_robot.inverse());
-        for past in &mut self.past {
-            past.estimate.world_from_robot = new_from_old.compose(&past.estimate.world_from_robot);
-        }
+        self.past.iter_mut().for_each(|past| past.estimate = past.estimate.moved(&new_from_old));
         self.remember(Past { at_ns, step, estimate });
         self.corrected_ns = at_ns;
         again.into_iter().for_each(|past| self.advance(past.at_ns, past.step));
@@ -247,7 +248,7 @@ impl Odometry {
     }
 
     fn remember(&mut self, past: Past) {
-        // One more than the readings: the first is where they start from.
+        // One more than that: the first is where they start from.
         while self.past.len() > self.parameters.history.max(1) {
             self.past.pop_front();
         }

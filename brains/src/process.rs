@@ -44,6 +44,8 @@ pub struct Beliefs {
     pub odometry: Option<Odometry>,
     /// What is where, as far as it has found out by itself.
     pub grid: Option<Occupancy>,
+    /// Something is close ahead.
+    pub near: bool,
     /// Where it means to go next, in metres.
     pub path: Vec<Point>,
     /// What a behaviour is about, in a few words, for people who look.

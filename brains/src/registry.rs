@@ -33,6 +33,18 @@ impl Kit<'_> {
     pub fn chance(&self) -> Chance {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.name))
     }
+
+    /// Says in words why no process can raise the Γ of this motor behaviour, which its `parameter` names.
+    pub(crate) fn check_raised(&self, parameter: &str, behavior: &str) -> Result<(), String> {
+        if !self.motors.contains(&behavior) {
+            let known = self.motors.join(", ");
+            return Err(format!("{parameter}: there is no motor behaviour `{behavior}`; there are: {known}"));
+        }
+        if !self.by_utility {
+            return Err(format!("{parameter}: needs a decision by utilities"));
+        }
+        Ok(())
+    }
 }
 
 type Make<P> = Box<dyn Fn(Table, Kit<'_>) -> Result<Box<P>, String> + Send + Sync>;

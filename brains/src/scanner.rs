@@ -35,6 +35,12 @@ impl Scanner {
         let missing = |what: &str| {
             format!("laser: the data sheet of `{laser}` does not say {what}: is the server older?")
         };
+        let mount = sheet.mount.ok_or_else(|| missing("where it sits"))?;
+        if mount.turret.is_some() {
+            return Err(format!(
+                "laser: `{laser}` sits on a turret, and scans from there are not understood"
+            ));
+        }
         let opening_rad = sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
         if !(opening_rad > 0.0 && sheet.values() > 1) {
             return Err(format!("laser: the rays of `{laser}` all go one way, which makes no scan"));

@@ -10,6 +10,8 @@ use crate::behavior::turn_away::TurnAway;
 use crate::behavior::{follow_path, go_to, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
+use crate::cognition::particles::Disperse;
+use crate::cognition::proximity::DetectProximity;
 use crate::cognition::slam::{self, MakeMap};
 use crate::coverage::{self, CoverRows};
 use crate::exploration::behavior::ExploreFloor;
@@ -45,6 +47,8 @@ impl Registry {
             .cognitive("odometry", |parameters: odometry::Parameters, kit| {
                 CountWheels::new(&parameters, kit.body)
             })
+            .cognitive("particle_localization", |parameters, kit| Disperse::new(parameters, &kit))
+            .cognitive("proximity", |parameters, kit| DetectProximity::new(parameters, &kit))
             .cognitive("slam", |parameters: slam::Parameters, kit| MakeMap::new(&parameters, &kit));
         registry
     }

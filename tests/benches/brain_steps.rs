@@ -3,7 +3,7 @@
 //! Each brain drives through its scenario for two simulated minutes, or for as many as are given behind `--`. What counts is the
 //! time that the processor spends on a step, so that a machine may do other things, too. A step that only waits is counted as
 //! well; so the table has the mean, what 99 of 100 and 999 of 1000 steps do not exceed, and the longest. Laser matches and plans
-//! are rare: they are among the last two. Where a brain does both, a second line is without the matches.
+//! are rare: they are among the last two. Where a brain does both, there is a second line without the matches.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

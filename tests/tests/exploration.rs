@@ -7,11 +7,11 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use baudbot_brains::Chance;
-use baudbot_brains::description::Description;
 use baudbot_brains::exploration::generated::Plan;
-use baudbot_brains::registry::Registry;
 use baudbot_sim::{Override, Scenario};
-use baudbot_tests::{Pair, body};
+use baudbot_tests::Pair;
+
+use super::localization::witnessed;
 
 const ROOM: &str = include_str!("../../scenarios/explore-room.toml");
 const OFFICE: &str = include_str!("../../scenarios/explore-office.toml");
@@ -154,16 +154,24 @@ variance_m2_per_m = 1e-3
 kind = "slam"
 "#;
 
+/// How far it believes to be from where it is, in metres, when it has seen the office that way.
+fn off_after_exploring_by(brain: &str) -> f64 {
+    let (_, scenario) = starts(OFFICE, &[ERRING], [12.0, 9.0], 7, 1).remove(0);
+    let (mut pair, believed_m) = witnessed(scenario, brain);
+    pair.run(u64::MAX);
+    let (robot, rules) = (pair.world.robot(0), pair.world.scenario().rules());
+    let sensed = pair.world.score().sensed(rules).unwrap();
+    assert!(sensed >= 0.99 && robot.counters().collisions == 0, "{sensed}");
+    let (at, [x, y]) = (robot.motion().pose.position, believed_m.lock().unwrap().expect("a belief"));
+    (at.x - x).hypot(at.y - y)
+}
+
 #[test]
 fn as_one_process_of_many_it_goes_by_the_map_that_slam_makes() {
-    for (_, scenario) in starts(ROOM, &[ERRING], [5.0, 4.0], 7, 2) {
-        let description = Description::parse(PROCESSES).unwrap();
-        let brain = description.brain(1, &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
-        let mut pair = Pair::with_brain(scenario, brain).unwrap();
-        pair.run(u64::MAX);
-        let sensed = pair.world.score().sensed(pair.world.scenario().rules()).unwrap();
-        assert!(sensed >= 0.99 && pair.world.robot(0).counters().collisions == 0, "{sensed}");
-    }
+    let (without, _) = PROCESSES.split_once("[cognitive.slam]").unwrap();
+    let (mapping_m, alone_m) = (off_after_exploring_by(PROCESSES), off_after_exploring_by(without));
+    println!("off by {mapping_m} m, by odometry alone {alone_m} m");
+    assert!(mapping_m < 0.2 && alone_m > 0.5, "{mapping_m}, {alone_m}");
 }
 
 #[test]

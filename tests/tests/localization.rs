@@ -6,6 +6,7 @@ use baudbot_brains::composed::Composed;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
 use baudbot_client::{Action, Brain, Turn};
+use baudbot_sim::Scenario;
 use baudbot_tests::{Pair, body, scenario};
 
 const SCENARIO: &str = include_str!("../../scenarios/tour.toml");
@@ -14,7 +15,7 @@ const BRAIN: &str = include_str!("../../brains/repertoires/tour.toml");
 /// A brain, and where it believes to be, for a test that knows the truth.
 struct Witness {
     brain: Composed,
-    believed_m: Arc<Mutex<Option<[f64; 2]>>>,
+    believed_m: Believed,
 }
 
 impl Brain for Witness {
@@ -36,13 +37,20 @@ struct Tour {
     collisions: u64,
 }
 
-fn tour(seed: u64) -> Tour {
-    let scenario = scenario(SCENARIO, &[&format!("seed={seed}")]);
-    let description = Description::parse(BRAIN).unwrap();
-    let brain = description.brain(seed, &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
-    let believed_m = Arc::new(Mutex::new(None));
-    let mut pair =
-        Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+pub(crate) type Believed = Arc<Mutex<Option<[f64; 2]>>>;
+
+/// A world with a brain that a text describes, and where that believes to be.
+pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (Pair, Believed) {
+    let description = Description::parse(brain).unwrap();
+    let body = body(&scenario.robots()[0]);
+    let brain = description.brain(scenario.seed(), &body, &Registry::standard()).unwrap();
+    let believed_m = Believed::default();
+    let pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+    (pair, believed_m)
+}
+
+fn tour(seed: u64, brain: &str) -> Tour {
+    let (mut pair, believed_m) = witnessed(scenario(SCENARIO, &[&format!("seed={seed}")]), brain);
     let (mut squares, mut count, mut driven_m, mut last) = (0.0, 0.0, 0.0, [2.0, 2.0]);
     let mut tour = Tour { believed_m: 0.0, odometer_m: 0.0, collisions: 0 };
     while driven_m < 48.0 && pair.world.ending().is_none() {
@@ -65,7 +73,7 @@ fn tour(seed: u64) -> Tour {
 
 fn keeps_its_way(seeds: std::ops::RangeInclusive<u64>) {
     for seed in seeds {
-        let tour = tour(seed);
+        let tour = tour(seed, BRAIN);
         println!("seed {seed}: {tour:?}");
         assert!(tour.believed_m <= 0.06 && tour.odometer_m > 1.0 && tour.collisions == 0, "{seed}: {tour:?}");
     }
@@ -74,6 +82,40 @@ fn keeps_its_way(seeds: std::ops::RangeInclusive<u64>) {
 #[test]
 fn a_laser_keeps_a_robot_on_its_way_whose_odometer_errs_by_metres() {
     keeps_its_way(1..=2);
+}
+
+/// The brain of the tour with particles in place of its matches, so many of them.
+fn with_particles(parameters: &str) -> String {
+    let (before, rest) = BRAIN.split_once("laser_localization").unwrap();
+    format!("{before}particle_localization{}", rest.replace("every_s = 5.0", parameters))
+}
+
+#[test]
+fn particles_keep_it_on_its_way_too() {
+    let tour = tour(1, &with_particles(""));
+    println!("{tour:?}");
+    assert!(tour.believed_m <= 0.06 && tour.odometer_m > 1.0 && tour.collisions == 0, "{tour:?}");
+}
+
+/// It is told a wrong pose, in another room, and turns on the spot.
+#[test]
+fn who_does_not_know_where_it_is_finds_out_by_particles() {
+    let brain = with_particles("everywhere = true\nparticles = 4000");
+    let (_, processes) = brain.split_once("[cognitive.odometry]").unwrap();
+    let (_, rest) = processes.split_once('}').unwrap();
+    let brain = format!(
+        "[motor.turn]\nkind = \"constant\"\nparameters = {{ left = -0.1, right = 0.1 }}\n\
+         [cognitive.odometry]\nkind = \"odometry\"\nparameters = {{ start = [9.0, 6.0, 1.0] }}{rest}"
+    );
+    let (mut pair, believed_m) = witnessed(scenario(SCENARIO, &["seed=1"]), &brain);
+    let mut off_m = |ticks: usize| {
+        (0..ticks).for_each(|_| pair.tick(|_| {}));
+        let [x, y] = believed_m.lock().unwrap().expect("a belief");
+        (x - 2.0).hypot(y - 2.0)
+    };
+    assert!(off_m(10) > 5.0, "it was told so");
+    let found_m = off_m(3000);
+    assert!(found_m < 0.1, "{found_m}");
 }
 
 /// `cargo test --release -p baudbot-tests --test system localization -- --ignored --nocapture`

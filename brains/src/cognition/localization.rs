@@ -4,9 +4,9 @@
 //! *Deviation*: in the notes it is a motor behaviour, which stops the robot to scan. Here a robot stops if `stop` names a
 //! behaviour that stands still: its Γ is raised until the scan is there. Otherwise scans are taken in motion.
 
-use baudbot_geometry::{Point, Segment};
 use serde::Deserialize;
 
+use super::map_of;
 use crate::Chance;
 use crate::estimate::Estimate;
 use crate::localization::laser::{self, Shrink};
@@ -94,17 +94,9 @@ impl Localize {
             return Err(format!("iterations: must be from 1 to 100000, is {}", parameters.iterations));
         }
         if let Some(stop) = &parameters.stop {
-            if !kit.motors.contains(&stop.as_str()) {
-                let known = kit.motors.join(", ");
-                return Err(format!("stop: there is no motor behaviour `{stop}`; there are: {known}"));
-            }
-            if !kit.by_utility {
-                return Err("stop: needs a decision by utilities".to_owned());
-            }
+            kit.check_raised("stop", stop)?;
         }
-        let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
-        let walls = parameters.walls_m.iter().map(wall).collect();
-        let map = Map::new(walls, Vec::new()).map_err(|error| format!("walls_m: {error}"))?;
+        let map = map_of(&parameters.walls_m)?;
         let (parameters, chance) = (parameters.clone(), kit.chance());
         Ok(Self { parameters, map, scanner, chance, next_ns: 0, stopped_ns: None })
     }
@@ -157,7 +149,7 @@ impl CognitiveProcess for Localize {
             }
         }
         let Some((taken_ns, scan)) = self.scan(moment) else { return };
-        let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.at(taken_ns));
+        let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.correctable(taken_ns));
         let Some(guess) = guess else { return };
         let found = self.locate(&scan, guess);
         if let (Some(estimate), Some(odometry)) = (found, &mut moment.beliefs.odometry) {

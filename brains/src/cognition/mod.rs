@@ -2,4 +2,16 @@
 
 pub mod localization;
 pub mod odometry;
+pub mod particles;
+pub mod proximity;
 pub mod slam;
+
+use baudbot_geometry::{Point, Segment};
+
+use crate::localization::Map;
+
+/// The map with these walls, `[x, y, x, y]` in metres; an error in words.
+fn map_of(walls_m: &[[f64; 4]]) -> Result<Map, String> {
+    let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
+    Map::new(walls_m.iter().map(wall).collect(), Vec::new()).map_err(|error| format!("walls_m: {error}"))
+}

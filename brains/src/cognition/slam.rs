@@ -77,7 +77,7 @@ impl CognitiveProcess for MakeMap {
         self.scanner.hear(moment.turn);
         let Some(odometry) = &mut moment.beliefs.odometry else { return };
         let Some((taken_ns, scan)) = self.scanner.take(odometry) else { return };
-        let Some(guess) = odometry.at(taken_ns) else { return };
+        let Some(guess) = odometry.correctable(taken_ns) else { return };
         let grid = moment.beliefs.grid.get_or_insert_with(|| self.slam.grid());
         if let Some(estimate) = self.slam.see(grid, &scan, &guess) {
             odometry.correct(taken_ns, estimate);

@@ -1,15 +1,17 @@
 //! Exploration as one behaviour of many: Wahde 2016, §6.1.
 //!
 //! It goes by the pose that the brain believes: a process of kind `odometry` must be there, and those of kinds `slam` and
-//! `laser_localization` correct that. Each time that it is activated it goes on where it was.
+//! `laser_localization` correct that. Each time that it is activated it goes on with what it knows, from where it is then.
 //!
-//! *Deviations.* As those of [`Explore`](super::Explore). A scan that fitted nowhere into the map is explored by, too.
+//! *Deviations.* As those of a [robot that explores by itself](super::brain). A scan that fitted nowhere into the map is
+//! explored by, too.
 
 use baudbot_client::{Body, Signals};
 
 use super::brain::{PARAMETERS, Parameters};
-use super::scout::Scout;
+use super::scout::{self, Scout};
 use crate::mapping::PlacedScan;
+use crate::odometry::Odometry;
 use crate::process::{Moment, MotorBehavior};
 use crate::scanner::Scanner;
 
@@ -19,12 +21,12 @@ pub struct ExploreFloor {
     scout: Scout,
     scanner: Scanner,
     scan: Option<PlacedScan>,
-    /// The newest reading of odometry that it has acted by.
-    acted_ns: Option<u64>,
+    /// The instant of odometry's newest reading, and when that was heard.
+    heard_ns: Option<(u64, u64)>,
 }
 
 impl ExploreFloor {
-    /// For a robot with this body, by its first laser.
+    /// For a robot with this body, by its first laser that sits on that.
     ///
     /// # Errors
     /// If a parameter makes no sense, or the robot has no laser of which scans can be made, in words.
@@ -39,15 +41,16 @@ impl ExploreFloor {
                 return Err(format!("{}: must be from {least} to {most}, is {found}", parameter.name));
             }
         }
-        let laser = body.sensors.iter().find(|sensor| sensor.kind == "laser");
-        let laser = laser.ok_or_else(|| format!("robot `{}` has no sensor of kind `laser`", body.name))?;
+        let no_laser =
+            || format!("robot `{}` has no sensor of kind `laser` that sits on its body", body.name);
+        let laser = scout::laser(body).ok_or_else(no_laser)?;
         let no_range = || format!("the data sheet of `{}` does not say how far it sees", laser.name);
         Ok(Self {
             stale_ns: parameters.stale_ns(),
             scanner: Scanner::new(body, &laser.name, usize::MAX)?,
             scout: Scout::new(parameters, body, laser.range_m.ok_or_else(no_range)?),
             scan: None,
-            acted_ns: None,
+            heard_ns: None,
         })
     }
 
@@ -67,23 +70,29 @@ impl MotorBehavior for ExploreFloor {
     fn enter(&mut self, _: &mut Moment<'_>) {
         self.scanner.forget();
         self.scout.interrupt();
-        self.acted_ns = None;
+        (self.scan, self.heard_ns) = (None, None);
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
         self.look(moment);
         let at_ns = moment.turn.at_ns;
         let beliefs = &mut *moment.beliefs;
-        let odometry = beliefs.odometry.as_ref();
-        let Some(odometry) = odometry.filter(|it| at_ns.saturating_sub(it.at_ns()) <= self.stale_ns) else {
+        let known_ns = beliefs.odometry.as_ref().map(Odometry::at_ns);
+        let has_news =
+            known_ns.is_some_and(|known_ns| self.heard_ns.is_none_or(|(old_ns, _)| known_ns > old_ns));
+        if let Some(known_ns) = known_ns.filter(|_| has_news) {
+            self.heard_ns = Some((known_ns, at_ns));
+        }
+        let is_fresh = |(_, heard_ns): (u64, u64)| at_ns.saturating_sub(heard_ns) <= self.stale_ns;
+        let Some(odometry) = beliefs.odometry.as_ref().filter(|_| self.heard_ns.is_some_and(is_fresh)) else {
             "does not know where it is".clone_into(&mut beliefs.intention);
-            self.scout.interrupt();
+            beliefs.path.clear();
+            self.scout.pause();
             return Some(Signals::default());
         };
-        if self.acted_ns.is_some_and(|acted_ns| acted_ns >= odometry.at_ns()) {
+        if !has_news {
             return None;
         }
-        self.acted_ns = Some(odometry.at_ns());
         let signals = self.scout.step(at_ns, &odometry.estimate().world_from_robot, self.scan.as_ref());
         beliefs.intention = self.scout.intention();
         beliefs.path = self.scout.path().into_iter().collect();

@@ -12,7 +12,7 @@
 use baudbot_client::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use super::Command;
-use super::scout::Scout;
+use super::scout::{self, Scout};
 use crate::estimate::Estimate;
 use crate::mapping::{Occupancy, PlacedScan};
 use crate::navigate::ODOMETER;
@@ -50,7 +50,7 @@ impl Explore {
     /// no odometer.
     pub fn new(parameters: Parameters, body: &Body) -> Option<Self> {
         body.sensor(ODOMETER).filter(|sensor| sensor.values() >= 3)?;
-        let laser = body.sensors.iter().find(|sensor| sensor.kind == "laser")?;
+        let laser = scout::laser(body)?;
         let scanner = Scanner::new(body, &laser.name, usize::MAX).ok()?;
         let wheels = odometry::Parameters::of(body, ODOMETER)?;
         Some(Self {
@@ -91,7 +91,7 @@ impl Explore {
     fn place_scan(&mut self) {
         let Some(odometry) = &mut self.odometry else { return };
         let Some((at_ns, scan)) = self.scanner.take(odometry) else { return };
-        let Some(mut estimate) = odometry.at(at_ns) else { return };
+        let Some(mut estimate) = odometry.correctable(at_ns) else { return };
         if let Some((slam, grid)) = &mut self.slam {
             // What fits nowhere is not explored by, either.
             let Some(found) = slam.see(grid, &scan, &estimate) else { return };
@@ -112,6 +112,7 @@ impl Explore {
         }
         self.sent_ns = Some(at_ns);
         let Some(odometry) = self.odometry.as_ref().filter(|_| !is_blind) else {
+            self.scout.pause();
             return Action::drive(0.0, 0.0);
         };
         let here = odometry.estimate().world_from_robot;

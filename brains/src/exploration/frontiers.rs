@@ -10,9 +10,9 @@
 //!
 //! - Yamauchi's robot drives to the middle of a group of frontier cells, and sweeps its sensors all around there.
 //! - A frontier that is still one after it was looked at from near is given up, as is a group of fewer than
-//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was
-//!   none any more on the way there, and came back, too often: beside an edge that lies on the border of two cells,
-//!   frontiers come and go by the laser's noise.
+//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was none any more on
+//!   the way there, and came back, too often: beside an edge that lies on the border of two cells, frontiers come and go by
+//!   the laser's noise, and so do ways.
 //! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
 //!   room for ever; but not more often than `attempts` times.
 
@@ -61,8 +61,9 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
-    /// How often each frontier to which a plan led was none any more.
-    resolved: BTreeMap<Cell, usize>,
+    /// For each frontier to which a plan led that came to nothing: how often it was none any more, and how often the way was
+    /// not open any more.
+    lost: BTreeMap<Cell, [usize; 2]>,
     state: State,
 }
 
@@ -98,6 +99,12 @@ impl Explorer for Frontiers {
             }
         }
     }
+
+    fn interrupt(&mut self) {
+        if !matches!(self.state, State::Ended(_)) {
+            self.state = State::Plan;
+        }
+    }
 }
 
 impl Frontiers {
@@ -111,7 +118,7 @@ impl Frontiers {
             bumps: Vec::new(),
             forgotten: 0,
             given_up: BTreeSet::new(),
-            resolved: BTreeMap::new(),
+            lost: BTreeMap::new(),
             state: State::Plan,
         }
     }
@@ -136,10 +143,11 @@ impl Frontiers {
             State::Go { plan: Plan { frontier, .. }, .. } | State::Look { frontier }
                 if !is_frontier(&self.grid, *frontier) =>
             {
-                self.resolve(*frontier);
+                self.lose(*frontier, GONE);
                 self.state = State::Plan;
             }
             State::Go { plan, approach } if !self.is_open(&input.world_from_robot, plan, approach) => {
+                self.lose(plan.frontier, CLOSED);
                 self.state = State::Plan;
             }
             _ => {}
@@ -264,11 +272,11 @@ impl Frontiers {
         seen.min_by_key(|other| cell.distance_squared(*other))
     }
 
-    /// The frontier is none any more. One that was so too often is given up: it will be back.
-    fn resolve(&mut self, frontier: Cell) {
-        let times = self.resolved.entry(frontier).or_default();
+    /// The plan to a frontier came to nothing. If that was so too often it is given up: it would be so again.
+    fn lose(&mut self, frontier: Cell, (reason, most): (usize, usize)) {
+        let times = &mut self.lost.entry(frontier).or_default()[reason];
         *times += 1;
-        if *times == MOST_TIMES {
+        if *times == most {
             self.give_up(frontier);
         }
     }
@@ -284,7 +292,10 @@ impl Frontiers {
 const BUMP_M: f64 = 0.05;
 
 /// A frontier that was none any more so often is noise.
-const MOST_TIMES: usize = 5;
+const GONE: (usize, usize) = (0, 5);
+
+/// A frontier to which the way was not open any more so often is out of reach. On the way to a real one walls are found, too.
+const CLOSED: (usize, usize) = (1, 20);
 
 /// A robot that was stopped so often is in a place where it cannot move.
 const MOST_BUMPS: usize = 300;

@@ -205,16 +205,17 @@ impl Graph {
         self.nodes.len() > count
     }
 
-    /// Places nodes beside the ends of scans, if their last rays lead to where no other node has looked. Says whether it did.
+    /// Places nodes beside the ends of scans, if their last rays lead to what no other scan has seen. Says whether it did.
     pub(super) fn look_aside(&mut self, placement: &Placement, half_width_m: f64) -> bool {
         let count = self.nodes.len();
         for from in self.having(Status::Completed).collect::<Vec<_>>() {
-            let scans = self.nodes[from].scans.iter();
-            let asides: Vec<_> = scans.flat_map(|scan| placement.places_aside(scan)).collect();
-            for Aside { place, beyond } in asides {
+            let scans = self.nodes[from].scans.iter().enumerate();
+            let asides = scans
+                .flat_map(|(i, scan)| placement.places_aside(scan).into_iter().map(move |aside| (i, aside)));
+            for (scan, Aside { place, beyond }) in asides.collect::<Vec<_>>() {
                 let was_tried = self.nodes.iter().any(|node| (node.place - place).norm() < half_width_m);
                 let has_room = self.has_room(place, placement.separation_m);
-                if has_room && !was_tried && !self.is_seen(beyond, from) {
+                if has_room && !was_tried && !self.is_seen(beyond, (from, scan)) {
                     let node = self.add(place, Status::Pending);
                     self.nodes[node].is_guess = true;
                     self.join(from, node);
@@ -224,10 +225,12 @@ impl Graph {
         self.nodes.len() > count
     }
 
-    /// Whether scans from other nodes have seen this place.
-    fn is_seen(&self, place: Point, from: usize) -> bool {
-        let mut others = self.nodes.iter().enumerate().filter(|(node, _)| *node != from);
-        others.any(|(_, node)| node.scans.iter().any(|scan| scan.sees(place)))
+    /// Whether another scan than this one of this node has seen the place.
+    fn is_seen(&self, place: Point, but: (usize, usize)) -> bool {
+        let nodes = self.nodes.iter().enumerate();
+        let mut scans =
+            nodes.flat_map(|(i, node)| node.scans.iter().enumerate().map(move |(j, scan)| ((i, j), scan)));
+        scans.any(|(which, scan)| which != but && scan.sees(place))
     }
 
     /// Whether the way to a node has to be looked at before it is gone.
@@ -363,12 +366,19 @@ mod tests {
     #[test]
     fn a_way_that_the_scan_ended_in_is_looked_at_unless_another_has() {
         let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.8, separation_m: 0.75 };
-        // A gap of 20 degrees at the left end.
-        let gap = || scan(0.0, |ray| if ray >= 20 { 3.0 } else { 1.2 });
+        // A gap of 20 degrees at the left end, of whose outermost rays nothing is known.
+        let gap = || {
+            scan(0.0, |ray| match ray {
+                ..20 => 1.2,
+                20..30 => 3.0,
+                _ => f64::NAN,
+            })
+        };
         let mut graph = Graph::default();
         let here = graph.add(Point::new(0.0, 0.0), Status::Pending);
         graph.complete(here, scan(0.0, |_| 1.2));
         assert!(!graph.look_aside(&placement, 0.25), "a wall all along");
+        let mut turned = graph.clone();
         graph.complete(here, gap());
         assert!(graph.look_aside(&placement, 0.25));
         let angle = 10_f64.to_radians() + 0.4;
@@ -377,6 +387,15 @@ mod tests {
         assert!(!graph.look_aside(&placement, 0.25), "it is there");
         graph.give_up(1, here);
         assert!(!graph.look_aside(&placement, 0.25) && !graph.is_guess(1), "and was tried");
+        turned.complete(here, gap());
+        turned.complete(here, scan(0.6, |_| 3.0));
+        assert!(!turned.look_aside(&placement, 0.25), "it has looked there, too");
+        let mut graph = Graph::default();
+        graph.add(Point::new(0.0, 0.0), Status::Pending);
+        graph.complete(here, scan(0.0, |ray| if ray <= 10 { 3.0 } else { 1.2 }));
+        assert!(graph.look_aside(&placement, 0.25));
+        let angle = -angle;
+        assert!((graph.place(1) - Point::new(angle.cos(), angle.sin())).norm() < 1e-12, "at the right end");
         let mut graph = Graph::default();
         for place in [Point::new(0.0, 0.0), Point::new(-3.0, 0.0)] {
             graph.add(place, Status::Pending);

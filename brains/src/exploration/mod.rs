@@ -9,6 +9,9 @@
 //! An [`Explorer`] is a state machine without a body: it is told where the robot is believed to be and what it has
 //! seen, and says where to turn or to drive. As in the notes, the pose is taken as true. [`Explore`] gives it a body and a
 //! pose, and [`behavior`] makes it one of many in a brain whose other processes know the pose.
+//!
+//! For proximity a robot uses its laser and whatever infra-red sensors and sonars look ahead; they should be mounted lower than
+//! the laser. Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
 
 mod approach;
 pub mod behavior;
@@ -78,4 +81,7 @@ pub enum Failure {
 pub trait Explorer {
     /// One step; the more often it is called, the earlier the robot stops in front of something.
     fn step(&mut self, input: &Input<'_>) -> Command;
+
+    /// Since the last step something else may have driven the robot.
+    fn interrupt(&mut self);
 }

@@ -95,10 +95,13 @@ enum State {
     Place,
     /// At a node or on the way.
     Decide,
-    /// Looks whether the way to a node is clear.
+    /// Looks whether the way to a node is clear, along a way of the graph or directly.
     Look {
         node: usize,
+        is_edge: bool,
     },
+    /// Somewhere, after something else has driven the robot.
+    Resume,
     Go(Leg),
     Ended(Command),
 }
@@ -125,6 +128,17 @@ impl Explorer for Nodes {
             if let Some(command) = self.advance(input) {
                 return command;
             }
+        }
+    }
+
+    fn interrupt(&mut self) {
+        self.tried.clear();
+        self.trail.clear();
+        self.not_directly_from.clear();
+        let is_over =
+            matches!(self.state, State::Ended(command) if command != Command::Failed(Failure::Stuck));
+        if !is_over {
+            self.state = State::Resume;
         }
     }
 }
@@ -171,11 +185,28 @@ impl Nodes {
                 self.state = State::Decide;
             }
             State::Decide => self.state = self.decide(here),
-            State::Look { node } => return self.look(input, node),
+            State::Look { node, is_edge } => return self.look(input, node, is_edge),
+            State::Resume => self.state = self.resume(here),
             State::Go(leg) => return self.go(input, leg),
             State::Ended(command) => return Some(command),
         }
         None
+    }
+
+    /// Goes on from here: from a node, or from a new one, from which it looks all round.
+    fn resume(&mut self, here: &Pose) -> State {
+        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
+        let completed = self.graph.having(Status::Completed);
+        let Some(node) = completed.min_by(|a, b| self.distance(here, *a).total_cmp(&self.distance(here, *b)))
+        else {
+            return State::Start;
+        };
+        if is_here(&node) {
+            self.active = node;
+            return State::Decide;
+        }
+        self.active = self.graph.add(here.position, Status::Pending);
+        State::LookRound { heading_rad: here.heading, more: true }
     }
 
     /// Places nodes around the active one by a scan in this direction; what to do until there is one.
@@ -266,11 +297,11 @@ impl Nodes {
         let next = ways.next(self.active);
         let is_near = self.distance(here, target) <= self.parameters.sight_m;
         if next != Some(target) && is_near && !self.not_directly_from.contains(&self.active) {
-            return Some(State::Look { node: target });
+            return Some(State::Look { node: target, is_edge: false });
         }
         let next = next?;
         if self.graph.is_guess(next) {
-            return Some(State::Look { node: next });
+            return Some(State::Look { node: next, is_edge: true });
         }
         let to = self.graph.place(next);
         let leg =
@@ -288,7 +319,7 @@ impl Nodes {
         let ways = untried.map(|node| (self.distance(here, node) + ways.length(node), node));
         let best = ways.filter(|(length, _)| length.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
         match best {
-            Some((_, node)) if node != self.active => State::Look { node },
+            Some((_, node)) if node != self.active => State::Look { node, is_edge: false },
             _ if !self.tried.contains(&self.active) => State::Go(self.back()),
             _ => State::Ended(Command::Failed(Failure::Stuck)),
         }
@@ -304,18 +335,17 @@ impl Nodes {
     }
 
     /// Faces a node, and goes there if the scan says that it can.
-    fn look(&mut self, input: &Input<'_>, node: usize) -> Option<Command> {
+    fn look(&mut self, input: &Input<'_>, node: usize, is_edge: bool) -> Option<Command> {
         let here = &input.world_from_robot;
         if let Some(turn) = turn(here, heading_to(here, self.graph.place(node))) {
             return Some(turn);
         }
         let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
-        let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
-        let is_edge = at_node && self.graph.is_guess(node);
         if scan.view(self.graph.place(node), self.parameters.half_width_m) != View::Clear {
             self.fail(node, is_edge);
             return None;
         }
+        let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
         if !at_node {
             self.trail.push(here.position);
         }

@@ -97,8 +97,12 @@ impl Placement {
 
     /// Where a scan would allow nodes if the intervals in which it ended went on and were not too narrow.
     pub(super) fn places_aside(&self, scan: &PlacedScan) -> Vec<Aside> {
-        let Some(last) = scan.scan.distances_m.len().checked_sub(1) else { return Vec::new() };
-        let [right_rad, left_rad] = [0, last].map(|ray| scan.scan.bearing_rad(ray));
+        // What the robot's motion has cut off at an end says nothing.
+        let is_known = |distance_m: &f64| !distance_m.is_nan();
+        let first = scan.scan.distances_m.iter().position(is_known);
+        let last = scan.scan.distances_m.iter().rposition(is_known);
+        let Some((first, last)) = first.zip(last) else { return Vec::new() };
+        let [right_rad, left_rad] = [first, last].map(|ray| scan.scan.bearing_rad(ray));
         let aside = |middle_rad: f64, ray: usize| Aside {
             place: place(scan, middle_rad, self.distance_m),
             beyond: place(
@@ -114,7 +118,7 @@ impl Placement {
                 continue;
             }
             if from_rad == right_rad {
-                places.push(aside(to_rad - half_rad, 0));
+                places.push(aside(to_rad - half_rad, first));
             } else if to_rad == left_rad {
                 places.push(aside(from_rad + half_rad, last));
             }

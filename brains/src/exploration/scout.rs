@@ -1,17 +1,17 @@
 //! A robot that explores, once somebody says where it is: what it feels, and signals for what its explorer wants.
 //!
-//! For proximity it uses the laser and whatever infra-red sensors and sonars look ahead; they should be mounted lower than the
-//! laser. Turns and ways become motor signals by proportional control of heading and speed, closed over the believed pose.
+//! Turns and ways become motor signals by proportional control of heading and speed, closed over the believed pose.
 //!
 //! *Deviation.* Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
 
-use baudbot_client::{Body, Mount, Sensor, Signals, Turn};
-use baudbot_geometry::{Direction, Point, Pose, angle, math};
+use baudbot_client::{Body, Sensor, Signals, Turn};
+use baudbot_geometry::{Point, Pose, angle, math};
 
 use super::brain::Parameters;
 use super::placement::Placement;
 use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
 use crate::courier::within;
+use crate::feelers::{Feelers, Near, is_in_way};
 use crate::mapping::PlacedScan;
 
 /// An explorer with a body.
@@ -22,39 +22,22 @@ pub(super) struct Scout {
     radius_m: f64,
     /// A greater signal is refused.
     signal_limit: Option<f64>,
-    feelers: Vec<Feeler>,
+    feelers: Feelers,
     /// Since when, and where, the robot ought to have been driving.
     driving_since: Option<(u64, Point)>,
     command: Command,
 }
 
-/// A sensor for proximity.
-#[derive(Clone, Copy, Debug)]
-struct Feeler {
-    sensor: usize,
-    robot_from_sensor: Pose,
-    is_sonar: bool,
-    is_near: bool,
-}
-
 impl Scout {
     /// That of a robot with this body, and a laser of this range.
     pub(super) fn new(parameters: Parameters, body: &Body, range_m: f64) -> Self {
-        let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
-            sensor,
-            robot_from_sensor: mount(described),
-            is_sonar: described.kind == "sonar",
-            is_near: false,
-        };
-        let feelers = body.sensors.iter().enumerate();
-        let feelers =
-            feelers.filter(|(_, sensor)| ["ir", "sonar"].contains(&sensor.kind.as_str())).map(feeler);
+        let near = Near { near_m: parameters.near_m, near_reading: parameters.near_reading };
         Self {
             explorer: explorer(&parameters, body.radius_m, range_m),
             half_track_m: body.half_track_m,
             radius_m: body.radius_m,
             signal_limit: body.signal_limit,
-            feelers: feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect(),
+            feelers: Feelers::new(body, near),
             driving_since: None,
             command: Command::Wait,
             parameters,
@@ -63,28 +46,28 @@ impl Scout {
 
     /// Takes in what is near.
     pub(super) fn feel(&mut self, turn: &Turn) {
-        for feeler in &mut self.feelers {
-            let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
-            if let Some(&value) =
-                reading.filter(|reading| reading.readable).and_then(|new| new.values.first())
-            {
-                feeler.is_near = feeler.feels(value, self.radius_m, &self.parameters);
-            }
-        }
+        self.feelers.feel(turn);
     }
 
     /// One step from here, with the last scan. Signals are such that the motors take them.
     pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) -> Signals {
-        let is_felt = self.feelers.iter().any(|feeler| feeler.is_near);
         let is_stalled = self.is_stalled(at_ns, here.position);
-        let near = is_stalled || is_felt || scan.is_some_and(|scan| self.sees_near(here, scan));
+        let near =
+            is_stalled || self.feelers.is_near() || scan.is_some_and(|scan| self.sees_near(here, scan));
         self.command = self.explorer.step(&Input { world_from_robot: *here, scan, near });
         within(self.signal_limit, self.signals(here))
     }
 
-    /// It has stood, for another reason than its own.
-    pub(super) fn interrupt(&mut self) {
+    /// It stands, for another reason than its own.
+    pub(super) fn pause(&mut self) {
         self.driving_since = None;
+    }
+
+    /// Something else may have driven it.
+    pub(super) fn interrupt(&mut self) {
+        self.pause();
+        self.feelers.forget();
+        self.explorer.interrupt();
     }
 
     /// What the explorer last wanted.
@@ -157,31 +140,10 @@ impl Scout {
     }
 }
 
-impl Feeler {
-    /// Whether what a sensor reads is near and in the way.
-    fn feels(&self, value: f64, radius_m: f64, parameters: &Parameters) -> bool {
-        if !self.is_sonar {
-            return value >= parameters.near_reading;
-        }
-        let forward = self.robot_from_sensor.direction();
-        let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
-        is_in_way(point_in_robot, parameters.near_m, radius_m + ALMOST_M)
-    }
-}
-
-fn mount(sensor: &Sensor) -> Pose {
-    let Mount { x_m, y_m, heading_rad, .. } = sensor.mount.unwrap_or_default();
-    Pose::new(x_m, y_m, heading_rad)
-}
-
-fn looks_ahead(robot_from_sensor: &Pose) -> bool {
-    Direction::from_angle(robot_from_sensor.heading).cos > AHEAD_COS
-}
-
-/// Whether a point would be in a disc of this radius that is so far ahead.
-fn is_in_way(point_in_robot: Point, ahead_m: f64, radius_m: f64) -> bool {
-    let off = point_in_robot - Point::new(ahead_m, 0.0);
-    point_in_robot.x > 0.0 && off.norm() < radius_m
+/// The first laser that sits on the body itself.
+pub(super) fn laser(body: &Body) -> Option<&Sensor> {
+    let is_fixed = |sensor: &&Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
+    body.sensors.iter().filter(|sensor| sensor.kind == "laser").find(is_fixed)
 }
 
 fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
@@ -201,13 +163,8 @@ fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Exp
 
 /// Room beside the robot on its way, in metres.
 const ROOM_M: f64 = 0.05;
-/// Room that there must be beside a disc that is a little ahead, in metres. A sonar does not say where in its cone something
-/// is: with half a cone of 0.2 rad and 0.15 m to go, 3 cm to the side.
-const ALMOST_M: f64 = 0.03;
-/// The same for what the laser sees, which is where it is seen but for a centimetre.
+/// Room beside the robot for what the laser sees, which is where it is seen but for a centimetre, in metres.
 const BARELY_M: f64 = 0.01;
-/// Cosine of the greatest angle at which a sensor looks ahead: 80°.
-const AHEAD_COS: f64 = 0.17;
 /// Turn rate for each radian to be turned.
 const TURN_GAIN_HZ: f64 = 2.0;
 /// Least rate of a turn, in rad/s: motors stand still below some signal.

@@ -191,12 +191,15 @@ impl Particles {
         }
         let heaviest = cells.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(cell, _)| cell);
         let (seed, _) = spread(&self.particles, |pose| Some(cell(pose)) == heaviest);
-        let is_near = |pose: &Pose| {
-            (pose.position - seed.position).norm() < NEAR_M
-                && angle::difference(pose.heading, seed.heading).abs() < NEAR_RAD
-        };
-        let (world_from_robot, covariance) = spread(&self.particles, is_near);
+        let (world_from_robot, covariance) = spread(&self.particles, |pose| is_near(&seed, pose));
         Estimate { world_from_robot, covariance }
+    }
+
+    /// How much of all weight is near an estimate.
+    #[must_use]
+    pub fn share(&self, estimate: &Estimate) -> f64 {
+        let near = |particle: &&Particle| is_near(&estimate.world_from_robot, &particle.world_from_robot);
+        self.particles.iter().filter(near).map(|particle| particle.weight).sum()
     }
 
     fn logs_of_likelihoods(&self, map: &Map, scan: &Scan) -> Vec<f64> {
@@ -291,6 +294,11 @@ fn spread(particles: &[Particle], is_one: impl Fn(&Pose) -> bool) -> (Pose, Matr
         covariance += error * error.transpose() * (*weight / sum);
     }
     (mean, covariance)
+}
+
+/// Whether two poses may be one.
+fn is_near(a: &Pose, b: &Pose) -> bool {
+    (a.position - b.position).norm() < NEAR_M && angle::difference(a.heading, b.heading).abs() < NEAR_RAD
 }
 
 /// The cell of a coarse grid of poses.

@@ -285,8 +285,11 @@ fn killed(number: u64) -> (PathBuf, u64) {
     // A number that is as good as chance, and the same each time: 0.3 to 1.3 s.
     let wait_ms = 300 + (number * 7919) % 1000;
     std::thread::sleep(std::time::Duration::from_millis(wait_ms));
-    let out = good(&["watch", "--connect", &address, "--once"]);
-    let seen_tick = out.split("tick ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+    let mut seen_tick = 0;
+    while seen_tick == 0 {
+        let out = good(&["watch", "--connect", &address, "--once"]);
+        seen_tick = out.split("tick ").nth(1).unwrap().lines().next().unwrap().parse().unwrap();
+    }
     // Not rates: what a second is worth in ticks is another thing on a machine that has a lot to do.
     std::thread::sleep(std::time::Duration::from_secs(1));
     server.signal("-KILL");

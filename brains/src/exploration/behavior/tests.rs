@@ -63,13 +63,17 @@ fn it_goes_by_the_believed_pose_once_that_has_come_to_the_end_of_a_scan() {
 #[test]
 fn it_stands_while_nobody_says_where_it_is() {
     let mut explore = made("").unwrap();
-    for known_ns in [None, Some(100 * MS)] {
-        let (signals, beliefs) = step(&mut explore, 700 * MS, known_ns, true);
-        assert_eq!(
-            (signals, beliefs.intention.as_str()),
-            (Some(Signals::default()), "does not know where it is")
-        );
-    }
+    let lost = (Some(Signals::default()), "does not know where it is".to_owned());
+    let mut said = |at_ns, known_ns| {
+        let (signals, beliefs) = step(&mut explore, at_ns, known_ns, true);
+        (signals, beliefs.intention)
+    };
+    assert_eq!(said(10 * MS, None), lost);
+    // A reading that was long on its way is a reading.
+    assert_eq!(said(700 * MS, Some(100 * MS)).1, "waits for a scan");
+    assert_eq!(said(1200 * MS, Some(100 * MS)).0, None);
+    assert_eq!(said(1201 * MS, Some(100 * MS)), lost);
+    assert_eq!(said(1210 * MS, Some(1200 * MS)).1, "waits for a scan");
 }
 
 #[test]
@@ -80,5 +84,5 @@ fn what_makes_no_sense_is_refused() {
     assert!(refused("metod = 1").contains("unknown field `metod`"), "{}", refused("metod = 1"));
     let blind = body(&[("odometer", "odometer", 0.0)]);
     let refused = ExploreFloor::new(Parameters::default(), &blind).err().unwrap();
-    assert_eq!(refused, "robot `alice` has no sensor of kind `laser`");
+    assert_eq!(refused, "robot `alice` has no sensor of kind `laser` that sits on its body");
 }

@@ -79,16 +79,40 @@ fn it_waits_for_the_first_scan() {
 /// Beside an edge, a cell is a frontier after one scan and none after the next.
 #[test]
 fn a_frontier_that_comes_and_goes_is_given_up_with_what_is_beside_it() {
+    let here = Pose::new(0.0, 0.0, 0.0);
+    let scan = |distance_m: f64| PlacedScan {
+        world_from_robot: here,
+        scan: Scan {
+            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 1.0,
+            range_m: 4.0,
+            distances_m: vec![distance_m; 101],
+        },
+    };
     let mut explorer = Frontiers::new(Parameters::default());
-    let cell = explorer.grid.cell(Point::new(1.0, 2.0));
-    for _ in 1..MOST_TIMES {
-        explorer.resolve(cell);
-        assert!(explorer.given_up.is_empty());
+    let cell = explorer.grid.cell(Point::new(1.0, 0.0));
+    let approach = Approach::new(Point::new(0.5, 0.0));
+    for time in 1..=GONE.1 {
+        assert!(explorer.given_up.is_empty(), "{time}");
+        // What it was on its way to is behind a wall, or was seen.
+        let plan = Plan { turns: Vec::new(), frontier: cell };
+        explorer.state = State::Go { plan, approach };
+        let seen = scan(0.8 + 0.01 * time as f64);
+        explorer.remember(&Input { world_from_robot: here, scan: Some(&seen), near: false });
+        assert_eq!(explorer.state, State::Plan);
     }
-    explorer.resolve(cell.offset(1, 0));
-    assert!(explorer.given_up.is_empty(), "another one");
-    explorer.resolve(cell);
     assert!(
         explorer.given_up.contains(&cell.offset(1, -1)) && !explorer.given_up.contains(&cell.offset(2, 0))
     );
+}
+
+#[test]
+fn who_was_interrupted_plans_anew_but_not_what_is_over() {
+    let mut explorer = Frontiers::new(Parameters::default());
+    explorer.state = State::Look { frontier: explorer.grid.cell(Point::new(1.0, 0.0)) };
+    explorer.interrupt();
+    assert_eq!(explorer.state, State::Plan);
+    explorer.state = State::Ended(Command::Done);
+    explorer.interrupt();
+    assert_eq!(explorer.state, State::Ended(Command::Done));
 }

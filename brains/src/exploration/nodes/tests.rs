@@ -141,3 +141,98 @@ fn a_robot_that_can_go_nowhere_is_done() {
     assert_eq!(end(0.5), Command::Done, "no node was placed");
     assert_eq!(end(3.0), Command::Done, "no node can be reached");
 }
+
+/// A robot that knows some nodes, and what a scan in each direction would show.
+fn knowing(nodes: &[(f64, f64)], ways: &[(usize, usize)]) -> Nodes {
+    let mut explorer = Nodes::new(Parameters::default());
+    for &(x, y) in nodes {
+        explorer.graph.add(Point::new(x, y), Status::Pending);
+    }
+    for &(a, b) in ways {
+        explorer.graph.join(a, b);
+    }
+    explorer
+}
+
+fn seen(world_from_robot: Pose, distance_m: f64) -> PlacedScan {
+    PlacedScan {
+        world_from_robot,
+        scan: Scan {
+            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 4.0,
+            range_m: 4.0,
+            distances_m: vec![distance_m; 101],
+        },
+    }
+}
+
+/// Lets it turn where it stands until it wants something else.
+fn settle(explorer: &mut Nodes, here: &mut Pose, distance_m: f64, near: bool) -> Command {
+    for _ in 0..20 {
+        let scan = seen(*here, distance_m);
+        match explorer.step(&Input { world_from_robot: *here, scan: Some(&scan), near }) {
+            Command::Turn { heading_rad } => here.heading = heading_rad,
+            command => return command,
+        }
+    }
+    panic!("turns for ever")
+}
+
+/// 2 is a guess that was placed from 1. Who comes from 0 does not give it up because a wall is between.
+#[test]
+fn a_guess_is_given_up_only_from_where_it_was_placed() {
+    let guessing = || {
+        let mut explorer = knowing(&[(0.0, 0.0), (1.0, 0.0)], &[(0, 1)]);
+        let mut here = Pose::new(0.0, 0.0, 0.0);
+        for node in [0, 1] {
+            explorer.graph.complete(node, seen(here, 0.7));
+        }
+        // A door at the left end of what is seen from 1.
+        let mut door = seen(Pose::new(1.0, 0.0, 0.0), 0.7);
+        door.scan.distances_m[85..].fill(3.0);
+        explorer.graph.complete(1, door);
+        assert!(explorer.graph.look_aside(&explorer.parameters.placement, 0.25));
+        explorer.target = Some(2);
+        explorer.state = State::Decide;
+        let to = explorer.graph.place(1);
+        assert_eq!(settle(&mut explorer, &mut here, 0.7, false), Command::Drive { to });
+        assert_eq!(explorer.graph.nodes()[2].status, Status::Pending);
+        (explorer, Pose::new(1.0, 0.0, 0.0))
+    };
+    let (mut explorer, mut here) = guessing();
+    let to = explorer.graph.place(2);
+    assert_eq!(settle(&mut explorer, &mut here, 3.0, false), Command::Drive { to }, "it is open");
+    let (mut explorer, mut here) = guessing();
+    assert_eq!(settle(&mut explorer, &mut here, 0.7, false), Command::Done, "it is not");
+    assert_eq!(explorer.graph.nodes()[2].status, Status::Unreachable);
+    let (mut explorer, mut here) = guessing();
+    settle(&mut explorer, &mut here, 3.0, true);
+    assert_eq!(explorer.graph.nodes()[2].status, Status::Unreachable, "something low is in the way");
+}
+
+#[test]
+fn who_was_carried_away_looks_round_there_and_drives_on_from_a_node() {
+    let mut explorer = knowing(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], &[(0, 1), (1, 2)]);
+    explorer.graph.complete(0, seen(Pose::new(0.0, 0.0, 0.0), 1.0));
+    let mut carried_to = |mut here: Pose, distance_m: f64| {
+        let approach = Approach::new(Point::new(1.0, 0.0));
+        explorer.target = Some(2);
+        explorer.state = State::Go(Leg { approach, node: Some(1), from: Some(0), is_edge: true });
+        explorer.interrupt();
+        let command = settle(&mut explorer, &mut here, distance_m, false);
+        (command, explorer.active, explorer.clone())
+    };
+    let (command, active, near) = carried_to(Pose::new(0.02, 0.01, 0.3), 1.0);
+    assert_eq!((command, active), (Command::Drive { to: Point::new(1.0, 0.0) }, 0), "it is at a node");
+    assert_eq!(near.graph.nodes().len(), 3);
+    let (_, active, seeing) = carried_to(Pose::new(0.0, -1.2, 0.3), 3.0);
+    assert_eq!((active, seeing.graph.place(3)), (3, Point::new(0.0, -1.2)), "it is at none");
+    assert!((seeing.graph.ways_from(3).length(2) - 1.2_f64.hypot(2.0)).abs() < 1e-12, "it sees some");
+    // What is over stays so, but for who was stuck.
+    explorer.state = State::Ended(Command::Done);
+    explorer.interrupt();
+    assert_eq!(explorer.state, State::Ended(Command::Done));
+    explorer.state = State::Ended(Command::Failed(Failure::Stuck));
+    explorer.interrupt();
+    assert_eq!(explorer.state, State::Resume);
+}

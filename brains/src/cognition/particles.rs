@@ -1,0 +1,198 @@
+//! [Particles](crate::localization::particles) as a cognitive process: where the robot may be, by a map and its scans. As soon as
+//! that is one place, odometry is corrected for the instant of the scan, with all that came after.
+//!
+//! It needs a process of kind `odometry`. With `everywhere` nobody needs to say where the robot begins; it must move to find
+//! out. Scans count only after some motion: of a robot that stands the same scan would be counted again and again.
+
+use baudbot_geometry::Pose;
+use serde::Deserialize;
+
+use super::map_of;
+use crate::Chance;
+use crate::estimate::Estimate;
+use crate::localization::Map;
+use crate::localization::particles::{self, Particles};
+use crate::odometry::Odometry;
+use crate::process::{CognitiveProcess, Moment};
+use crate::registry::Kit;
+use crate::scan::Scan;
+use crate::scanner::Scanner;
+
+/// What is matched with what.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Walls of the map, `[x, y, x, y]` in metres.
+    pub walls_m: Vec<[f64; 4]>,
+    /// Name of the laser.
+    #[serde(default = "laser_name")]
+    pub laser: String,
+    /// So many particles there are.
+    #[serde(default = "count")]
+    pub particles: usize,
+    /// So many beams of a scan are held against the map, about.
+    #[serde(default = "beams")]
+    pub beams: usize,
+    /// They begin anywhere in the map, and not where odometry does.
+    #[serde(default)]
+    pub everywhere: bool,
+    /// Odometry is corrected when they are spread no more than this, as a standard deviation in metres.
+    #[serde(default = "sure_m")]
+    pub sure_m: f64,
+    /// A scan counts when the robot has moved so far since the last one, in metres, or has turned by 0.1 rad.
+    #[serde(default = "every_m")]
+    pub every_m: f64,
+}
+
+fn laser_name() -> String {
+    "laser".to_owned()
+}
+
+fn count() -> usize {
+    particles::Parameters::default().particles
+}
+
+fn beams() -> usize {
+    particles::Parameters::default().beams
+}
+
+fn sure_m() -> f64 {
+    0.2
+}
+
+fn every_m() -> f64 {
+    0.1
+}
+
+/// A process that corrects odometry.
+pub struct Disperse {
+    parameters: Parameters,
+    map: Map,
+    scanner: Scanner,
+    chance: Chance,
+    particles: Option<Particles>,
+    /// It has known where the robot is.
+    has_found: bool,
+    /// When the last scan was taken, and how the robot has moved from the last one that counted.
+    last: Option<(u64, Pose)>,
+}
+
+impl Disperse {
+    /// For a robot with this body.
+    ///
+    /// # Errors
+    /// If a parameter makes no sense, or the robot has no such laser, in words.
+    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+        for (name, value) in [("sure_m", parameters.sure_m), ("every_m", parameters.every_m)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("{name}: must be positive, is {value}"));
+            }
+        }
+        if !(1..=100_000).contains(&parameters.particles) {
+            return Err(format!("particles: must be from 1 to 100000, is {}", parameters.particles));
+        }
+        if parameters.beams == 0 {
+            return Err("beams: must be at least 1".to_owned());
+        }
+        let map = map_of(&parameters.walls_m)?;
+        let scanner = Scanner::new(kit.body, &parameters.laser, parameters.beams)?;
+        Ok(Self {
+            parameters,
+            map,
+            scanner,
+            chance: kit.chance(),
+            particles: None,
+            has_found: false,
+            last: None,
+        })
+    }
+
+    /// Where they are at the beginning, or when it is not known any more how the robot has moved.
+    fn disperse(&self, at: &Estimate) -> Particles {
+        let Parameters { particles, beams, everywhere, .. } = self.parameters;
+        let parameters = particles::Parameters { particles, beams, ..particles::Parameters::default() };
+        if everywhere && !self.has_found {
+            return Particles::everywhere(&self.map, parameters, self.chance.clone());
+        }
+        let unsure = Estimate::within(at.world_from_robot, 0.1, 0.1);
+        let about = Estimate { covariance: at.covariance + unsure.covariance, ..*at };
+        Particles::around(&about, parameters, self.chance.clone())
+    }
+
+    /// Holds a scan against the map; where they all are, if that is one place.
+    fn see(&mut self, odometry: &Odometry, taken_ns: u64, scan: &Scan) -> Option<Estimate> {
+        let now = odometry.correctable(taken_ns)?;
+        let before = self.last.and_then(|(last_ns, moved)| Some((odometry.at(last_ns)?, moved)));
+        let particles = match (self.particles.take(), before) {
+            (Some(mut particles), Some((then, moved))) => {
+                let then_from_now = then.world_from_robot.inverse().compose(&now.world_from_robot);
+                let moved = moved.compose(&then_from_now);
+                let turned = moved.heading.abs() > TURN_RAD;
+                if moved.position.coords.norm() < self.parameters.every_m && !turned {
+                    self.last = Some((taken_ns, moved));
+                    self.particles = Some(particles);
+                    return None;
+                }
+                particles.advance(&moved);
+                particles
+            }
+            // There was no scan for so long that nobody knows how the robot has moved.
+            _ => self.disperse(&now),
+        };
+        let particles = self.particles.insert(particles);
+        particles.see(&self.map, scan);
+        self.last = Some((taken_ns, Pose::new(0.0, 0.0, 0.0)));
+        let estimate = particles.estimate();
+        let is_one = estimate.position_sd_m() <= self.parameters.sure_m && particles.share(&estimate) >= MOST;
+        self.has_found |= is_one;
+        is_one.then_some(estimate)
+    }
+}
+
+impl CognitiveProcess for Disperse {
+    fn step(&mut self, moment: &mut Moment<'_>) {
+        self.scanner.hear(moment.turn);
+        let Some(odometry) = &mut moment.beliefs.odometry else { return };
+        let Some((taken_ns, scan)) = self.scanner.take(odometry) else { return };
+        if let Some(estimate) = self.see(odometry, taken_ns, &scan) {
+            odometry.correct(taken_ns, estimate);
+            moment.beliefs.pose = Some(odometry.estimate());
+        }
+    }
+
+    /// What happened meanwhile it does not know.
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.scanner.forget();
+        self.last = None;
+    }
+}
+
+/// A scan counts after a turn by so much, in radians.
+const TURN_RAD: f64 = 0.1;
+/// So much of all weight must be where the estimate is.
+const MOST: f64 = 0.8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_body::body;
+
+    fn refused(toml: &str) -> String {
+        let body = body(&[("laser", "laser", 0.0)]);
+        let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
+        let walls = "walls_m = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 3.0]]\n";
+        let parameters =
+            toml::from_str(&format!("{walls}{toml}")).map_err(|error| error.message().to_owned());
+        parameters.and_then(|parameters| Disperse::new(parameters, &kit)).err().unwrap_or_default()
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        assert_eq!(refused(""), "");
+        assert_eq!(refused("particles = 0"), "particles: must be from 1 to 100000, is 0");
+        assert_eq!(refused("beams = 0"), "beams: must be at least 1");
+        assert_eq!(refused("sure_m = 0"), "sure_m: must be positive, is 0");
+        assert_eq!(refused("laser = \"urg\""), "laser: robot `alice` has no laser called `urg`");
+        assert!(refused("partikel = 1").contains("unknown field `partikel`"));
+    }
+}

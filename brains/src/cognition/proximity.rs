@@ -1,0 +1,143 @@
+//! *Proximity detection* as a cognitive process (Section 6.1): whether something is close ahead that the laser may look over.
+//! Other processes find that among the brain's beliefs; and a behaviour that is named gets a large Γ as long as it is so.
+//!
+//! *Deviation*: the notes assume that there is such a process, and say nothing of it but that its sensors should be mounted at
+//! another height than the laser.
+
+use baudbot_client::Body;
+use serde::Deserialize;
+
+use crate::feelers::{Feelers, Near};
+use crate::process::{CognitiveProcess, Moment};
+use crate::registry::Kit;
+
+/// From where on something is near, and who is to know.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// What a sonar finds this close on the robot's way is near, in metres.
+    #[serde(default = "near_m")]
+    pub near_m: f64,
+    /// An infra-red reading from which on something is near.
+    #[serde(default = "near_reading")]
+    pub near_reading: f64,
+    /// Name of a process that gets the Γ.
+    pub raise: Option<String>,
+    /// Γ while something is near.
+    #[serde(default = "gamma")]
+    pub gamma: f64,
+}
+
+fn near_m() -> f64 {
+    0.15
+}
+
+fn near_reading() -> f64 {
+    0.4
+}
+
+fn gamma() -> f64 {
+    5.0
+}
+
+/// A process that knows what is close ahead.
+#[derive(Clone, Debug)]
+pub struct DetectProximity {
+    feelers: Feelers,
+    raise: Option<(String, f64)>,
+}
+
+impl DetectProximity {
+    /// For a robot with this body.
+    ///
+    /// # Errors
+    /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead, in words.
+    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+        let Parameters { near_m, near_reading, raise, gamma } = parameters;
+        for (name, value) in [("near_m", near_m), ("near_reading", near_reading)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("{name}: must be positive, is {value}"));
+            }
+        }
+        if !gamma.is_finite() {
+            return Err(format!("gamma: must be finite, is {gamma}"));
+        }
+        if let Some(name) = &raise {
+            kit.check_raised("raise", name)?;
+        }
+        let feelers = Feelers::new(kit.body, Near { near_m, near_reading });
+        if feelers.is_empty() {
+            return Err(lacks(kit.body));
+        }
+        Ok(Self { feelers, raise: raise.map(|name| (name, gamma)) })
+    }
+}
+
+fn lacks(body: &Body) -> String {
+    format!("robot `{}` has no sensor of kind `ir` or `sonar` that looks ahead", body.name)
+}
+
+impl CognitiveProcess for DetectProximity {
+    fn step(&mut self, moment: &mut Moment<'_>) {
+        self.feelers.feel(moment.turn);
+        moment.beliefs.near = self.feelers.is_near();
+        if let Some((name, gamma)) = self.raise.as_ref().filter(|_| moment.beliefs.near) {
+            moment.set_gamma(name, *gamma);
+        }
+    }
+
+    fn leave(&mut self, moment: &mut Moment<'_>) {
+        moment.beliefs.near = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::process::Beliefs;
+    use crate::test_body::{body, turn};
+
+    fn made(toml: &str, body: &Body) -> Result<DetectProximity, String> {
+        let kit = Kit { name: "proximity", body, seed: 1, motors: &["stand", "go"], by_utility: true };
+        DetectProximity::new(toml::from_str(toml).map_err(|error| error.message().to_owned())?, &kit)
+    }
+
+    #[test]
+    fn what_is_near_is_believed_and_raises_a_behaviour_until_it_is_gone() {
+        let body = body(&[("ir", "ir", 0.3), ("sonar", "sonar", 0.0), ("behind", "ir", 3.0)]);
+        let mut process = made("raise = \"stand\"\ngamma = 7", &body).unwrap();
+        let mut beliefs = Beliefs::default();
+        for (values, near) in [
+            ([Some([0.1]), Some([1.0]), Some([0.9])], false),
+            ([Some([0.5]), None, None], true),
+            ([None, None, None], true),
+            ([Some([0.1]), Some([0.1]), None], true),
+            ([None, Some([0.6]), None], false),
+        ] {
+            let values = values.each_ref().map(|value| value.as_ref().map(<[f64; 1]>::as_slice));
+            let turn = turn(&body, 0, &values);
+            let mut gammas = Vec::new();
+            let mut moment =
+                Moment { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut gammas };
+            process.step(&mut moment);
+            assert_eq!(moment.beliefs.near, near, "{values:?}");
+            assert_eq!(gammas, if near { vec![("stand".to_owned(), 7.0)] } else { vec![] });
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let ahead = body(&[("ir", "ir", 0.3)]);
+        let refused = |toml: &str| made(toml, &ahead).err().unwrap_or_default();
+        assert_eq!(refused(""), "");
+        assert_eq!(refused("near_m = 0"), "near_m: must be positive, is 0");
+        assert_eq!(refused("gamma = nan"), "gamma: must be finite, is NaN");
+        assert_eq!(
+            refused("raise = \"stop\""),
+            "raise: there is no motor behaviour `stop`; there are: stand, go"
+        );
+        let behind = body(&[("ir", "ir", 3.0), ("laser", "laser", 0.0)]);
+        let refused = made("", &behind).err().unwrap();
+        assert_eq!(refused, "robot `alice` has no sensor of kind `ir` or `sonar` that looks ahead");
+    }
+}
