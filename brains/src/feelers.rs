@@ -4,7 +4,7 @@
 use baudbot_client::{Body, Mount, Sensor, Turn};
 use baudbot_geometry::{Direction, Point, Pose};
 
-/// The infra-red sensors and sonars of a robot that look ahead.
+/// The infra-red sensors and sonars of a robot that sit on its body and look ahead.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Feelers {
     feelers: Vec<Feeler>,
@@ -39,8 +39,9 @@ impl Feelers {
             is_near: false,
         };
         let sensors = body.sensors.iter().enumerate();
-        let feelers =
-            sensors.filter(|(_, sensor)| ["ir", "sonar"].contains(&sensor.kind.as_str())).map(feeler);
+        let feelers = sensors
+            .filter(|(_, sensor)| is_fixed(sensor) && ["ir", "sonar"].contains(&sensor.kind.as_str()))
+            .map(feeler);
         let feelers = feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect();
         Self { feelers, radius_m: body.radius_m, near }
     }
@@ -82,6 +83,11 @@ impl Feeler {
         let point_in_robot = self.robot_from_sensor.position + forward.vector() * value;
         is_in_way(point_in_robot, near.near_m, radius_m + ALMOST_M)
     }
+}
+
+/// Whether it sits on the body itself: where one on a turret looks is not understood.
+fn is_fixed(sensor: &Sensor) -> bool {
+    sensor.mount.is_none_or(|mount| mount.turret.is_none())
 }
 
 fn mount(sensor: &Sensor) -> Pose {

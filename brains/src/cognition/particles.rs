@@ -11,6 +11,7 @@ use super::map_of;
 use crate::Chance;
 use crate::estimate::Estimate;
 use crate::localization::Map;
+use crate::localization::map::VirtualLaser;
 use crate::localization::particles::{self, Particles};
 use crate::odometry::Odometry;
 use crate::process::{CognitiveProcess, Moment};
@@ -94,6 +95,9 @@ impl Disperse {
         if parameters.beams == 0 {
             return Err("beams: must be at least 1".to_owned());
         }
+        if parameters.walls_m.is_empty() {
+            return Err("walls_m: without walls nobody finds out where it is".to_owned());
+        }
         let map = map_of(&parameters.walls_m)?;
         let scanner = Scanner::new(kit.body, &parameters.laser, parameters.beams)?;
         Ok(Self {
@@ -143,10 +147,24 @@ impl Disperse {
         particles.see(&self.map, scan);
         self.last = Some((taken_ns, Pose::new(0.0, 0.0, 0.0)));
         let estimate = particles.estimate();
-        let is_one = estimate.position_sd_m() <= self.parameters.sure_m && particles.share(&estimate) >= MOST;
+        let is_one = estimate.position_sd_m() <= self.parameters.sure_m
+            && particles.share(&estimate) >= MOST
+            && fit(&self.map, scan, &estimate.world_from_robot) >= GOOD_FIT;
         self.has_found |= is_one;
         is_one.then_some(estimate)
     }
+}
+
+/// Which part of a scan's beams ends where the map says that it should from this pose.
+fn fit(map: &Map, scan: &Scan, world_from_robot: &Pose) -> f64 {
+    let laser = VirtualLaser::like(scan);
+    let mut virtual_m = vec![0.0; laser.rays()];
+    laser.look(map, world_from_robot, &mut virtual_m);
+    let beams = scan.distances_m.iter().zip(&virtual_m).filter(|(measured, _)| !measured.is_nan());
+    let off_m =
+        beams.map(|(measured, expected)| (measured.min(scan.range_m) - expected.min(scan.range_m)).abs());
+    let (good, all) = off_m.fold((0, 0), |(good, all), off_m| (good + usize::from(off_m < GOOD_M), all + 1));
+    if all == 0 { 0.0 } else { f64::from(good as u32) / f64::from(all) }
 }
 
 impl CognitiveProcess for Disperse {
@@ -171,6 +189,10 @@ impl CognitiveProcess for Disperse {
 const TURN_RAD: f64 = 0.1;
 /// So much of all weight must be where the estimate is.
 const MOST: f64 = 0.8;
+/// A beam fits the map within so much, in metres.
+const GOOD_M: f64 = 0.2;
+/// A part of the beams that is less is none of this map's.
+const GOOD_FIT: f64 = 0.5;
 
 #[cfg(test)]
 mod tests {
@@ -190,6 +212,10 @@ mod tests {
     fn what_makes_no_sense_is_refused() {
         assert_eq!(refused(""), "");
         assert_eq!(refused("particles = 0"), "particles: must be from 1 to 100000, is 0");
+        let empty = toml::from_str("walls_m = []").unwrap();
+        let body = body(&[("laser", "laser", 0.0)]);
+        let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
+        assert!(Disperse::new(empty, &kit).is_err_and(|error| error.starts_with("walls_m: without walls")));
         assert_eq!(refused("beams = 0"), "beams: must be at least 1");
         assert_eq!(refused("sure_m = 0"), "sure_m: must be positive, is 0");
         assert_eq!(refused("laser = \"urg\""), "laser: robot `alice` has no laser called `urg`");

@@ -86,6 +86,10 @@ impl CognitiveProcess for DetectProximity {
         }
     }
 
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.feelers.forget();
+    }
+
     fn leave(&mut self, moment: &mut Moment<'_>) {
         moment.beliefs.near = false;
     }
@@ -123,6 +127,14 @@ mod tests {
             assert_eq!(moment.beliefs.near, near, "{values:?}");
             assert_eq!(gammas, if near { vec![("stand".to_owned(), 7.0)] } else { vec![] });
         }
+        let turn = turn(&body, 0, &[Some(&[0.9]), None, None]);
+        let mut moment =
+            Moment { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
+        process.step(&mut moment);
+        process.leave(&mut moment);
+        assert!(!moment.beliefs.near, "nobody knows any more");
+        process.enter(&mut moment);
+        assert!(!process.feelers.is_near(), "what was then is not now");
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub struct ExploreFloor {
     scan: Option<PlacedScan>,
     /// The instant of odometry's newest reading, and when that was heard.
     heard_ns: Option<(u64, u64)>,
+    /// It has just been activated, and the motors do what another wanted.
+    is_new: bool,
 }
 
 impl ExploreFloor {
@@ -51,6 +53,7 @@ impl ExploreFloor {
             scout: Scout::new(parameters, body, laser.range_m.ok_or_else(no_range)?),
             scan: None,
             heard_ns: None,
+            is_new: true,
         })
     }
 
@@ -70,7 +73,7 @@ impl MotorBehavior for ExploreFloor {
     fn enter(&mut self, _: &mut Moment<'_>) {
         self.scanner.forget();
         self.scout.interrupt();
-        (self.scan, self.heard_ns) = (None, None);
+        (self.scan, self.is_new) = (None, true);
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
@@ -91,8 +94,9 @@ impl MotorBehavior for ExploreFloor {
             return Some(Signals::default());
         };
         if !has_news {
-            return None;
+            return std::mem::take(&mut self.is_new).then(Signals::default);
         }
+        self.is_new = false;
         let signals = self.scout.step(at_ns, &odometry.estimate().world_from_robot, self.scan.as_ref());
         beliefs.intention = self.scout.intention();
         beliefs.path = self.scout.path().into_iter().collect();

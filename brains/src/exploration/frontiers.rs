@@ -12,7 +12,7 @@
 //! - A frontier that is still one after it was looked at from near is given up, as is a group of fewer than
 //!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was none any more on
 //!   the way there, and came back, too often: beside an edge that lies on the border of two cells, frontiers come and go by
-//!   the laser's noise, and so do ways.
+//!   the laser's noise.
 //! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
 //!   room for ever; but not more often than `attempts` times.
 
@@ -61,9 +61,8 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
-    /// For each frontier to which a plan led that came to nothing: how often it was none any more, and how often the way was
-    /// not open any more.
-    lost: BTreeMap<Cell, [usize; 2]>,
+    /// How often each frontier to which a plan led was none any more.
+    resolved: BTreeMap<Cell, usize>,
     state: State,
 }
 
@@ -101,7 +100,11 @@ impl Explorer for Frontiers {
     }
 
     fn interrupt(&mut self) {
-        if !matches!(self.state, State::Ended(_)) {
+        let is_stuck = self.state == State::Ended(Command::Failed(Failure::Stuck));
+        if is_stuck {
+            self.bumps.clear();
+        }
+        if is_stuck || !matches!(self.state, State::Ended(_)) {
             self.state = State::Plan;
         }
     }
@@ -118,7 +121,7 @@ impl Frontiers {
             bumps: Vec::new(),
             forgotten: 0,
             given_up: BTreeSet::new(),
-            lost: BTreeMap::new(),
+            resolved: BTreeMap::new(),
             state: State::Plan,
         }
     }
@@ -143,11 +146,10 @@ impl Frontiers {
             State::Go { plan: Plan { frontier, .. }, .. } | State::Look { frontier }
                 if !is_frontier(&self.grid, *frontier) =>
             {
-                self.lose(*frontier, GONE);
+                self.resolve(*frontier);
                 self.state = State::Plan;
             }
             State::Go { plan, approach } if !self.is_open(&input.world_from_robot, plan, approach) => {
-                self.lose(plan.frontier, CLOSED);
                 self.state = State::Plan;
             }
             _ => {}
@@ -272,11 +274,12 @@ impl Frontiers {
         seen.min_by_key(|other| cell.distance_squared(*other))
     }
 
-    /// The plan to a frontier came to nothing. If that was so too often it is given up: it would be so again.
-    fn lose(&mut self, frontier: Cell, (reason, most): (usize, usize)) {
-        let times = &mut self.lost.entry(frontier).or_default()[reason];
+    /// The frontier is none any more. One that was so too often is given up: it will be back. That the way there was closed does
+    /// not count: one that is only just wide enough is so by every other scan.
+    fn resolve(&mut self, frontier: Cell) {
+        let times = self.resolved.entry(frontier).or_default();
         *times += 1;
-        if *times == most {
+        if *times == MOST_TIMES {
             self.give_up(frontier);
         }
     }
@@ -292,10 +295,7 @@ impl Frontiers {
 const BUMP_M: f64 = 0.05;
 
 /// A frontier that was none any more so often is noise.
-const GONE: (usize, usize) = (0, 5);
-
-/// A frontier to which the way was not open any more so often is out of reach. On the way to a real one walls are found, too.
-const CLOSED: (usize, usize) = (1, 20);
+const MOST_TIMES: usize = 5;
 
 /// A robot that was stopped so often is in a place where it cannot move.
 const MOST_BUMPS: usize = 300;

@@ -116,8 +116,11 @@ impl Graph {
 
     /// The robot is there and has seen this.
     pub(super) fn complete(&mut self, node: usize, scan: PlacedScan) {
-        self.nodes[node].status = Status::Completed;
-        self.nodes[node].scans.push(scan);
+        let Node { status, scans, .. } = &mut self.nodes[node];
+        *status = Status::Completed;
+        if scans.last() != Some(&scan) {
+            scans.push(scan);
+        }
     }
 
     /// The robot could not get there from this node.

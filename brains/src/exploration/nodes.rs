@@ -27,6 +27,8 @@
 //! - A robot between two nodes that can go to none from which there is a way to its target goes back to where it came from.
 //!   There it looks all round, places nodes, and joins the node with all to which a way is clear. Where the pose is not
 //!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
+//! - Where something else has driven the robot in between, a node is placed, however near to others, and the robot looks all
+//!   round. If it sees none of the old ones the way is taken to be straight, until that proves wrong.
 //! - Who looks past a door's post sees only a part of the door before the scan ends, too narrow for a node. Where the scan's
 //!   last ray leads to what no other node has seen, a node is placed as if the door went on. The robot faces it first, and goes
 //!   there if the way is clear.
@@ -193,19 +195,28 @@ impl Nodes {
         None
     }
 
-    /// Goes on from here: from a node, or from a new one, from which it looks all round.
+    /// Goes on from here: from a node, or from a new one, from which it looks all round. The robot has come there from where it
+    /// was, so there is a way, if not a straight one.
     fn resume(&mut self, here: &Pose) -> State {
-        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
-        let completed = self.graph.having(Status::Completed);
-        let Some(node) = completed.min_by(|a, b| self.distance(here, *a).total_cmp(&self.distance(here, *b)))
-        else {
+        if self.graph.nodes().is_empty() {
             return State::Start;
-        };
-        if is_here(&node) {
+        }
+        let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
+        let known = self.graph.having(Status::Completed).chain([self.active]);
+        let nearest =
+            known.filter(is_here).min_by(|a, b| self.distance(here, *a).total_cmp(&self.distance(here, *b)));
+        if let Some(node) = nearest {
             self.active = node;
+        } else {
+            let from = std::mem::replace(&mut self.active, self.graph.add(here.position, Status::Pending));
+            self.graph.join(from, self.active);
+            self.target = None;
+        }
+        let is_known = self.graph.nodes()[self.active].status == Status::Completed;
+        let is_interrupted = self.graph.nodes().len() == 1 && !self.looked_round.contains(&self.active);
+        if is_known && !is_interrupted {
             return State::Decide;
         }
-        self.active = self.graph.add(here.position, Status::Pending);
         State::LookRound { heading_rad: here.heading, more: true }
     }
 
@@ -237,10 +248,12 @@ impl Nodes {
         }
         let Parameters { sight_m, half_width_m, .. } = self.parameters;
         self.graph.join_seen(self.active, sight_m, half_width_m);
-        self.looked_round.push(self.active);
-        let behind_rad = angle::wrap(heading_rad + PI);
-        self.state =
-            if more { State::LookRound { heading_rad: behind_rad, more: false } } else { State::Decide };
+        if more {
+            self.state = State::LookRound { heading_rad: angle::wrap(heading_rad + PI), more: false };
+        } else {
+            self.looked_round.push(self.active);
+            self.state = State::Decide;
+        }
         None
     }
 

@@ -92,7 +92,7 @@ fn a_frontier_that_comes_and_goes_is_given_up_with_what_is_beside_it() {
     let mut explorer = Frontiers::new(Parameters::default());
     let cell = explorer.grid.cell(Point::new(1.0, 0.0));
     let approach = Approach::new(Point::new(0.5, 0.0));
-    for time in 1..=GONE.1 {
+    for time in 1..=MOST_TIMES {
         assert!(explorer.given_up.is_empty(), "{time}");
         // What it was on its way to is behind a wall, or was seen.
         let plan = Plan { turns: Vec::new(), frontier: cell };
@@ -112,6 +112,10 @@ fn who_was_interrupted_plans_anew_but_not_what_is_over() {
     explorer.state = State::Look { frontier: explorer.grid.cell(Point::new(1.0, 0.0)) };
     explorer.interrupt();
     assert_eq!(explorer.state, State::Plan);
+    explorer.state = State::Ended(Command::Failed(Failure::Stuck));
+    explorer.bumps = vec![Point::new(0.0, 0.0); MOST_BUMPS + 1];
+    explorer.interrupt();
+    assert!(explorer.state == State::Plan && explorer.bumps.is_empty(), "it may be free now");
     explorer.state = State::Ended(Command::Done);
     explorer.interrupt();
     assert_eq!(explorer.state, State::Ended(Command::Done));

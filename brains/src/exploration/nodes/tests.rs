@@ -228,6 +228,9 @@ fn who_was_carried_away_looks_round_there_and_drives_on_from_a_node() {
     let (_, active, seeing) = carried_to(Pose::new(0.0, -1.2, 0.3), 3.0);
     assert_eq!((active, seeing.graph.place(3)), (3, Point::new(0.0, -1.2)), "it is at none");
     assert!((seeing.graph.ways_from(3).length(2) - 1.2_f64.hypot(2.0)).abs() < 1e-12, "it sees some");
+    let (_, active, lost) = carried_to(Pose::new(8.0, 6.0, 0.3), 1.0);
+    assert_eq!(lost.graph.place(active), Point::new(8.0, 6.0));
+    assert!(lost.graph.ways_from(active).length(0).is_finite(), "it came from somewhere");
     // What is over stays so, but for who was stuck.
     explorer.state = State::Ended(Command::Done);
     explorer.interrupt();
