@@ -18,7 +18,8 @@ pub const fn age_100us(age_ns: u64) -> u8 {
 /// there is none.
 ///
 /// Both times are the microcontroller's clock, of which the receiver has only an estimate. An instant up to one unit
-/// after `now_ns` therefore counts as not after it: taking it for one of 6.5 s ago would be a far greater error.
+/// after `now_ns` therefore counts as not after it: taking it for one of 6.5 s ago would be a far greater error. Its
+/// price is that an instant of 65,535 whole units ago, which has the same time on the wire, is taken for that one.
 pub const fn unwrap_time(time_100us: u16, now_ns: u64) -> u64 {
     let latest = now_ns / UNIT_NS + 1;
     let before = (latest as u16).wrapping_sub(time_100us);
@@ -34,8 +35,9 @@ mod tests {
     const TURN_NS: u64 = 65_536 * UNIT_NS;
 
     proptest! {
+        // No longer ago than 65,534 units: within one unit more it may be 65,535 from the one count to the other.
         #[test]
-        fn an_instant_of_the_last_turn_comes_back(at_ns in 0..u64::MAX / 2, age_ns in 0..TURN_NS - UNIT_NS) {
+        fn an_instant_of_the_last_turn_comes_back(at_ns in 0..u64::MAX / 2, age_ns in 0..=TURN_NS - 2 * UNIT_NS) {
             prop_assert_eq!(unwrap_time(wrap_time(at_ns), at_ns + age_ns), at_ns - at_ns % UNIT_NS);
         }
 
@@ -48,6 +50,14 @@ mod tests {
         fn nothing_overflows(time: u16, now_ns: u64) {
             prop_assert!(unwrap_time(time, now_ns) <= now_ns.saturating_add(UNIT_NS));
         }
+    }
+
+    #[test]
+    fn the_oldest_instant_of_a_turn_is_taken_for_one_a_unit_ahead() {
+        let at_ns = 7 * UNIT_NS;
+        let now_ns = |units_later: u64| at_ns + units_later * UNIT_NS;
+        assert_eq!(unwrap_time(wrap_time(at_ns), now_ns(65_534)), at_ns);
+        assert_eq!(unwrap_time(wrap_time(at_ns), now_ns(65_535)), now_ns(65_536));
     }
 
     #[test]
