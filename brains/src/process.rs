@@ -19,7 +19,7 @@ pub struct Moment<'a> {
     pub turn: &'a Turn,
     /// Since the brain's last step, in seconds.
     pub dt_s: f64,
-    /// The state variables z, in the order of their description.
+    /// The state variables z, in the order of their names.
     pub state: &'a [f64],
     /// What the brain believes. Processes write it for each other.
     pub beliefs: &'a mut Beliefs,

@@ -111,8 +111,9 @@ pub(crate) struct RunArgs {
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
     ///
-    /// Without it every robot gets `avoid`, which needs IR sensors. `baudbot brain --list` lists the brains.
-    #[arg(long = "brain", value_name = "[ROBOT=]NAME[:K=V,…]")]
+    /// BRAIN is a name, or the file of a brain that is described in TOML. Without it every robot gets `avoid`, which needs
+    /// IR sensors. `baudbot brain --list` lists the brains.
+    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// End after this much simulated time
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
@@ -175,8 +176,8 @@ pub(crate) struct ServeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct BrainArgs {
-    /// Name of a brain, with parameters if need be
-    #[arg(value_name = "NAME[:K=V,…]")]
+    /// Name of a brain, or the file of one that is described in TOML; with parameters if need be
+    #[arg(value_name = "BRAIN[:K=V,…]")]
     pub(crate) brain: Option<String>,
     /// List the brains and their parameters
     #[arg(long)]
@@ -207,7 +208,7 @@ pub(crate) struct DiagramArgs {
     /// A scenario file, or one that is part of the program: arsim, khepera, wander
     pub(crate) scenario: String,
     /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
-    #[arg(long = "brain", value_name = "[ROBOT=]NAME[:K=V,…]")]
+    #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// The robot that is shown [default: the first]
     #[arg(long, value_name = "ROBOT")]

@@ -63,6 +63,10 @@ fn list() -> String {
         let pairs: Vec<_> = settings.iter().map(|(name, value)| (name.as_str(), value.clone())).collect();
         text += &text::pairs("    ", &pairs);
     }
-    let _ = writeln!(text, "\nA parameter is set as in: baudbot brain constant:left=0.5,right=-0.5");
-    text
+    text + "
+A parameter is set as in: baudbot brain constant:left=0.5,right=-0.5
+Brains without any here are described in TOML. Their numbers are set by their paths, and a file makes a brain, too:
+    baudbot brain sweeper:motor.charge.utility.bias=1.5
+    baudbot brain my.toml
+"
 }

@@ -16,6 +16,7 @@ use rustix::time::{ClockId, clock_gettime};
 const COURSES: &[(&str, &str)] = &[
     ("avoid", include_str!("../../scenarios/wander.toml")),
     ("wander", include_str!("../../scenarios/wander.toml")),
+    ("constant", include_str!("../../scenarios/wander.toml")),
     ("ant", include_str!("../../scenarios/ant.toml")),
     ("ecoli", include_str!("../../scenarios/ecoli-one.toml")),
     ("errands", include_str!("../../scenarios/errands.toml")),
@@ -28,6 +29,7 @@ const COURSES: &[(&str, &str)] = &[
     ("larva", include_str!("../../scenarios/ecoli-one.toml")),
     ("mower", include_str!("../../scenarios/mower.toml")),
     ("mower:cognitive.localization.utility.bias=-1", include_str!("../../scenarios/mower.toml")),
+    ("navigate", include_str!("../../scenarios/arsim.toml")),
     ("patient", include_str!("../../scenarios/patient.toml")),
     ("stentor", include_str!("../../scenarios/stentor.toml")),
     ("sweeper", include_str!("../../scenarios/sweeper.toml")),

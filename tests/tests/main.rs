@@ -16,6 +16,7 @@ mod lookahead;
 mod metrics;
 mod navigation;
 mod page;
+mod readme;
 mod recording;
 mod room;
 mod services;

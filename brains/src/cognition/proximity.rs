@@ -21,7 +21,7 @@ pub struct Parameters {
     /// An infra-red reading from which on something is near.
     #[serde(default = "near_reading")]
     pub near_reading: f64,
-    /// Name of a process that gets the Γ.
+    /// Name of a motor behaviour that gets the Γ.
     pub raise: Option<String>,
     /// Γ while something is near.
     #[serde(default = "gamma")]
