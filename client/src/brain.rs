@@ -130,14 +130,24 @@ pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result
     while let Some(turn) = robot.turn().await? {
         summary.turns += 1;
         summary.last_tick = turn.tick;
-        robot.act(brain.step(&turn)).await?;
-        if looks.is_due(turn.at_ns)
-            && let Some(belief) = brain.belief()
-        {
-            robot.publish(belief).await?;
+        let action = brain.step(&turn);
+        let is_due = looks.is_due(turn.at_ns);
+        // In lockstep what is said before the answer is there at the next tick, on any machine. By the wall clock no
+        // command waits for what people see.
+        if is_due && robot.lockstep() {
+            publish(robot, brain).await?;
+        }
+        robot.act(action).await?;
+        if is_due && !robot.lockstep() {
+            publish(robot, brain).await?;
         }
     }
     Ok(summary)
+}
+
+async fn publish(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result<(), Error> {
+    let Some(belief) = brain.belief() else { return Ok(()) };
+    robot.publish(belief).await
 }
 
 /// Lets each of `brains` drive the robot of `fleet` that stands in the same place, until the run is over or
@@ -160,17 +170,30 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
                 actions.push((*robot, brain.step(turn)));
             }
         }
+        let due: Vec<_> = turns
+            .iter()
+            .filter(|(robot, turn)| looks[*robot].is_due(turn.at_ns))
+            .map(|(robot, _)| *robot)
+            .collect();
+        // As for one robot.
+        if fleet.lockstep() {
+            publish_all(fleet, brains, &due).await?;
+        }
         fleet.act(&actions).await?;
-        for (robot, turn) in &turns {
-            if let (Some(brain), Some(looks)) = (brains.get_mut(*robot), looks.get_mut(*robot))
-                && looks.is_due(turn.at_ns)
-                && let Some(belief) = brain.belief()
-            {
-                fleet.publish(*robot, belief).await?;
-            }
+        if !fleet.lockstep() {
+            publish_all(fleet, brains, &due).await?;
         }
     }
     Ok(summary)
+}
+
+async fn publish_all<B: Brain>(fleet: &mut Fleet, brains: &mut [B], due: &[usize]) -> Result<(), Error> {
+    for &robot in due {
+        if let Some(belief) = brains[robot].belief() {
+            fleet.publish(robot, belief).await?;
+        }
+    }
+    Ok(())
 }
 
 /// When people look.

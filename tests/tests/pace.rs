@@ -67,15 +67,22 @@ async fn the_others_go_on_when_one_of_ten_hangs_and_only_the_declared_wait_is_lo
 async fn with_the_policy_wait_the_world_waits_and_says_so() {
     let server = serve(scenario(WANDER, &["end.after_s=1.0"]), watched(50, WatchdogPolicy::Wait)).await;
     let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    let started = Instant::now();
     for _ in 0..20 {
         robot.turn().await.unwrap().unwrap();
         robot.pass().await.unwrap();
     }
     robot.turn().await.unwrap().unwrap();
-    tokio::time::sleep(Duration::from_millis(230)).await;
-    let waiting = status(&server).await;
-    assert_eq!(waiting.tick, 20);
-    assert!(waiting.pacing.unwrap().watchdog_timeouts >= 3);
+    loop {
+        let waiting = status(&server).await;
+        assert_eq!(waiting.tick, 20);
+        if waiting.pacing.unwrap().watchdog_timeouts >= 3 {
+            break;
+        }
+        assert!(started.elapsed() < Duration::from_secs(10), "the world does not say that it waits");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    assert!(started.elapsed() >= Duration::from_millis(150), "{:?}", started.elapsed());
     robot.pass().await.unwrap();
     while robot.turn().await.unwrap().is_some() {
         robot.pass().await.unwrap();
@@ -122,29 +129,41 @@ async fn a_brain_that_is_killed_and_restarted_goes_on_with_its_robot() {
     }
 }
 
+/// Seconds of simulated time at this pace, with what a busy machine can make worse: what was not kept, if anything.
+async fn keeps_to_the_wall_clock(factor: f64, seconds: f64) -> Result<(), String> {
+    let changes = [&format!("end.after_s={seconds}")[..], "collision=stop-robot"];
+    let server = serve(scenario(WANDER, &changes), Pace::Timed { factor }).await;
+    let started = Instant::now();
+    drive(&client(&server).await, "robot", "avoid", 1).await;
+    let took = started.elapsed().as_secs_f64() * factor;
+    let status = status(&server).await;
+    server.shutdown().await;
+    let pacing = status.pacing.unwrap();
+    assert_eq!(pacing.lateness_us_log2.iter().sum::<u64>(), status.tick);
+    assert!(status.robots[0].distance_m > 0.3, "it drove {} m", status.robots[0].distance_m);
+    // The last tick may be late on a busy machine, by what the server says; the rest is the clock's.
+    let hiccup = pacing.lateness_max_wall_ns as f64 * 1e-9 * factor;
+    let wall = status.running_wall_ns as f64 * 1e-9 * factor;
+    assert!(wall > seconds * 0.99 && took > seconds * 0.8, "too fast: {wall} and {took} for {seconds}");
+    // A clock that drifted would make every later tick late.
+    let on_time: u64 = pacing.lateness_us_log2.iter().take(14).sum();
+    let kept =
+        wall < seconds * 1.01 + hiccup && took < seconds * 1.2 + hiccup && on_time * 10 > status.tick * 9;
+    kept.then_some(())
+        .ok_or_else(|| format!("{wall} and {took} for {seconds}: {:?}", pacing.lateness_us_log2))
+}
+
 #[tokio::test]
 async fn real_time_keeps_to_the_wall_clock_and_scaled_time_to_its_multiple() {
     // The long run of 60 s is `baudbot run --pace real-time`; the drift is the same over any span, because
     // every tick's instant is computed from the start.
     for (factor, seconds) in [(1.0, 3.0), (10.0, 10.0)] {
-        let pace = Pace::Timed { factor };
-        let server = serve(scenario(WANDER, &[&format!("end.after_s={seconds}")]), pace).await;
-        let started = Instant::now();
-        drive(&client(&server).await, "robot", "avoid", 1).await;
-        let took = started.elapsed().as_secs_f64() * factor;
-        let status = status(&server).await;
-        let pacing = status.pacing.unwrap();
-        // The last tick may be late on a busy machine, by what the server says; the rest is the clock's.
-        let hiccup = pacing.lateness_max_wall_ns as f64 * 1e-9 * factor;
-        let wall = status.running_wall_ns as f64 * 1e-9 * factor;
-        assert!(wall > seconds * 0.99 && wall < seconds * 1.01 + hiccup, "{wall} for {seconds}");
-        // A clock that drifted would make every later tick late.
-        let on_time: u64 = pacing.lateness_us_log2.iter().take(14).sum();
-        assert!(on_time * 10 > status.tick * 9, "{:?}", pacing.lateness_us_log2);
-        assert!(took < seconds * 1.2 + hiccup && took > seconds * 0.8, "{took}");
-        assert_eq!(pacing.lateness_us_log2.iter().sum::<u64>(), status.tick);
-        assert!(status.robots[0].distance_m > 0.3, "it drove {} m", status.robots[0].distance_m);
-        server.shutdown().await;
+        // What a machine does that is busy elsewhere it does now and then; a clock that is wrong is so each time.
+        let mut found = Vec::new();
+        while let Err(late) = keeps_to_the_wall_clock(factor, seconds).await {
+            found.push(late);
+            assert!(found.len() < 3, "{found:#?}");
+        }
     }
 }
 
@@ -174,20 +193,22 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
     let mut set = async |kind| {
         let request = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(kind) }) };
         operator.set_pace(request).await.unwrap();
-        tokio::time::sleep(Duration::from_millis(100)).await;
-        status(&server).await.tick
     };
-    let mut last = 0;
     for kind in [
         v1::pace::Kind::Lockstep(v1::Lockstep::default()),
         v1::pace::Kind::Scaled(v1::Scaled { factor: 5.0 }),
         v1::pace::Kind::Lockstep(v1::Lockstep::default()),
         v1::pace::Kind::RealTime(v1::RealTime {}),
     ] {
-        let tick = set(kind).await;
-        assert!(tick > last, "the world stands still under {kind:?}");
+        let before = status(&server).await.tick;
+        set(kind).await;
+        let changed = Instant::now();
+        // A tick may be under way when the pace is changed; a second one is of the new pace.
+        while status(&server).await.tick < before + 2 {
+            assert!(changed.elapsed() < Duration::from_secs(10), "the world stands still under {kind:?}");
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
         assert!(status(&server).await.robots[0].attached, "the brain was thrown out under {kind:?}");
-        last = tick;
     }
     server.shutdown().await;
     brain.abort();
@@ -199,7 +220,7 @@ async fn a_backlog_of_answers_is_void_after_a_reset() {
     let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
     let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
     // Three turns pile up while the brain thinks about the first.
-    robot.turn().await.unwrap().unwrap();
+    let mut last_tick = robot.turn().await.unwrap().unwrap().tick;
     tokio::time::sleep(Duration::from_millis(60)).await;
     let mut operator = operator(&server).await;
     let lockstep = v1::pace::Kind::Lockstep(v1::Lockstep::default());
@@ -209,11 +230,10 @@ async fn a_backlog_of_answers_is_void_after_a_reset() {
     operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     let full = Signals { left: 1.0, right: 1.0 };
-    let mut last_tick = u64::MAX;
     loop {
         robot.drive(full).await.unwrap();
         let tick = robot.turn().await.unwrap().unwrap().tick;
-        if tick == 0 && last_tick != u64::MAX {
+        if tick <= last_tick {
             break; // the first Turn of the new run
         }
         last_tick = tick;

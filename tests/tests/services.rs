@@ -1,6 +1,6 @@
 //! The services as an operator and an observer use them.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use baudbot_client::Signals;
 use baudbot_proto::v1;
@@ -29,12 +29,17 @@ async fn an_operator_makes_lists_pauses_starts_and_deletes_worlds() {
 
     let world = || "wander".to_owned();
     operator.start_world(v1::StartWorldRequest { world: world() }).await.unwrap();
-    tokio::time::sleep(Duration::from_millis(100)).await;
+    let started = Instant::now();
+    let get = || v1::GetWorldRequest { world: world() };
+    while operator.get_world(get()).await.unwrap().into_inner().status.unwrap().tick <= 3 {
+        assert!(started.elapsed() < Duration::from_secs(10), "the world does not start");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
     let paused = operator.pause_world(v1::PauseWorldRequest { world: world() }).await.unwrap();
     let paused = paused.into_inner().status.unwrap();
     assert!(paused.tick > 3, "{}", paused.tick);
     tokio::time::sleep(Duration::from_millis(100)).await;
-    let later = operator.get_world(v1::GetWorldRequest { world: world() }).await.unwrap();
+    let later = operator.get_world(get()).await.unwrap();
     let later = later.into_inner().status.unwrap();
     assert!(later.tick <= paused.tick + 1, "a paused world finishes the tick it is in, and no more");
 

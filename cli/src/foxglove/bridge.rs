@@ -32,11 +32,13 @@ pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Resul
     show.open(time_ns);
     loop {
         tokio::select! {
+            // Who has just subscribed gets the next frame anyway: the last one goes before it, or would come twice.
+            biased;
+            Some((who, topic)) = subscriptions.recv() => show.again(who, &topic),
             frame = frames.message() => match frame.map_err(|status| from_server(&status))? {
                 Some(frame) => show.frame(&frame),
                 None => bail!("the server closed the connection"),
             },
-            Some((who, topic)) = subscriptions.recv() => show.again(who, &topic),
         }
     }
 }

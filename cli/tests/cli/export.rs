@@ -71,7 +71,7 @@ fn refusal(code: i32, args: &[&str]) -> String {
 #[test]
 fn the_table_and_the_trace_are_those_of_the_run() {
     let [csv, trace, run_csv, run_trace] =
-        ["same.csv", "same.trace", "same-run.csv", "same-run.trace"].map(place);
+        ["same-tape.csv", "same-tape.trace", "same-run.csv", "same-run.trace"].map(place);
     let paths = [&csv, &trace, &run_csv, &run_trace].map(|path| path.to_str().unwrap());
     let tape = record("wander", &["--seconds", "2", "--csv", paths[2], "--timeline", paths[3]], "same.mcap");
     good(&["export", &tape, "--csv", paths[0], "--timeline", paths[1]]);

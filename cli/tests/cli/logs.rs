@@ -19,6 +19,8 @@ fn come_and_go(server: Running, address: &str, brain: &str) -> String {
     runtime.block_on(async {
         let client = connect(address).await.unwrap().brain(brain);
         let mut robot = client.attach("wander", "robot").await.unwrap();
+        // The first may be of the tick at which it was attached.
+        robot.turn().await.unwrap();
         robot.turn().await.unwrap();
         let mut operator = ControlServiceClient::new(client.channel());
         drop((robot, client));

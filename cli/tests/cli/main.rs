@@ -88,7 +88,7 @@ impl Running {
 
     /// Waits for its end, but not for ever.
     fn end(mut self) -> (i32, String, String) {
-        let deadline = Instant::now() + Duration::from_secs(20);
+        let deadline = Instant::now() + Duration::from_secs(120);
         while self.0.try_wait().unwrap().is_none() {
             assert!(Instant::now() < deadline, "the program does not end");
             std::thread::sleep(Duration::from_millis(10));

@@ -75,7 +75,8 @@ fn a_huge_world_can_be_watched_and_is_in_nobodys_way() {
 #[test]
 fn a_second_signal_ends_an_observer_whom_nobody_reads() {
     let (_server, tcp, _) = serve("unread.sock", &["wander"]);
-    let watch = Running::start(&["watch", "--connect", &tcp]);
+    let mut watch = Running::start(&["watch", "--connect", &tcp]);
+    watch.lines_until("world");
     // A pipe holds 64 KiB, a second of frames has more.
     std::thread::sleep(Duration::from_secs(3));
     watch.signal("-INT");

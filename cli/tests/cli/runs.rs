@@ -64,7 +64,9 @@ fn real_time_is_kept_and_told() {
     let summary = json(&["--pace", "scaled:2", "--seconds", "1"]);
     assert!(started.elapsed() >= Duration::from_millis(495));
     let clock = &summary["clock"];
-    assert!(clock["drift_percent"].as_f64().unwrap().abs() < 20.0);
+    // Half a second by the wall clock, and what the last tick may be late on a busy machine.
+    let late_percent = clock["lateness_max_ms"].as_f64().unwrap() / 500.0 * 100.0;
+    assert!(clock["drift_percent"].as_f64().unwrap().abs() < 20.0 + late_percent, "{clock}");
     let ticks: u64 =
         clock["lateness"].as_array().unwrap().iter().map(|bar| bar["ticks"].as_u64().unwrap()).sum();
     assert_eq!(ticks, 100);
@@ -139,17 +141,18 @@ fn without_an_end_a_run_has_60_seconds_and_says_so() {
 fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
     let path = place("interrupted.csv");
     let csv = path.to_str().unwrap();
-    let args = ["run", "--pace", "real-time", "--seconds", "1000", "--json", "--quiet", "--csv", csv];
-    let run = Running::start(&args);
-    // The file is there before the world's start; soon after, signals are awaited.
-    let deadline = Instant::now() + Duration::from_secs(10);
-    while !path.exists() && Instant::now() < deadline {
-        std::thread::sleep(Duration::from_millis(10));
+    let socket = format!("unix:{}", place("interrupted.sock").display());
+    let args = ["--pace", "real-time", "--seconds", "1000", "--json", "--listen", &socket, "--csv", csv];
+    let mut run = Running::start(&[&["run"], &args[..]].concat());
+    // Signals are awaited before it listens.
+    assert_eq!(run.first_complaint(), format!("listening on {socket}\n"));
+    let begun = Instant::now();
+    while good(&["watch", "--once", "--connect", &socket]).starts_with("world wander  t = 0.000 s") {
+        assert!(begun.elapsed() < Duration::from_secs(20), "the world does not start");
     }
-    std::thread::sleep(Duration::from_millis(300));
     run.signal("-INT");
-    let (code, out, err) = run.end();
-    assert_eq!((code, err.as_str()), (130, ""));
+    let (code, out, _) = run.end();
+    assert_eq!(code, 130);
     let summary: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(summary["interrupted"], true);
     let table = std::fs::read_to_string(&path).unwrap();
@@ -163,15 +166,14 @@ fn ctrl_c_ends_the_run_and_keeps_what_was_done() {
 
 #[test]
 fn a_second_signal_ends_at_once_what_waits_for_a_reader() {
-    // Nobody reads, and a pipe does not hold all these rows.
-    let run = Running::start(&["run", "--seconds", "1000", "--csv", "-"]);
+    // Nobody reads but the first row, and a pipe does not hold all of them.
+    let mut run = Running::start(&["run", "--seconds", "1000", "--csv", "-"]);
+    run.lines_until("t_s,robot,");
     std::thread::sleep(Duration::from_millis(1000));
     run.signal("-INT");
     std::thread::sleep(Duration::from_millis(300));
     run.signal("-TERM");
-    let (code, out, _) = run.end();
-    assert_eq!(code, 130);
-    assert!(out.starts_with("t_s,robot,"));
+    assert_eq!(run.end().0, 130);
 }
 
 /// A FIFO of this name.

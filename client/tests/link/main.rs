@@ -199,6 +199,7 @@ async fn a_server_is_reached_over_tcp_and_over_a_unix_socket() {
     let tcp = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let port = tcp.local_addr().unwrap().port();
     let path = std::env::temp_dir().join(format!("baudbot-client-{}.sock", std::process::id()));
+    let _ = std::fs::remove_file(&path); // of a process that was killed
     let unix = UnixListener::bind(&path).unwrap();
     let _over_tcp = serve_at(script.clone(), TcpListenerStream::new(tcp));
     let _over_unix = serve_at(script, UnixListenerStream::new(unix));
