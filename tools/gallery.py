@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Makes the pictures of docs/gallery.md anew: `cargo build --release && tools/gallery.py [NAME…]`.
+"""Makes the pictures of docs/gallery.md anew: `cargo build --release && tools/gallery.py [--check] [NAME…]`.
 
 A picture is made by the commands in backticks of the paragraph before it, as that page says: a run that is not exported
 is exported with `--svg`. Names are those of pictures, without `gallery-`; without any all are made. Runs are the same to
-the last bit on every machine, so `git diff --stat docs/pictures` shows what has become another since.
+the last bit on every machine, so a picture that has changed is a brain, a world or a drawing that has. With `--check`
+nothing is written, and it fails if one has.
 """
 
+import argparse
 import os
 import re
 import shlex
@@ -16,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs" / "pictures"
+BAUDBOT = os.path.abspath(os.environ.get("BAUDBOT", ROOT / "target" / "release" / "baudbot"))
 PICTURE = re.compile(r"!\[[^]]*\]\(pictures/gallery-([a-z0-9-]+)\.svg\)")
 
 
@@ -31,33 +34,40 @@ def recipes():
 
 
 def make(name, commands, folder):
-    """Runs the commands in a folder of its own, and keeps the picture."""
+    """The picture that the commands make, in a folder of its own."""
     if commands[-1][0] == "run":
         commands = [[*commands[-1], "--record", "run.mcap"], ["export", "run.mcap", "--svg", "way.svg"]]
     for command in commands:
-        called = [str(ROOT / "target/release/baudbot"), *command]
+        called = [BAUDBOT, *command]
         done = subprocess.run(called, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"{name}: baudbot {shlex.join(command)}\n{done.stderr}")
     made = list(Path(folder).glob("*.svg"))
     if len(made) != 1:
         sys.exit(f"{name}: its commands write {len(made)} pictures instead of one")
-    target = PICTURES / f"gallery-{name}.svg"
-    old = target.read_text() if target.exists() else None
-    new = made[0].read_text()
-    target.write_text(new)
-    print(f"{name}: {'new' if old is None else 'the same' if old == new else 'CHANGED'}", flush=True)
+    return made[0].read_text()
 
 
-def main(names):
-    known = dict(recipes())
-    for name in names or known:
+def main():
+    parser = argparse.ArgumentParser(description="Makes the pictures of docs/gallery.md anew.")
+    parser.add_argument("--check", action="store_true", help="write nothing, and fail if a picture has changed")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="a picture, without `gallery-` [default: all]")
+    asked, known, changed = parser.parse_args(), dict(recipes()), []
+    for name in asked.names or known:
         if name not in known:
             sys.exit(f"no picture of docs/gallery.md is called {name}; there are: {', '.join(known)}")
         with tempfile.TemporaryDirectory() as folder:
             os.symlink(ROOT / "scenarios", Path(folder) / "scenarios")
-            make(name, known[name], folder)
+            new = make(name, known[name], folder)
+        picture = PICTURES / f"gallery-{name}.svg"
+        is_same = picture.exists() and picture.read_text() == new
+        changed += [] if is_same else [name]
+        if not asked.check:
+            picture.write_text(new)
+        print(f"{name}: {'the same' if is_same else 'CHANGED'}", flush=True)
+    if asked.check and changed:
+        sys.exit(f"no longer what the program makes: {', '.join(changed)}; tools/gallery.py makes them anew")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
