@@ -2,7 +2,7 @@
 """Makes the pictures of docs/gallery.md anew: `cargo build --release && tools/gallery.py [--check] [NAME…]`.
 
 A picture is made by the commands in backticks of the paragraph before it, as that page says: a run that is not exported
-is exported with `--svg`. Names are those of pictures, without `gallery-`; without any all are made. Runs are the same to
+is exported with `--svg`. Names are those of pictures, such as gallery-tour; without any all are made. Runs are the same to
 the last bit on every machine, so a picture that has changed is a brain, a world or a drawing that has. With `--check`
 nothing is written, and it fails if one has.
 """
@@ -18,8 +18,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs" / "pictures"
-BAUDBOT = os.path.abspath(os.environ.get("BAUDBOT", ROOT / "target" / "release" / "baudbot"))
-PICTURE = re.compile(r"!\[[^]]*\]\(pictures/gallery-([a-z0-9-]+)\.svg\)")
+BUILT = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "release" / "baudbot"
+BAUDBOT = Path(os.environ.get("BAUDBOT") or BUILT).resolve()
+PICTURE = re.compile(r"!\[[^]]*\]\(pictures/([a-z0-9-]+)\.svg\)")
 
 
 def recipes():
@@ -27,9 +28,9 @@ def recipes():
     paragraphs = re.split(r"\n\n+", (ROOT / "docs" / "gallery.md").read_text())
     for before, paragraph in zip(paragraphs, paragraphs[1:]):
         if picture := PICTURE.fullmatch(paragraph.strip()):
-            commands = re.findall(r"`((?:run|export|plan|locate|check) [^`]*)`", before)
+            commands = re.findall(r"`((?:run|export|plan|locate|check|diagram) [^`]*)`", before)
             if not commands:
-                sys.exit(f"docs/gallery.md: the paragraph before gallery-{picture[1]}.svg has no command")
+                sys.exit(f"docs/gallery.md: the paragraph before {picture[1]}.svg has no command")
             yield picture[1], [shlex.split(command) for command in commands]
 
 
@@ -51,15 +52,17 @@ def make(name, commands, folder):
 def main():
     parser = argparse.ArgumentParser(description="Makes the pictures of docs/gallery.md anew.")
     parser.add_argument("--check", action="store_true", help="write nothing, and fail if a picture has changed")
-    parser.add_argument("names", nargs="*", metavar="NAME", help="a picture, without `gallery-` [default: all]")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="a picture, such as gallery-tour [default: all]")
     asked, known, changed = parser.parse_args(), dict(recipes()), []
+    if not BAUDBOT.is_file():
+        sys.exit(f"{BAUDBOT} is not there: cargo build --release")
     for name in asked.names or known:
         if name not in known:
             sys.exit(f"no picture of docs/gallery.md is called {name}; there are: {', '.join(known)}")
         with tempfile.TemporaryDirectory() as folder:
             os.symlink(ROOT / "scenarios", Path(folder) / "scenarios")
             new = make(name, known[name], folder)
-        picture = PICTURES / f"gallery-{name}.svg"
+        picture = PICTURES / f"{name}.svg"
         is_same = picture.exists() and picture.read_text() == new
         changed += [] if is_same else [name]
         if not asked.check:

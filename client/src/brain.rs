@@ -132,8 +132,9 @@ pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result
         summary.last_tick = turn.tick;
         let action = brain.step(&turn);
         let is_due = looks.is_due(turn.at_ns);
-        // In lockstep what is said before the answer is there at the next tick, on any machine. By the wall clock no
-        // command waits for what people see.
+        // Where the world waits for its brains, what is said before the answer is there at the next tick, on any machine.
+        // By the wall clock no command waits for what people see. Which it is the Welcome says, once; a pace that is changed
+        // later makes a belief late at worst.
         if is_due && robot.lockstep() {
             publish(robot, brain).await?;
         }

@@ -113,7 +113,8 @@ impl Robot {
     }
 
     /// Shows people what the brain believes and does. It costs no time on the cable and changes nothing in the world; of
-    /// what is published faster than people look, they see the newest.
+    /// what is published faster than people look, they see the newest. In lockstep, publish before the answer to a turn: then
+    /// it is in the next tick's frame, where after the answer it may be late.
     ///
     /// # Errors
     /// As [`drive`](Self::drive). A belief of more than 256 KiB ends the stream.

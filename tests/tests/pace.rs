@@ -132,8 +132,8 @@ async fn a_brain_that_is_killed_and_restarted_goes_on_with_its_robot() {
 /// Seconds of simulated time at this pace, with what a busy machine can make worse: what was not kept, if anything.
 async fn keeps_to_the_wall_clock(factor: f64, seconds: f64) -> Result<(), String> {
     let changes = [&format!("end.after_s={seconds}")[..], "collision=stop-robot"];
-    let server = serve(scenario(WANDER, &changes), Pace::Timed { factor }).await;
     let started = Instant::now();
+    let server = serve(scenario(WANDER, &changes), Pace::Timed { factor }).await;
     drive(&client(&server).await, "robot", "avoid", 1).await;
     let took = started.elapsed().as_secs_f64() * factor;
     let status = status(&server).await;
@@ -200,10 +200,10 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
         v1::pace::Kind::Lockstep(v1::Lockstep::default()),
         v1::pace::Kind::RealTime(v1::RealTime {}),
     ] {
-        let before = status(&server).await.tick;
         set(kind).await;
+        let before = status(&server).await.tick;
         let changed = Instant::now();
-        // A tick may be under way when the pace is changed; a second one is of the new pace.
+        // One tick may be under way from before; a second is of the new pace.
         while status(&server).await.tick < before + 2 {
             assert!(changed.elapsed() < Duration::from_secs(10), "the world stands still under {kind:?}");
             tokio::time::sleep(Duration::from_millis(10)).await;

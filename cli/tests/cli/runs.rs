@@ -60,17 +60,20 @@ fn ticks_are_exact() {
 
 #[test]
 fn real_time_is_kept_and_told() {
-    let started = Instant::now();
-    let summary = json(&["--pace", "scaled:2", "--seconds", "1"]);
-    assert!(started.elapsed() >= Duration::from_millis(495));
-    let clock = &summary["clock"];
-    // Half a second by the wall clock, and what the last tick may be late on a busy machine.
-    let late_percent = clock["lateness_max_ms"].as_f64().unwrap() / 500.0 * 100.0;
-    assert!(clock["drift_percent"].as_f64().unwrap().abs() < 20.0 + late_percent, "{clock}");
-    let ticks: u64 =
-        clock["lateness"].as_array().unwrap().iter().map(|bar| bar["ticks"].as_u64().unwrap()).sum();
-    assert_eq!(ticks, 100);
-    assert!(summary["lockstep"].is_null());
+    let is_kept = || {
+        let started = Instant::now();
+        let summary = json(&["--pace", "scaled:2", "--seconds", "1"]);
+        assert!(started.elapsed() >= Duration::from_millis(495));
+        assert!(summary["lockstep"].is_null());
+        let clock = &summary["clock"];
+        let bars = clock["lateness"].as_array().unwrap().iter();
+        let bars = bars.map(|bar| (bar["below_us"].as_u64().unwrap(), bar["ticks"].as_u64().unwrap()));
+        assert_eq!(bars.clone().map(|(_, ticks)| ticks).sum::<u64>(), 100);
+        let on_time: u64 = bars.filter(|(below_us, _)| *below_us < 10_000).map(|(_, ticks)| ticks).sum();
+        on_time > 90 && clock["drift_percent"].as_f64().unwrap().abs() < 20.0
+    };
+    // A busy machine is late now and then, a clock that is wrong each time.
+    assert!((0..3).any(|_| is_kept()));
 }
 
 #[test]

@@ -86,8 +86,13 @@ impl BrainLinkService for Fake {
 
 /// A Welcome to these robots, each with an infra-red sensor and an odometer.
 pub(crate) fn welcome(robots: &[&str]) -> Act {
+    welcome_to(true, robots)
+}
+
+/// The same to a world that waits for its brains, or does not.
+pub(crate) fn welcome_to(lockstep: bool, robots: &[&str]) -> Act {
     let robots = robots.iter().map(|robot| describe(robot)).collect();
-    Act::Say(attach_response::Response::Welcome(v1::Welcome { step_ns: 10_000_000, lockstep: true, robots }))
+    Act::Say(attach_response::Response::Welcome(v1::Welcome { step_ns: 10_000_000, lockstep, robots }))
 }
 
 pub(crate) fn describe(robot: &str) -> v1::RobotDescription {

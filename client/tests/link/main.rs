@@ -5,10 +5,10 @@ mod fake;
 
 use std::time::Duration;
 
-use baudbot_client::{Action, Brain, Error, Signals, Summary, Turn, connect, run, run_fleet};
+use baudbot_client::{Action, Belief, Brain, Error, Signals, Summary, Turn, connect, run, run_fleet};
 use baudbot_proto::v1::{self, attach_request::Request, robot_step::Output};
 use fake::Act::{Fail, Hear};
-use fake::{at, ended, number, serve, serve_at, turn, turn_of, welcome};
+use fake::{at, ended, number, serve, serve_at, turn, turn_of, welcome, welcome_to};
 use tokio::net::{TcpListener, UnixListener};
 use tokio::sync::mpsc::Receiver;
 use tokio_stream::wrappers::{TcpListenerStream, UnixListenerStream};
@@ -117,6 +117,38 @@ async fn a_brain_runs_until_the_end() {
     requests.recv().await.unwrap();
     assert_eq!(hear_step(&mut requests).await, step(0, &[(0, Some(Output::Poll(v1::Poll {})))]));
     assert_eq!(hear_step(&mut requests).await, step(3, &[(0, command(0.5, 0.5))]));
+}
+
+/// A brain that says that it believes something.
+struct Believer;
+
+impl Brain for Believer {
+    fn step(&mut self, _: &Turn) -> Action {
+        Action::poll()
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        Some(Belief { state: "certain".into(), ..Belief::default() })
+    }
+}
+
+/// Where the world waits it is there at the next tick, and by the wall clock no command waits for it.
+#[tokio::test]
+async fn a_belief_is_published_before_the_answer_in_lockstep_only() {
+    for (lockstep, fleet) in [(true, false), (false, false), (true, true), (false, true)] {
+        let script = vec![Hear, welcome_to(lockstep, &["alice"]), turn(0, &[]), Hear, Hear, ended(1)];
+        let (client, mut requests) = serve(script).await;
+        if fleet {
+            let mut fleet = client.attach_many("room", &["alice"]).await.unwrap();
+            run_fleet(&mut fleet, &mut [Believer]).await.unwrap();
+        } else {
+            run(&mut client.attach("room", "alice").await.unwrap(), &mut Believer).await.unwrap();
+        }
+        requests.recv().await.unwrap();
+        let heard = [requests.recv().await.unwrap(), requests.recv().await.unwrap()];
+        let is_belief = heard.map(|request| matches!(request, Request::Annotate(_)));
+        assert_eq!(is_belief, [lockstep, !lockstep], "in lockstep: {lockstep}, a fleet: {fleet}");
+    }
 }
 
 #[tokio::test]
