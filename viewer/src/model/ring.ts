@@ -48,8 +48,22 @@ export class SeriesTable {
     this.times = new Float64Array(capacity);
   }
 
-  /** A row of values. Beyond the most columns that are kept, new ones are left out. */
-  push(time_s: number, values: Iterable<readonly [string, number]>): void {
+  /** The instant of the oldest row; 0 if there is none. */
+  get first(): number {
+    return this.length > 0 ? (this.times[(this.head - this.length + this.capacity) % this.capacity] ?? 0) : 0;
+  }
+
+  /**
+   * A row of values. Beyond the most columns that are kept, new ones are left out. If the row before is farther away
+   * than `near_s`, something was missed in between, and a row without values says so.
+   */
+  push(time_s: number, values: Iterable<readonly [string, number]>, near_s = Infinity): void {
+    const before_s = this.times[(this.head - 1 + this.capacity) % this.capacity] ?? 0;
+    if (this.length > 0 && time_s - before_s > near_s) this.add((before_s + time_s) / 2, []);
+    this.add(time_s, values);
+  }
+
+  private add(time_s: number, values: Iterable<readonly [string, number]>): void {
     this.times[this.head] = time_s;
     for (const column of this.columns.values()) column[this.head] = NaN;
     for (const [key, value] of values) this.column(key)?.fill(value, this.head, this.head + 1);
