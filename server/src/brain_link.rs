@@ -59,6 +59,7 @@ impl BrainLinkService for BrainLink {
             raw,
             memory_bytes: hello.memory_bytes,
             steady: hello.thinks_as_scenario,
+            stop_when_gone: hello.stop_when_gone,
             deliveries: deliveries.clone(),
             world: world.clone(),
         };
@@ -78,6 +79,10 @@ fn check(hello: v1::Hello) -> Result<v1::Hello, Status> {
     let length = hello.brain.chars().count();
     if length > MAX_BRAIN_NAME {
         let text = format!("hello.brain: has {length} characters, the limit is {MAX_BRAIN_NAME}");
+        return Err(Status::invalid_argument(text));
+    }
+    if hello.stop_when_gone && hello.mode() == v1::PortMode::Raw {
+        let text = "hello.stop_when_gone: needs MESSAGES mode; in RAW mode the server knows no command";
         return Err(Status::invalid_argument(text));
     }
     Ok(hello)

@@ -257,6 +257,8 @@ pub(crate) struct Attach {
     pub(crate) memory_bytes: Option<u64>,
     /// It has promised to think as long as the scenario says.
     pub(crate) steady: bool,
+    /// Its robots are to stand when it is gone.
+    pub(crate) stop_when_gone: bool,
     pub(crate) deliveries: mpsc::Sender<Delivery>,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,

@@ -7,6 +7,7 @@ use baudbot_sim::SimTime;
 use tokio::sync::{OwnedSemaphorePermit, oneshot};
 use tonic::Status;
 
+use super::last_word::LastWord;
 use super::{Host, Pending, ahead, sender};
 use crate::endpoint::{Thinking, Write};
 use crate::letter::{Attach, Attached, CoverageReport, Lease, Letter};
@@ -52,6 +53,7 @@ impl Host {
                 self.record_gone(session, &why);
                 self.beliefs.hand_to(None, self.sessions.robots(session));
                 self.give_up(session);
+                self.stop_robots_of(session);
                 self.sessions.detach(session, self.policy());
             }
         }
@@ -62,13 +64,14 @@ impl Host {
             return drop(reply.send(Err(status)));
         }
         let scenario = Arc::clone(self.world.scenario());
-        let (world, brain) = (request.world.clone(), request.brain.clone());
+        let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
         let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(attached) => attached,
             Err(status) => return drop(reply.send(Err(status))),
         };
         for &robot in &robots {
             self.senders[robot] = sender(&self.world.robot(robot));
+            self.last_words[robot] = stops.then(|| LastWord::of(&self.world));
         }
         self.record_come(&robots, &brain);
         self.log_attached(session, &robots);
@@ -92,6 +95,7 @@ impl Host {
     }
 
     fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
+        self.note_word_of(session);
         let promised = self.sessions.promised(session);
         let answer = self.sessions.answered(session, turn);
         match (answer, self.pace.watchdog()) {
@@ -127,7 +131,7 @@ impl Host {
 
     /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
     /// time where the world waits, and not before they came where time follows the wall clock.
-    fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
+    pub(super) fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
         let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
         let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
         match &self.clock {

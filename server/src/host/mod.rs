@@ -3,6 +3,7 @@
 //! Who does that is [`Room`](crate::room::Room)'s to know. This file is the loop; what operators order is in [`orders`].
 
 mod ahead;
+mod last_word;
 mod letters;
 mod log;
 mod measures;
@@ -30,6 +31,7 @@ use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
 use crate::recording::Recorder;
 use crate::registry::NewWorld;
 use crate::sessions::Sessions;
+use last_word::LastWord;
 use replay::Replaying;
 pub(crate) use rounds::Then;
 use stopwatch::Stopwatch;
@@ -68,6 +70,8 @@ pub(crate) struct Host {
     senders: Vec<Sender>,
     /// As they were when the tick began, which is where a snapshot goes back to.
     senders_at_begin: Vec<Sender>,
+    /// Of each robot, what is written when its brain is gone, if its brain wants that.
+    last_words: Vec<Option<LastWord>>,
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
     deleted: bool,
@@ -131,6 +135,7 @@ impl Host {
             recorder: None,
             heavy: None,
             behind_since: vec![0; senders.len()],
+            last_words: vec![None; senders.len()],
             replaying: replay.map(Replaying::new),
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
@@ -235,6 +240,7 @@ impl Host {
         self.sessions.deliver(&self.world, &turns, lockstep.map(|_| now));
         self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
+        self.stop_silent(now);
         let begun = Instant::now();
         if !self.sessions.is_behind() {
             self.waiting_since = begun;
@@ -347,6 +353,7 @@ impl Host {
         self.record_gone(session, status.message());
         self.beliefs.hand_to(None, self.sessions.robots(session));
         self.give_up(session);
+        self.stop_robots_of(session);
         self.sessions.close(session, self.policy(), status);
     }
 

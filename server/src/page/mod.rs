@@ -15,6 +15,7 @@
 mod files;
 mod film;
 mod guard;
+mod mailbox;
 mod socket;
 
 use crate::metrics::{self, Metrics};
