@@ -87,6 +87,40 @@ test("a robot is driven, and stands when it is let go", options, async () => {
   await page.close();
 });
 
+test(
+  "a robot stands when its driver looks elsewhere with a finger on the pad, until the pad is touched again",
+  options,
+  async () => {
+    const page = await open("#world=second&robot=carol");
+    await page.getByTestId("drive").click();
+    const box = await page.getByLabel("Drive pad").boundingBox();
+    assert.ok(box);
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const pose = async () => (await state(page)).pose;
+    const push = async () => {
+      const from = await pose();
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 20, y - 30);
+      await page.waitForFunction((from) => {
+        const to = window.baudbotViewer.pose;
+        return from && to && Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m) > 0.02;
+      }, from);
+    };
+    await push();
+    await page.evaluate(() => window.dispatchEvent(new Event("blur")));
+    await page.mouse.move(x - 20, y - 30);
+    await settled(pose, 700);
+    assert.ok(await page.getByTestId("pad").isVisible(), "the page still holds it");
+    await page.mouse.up();
+    await push();
+    await page.mouse.up();
+    await settled(pose, 700);
+    await page.keyboard.press("Escape");
+    await page.close();
+  },
+);
+
 test("who holds a robot is told", options, async () => {
   const page = await open("#world=second&robot=alice");
   await page.getByTestId("drive").click();
