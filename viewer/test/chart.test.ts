@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { create } from "@bufbuild/protobuf";
+import { create, toBinary } from "@bufbuild/protobuf";
 import { DescribeWorldResponseSchema, RobotTruthSchema, WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
+import { WorldStatusSchema } from "../src/gen/baudbot/v1/world_pb";
+import { SeriesTable } from "../src/model/ring";
 import { Store } from "../src/model/store";
 import { shownRange, shownSpan, ticks } from "../src/model/ticks";
 import { Frame } from "../src/net/frames";
-import { toBinary } from "@bufbuild/protobuf";
 
 /** What a label says. */
 const said = (label: string) => Number(label.replaceAll("−", "-"));
@@ -99,8 +100,50 @@ test("frames that are asked for more seldom, or more often, are not missed", () 
   assert.deepEqual(speeds().slice(-2), [NaN, 72]);
 });
 
-test("time that a replay leaps over is a gap, forwards and backwards", () => {
+/** A replay that was looked at from tick 0 to 40, and taken back to 20. */
+function takenBack() {
+  const { store, see, speeds } = looking(4);
+  store.setWorlds([create(WorldStatusSchema, { world: "w", replay: { lastTick: 1000n } })]);
+  for (let tick = 0; tick <= 40; tick += 4) see(tick);
+  see(20, true);
+  return { store, see, speeds };
+}
+
+test("time that a replay leaps over is a gap", () => {
   const { see, speeds } = looking(4);
   for (const tick of [4, 8, 12, 400, 404]) see(tick);
   assert.deepEqual(speeds(), [4, 8, 12, NaN, 400, 404]);
+});
+
+test("what comes again in a replay is known, and is shown when its time has come", () => {
+  const { see, speeds } = takenBack();
+  assert.deepEqual(speeds(), [0, 4, 8, 12, 16, 20]);
+  see(30, true);
+  assert.deepEqual(speeds(), [0, 4, 8, 12, 16, 20, 24, 28, 30]);
+  see(90, true);
+  assert.deepEqual(speeds(), [0, 4, 8, 12, 16, 20, 24, 28, 30, 32, 36, 40, NaN, 90]);
+  see(2, true);
+  assert.deepEqual(speeds(), [0, 2]);
+  see(200, true);
+  assert.deepEqual(speeds().slice(-5), [40, NaN, 90, NaN, 200]);
+});
+
+test("a replay that goes on as a live world forgets what would have come", () => {
+  const { store, see, speeds } = takenBack();
+  store.setWorlds([create(WorldStatusSchema, { world: "w" })]);
+  for (const tick of [24, 28, 32]) see(tick);
+  assert.deepEqual(speeds(), [0, 4, 8, 12, 16, 20, 24, 28, 32]);
+  see(44);
+  assert.deepEqual(speeds().slice(-3), [32, NaN, 44]);
+});
+
+test("what is kept of the time to come is bounded", () => {
+  const table = new SeriesTable(8, 1);
+  for (let round = 0; round < 5; round++) {
+    for (let i = 0; i < 8; i++) table.push(100 - 10 * round + i, [["a", i]]);
+    table.cut(0, true);
+  }
+  table.push(1000, [["a", 9]]);
+  assert.equal(table.length, 8);
+  assert.deepEqual([...table.rows(["a"], 8)[1]!], [1, 2, 3, 4, 5, 6, 7, 9]);
 });

@@ -81,7 +81,7 @@ export class RobotRecord {
     for (const ring of this.history) ring.drop(poses);
     for (const strip of [...this.strips, this.stripTimes]) strip.drop(marks);
     let seen = 0;
-    this.series.cut(time_ns / 1e9);
+    this.series.cut(time_ns / 1e9, time_ns > -Infinity);
     this.timeline.cut(time_ns);
     this.ghostTrail.cut(tick);
     while (seen < this.reckoned.length && (this.reckoned[seen]?.tick ?? 0) <= tick) seen++;

@@ -144,6 +144,7 @@ export class Store extends Emitter<Events> {
       if (belief && saysSomething(belief)) this.beliefs.set(robot, belief);
       else this.beliefs.delete(robot);
     const { longest, near_s } = this;
+    if (!this.status?.replay) this.record?.series.forgetLater();
     this.trails.take(frame.poses, (i) => this.description?.robots[i]?.radiusM ?? 0, Number(frame.tick), longest);
     this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first, longest, near_s);
     if (!first) this.formerStride = this.stride;
