@@ -64,6 +64,7 @@ fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
         brain: "test".into(),
         memory_bytes: None,
         thinks_as_scenario: false,
+        stop_when_gone: false,
     })
 }
 

@@ -128,7 +128,7 @@ export class TimingPanel {
     }
     const took_ns = cycle.obeyed_ns - cycle.begun_ns;
     const isLate = took_ns > deadline_ns;
-    const words = `last cycle ${duration(took_ns)}, ${isLate ? "late" : "in time"}`;
+    const words = `cycle ${duration(took_ns)}, ${isLate ? "late" : "in time"}`;
     this.verdict.title = `The last answered cycle took ${duration(took_ns)}; its deadline is ${duration(deadline_ns)}`;
     setText(this.verdict, words);
     this.verdict.className = isLate ? "verdict bad" : "verdict good";

@@ -20,6 +20,12 @@ export interface Picture {
   row: number;
 }
 
+/** A picture that is being drawn. */
+interface Sheet extends Picture {
+  /** Where bars begin. */
+  left: number;
+}
+
 /** Where a bar is, for the mouse. */
 export interface Spot {
   x: number;
@@ -64,25 +70,26 @@ function gapsOf(lanes: Lane[]): number {
   return lanes.length * GAP + new Set(lanes.map((lane) => lane.group)).size * GROUP_GAP;
 }
 
-/** Where bars begin: behind the longest label, unless that leaves them too little. */
+/** Behind the longest label, unless that leaves bars too little. */
 function leftOf({ context, lanes, width }: Picture): number {
   const widest = Math.max(0, ...lanes.map((lane) => context.measureText(lane.label).width));
   return Math.min(Math.max(64, Math.ceil(widest) + 18), Math.round(0.36 * width));
 }
 
 /** Where an instant is. */
-function xOf(picture: Picture, at_ns: number): number {
+function xOf(picture: Sheet, at_ns: number): number {
   const { from_ns, until_ns } = picture.window;
-  const left = leftOf(picture);
+  const { left } = picture;
   return left + ((at_ns - from_ns) / (until_ns - from_ns)) * (picture.width - left - RIGHT);
 }
 
 /** Draws it; returns where its bars are. */
-export function draw(picture: Picture): Spot[] {
-  const { context, width, height, theme } = picture;
+export function draw(wanted: Picture): Spot[] {
+  const { context, width, height, theme } = wanted;
   context.fillStyle = theme.ground;
   context.fillRect(0, 0, width, height);
   context.font = FONT;
+  const picture = { ...wanted, left: leftOf(wanted) };
   drawGroups(picture);
   drawLateTime(picture);
   drawSteps(picture);
@@ -92,7 +99,7 @@ export function draw(picture: Picture): Spot[] {
 }
 
 /** Where each lane begins. */
-function tops({ lanes, row }: Picture): number[] {
+function tops({ lanes, row }: Sheet): number[] {
   let y = TOP;
   return lanes.map((lane, i) => {
     if (i > 0 && lanes[i - 1]?.group !== lane.group) y += GROUP_GAP;
@@ -102,7 +109,7 @@ function tops({ lanes, row }: Picture): number[] {
   });
 }
 
-function drawGroups(picture: Picture): void {
+function drawGroups(picture: Sheet): void {
   const { context, lanes, theme, width } = picture;
   const starts = tops(picture);
   lanes.forEach((lane, i) => {
@@ -112,13 +119,13 @@ function drawGroups(picture: Picture): void {
     context.fillStyle = theme.ink;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    context.fillText(clipped(context, lane.label, leftOf(picture) - 12), leftOf(picture) - 8, top + high / 2);
+    context.fillText(clipped(context, lane.label, picture.left - 12), picture.left - 8, top + high / 2);
   });
   context.textBaseline = "alphabetic";
 }
 
 /** What is later than the deadline after the cycle began is on red ground. */
-function drawLateTime(picture: Picture): void {
+function drawLateTime(picture: Sheet): void {
   const { context, cycle, deadline_ns, theme, width, height } = picture;
   if (!cycle) return;
   const late_ns = cycle.begun_ns + deadline_ns;
@@ -147,7 +154,7 @@ function drawLateTime(picture: Picture): void {
 }
 
 /** Steps: from the cycle's beginning if there is one, or else multiples of Δt. */
-function drawSteps(picture: Picture): void {
+function drawSteps(picture: Sheet): void {
   const { context, window, cycle, step_ns, theme, height } = picture;
   const origin = cycle?.begun_ns ?? 0;
   const together = Math.max(1, roundStep(APART / (xOf(picture, origin + step_ns) - xOf(picture, origin))));
@@ -185,9 +192,9 @@ function dashed(
   context.setLineDash([]);
 }
 
-function drawLanes(picture: Picture): Spot[] {
+function drawLanes(picture: Sheet): Spot[] {
   const { context, lanes, width } = picture;
-  const left = leftOf(picture);
+  const { left } = picture;
   const starts = tops(picture);
   const spots: Spot[] = [];
   context.save();
@@ -204,7 +211,7 @@ function drawLanes(picture: Picture): Spot[] {
 }
 
 /** The labels of a row's marks: beside them, where there is room before what comes next. A crowd has one. */
-function nameMarks(picture: Picture, lane: Lane, row: number, top: number): void {
+function nameMarks(picture: Sheet, lane: Lane, row: number, top: number): void {
   const { context } = picture;
   const bars = lane.bars.filter((bar) => bar.row === row);
   bars.forEach((bar, i) => {
@@ -229,12 +236,12 @@ function isMark({ event }: Bar): boolean {
 }
 
 /** Whether two marks that follow on each other say the same at the same place, as far as eyes can tell. */
-function isOneCrowd(picture: Picture, bar: Bar, next: Bar): boolean {
+function isOneCrowd(picture: Sheet, bar: Bar, next: Bar): boolean {
   const apart = xOf(picture, next.event.start_ns) - xOf(picture, bar.event.start_ns);
   return isMark(bar) && isMark(next) && bar.label === next.label && apart < 2 * MARK;
 }
 
-function drawBar(picture: Picture, bar: Bar, top: number): Spot {
+function drawBar(picture: Sheet, bar: Bar, top: number): Spot {
   const { context, row } = picture;
   const { event } = bar;
   const kind = kindOf(event.kind);
@@ -260,18 +267,18 @@ function drawBar(picture: Picture, bar: Bar, top: number): Spot {
 }
 
 /** From when on a bar is red: its cycle's deadline. */
-function lateFrom(picture: Picture, bar: Bar): number | undefined {
+function lateFrom(picture: Sheet, bar: Bar): number | undefined {
   const { cycle, deadline_ns } = picture;
   return cycle && cycle.events.has(bar.event) ? cycle.begun_ns + deadline_ns : undefined;
 }
 
-function colorOf(picture: Picture, bar: Bar, at_ns: number): string {
+function colorOf(picture: Sheet, bar: Bar, at_ns: number): string {
   const late_ns = lateFrom(picture, bar);
   return late_ns !== undefined && at_ns > late_ns ? picture.theme.late : kindOf(bar.event.kind).color;
 }
 
 /** What takes no time is a diamond, and one that is hollow is without news. */
-function mark({ context }: Picture, x: number, y: number, color: string, isHollow: boolean): void {
+function mark({ context }: Sheet, x: number, y: number, color: string, isHollow: boolean): void {
   const size = isHollow ? MARK - 1 : MARK;
   context.beginPath();
   context.moveTo(x, y - size);
@@ -290,9 +297,9 @@ function mark({ context }: Picture, x: number, y: number, color: string, isHollo
 }
 
 /** A bar's label: on it, if there is room. */
-function write(picture: Picture, bar: Bar, from: number, until: number, top: number): void {
+function write(picture: Sheet, bar: Bar, from: number, until: number, top: number): void {
   const { context } = picture;
-  const [left, right] = [Math.max(from, leftOf(picture)), Math.min(until, picture.width - RIGHT)];
+  const [left, right] = [Math.max(from, picture.left), Math.min(until, picture.width - RIGHT)];
   if (bar.label === "" || context.measureText(bar.label).width + 6 > right - left) return;
   context.textAlign = "center";
   context.fillStyle = inkOf(picture, bar);
@@ -300,7 +307,7 @@ function write(picture: Picture, bar: Bar, from: number, until: number, top: num
 }
 
 /** The colour of text on a bar. */
-function inkOf(picture: Picture, bar: Bar): string {
+function inkOf(picture: Sheet, bar: Bar): string {
   const { theme } = picture;
   if (bar.pale && theme.dark) return theme.ink;
   const late_ns = lateFrom(picture, bar) ?? Infinity;
@@ -308,9 +315,9 @@ function inkOf(picture: Picture, bar: Bar): string {
   return isRed ? (theme.dark ? "#10151f" : "#ffffff") : kindOf(bar.event.kind).ink;
 }
 
-function drawAxis(picture: Picture): void {
+function drawAxis(picture: Sheet): void {
   const { context, window, theme, width, height } = picture;
-  const left = leftOf(picture);
+  const { left } = picture;
   const y = height - BOTTOM + 0.5;
   context.beginPath();
   context.moveTo(left, y);
