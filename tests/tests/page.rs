@@ -358,9 +358,13 @@ async fn a_world_that_waits_for_its_brains_stops_the_robot_of_a_page_that_is_gon
     }
     while other.frame(1).await.robots[0].left_signal < 0.3 {}
     drop(page);
+    let mut operator = operator(&server).await;
+    let request = || v1::GetWorldRequest { world: "w".into() };
+    while operator.get_world(request()).await.unwrap().into_inner().status.unwrap().robots[0].attached {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
     // It waits for another brain, and the operator has it go on without.
-    let request = v1::StartWorldRequest { world: "w".into() };
-    operator(&server).await.start_world(request).await.unwrap();
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     until_it_stands(&mut other, 1).await;
     server.shutdown().await;
 }
