@@ -15,6 +15,7 @@ pub use error::CatalogueError;
 use kinds::KINDS;
 pub use nearest::nearest_first;
 use repertoires::Text;
+pub(crate) use repertoires::text_of;
 
 /// A kind of brain.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Brains that are described in TOML: those that are part of the program, and files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use baudbot_client::Body;
 
@@ -46,7 +47,7 @@ impl Text {
         if !name.ends_with(".toml") {
             return Ok(None);
         }
-        match std::fs::read_to_string(name) {
+        match text_of(Path::new(name)) {
             Ok(toml) => Ok(Some(Self { name: name.to_owned(), toml })),
             Err(error) => Err(CatalogueError::File { file: PathBuf::from(name), problem: error.to_string() }),
         }
@@ -95,6 +96,15 @@ impl Text {
 
     fn error(&self, error: DescriptionError) -> CatalogueError {
         CatalogueError::Description { brain: self.name.clone(), error }
+    }
+}
+
+/// The text of a file. What is not a plain file is refused: a pipe may have nobody at its other end.
+pub(crate) fn text_of(file: &Path) -> io::Result<String> {
+    if fs::metadata(file)?.is_file() {
+        fs::read_to_string(file)
+    } else {
+        Err(io::Error::other("is not a file"))
     }
 }
 
