@@ -51,8 +51,12 @@ pub(crate) type Listener = Box<dyn Layer<Registry> + Send + Sync>;
 
 /// Begins to log. A program that `serves` worlds also exports, if a collector is named.
 pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: bool) -> Logs {
+    // What h2 warns of is what strangers send, as often as they like: it is told to those who want to know all.
+    let least = if tells_all(&filter, "h2") { LevelFilter::TRACE } else { LevelFilter::ERROR };
+    let strangers =
+        filter_fn(move |metadata| !metadata.target().starts_with("h2") || *metadata.level() <= least);
     // Without spans, which are for collectors: an event says all itself.
-    let filter = filter.and(filter_fn(|metadata| metadata.is_event()));
+    let filter = filter.and(strangers).and(filter_fn(|metadata| metadata.is_event()));
     let stderr = fmt::layer().with_writer(std::io::stderr);
     let stderr = match format {
         LogFormat::Text => stderr.with_ansi(std::io::stderr().is_terminal()).with_filter(filter).boxed(),
@@ -65,6 +69,11 @@ pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: boo
     let logs = export(serves && std::env::var_os(ENDPOINT).is_some_and(|to| !to.is_empty()), &mut listeners);
     tracing_subscriber::registry().with(listeners).init();
     logs
+}
+
+/// Whether what a part of the program says is told down to its details.
+fn tells_all(filter: &Targets, part: &str) -> bool {
+    LevelFilter::DEBUG.into_level().is_some_and(|debug| filter.would_enable(part, &debug))
 }
 
 #[cfg(feature = "otel")]

@@ -33,6 +33,7 @@ mod locate;
 mod logs;
 mod map;
 mod new;
+mod opened;
 #[cfg(feature = "otel")]
 mod otel;
 mod plan;
@@ -55,9 +56,11 @@ mod work;
 mod written;
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::Parser;
+use tokio::runtime::Runtime;
 
 use crate::args::{Cli, Command, NewCommand};
 
@@ -81,6 +84,16 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     // A brain and the server next to it talk in turn: a second thread would only pass their messages on.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.context("cannot start the runtime")?;
+    let done = execute_on(&runtime, command);
+    // Whatever still hangs, such as a disk, keeps nobody waiting.
+    runtime.shutdown_timeout(PATIENCE);
+    done
+}
+
+/// How long work may go on that nobody waits for.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),

@@ -1,6 +1,6 @@
 //! `baudbot replay`: a recording is done again, and held against what was recorded.
 
-use std::io::IsTerminal;
+use std::io::{BufReader, IsTerminal};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
 use crate::error::Refused;
 use crate::serve::{Serving, Viewing};
-use crate::{record, text};
+use crate::{opened, record, text};
 
 /// What was found.
 #[derive(Debug, Serialize)]
@@ -77,26 +77,40 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
 /// Refuses options that would be of no use.
 fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     let (listen, watchdog) = (&args.listen, &args.watchdog);
-    let listens = !listen.listen.is_empty() || listen.viewer.is_some() || listen.insecure;
+    let listens = !listen.listen.is_empty()
+        || listen.viewer.is_some()
+        || listen.insecure
+        || listen.max_connections.is_some();
     let waits =
         watchdog.watchdog_ms.is_some() || watchdog.on_timeout.is_some() || watchdog.lookahead.is_some();
+    let lags = watchdog.max_lag_ms.is_some();
     let refused = |text: &str| Err(Refused::error(text));
     if args.again.record.is_some() && !args.fork {
         return refused("--record: what is replayed is recorded already; use it with --fork");
     }
     if listens && !args.fork && !args.view {
-        return refused("--listen, --viewer and --insecure need --view or --fork: else nothing is served");
+        return refused(
+            "--listen, --viewer, --insecure and --max-connections need --view or --fork: else nothing is served",
+        );
     }
     if waits && !args.fork {
         return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
+    }
+    if lags && !args.fork {
+        return refused("--max-lag-ms needs --fork: else no world follows the clock");
     }
     Ok(())
 }
 
 /// A recording at its first tick.
 pub(crate) fn open(path: &Path) -> anyhow::Result<(Replay, World)> {
-    let tape = Tape::open(path).map_err(|error| refused(path, &error))?;
+    let tape = tape(path).map_err(|error| refused(path, &error))?;
     Replay::start(Arc::new(tape)).map_err(|error| refused(path, &error))
+}
+
+/// What is in a recording.
+pub(crate) fn tape(path: &Path) -> Result<Tape, RecordingError> {
+    Tape::read(BufReader::with_capacity(1 << 20, opened::plain(path)?))
 }
 
 /// Goes on to a tick, and shows how far it is.

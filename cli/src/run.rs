@@ -150,12 +150,12 @@ async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<S
     // It stands until its brains are there.
     let world = WorldConfig::new(plan.world.clone(), Arc::clone(&plan.scenario)).pace(plan.pace).paused(true);
     let world = record::add(world.on_tick(on_tick), &args.record);
-    let mut builder = Server::builder().world(world).insecure(args.listen.insecure);
+    let mut builder = args.listen.builder().world(world);
     for address in &args.listen.listen {
         builder = builder.listen(address.clone());
     }
     // What is over in a moment nobody can look at.
-    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed { .. }));
+    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
         server.addresses().iter().for_each(|address| eprintln!("listening on {address}"));

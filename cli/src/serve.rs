@@ -103,7 +103,7 @@ type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
     pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self { builder: Server::builder().insecure(listen.insecure), listen, worlds: Vec::new() }
+        Self { builder: listen.builder(), listen, worlds: Vec::new() }
     }
 
     /// A world that brains can come to.

@@ -29,7 +29,7 @@ use baudbot_sim::World;
 use crate::args::ExportArgs;
 use crate::csv::Table;
 use crate::error::Refused;
-use crate::replay::refused;
+use crate::replay::{refused, tape};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::trace::Trace;
 use crate::written::{self, STDOUT};
@@ -39,7 +39,7 @@ use window::Window;
 
 pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     check(args)?;
-    let tape = Arc::new(Tape::open(&args.file).map_err(|error| refused(&args.file, &error))?);
+    let tape = Arc::new(tape(&args.file).map_err(|error| refused(&args.file, &error))?);
     if args.outputs().next().is_none() {
         summary::show(&args.file, &tape, args.json)?;
         return Ok(ExitCode::SUCCESS);

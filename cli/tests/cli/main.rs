@@ -7,6 +7,7 @@ mod devices;
 mod diagrams;
 mod export;
 mod foxglove;
+mod hostile;
 mod locating;
 mod logs;
 mod new;

@@ -1,5 +1,6 @@
 //! What operators do with runs that are files.
 
+use std::io::BufReader;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
@@ -75,15 +76,11 @@ impl Control {
 
     pub(super) async fn open(&self, request: v1::OpenRecordingRequest) -> Result<v1::WorldStatus, Status> {
         let v1::OpenRecordingRequest { recording, world } = request;
-        let path = self.folder()?.file(&recording)?;
-        let file = format!("recording: `{recording}`");
+        let folder = self.folder()?.clone();
+        let (name, file) = (recording.clone(), format!("recording: `{recording}`"));
         let opened = blocking(move || {
-            if !path.exists() {
-                return Err(Status::not_found(format!(
-                    "{file}: there is no such file in the server's folder"
-                )));
-            }
-            open(Tape::open(&path))
+            let opened = BufReader::with_capacity(1 << 20, folder.open(&name)?);
+            open(Tape::read(opened))
                 .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
         });
         let (replay, made) = opened.await??;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use baudbot_sim::SimTime;
-use tokio::sync::{OwnedSemaphorePermit, oneshot};
+use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::{Host, Pending, ahead, sender};
@@ -42,7 +42,10 @@ impl Host {
                 self.observers.add(watch, view);
             }
             Letter::Attach(request, reply) => self.attach(request, reply),
-            Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
+            Letter::Step { session, turn, writes, permit } => {
+                drop(permit);
+                self.take_step(session, turn, writes);
+            }
             Letter::End => {
                 event!(self, info, "world over, since its server stops");
                 self.deleted = true;
@@ -67,6 +70,7 @@ impl Host {
             Ok(attached) => attached,
             Err(status) => return drop(reply.send(Err(status))),
         };
+        let lost_steps = self.sessions.count_of_lost_steps(session);
         for &robot in &robots {
             self.senders[robot] = sender(&self.world.robot(robot));
         }
@@ -77,7 +81,7 @@ impl Host {
         // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
         self.beliefs.hand_to(Some(session), &robots);
         let beliefs = self.beliefs.clone();
-        if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs })).is_err() {
+        if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs, lost_steps })).is_err() {
             return;
         }
         if self.world.ending().is_some() {
@@ -91,7 +95,7 @@ impl Host {
         self.pace.watchdog().map(|watchdog| watchdog.policy)
     }
 
-    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
+    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>) {
         let promised = self.sessions.promised(session);
         let answer = self.sessions.answered(session, turn);
         match (answer, self.pace.watchdog()) {
@@ -111,7 +115,11 @@ impl Host {
                     return self.catch_up(session, writes);
                 }
             }
-            (Answer::Due | Answer::Unasked, None) => {}
+            (Answer::Due | Answer::Unasked, None) => {
+                if !self.sessions.takes_step(session) {
+                    return;
+                }
+            }
         }
         let tick = self.sessions.tick_of(session, turn);
         for write in writes {
@@ -122,7 +130,6 @@ impl Host {
             let bytes = self.senders[robot].encode(spec, write.output);
             self.inputs.push(Pending { robot, at, bytes, tick });
         }
-        self.permits.push(permit);
     }
 
     /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
