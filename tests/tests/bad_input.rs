@@ -12,6 +12,7 @@ use baudbot_server::{Pace, Server, ServerError, WorldConfig};
 use baudbot_tests::system::{client, drive, lockstep, operator, serve, serve_on_ports, status};
 use baudbot_tests::{WANDER, crowd, scenario};
 use tokio::sync::mpsc;
+use tokio_stream::StreamExt;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Status, Streaming};
 
@@ -438,36 +439,38 @@ async fn a_mode_that_there_is_not_and_a_belief_that_cannot_be_drawn_are_refused_
     server.shutdown().await;
 }
 
-/// A connection over which two brains talk, of which one sends more than its world takes.
-async fn talk_to_a_world_that_stands(steps: usize) {
+/// A connection over which two brains talk, of which one sends so many Steps to a world that stands, each in a frame of its
+/// own.
+async fn talk_to_a_world_that_stands(steps: u64) {
     let names: Vec<String> = vec!["r0".into(), "r1".into()];
     let server = serve_on_ports(scenario(&crowd(&names), &[]), Pace::REAL_TIME).await;
     let mut operator = operator(&server).await;
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
     let address = format!("http://{}", server.addresses()[1]);
     let channel = tonic::transport::Endpoint::from_shared(address).unwrap().connect().await.unwrap();
-    let mut neighbour =
-        baudbot_client::Client::from_channel(channel.clone()).attach("w", "r1").await.unwrap();
-    let (requests, stream) = mpsc::channel(steps + 1);
-    requests.send(v1::AttachRequest { request: Some(hello(&["r0"], v1::PortMode::Messages)) }).await.unwrap();
-    let mut talker = BrainLinkServiceClient::new(channel);
-    let mut responses = talker.attach(ReceiverStream::new(stream)).await.unwrap().into_inner();
-    for _ in 0..steps {
-        let request = step(0, 0, command(0.1, 0.1));
-        requests.send(v1::AttachRequest { request: Some(request) }).await.unwrap();
-    }
-    let started = Instant::now();
+    let neighbour = baudbot_client::Client::from_channel(channel.clone());
+    let mut neighbour = neighbour.attach("w", "r1").await.unwrap();
+    let said = (0..steps).map(|_| step(0, 0, command(0.1, 0.1)));
+    let said = std::iter::once(hello(&["r0"], v1::PortMode::Messages)).chain(said);
+    let one_by_one = tokio_stream::iter(said).then(async |request| {
+        tokio::task::yield_now().await;
+        v1::AttachRequest { request: Some(request) }
+    });
+    let (_open, end) = mpsc::channel(1);
+    let requests = Box::pin(one_by_one.chain(ReceiverStream::new(end)));
+    let mut responses = BrainLinkServiceClient::new(channel).attach(requests).await.unwrap().into_inner();
     // The world takes 64 in a tick, and this tick does not end.
-    while status(&server).await.robots[0].lost_steps < steps as u64 - 64 {
-        assert!(
-            started.elapsed() < Duration::from_secs(60),
-            "{}",
-            status(&server).await.robots[0].lost_steps
-        );
+    let (mut lost, mut since) = (0, Instant::now());
+    while lost < steps - 64 {
         tokio::time::sleep(Duration::from_millis(10)).await;
+        let now = status(&server).await.robots[0].lost_steps;
+        if now > lost {
+            (lost, since) = (now, Instant::now());
+        }
+        assert!(since.elapsed() < Duration::from_secs(30), "the stream is not read on: {lost} of {steps}");
     }
     let lost: Vec<_> = status(&server).await.robots.iter().map(|robot| robot.lost_steps).collect();
-    assert_eq!(lost, [steps as u64 - 64, 0]);
+    assert_eq!(lost, [steps - 64, 0]);
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     for _ in 0..20 {
         neighbour.turn().await.unwrap().unwrap();

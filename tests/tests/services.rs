@@ -10,6 +10,7 @@ use baudbot_sim::World;
 use baudbot_tests::system::{client, lockstep, operator, serve, serve_on_ports, status};
 use baudbot_tests::{ARSIM, KHEPERA, WANDER, scenario};
 use tokio_stream::StreamExt;
+use tonic::Code;
 use tonic_health::pb::HealthCheckRequest;
 use tonic_health::pb::health_client::HealthClient;
 use tonic_reflection::pb::{v1 as reflection_v1, v1alpha as reflection_v1alpha};

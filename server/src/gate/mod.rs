@@ -217,6 +217,7 @@ mod tests {
         let away: Vec<_> = (0..=MOST_TURNED_AWAY).map(|_| gate.admit()).collect();
         assert!(is_over(&away[0]) && !away[1..].iter().any(|visit| is_over(visit)));
         away.iter().for_each(|visit| gate.leave(visit));
-        assert_eq!((gate.crowd().taken, gate.crowd().turned_away.len()), (1, 0));
+        let crowd = gate.crowd();
+        assert_eq!((crowd.taken, crowd.turned_away.len()), (1, 0));
     }
 }
