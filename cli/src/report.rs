@@ -304,7 +304,14 @@ mod tests {
 
     #[test]
     fn no_ticks_no_bars() {
-        let clock = Clock { overruns: 0, lateness_max_ms: 0.0, drift_percent: f64::NAN, lateness: vec![] };
+        let clock = Clock {
+            overruns: 0,
+            lateness_max_ms: 0.0,
+            let_go_s: 0.0,
+            times_let_go: 0,
+            drift_percent: f64::NAN,
+            lateness: vec![],
+        };
         assert_eq!(histogram(&clock), "");
     }
 }
