@@ -201,7 +201,7 @@ async fn a_flood_faster_than_any_uart_is_counted_and_the_clock_is_kept() {
     let mut sent = 0_u64;
     while started.elapsed() < Duration::from_millis(1500) {
         let request = step(0, 0, Output::Raw(vec![0x55; 10_000]));
-        // The network pushes back when the server takes no more; that is what a flood should meet.
+        // The server reads all of it, as fast as it can; what is beyond 64 Steps in a tick it throws away.
         let sending = flood.requests.send(v1::AttachRequest { request: Some(request) });
         if tokio::time::timeout(Duration::from_millis(50), sending).await.is_ok() {
             sent += 10_000;
