@@ -175,6 +175,10 @@ impl MotorBehavior for PotentialField {
         moment.beliefs.intention = if self.arrived { "has arrived".to_owned() } else { String::new() };
         Some(Signals { left: left / full_speed_m_s, right: right / full_speed_m_s })
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }
 
 fn distance(a: Point, b: Point) -> f64 {
