@@ -47,6 +47,7 @@ mod signals;
 mod summary;
 mod sweep;
 mod text;
+mod together;
 mod trace;
 mod tune;
 mod viewer;

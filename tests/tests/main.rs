@@ -20,6 +20,7 @@ mod readme;
 mod recording;
 mod room;
 mod services;
+mod slow_cables;
 mod sweeper;
 mod wayfinding;
 

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use baudbot_client::Body;
 
-use super::Entry;
 use super::error::CatalogueError;
+use super::{Entry, PLACED_SCANS};
 use crate::composed::Composed;
 use crate::description::{Description, DescriptionError, edited};
 use crate::registry::Registry;
@@ -15,6 +15,9 @@ pub(super) struct Text {
     name: String,
     toml: String,
 }
+
+/// Kinds of processes that must know where each scan was taken.
+const PLACING: &[&str] = &["explore", "laser_localization", "particle_localization", "slam", "vfh"];
 
 /// Those that are part of the program.
 const BUILT_IN: &[(&str, &str)] = &[
@@ -33,7 +36,9 @@ pub(super) fn entries() -> impl Iterator<Item = Entry> {
     BUILT_IN.iter().map(|&(name, toml)| {
         let description = Description::parse(toml);
         let summary = description.as_ref().map_or("", Description::summary).to_owned();
-        Entry { name, summary, parameters: Vec::new() }
+        let mut kinds = description.iter().flat_map(Description::kinds);
+        let together = PLACED_SCANS.filter(|_| kinds.any(|kind| PLACING.contains(&kind)));
+        Entry { name, summary, parameters: Vec::new(), together }
     })
 }
 
