@@ -229,3 +229,6 @@ impl Brain for Composed {
 
 /// Nobody needs to see more points of a way.
 const SHOWN_POINTS: usize = 1000;
+
+#[cfg(test)]
+mod tests;

@@ -135,7 +135,7 @@ mod tests {
                 // 20.487 ms, 40 ms, 40.487 ms, 60 ms: a message, and the end of a tick without one.
                 let is_message = i % 2 == 1;
                 let at_ns = 20 * MS * (i / 2) + if is_message { 487_000 } else { 0 };
-                let messages = (i + 1) / 2;
+                let messages = i.div_ceil(2);
                 let signals = Signals { left: 1e-3 * f64::from(messages as u32), right: 0.0 };
                 let turn = turn(&body, at_ns, &[is_message.then_some(&[0.1][..])]);
                 let is_sent = courier.send(&turn, signals).signals.is_some();
