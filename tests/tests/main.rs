@@ -16,6 +16,7 @@ mod lookahead;
 mod metrics;
 mod navigation;
 mod page;
+mod potential;
 mod readme;
 mod recording;
 mod room;
