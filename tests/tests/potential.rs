@@ -38,6 +38,7 @@ struct Run {
     arrived_m: Option<f64>,
     collisions: u64,
     after_s: f64,
+    #[expect(dead_code, reason = "it is printed")]
     at: [f64; 2],
 }
 

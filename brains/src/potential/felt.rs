@@ -144,9 +144,9 @@ impl Felt {
     /// How far a ray goes until it meets a mark, in metres, if it meets one so near.
     fn hit_m(&self, from: Point, ray: Vector, far_m: f64) -> Option<f64> {
         let steps = (far_m / (0.5 * self.cell_m)) as u32;
-        let along = (0..=steps).map(|i| 0.5 * self.cell_m * f64::from(i));
+        let mut along = (0..=steps).map(|i| 0.5 * self.cell_m * f64::from(i));
         let number = |m: f64| math::floor(m / self.cell_m) as i64;
-        along.into_iter().find(|&m| {
+        along.find(|&m| {
             let at = from + ray * m;
             self.marks.contains(&(number(at.x), number(at.y)))
         })
