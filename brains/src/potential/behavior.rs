@@ -74,6 +74,8 @@ pub struct PotentialField {
     lock: Lock,
     felt: Felt,
     detour: Option<Detour>,
+    /// Where the detour began, and how many there have been on the way to this target.
+    begun: (Point, u32),
     /// When the detour was thought over last, in nanoseconds.
     thought_ns: u64,
     /// Since when it stands before something that it feels, in nanoseconds.
@@ -109,6 +111,7 @@ impl PotentialField {
             arrived: false,
             lock: Lock::default(),
             detour: None,
+            begun: (Point::origin(), 0),
             thought_ns: 0,
             stands_ns: None,
         })
@@ -129,7 +132,7 @@ impl PotentialField {
         if self.waypoints.front().is_some_and(|waypoint| distance(waypoint.center(), at) <= p.passed_m) {
             self.waypoints.pop_front();
             self.lock.begin();
-            self.detour = None;
+            (self.detour, self.begun.1) = (None, 0);
         }
         if !self.felt.is_senseless() && self.felt.is_blind(at_ns) {
             return (Signals::default(), "feels nothing");
@@ -189,6 +192,7 @@ impl PotentialField {
 impl PotentialField {
     fn begin_detour(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
         self.felt.take_news();
+        self.begun = (pose.position, self.begun.1.saturating_add(1));
         self.thought_ns = at_ns;
         let terrain = self.terrain(pose.position);
         let way = terrain.and_then(|terrain| terrain.way(pose.position, self.target()));
@@ -252,6 +256,12 @@ impl PotentialField {
 
     /// Whether a point that follows the field from here comes to the target, with room for the body on all its way.
     fn leads_on(&self, pose: &Pose, terrain: &Terrain) -> bool {
+        let (begun, detours) = self.begun;
+        // Each detour goes twice as far as the one before, so that field and detour do not lead to and fro for ever.
+        let away_m = self.radius_m * f64::from(1_u32 << detours.min(MOST_DOUBLED));
+        if distance(pose.position, begun) < away_m {
+            return false;
+        }
         let (field, target, step_m) = (self.field(), self.target(), ROLL * self.radius_m);
         let down = field.direction(pose.position);
         if self.felt.room_m(pose, math::atan2(down.y, down.x)) < CLEAR * self.radius_m {
@@ -341,6 +351,8 @@ const STRAY: f64 = 2.0;
 const ROLL: f64 = 0.2;
 /// ... for so many times the way straight on.
 const MOST_ROLL: f64 = 4.0;
+/// So often the way of a detour is doubled at most.
+const MOST_DOUBLED: u32 = 16;
 /// It thinks its way over so often, in nanoseconds.
 const THINK_NS: u64 = 500_000_000;
 /// Who stands before something for so long marks it, in nanoseconds.
