@@ -59,6 +59,7 @@ mod scene;
 pub mod schedule;
 pub mod sensor;
 pub mod sight;
+mod sound;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]
 mod statistics;
