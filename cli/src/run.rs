@@ -63,6 +63,11 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let status = files.finish().await.and(status)?;
     let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
     show(args, &summary)?;
+    let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
+    if let Some(problem) = unwritten {
+        let file = args.record.record.clone().unwrap_or_default();
+        return Err(anyhow!("the recording {} has ended before the run: {problem}", file.display()));
+    }
     Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
@@ -242,13 +247,13 @@ impl Running<'_> {
         let waited = self.wait(stop, &mut brains, &bar).await;
         bar.finish_and_clear();
         waited?;
-        let mut status = self.pause(control.clone()).await?;
-        if status.recording.is_some() {
-            let request = v1::StopRecordingRequest { world: self.plan.world.clone() };
-            let closed = control.stop_recording(request).await.map_err(|status| from_server(&status))?;
-            status.recording = closed.into_inner().recording;
+        let status = self.pause(control).await?;
+        if status.recording.is_none() {
+            return Ok(status);
         }
-        Ok(status)
+        // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
+        let closed = self.server.stop_recording(&self.plan.world).await;
+        closed.map_err(|status| from_server(&status))
     }
 
     /// The world's last state; a run that has ended is not changed by a pause.

@@ -1,6 +1,7 @@
 //! `baudbot serve`: worlds for brains in other processes.
 
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Duration;
 
@@ -19,7 +20,7 @@ use crate::{record, replay, text, viewer};
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     let mut serving = Serving::new(&args.listen);
     if let Some(folder) = &args.recordings {
-        check_folder(folder)?;
+        make_folder(folder)?;
         serving.builder = serving.builder.recordings(folder.clone());
     }
     match &args.resume {
@@ -65,7 +66,7 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
     if let Some(problem) = tape.problem() {
-        eprintln!("note: {}: {problem}", file.display());
+        eprintln!("note: {}: {problem}; the world goes on where what is left of it ends", file.display());
     }
     let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
     eprintln!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
@@ -74,12 +75,17 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
     Ok(())
 }
 
-fn check_folder(folder: &Path) -> anyhow::Result<()> {
+/// Makes the folder, if it is not there.
+fn make_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
-    let folder = folder.display();
-    Err(Refused::error(format!("--recordings {folder}: there is no such folder; make it with mkdir")))
+    let refused = |why: &str| Refused::error(format!("--recordings {}: {why}", folder.display()));
+    std::fs::create_dir(folder).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => refused("is a file and no folder; name another"),
+        ErrorKind::NotFound => refused("is to be in a folder that is not there; make that with mkdir -p"),
+        _ => refused(&format!("cannot be made: {error}")),
+    })
 }
 
 /// When there is a page if nobody says.

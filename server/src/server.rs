@@ -220,7 +220,7 @@ impl Builder {
 
 /// A running server. Dropping it tells its worlds to end; [`shutdown`](Self::shutdown) also waits until they have.
 pub struct Server {
-    registry: Registry,
+    pub(crate) registry: Registry,
     addresses: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,

@@ -88,8 +88,13 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
 fn notes(args: &ExportArgs, tape: &Tape) {
     let file = args.file.display();
     if let Some(problem) = tape.problem() {
-        let end_s = window::seconds(tape, tape.last_tick());
-        eprintln!("note: {file} is cut off ({problem}); what is left of it ends at {end_s} s");
+        let ends = tape.stretches().iter().map(|stretch| {
+            let [from_s, to_s] =
+                [stretch.first_tick, stretch.last_tick].map(|tick| window::seconds(tape, tick));
+            format!("{from_s} s to {to_s} s")
+        });
+        let left = ends.collect::<Vec<_>>().join(", ");
+        eprintln!("note: {file}: {problem}; what is left of it is {left}");
     }
     let first = tape.first_tick();
     if first > 0 && args.timeline.is_some() {

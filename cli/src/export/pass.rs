@@ -51,9 +51,14 @@ pub(super) fn run(
 ) -> anyhow::Result<bool> {
     let bar = run::progress(Some(window.to_tick - window.from_tick), quiet);
     replay.seek(&mut world, window.from_tick).context("the recording")?;
+    // Where the window begins something may be missing.
+    while world.tick() < window.from_tick && replay.step(&mut world).context("the recording")? {}
     let mut is_whole = true;
     loop {
         let seen = world.tick();
+        if seen > window.to_tick {
+            break;
+        }
         outputs.iter_mut().try_for_each(|output| output.tick(&world))?;
         if seen.is_multiple_of(TICKS_A_LOOK) {
             bar.set_position(seen.saturating_sub(window.from_tick));

@@ -3,6 +3,7 @@
 mod beliefs;
 mod bench;
 mod budget;
+mod damaged;
 mod devices;
 mod diagrams;
 mod export;

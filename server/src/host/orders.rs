@@ -56,9 +56,8 @@ impl Host {
                 }
             }
             Order::StopRecording(told) => {
-                if let Err(status) = self.stop_recording(told) {
-                    return drop(reply.send(Err(status)));
-                }
+                let stopped = self.stop_recording(told);
+                return drop(reply.send(stopped.map(|world| Report { world, ..self.report(0) })));
             }
             Order::Save { snapshot } => return drop(reply.send(self.saved(snapshot))),
             Order::SetPace(pace) => self.set_pace(pace),

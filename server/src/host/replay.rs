@@ -155,7 +155,13 @@ impl Host {
             }
             (_, None) => {}
         }
-        replay.step(&mut self.world)?;
+        let tick = self.world.tick();
+        let goes_on = replay.step(&mut self.world)?;
+        if goes_on && self.world.tick() != tick + 1 {
+            // Something is missing in the recording. Nobody waits for as long as that took.
+            self.clock = None;
+            self.observers.begin_anew(&self.world);
+        }
         self.credits = self.credits.saturating_sub(1);
         self.show();
         Ok(())
@@ -178,7 +184,7 @@ impl Host {
         }
         self.clock = None;
         let tape = replaying.replay.tape();
-        let tick = tick.clamp(tape.first_tick(), tape.last_tick());
+        let tick = tape.nearest(tick);
         match replaying.replay.approach(&mut self.world, tick) {
             Ok(jumped) => {
                 replaying.seek = Some(Seek { tick, jumped: jumped || had_jumped, reply });
