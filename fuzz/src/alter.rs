@@ -17,7 +17,9 @@ fn alter(bytes: &mut Vec<u8>, other: &[u8], words: &[&[u8]], chance: &mut Chance
         bytes.push(chance.next() as u8);
     }
     let at = chance.below(bytes.len());
-    let until = (at + 1 + chance.below(1 << chance.below(8))).min(bytes.len());
+    // Short parts more often than long ones.
+    let longest = 1 << chance.below(8);
+    let until = (at + 1 + chance.below(longest)).min(bytes.len());
     match chance.below(10) {
         0..3 => bytes[at] ^= 1 << chance.below(8),
         3 => bytes[at] = *chance.one(&[0, 1, 0x7f, 0x80, 0xfe, 0xff, b'\n', b'"', b'-', b'9']),

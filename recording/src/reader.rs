@@ -58,6 +58,8 @@ struct Seen {
     end: Option<Option<bool>>,
     /// Of the whole file, as it tells itself.
     statistics: Option<Statistics>,
+    /// The last record of the file was there.
+    has_footer: bool,
     /// Where reading was given up.
     given_up: bool,
     /// Bytes that came out of chunks that were not sound.
@@ -117,10 +119,13 @@ impl<R: Read> Reader<R> {
 
     /// How whole the file is, once there is nothing more to be read.
     pub(crate) fn condition(self) -> Condition {
-        let Seen { messages, chunks, statistics, end, damages, .. } = self.seen;
+        let Seen { messages, chunks, end, damages, has_footer, .. } = self.seen;
+        let statistics = self.seen.statistics.filter(|_| has_footer);
         let found = (messages, chunks);
         let all = statistics.map(|statistics| (statistics.messages, statistics.chunks) == found);
         let is_whole = match (end, all) {
+            // Of a file that is cut off anywhere not all is there.
+            _ if !has_footer => false,
             (None, _) => false,
             (Some(Some(true)), _) | (_, Some(true)) => true,
             (Some(None), None) => damages == 0,
@@ -207,7 +212,7 @@ impl<R: Read> Reader<R> {
         if checksum != 0 && checksum != self.bytes.checksum() {
             self.seen.statistics = None;
         }
-        self.is_over = true;
+        (self.seen.has_footer, self.is_over) = (true, true);
     }
 
     fn damaged(&mut self) {
@@ -301,7 +306,8 @@ impl Seen {
     fn problem(&self, is_whole: bool) -> Option<String> {
         let at = self.first_damage;
         let cut_off = || (!is_whole).then(|| "the file is cut off".to_owned());
-        match (self.damages, self.end) {
+        let end = self.end.filter(|_| self.has_footer);
+        match (self.damages, end) {
             _ if self.given_up => Some(format!("the file is damaged from byte {at} on")),
             (0, None) => cut_off(),
             (0, Some(_)) => (!is_whole).then(|| "chunks of the file are missing".to_owned()),

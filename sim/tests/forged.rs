@@ -80,7 +80,7 @@ fn forge(saved: &[u8], chance: &mut Stream) -> Vec<u8> {
 
 #[test]
 fn a_forged_state_is_refused_or_runs_on() {
-    let all = setting("BAUDBOT_FORGED", 6_000);
+    let all = setting("BAUDBOT_FORGED", 3_000);
     let mut chance = Stream::new(setting("BAUDBOT_FORGED_SEED", 1), "forged");
     let scenarios = scenarios();
     let share = all / (2 * scenarios.len() as u64) + 1;

@@ -92,12 +92,14 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
     assert!(out.contains("incomplete: identical in") && out.contains("ticks that are left"), "{out}");
     assert!(err.contains("cut off"), "{err}");
     let (mut incomplete, mut most, mut to_the_end) = (0, 0, 0);
-    for place in (1..8).map(|part| whole.len() * part / 8) {
+    for place in (1..14).map(|part| whole.len() * part / 14) {
         let mut damaged = whole.clone();
         damaged[place] ^= 0x10;
         fs::write(&file, &damaged).unwrap();
         let (code, out, err) = baudbot(&["replay", text(&file), "--json"]);
         match code {
+            // The index, which nobody needs for this.
+            0 => assert!(err.contains("but all is there that the run was made of"), "byte {place}: {err}"),
             2 => assert!(err.contains("cannot be replayed"), "byte {place}: {err}"),
             3 => {
                 let found: Value = serde_json::from_str(&out).unwrap();
@@ -112,7 +114,7 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
             _ => panic!("byte {place}: {code}: {out} {err}"),
         }
     }
-    assert!(incomplete > 4 && most > 6_000 && to_the_end > 3, "{incomplete}, {most}, {to_the_end}");
+    assert!(incomplete > 4 && most > 6_000 && to_the_end > 2, "{incomplete}, {most}, {to_the_end}");
 }
 
 #[test]

@@ -85,7 +85,7 @@ pub(super) fn parse(kind: u8, body: &[u8]) -> Option<Record<'_>> {
     fields.0.is_empty().then_some(record)
 }
 
-/// Whether a chunk may begin with these bytes, or what comes behind the last of them.
+/// Whether a chunk may begin with these bytes, or what comes behind the last of them, or the last record of all.
 pub(super) fn may_begin(bytes: &[u8]) -> bool {
     match head(bytes) {
         Some((CHUNK, length)) => {
@@ -94,6 +94,8 @@ pub(super) fn may_begin(bytes: &[u8]) -> bool {
             rest.is_some_and(|(name, packed)| packed.checked_add(CHUNK_HEAD + name) == Some(length))
         }
         Some((DATA_END, 4)) => bytes.get(HEAD + 4).is_none_or(|next| (HEADER..=DATA_END).contains(next)),
+        // Behind it is the end of the file.
+        Some((FOOTER, 20)) => bytes.get(HEAD + 20).is_none_or(|next| *next == 0x89),
         _ => false,
     }
 }
@@ -103,7 +105,7 @@ pub(super) const BEGINNING: usize = HEAD + CHUNK_HEAD as usize + 8;
 
 /// The first of these bytes with which a record may begin that [`may_begin`] knows.
 pub(super) fn first_of_interest(bytes: &[u8]) -> Option<usize> {
-    bytes.iter().position(|byte| matches!(*byte, CHUNK | DATA_END))
+    bytes.iter().position(|byte| matches!(*byte, CHUNK | DATA_END | FOOTER))
 }
 
 /// Fields one after the other. Each takes bytes that are there, or is none.
