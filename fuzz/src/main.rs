@@ -74,3 +74,20 @@ fn main() -> anyhow::Result<ExitCode> {
     }
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `BAUDBOT_FUZZ_SECONDS` gives each target longer than it takes to see that its own inputs are sound.
+    #[test]
+    fn no_target_fails_in_a_moment() {
+        let seconds = std::env::var("BAUDBOT_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
+        for target in targets::all().unwrap() {
+            let name = target.name;
+            let mut hunt = Hunt::new(target, 1).unwrap();
+            hunt.run(Duration::from_secs_f64(seconds.unwrap_or(0.1)));
+            assert!(!hunt.report().unwrap(), "{name}");
+        }
+    }
+}
