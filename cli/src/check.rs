@@ -56,7 +56,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
     };
     vec![
         ("name", scenario.name().to_owned()),
-        ("description", scenario.description().to_owned()),
+        ("description", text::one_line(scenario.description())),
         ("step", format!("{} in {substeps}", duration(scenario.step_ns() as f64))),
         (
             "seed",

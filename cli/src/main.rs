@@ -8,11 +8,13 @@
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    `text` lays out columns, `viewer` leads to a page, and
-//!    `foxglove` lets another program look.
+//!    `text` lays out columns and is the only way to a terminal, `viewer` leads to a page, and `foxglove` lets another
+//!    program look.
 //! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
+
+#![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod alike;
 mod args;
@@ -60,6 +62,7 @@ use anyhow::Context;
 use clap::Parser;
 
 use crate::args::{Cli, Command, NewCommand};
+use crate::text::tell;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -71,7 +74,7 @@ fn main() -> ExitCode {
     match execute(command) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {}", error::text(&error));
+            tell!("error: {}", error::text(&error));
             error::exit_code(&error)
         }
     }

@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
 use crate::error::Refused;
 use crate::serve::{Serving, Viewing};
+use crate::text::tell;
 use crate::{record, text};
 
 /// What was found.
@@ -48,13 +49,13 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let (mut replay, mut world) = open(&args.recording)?;
     let tape = Arc::clone(replay.tape());
     if let (Some(problem), false) = (tape.problem(), args.quiet) {
-        eprintln!("note: {}: {problem}; it is replayed as far as it goes", args.recording.display());
+        tell!("note: {}: {problem}; it is replayed as far as it goes", args.recording.display());
     }
     if args.fork {
         let pace = pace(args.pace, &args.watchdog, &tape)?;
         to(args, &mut replay, &mut world)?;
         if let Some(difference) = replay.difference() {
-            eprintln!("warning: this is not the world that was recorded, which differs at {difference}");
+            tell!("warning: this is not the world that was recorded, which differs at {difference}");
         }
         let name = tape.header().world.clone();
         return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
@@ -67,7 +68,7 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     go_on(&mut replay, &mut world, last_tick, args.quiet)?;
     let finding = finding(args, &replay, &world);
     if args.json {
-        text::print(&format!("{}\n", serde_json::to_string_pretty(&finding).context("cannot write JSON")?))?;
+        text::print_json(&finding)?;
     } else {
         text::print(&words(&finding))?;
     }

@@ -25,6 +25,7 @@ use crate::error::{Refused, from_builder, from_server};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
+use crate::text::tell;
 use crate::trace::Trace;
 use crate::written::{self, Files, STDOUT};
 use crate::{connect, record, report, text, viewer};
@@ -46,7 +47,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let plan = Plan::new(args)?;
     let quiet = args.quiet;
     if let Some(note) = plan.note.as_ref().filter(|_| !quiet) {
-        eprintln!("{note}");
+        tell!("{note}");
     }
     let monitor = Arc::new(Monitor::default());
     let (on_tick, files) = hook(args, &plan, Arc::clone(&monitor))?;
@@ -57,7 +58,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let status = run.until_over(&mut stop, quiet).await;
     let (interrupted, files) = (run.interrupted, run.files);
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
-        eprintln!("note: somebody kept a connection open; it was cut");
+        tell!("note: somebody kept a connection open; it was cut");
     }
     // The world's thread has closed the files, or will at once.
     let status = files.finish().await.and(status)?;
@@ -68,14 +69,13 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
 
 fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
     if args.json {
-        let json = serde_json::to_string_pretty(summary).context("cannot write the summary")?;
-        return text::print(&format!("{json}\n"));
+        return text::print_json(summary);
     }
     if args.quiet {
         return Ok(());
     }
     if [&args.csv, &args.timeline].into_iter().flatten().any(|path| path == Path::new(STDOUT)) {
-        eprint!("{}", report::text(summary));
+        tell!("{}", report::text(summary).trim_end());
         return Ok(());
     }
     text::print(&report::text(summary))
@@ -158,8 +158,8 @@ async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<S
     builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed { .. }));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
-        server.addresses().iter().for_each(|address| eprintln!("listening on {address}"));
-        viewer::link(&server).iter().for_each(|link| eprintln!("{link}"));
+        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
+        viewer::link(&server).iter().for_each(|link| tell!("{link}"));
     }
     Ok(server)
 }

@@ -9,6 +9,7 @@ use baudbot_sim::scenario::MAX_BYTES;
 use baudbot_sim::{Override, Scenario};
 
 use crate::error::Refused;
+use crate::text::tell;
 
 /// The scenarios that the program can run anywhere.
 pub(crate) const EMBEDDED: [(&str, &str); 3] = [
@@ -74,7 +75,7 @@ impl Source {
 /// Tells what is allowed and yet hardly meant.
 pub(crate) fn warn(scenario: &Scenario) {
     for warning in scenario.warnings() {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
 }
 

@@ -14,6 +14,7 @@ use crate::error::{Refused, from_builder};
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::signals::Stop;
+use crate::text::tell;
 use crate::{record, replay, text, viewer};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
@@ -65,10 +66,10 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
     if let Some(problem) = tape.problem() {
-        eprintln!("note: {}: {problem}", file.display());
+        tell!("note: {}: {problem}", file.display());
     }
     let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
-    eprintln!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
+    tell!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));
     Ok(())
@@ -133,10 +134,10 @@ impl<'a> Serving<'a> {
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
         stop.wait().await;
-        eprintln!("stopping");
+        tell!("stopping");
         tokio::select! {
             () = server.shutdown() => {}
-            () = tokio::time::sleep(PATIENCE) => eprintln!("note: somebody kept a connection open; it was cut"),
+            () = tokio::time::sleep(PATIENCE) => tell!("note: somebody kept a connection open; it was cut"),
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
 use baudbot_proto::v1::brain_link_service_server::BrainLinkService;
+use baudbot_sim::printable::{Printable, is_printable};
 use prost::Message as _;
 use tokio::sync::{Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
@@ -78,6 +79,11 @@ fn check(hello: v1::Hello) -> Result<v1::Hello, Status> {
     let length = hello.brain.chars().count();
     if length > MAX_BRAIN_NAME {
         let text = format!("hello.brain: has {length} characters, the limit is {MAX_BRAIN_NAME}");
+        return Err(Status::invalid_argument(text));
+    }
+    if !hello.brain.chars().all(is_printable) {
+        let name = Printable(&hello.brain);
+        let text = format!("hello.brain: must be on one line and without control characters, is `{name}`");
         return Err(Status::invalid_argument(text));
     }
     Ok(hello)
@@ -183,6 +189,26 @@ fn step_of(request: Option<Content>, endpoint: &Endpoint) -> Result<(u64, Vec<Wr
         }
         Some(Content::Annotate(_)) | None => {
             Err(Status::invalid_argument("request: must be a Step or an Annotate"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_brain_has_no_name_that_a_terminal_obeys() {
+        let hello = |brain: &str| v1::Hello {
+            brain: brain.to_owned(),
+            robots: vec!["robot".to_owned()],
+            ..Default::default()
+        };
+        assert!(check(hello("移动 µ: left=0.5")).is_ok());
+        for hostile in ["\u{1b}[2J", "\u{9b}31m", "a\nb", "a\rb", "\u{202e}txt", "\u{2066}", "\u{7f}"] {
+            let status = check(hello(hostile)).unwrap_err();
+            assert_eq!(status.code(), tonic::Code::InvalidArgument);
+            assert!(status.message().chars().all(is_printable), "{status:?}");
         }
     }
 }

@@ -51,6 +51,7 @@ pub mod mover;
 mod parallel;
 pub mod port;
 pub mod presets;
+pub mod printable;
 pub mod random;
 pub mod referee;
 pub mod robot;

@@ -32,7 +32,7 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
     }
     if args.json {
-        text::print(&(serde_json::to_string_pretty(&budget)? + "\n"))?;
+        text::print_json(&budget)?;
     } else {
         text::print(&told(&source, &wanted, &budget))?;
     }

@@ -19,6 +19,7 @@ mod recordings;
 mod refusals;
 mod runs;
 mod sweep;
+mod terminal;
 mod timelines;
 mod tune;
 
