@@ -9,6 +9,7 @@ use baudbot_sim::World;
 use super::window::Window;
 use crate::run;
 use crate::signals::Stop;
+use crate::text::tell;
 
 /// Makes something of what it sees.
 pub(super) trait Sink {
@@ -72,11 +73,11 @@ pub(super) fn run(
     bar.finish_and_clear();
     outputs.into_iter().try_for_each(Output::finish)?;
     if let Some(difference) = replay.difference() {
-        eprintln!("warning: the run does not come out as it was recorded, from {difference}");
+        tell!("warning: the run does not come out as it was recorded, from {difference}");
     }
     if !is_whole {
         let at_s = world.time().as_seconds();
-        eprintln!("note: stopped at {at_s} s of the run; what is written ends there");
+        tell!("note: stopped at {at_s} s of the run; what is written ends there");
     }
     Ok(is_whole)
 }
