@@ -1,6 +1,7 @@
 //! The command line.
 
 mod bench;
+mod brain;
 mod export;
 mod help;
 mod locate;
@@ -18,6 +19,7 @@ use baudbot_server::{Address, Lockstep, Pace, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::bench::BenchArgs;
+pub(crate) use self::brain::{BrainArgs, Reconnect};
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
@@ -172,24 +174,6 @@ pub(crate) struct ServeArgs {
     pub(crate) changes: ChangeArgs,
     #[command(flatten)]
     pub(crate) listen: ListenArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct BrainArgs {
-    /// Name of a brain, or the file of one that is described in TOML; with parameters if need be
-    #[arg(value_name = "BRAIN[:K=V,…]")]
-    pub(crate) brain: Option<String>,
-    /// List the brains and their parameters
-    #[arg(long)]
-    pub(crate) list: bool,
-    #[command(flatten)]
-    pub(crate) server: ConnectArgs,
-    /// A robot to drive; may be given several times [default: the world's only robot]
-    #[arg(long = "robot", value_name = "ROBOT")]
-    pub(crate) robots: Vec<String>,
-    /// Seed of the brain's own chance
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) seed: u64,
 }
 
 #[derive(Debug, Args)]

@@ -19,7 +19,9 @@ fn endpoint(address: &str) -> Option<Endpoint> {
         _ => with_port(&format!("http://{address}"), address)?,
     };
     // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
-    Some(Endpoint::from_shared(uri).ok()?.tcp_nodelay(true).connect_timeout(CONNECT_TIMEOUT))
+    let endpoint = Endpoint::from_shared(uri).ok()?.tcp_nodelay(true).connect_timeout(CONNECT_TIMEOUT);
+    // A brain that waits for its turn hears nothing for long, and would not notice that nobody is there any more.
+    Some(endpoint.http2_keep_alive_interval(KEEPALIVE).keep_alive_timeout(KEEPALIVE))
 }
 
 /// Without a port a URI means port 80, where no world is.
@@ -29,6 +31,9 @@ fn with_port(uri: &str, authority: &str) -> Option<String> {
 }
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// How long a server that says nothing is left in peace, and then how long it has for an answer.
+const KEEPALIVE: Duration = Duration::from_secs(20);
 
 #[cfg(test)]
 mod tests {

@@ -66,7 +66,8 @@ pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:
   baudbot brain --list
   baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
-  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot";
+  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot
+  baudbot brain avoid --reconnect off            ends when its server does";
 
 pub(super) const CHECK_EXAMPLES: &str = "\
 Examples:
