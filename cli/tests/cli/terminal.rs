@@ -84,7 +84,8 @@ fn a_brain_with_a_name_that_a_terminal_obeys_does_not_attach() {
     let (code, _, err) = baudbot(&["brain", &path, "--connect", &tcp]);
     assert_eq!(code, 1, "{err}");
     assert!(
-        err.contains(r"hello.brain: must be on one line and without control characters, is `b\u{1b}[2J"),
+        err.contains("hello.brain: must be on one line and without control characters, is `")
+            && err.contains(r"b\u{1b}[2J\u{202e}.toml"),
         "{err:?}"
     );
     assert!(is_shown(&err), "{err:?}");

@@ -45,7 +45,9 @@ impl Host {
             Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
             Letter::End => {
                 event!(self, info, "world over, since its server stops");
-                self.deleted = true;
+                // The same may be there again, in a moment.
+                self.over =
+                    Some(Status::unavailable(format!("world `{}` is over, as its server stops", self.name)));
             }
             Letter::Detach { session, why } => {
                 self.log_detached(session, &why);

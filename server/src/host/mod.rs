@@ -70,7 +70,8 @@ pub(crate) struct Host {
     senders_at_begin: Vec<Sender>,
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
-    deleted: bool,
+    /// What its brains are told at its end, once that has come.
+    over: Option<Status>,
     /// How long a tick takes, lately; `None` before the first.
     tick_takes: Option<Duration>,
     tick_took: Duration,
@@ -154,7 +155,7 @@ impl Host {
             senders,
             snapshots: VecDeque::new(),
             last_snapshot: 0,
-            deleted: false,
+            over: None,
             tick_takes: None,
             tick_took: Duration::ZERO,
             neighbours,

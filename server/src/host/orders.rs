@@ -101,7 +101,7 @@ impl Host {
             Order::Delete => {
                 // Who deletes a world and then ends the program finds its file whole.
                 self.end_recording();
-                self.deleted = true;
+                self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));
             }
         }
         drop(reply.send(Ok(self.report(snapshot))));
