@@ -76,11 +76,9 @@ impl Rest<'_> {
             group.iter().any(is_beside_covered) && group.iter().all(|cell| self.given_up.contains(cell))
         });
         let unseen = in_vain.count();
-        let (mut openings, mut barred) = (0, 0);
-        for opening in self.openings(is_covered) {
-            let is_barred = opening.iter().any(|cell| is_in(&covered_but, *cell));
-            *(if is_barred { &mut barred } else { &mut openings }) += 1;
-        }
+        // What would be open if proximity had found nothing is barred; what would not is narrow.
+        let openings = self.openings(|cell| is_in(&covered_but, cell)).len();
+        let barred = self.openings(is_covered).len().saturating_sub(openings);
         LeftOut { openings, width_m: least_width_m(self.half_width_m, self.grid.cell_m()), barred, unseen }
     }
 

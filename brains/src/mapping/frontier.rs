@@ -223,9 +223,9 @@ mod tests {
         let dark = Dark::new(&grid);
         assert!(!dark.is_dark(grid.cell(Point::new(0.0, 0.0))));
         assert!(dark.is_dark(grid.cell(Point::new(1.2, 0.0))) && dark.is_dark(Cell { column: 999, row: 0 }));
-        // Two discs that almost touch leave a gap of two cells.
+        // Two discs that almost touch leave a gap of one cell.
         let mut grid = Occupancy::new(0.025);
-        for x in [-0.52, 0.53] {
+        for x in [-0.505, 0.52] {
             grid.free_disc(Point::new(x, 0.0), 0.5);
         }
         let gap = Cell { column: 0, row: 0 };
