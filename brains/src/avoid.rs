@@ -17,10 +17,12 @@
 //! stands straight ahead.
 //!
 //! It sends a command only when it has decided something, and not before the last one is off the cable. So
-//! commands never queue, and a firmware that answers only when asked is asked once for each answer.
+//! commands never queue, and a firmware that answers only when asked is asked once for each answer. News that came while the
+//! cable was taken are answered with the [next](crate::beat), if those are due soon.
 
 use baudbot_client::{Action, Body, Brain, Turn};
 
+use crate::beat::Beat;
 use crate::chance::Chance;
 
 mod parameters;
@@ -43,6 +45,7 @@ pub struct Avoid {
     news: bool,
     decided_ns: u64,
     sent_ns: Option<u64>,
+    beat: Beat,
 }
 
 /// A sensor that counts.
@@ -73,9 +76,17 @@ impl Avoid {
     /// A brain at its start for a robot with this body; `None` if it has no infra-red sensor that looks ahead.
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
         let eyes: Vec<_> = eyes(body).filter(|eye| eye.bearing_rad.abs() <= parameters.field_rad).collect();
-        let (command_ns, state) = (body.command_ns(), State::Drive);
-        let brain =
-            Self { parameters, chance, eyes, command_ns, state, news: false, decided_ns: 0, sent_ns: None };
+        let brain = Self {
+            parameters,
+            chance,
+            eyes,
+            command_ns: body.command_ns(),
+            state: State::Drive,
+            news: false,
+            decided_ns: 0,
+            sent_ns: None,
+            beat: Beat::new(body),
+        };
         (!brain.eyes.is_empty()).then_some(brain)
     }
 
@@ -150,7 +161,8 @@ impl Avoid {
 impl Brain for Avoid {
     fn step(&mut self, turn: &Turn) -> Action {
         self.look(turn);
-        let action = self.act(turn.at_ns);
+        let is_message = self.beat.hear(turn);
+        let action = self.act(turn.at_ns, is_message);
         action.until_message_or(self.awake_ns(turn.at_ns))
     }
 }
@@ -165,16 +177,21 @@ impl Avoid {
         let stale_ns = (self.parameters.stale_s * 1e9) as u64;
         let oldest_ns = self.eyes.iter().filter_map(|eye| eye.seen_ns).min().unwrap_or(at_ns);
         let blind_ns = oldest_ns.saturating_add(stale_ns).saturating_add(1);
-        if self.news { blind_ns.min(free_ns(self.command_ns)) } else { blind_ns }
+        if !self.news {
+            return blind_ns;
+        }
+        let free_ns = free_ns(self.command_ns).max(at_ns);
+        blind_ns.min(self.beat.in_the_way_of(free_ns).unwrap_or(free_ns))
     }
 
-    fn act(&mut self, at_ns: u64) -> Action {
+    fn act(&mut self, at_ns: u64, is_message: bool) -> Action {
         let blind = self.is_blind(at_ns);
         // One command at a time: those that wait behind others on the cable come too late. A blind robot has
         // nothing new to say, and repeats itself only because the cable may lose a command.
         let pause_ns = if blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
         let free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
-        if !free || !(blind || self.news) {
+        let waits = !blind && !is_message && self.beat.in_the_way_of(at_ns).is_some();
+        if !free || waits || !(blind || self.news) {
             return Action::wait();
         }
         self.sent_ns = Some(at_ns);

@@ -10,6 +10,7 @@ use crate::decision::utility::{self, Utility};
 use crate::decision::{Layers, Machine, Tree};
 use crate::estimate::Estimate;
 use crate::mapping::Occupancy;
+use crate::odometry::OVERDUE_NS;
 use crate::process::{Beliefs, CognitiveProcess, Moment, MotorBehavior};
 use crate::senses::Senses;
 
@@ -25,6 +26,8 @@ pub struct Composed {
     gammas: Vec<(String, f64)>,
     signals: Signals,
     courier: Courier,
+    /// Time that a command takes on the cable.
+    command_ns: u64,
     stepped_ns: Option<u64>,
 }
 
@@ -82,6 +85,7 @@ impl Composed {
             gammas: Vec::new(),
             signals: Signals::default(),
             courier: Courier::new(body),
+            command_ns: body.command_ns(),
             stepped_ns: None,
         }
     }
@@ -156,13 +160,21 @@ impl Composed {
     /// Lets those that are active do their step.
     fn act(&mut self, turn: &Turn, dt_s: f64, state: &[f64]) {
         let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
+        beliefs.awaited = None;
         let mut moment = Moment { turn, dt_s, state, beliefs, gammas };
         for process in self.cognitives.iter_mut().filter(|process| process.active) {
             process.process.step(&mut moment);
         }
-        let motor = self.active.and_then(|active| self.motors.get_mut(active));
-        if let Some(signals) = motor.and_then(|motor| motor.behavior.step(&mut moment)) {
-            self.signals = signals;
+        let Some(motor) = self.active.and_then(|active| self.motors.get_mut(active)) else { return };
+        let signals = motor.behavior.step(&mut moment);
+        let goes_by_pose = motor.behavior.goes_by_pose();
+        let odometry = self.beliefs.odometry.as_ref().filter(|_| goes_by_pose);
+        let is_overdue = odometry.is_some_and(|odometry| odometry.is_overdue(turn.at_ns, OVERDUE_NS));
+        if is_overdue || (goes_by_pose && self.beliefs.pose.is_none()) {
+            self.signals = Signals::default();
+        } else if let Some(signals) = signals {
+            let haste = odometry.map_or(1.0, |odometry| odometry.haste(self.command_ns));
+            self.signals = Signals { left: haste * signals.left, right: haste * signals.right };
         }
     }
 
@@ -191,7 +203,8 @@ impl Brain for Composed {
     }
 
     fn belief(&mut self) -> Option<Belief> {
-        let state = match (self.active(), self.beliefs.intention.as_str()) {
+        let awaited = self.beliefs.awaited.as_ref().map(ToString::to_string);
+        let state = match (self.active(), awaited.as_deref().unwrap_or(&self.beliefs.intention)) {
             (Some(active), "") => active.to_owned(),
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
@@ -216,3 +229,6 @@ impl Brain for Composed {
 
 /// Nobody needs to see more points of a way.
 const SHOWN_POINTS: usize = 1000;
+
+#[cfg(test)]
+mod tests;

@@ -2,9 +2,11 @@
 
 use baudbot_client::{Action, Body, Signals, Turn};
 
+use crate::beat::Beat;
+
 /// Sends signals when they change, again now and then since a cable may lose them, and never before the last command is off
-/// the cable: one that waits behind others comes too late. A firmware that answers only when asked is asked once for each
-/// answer.
+/// the cable: one that waits behind others comes too late. What a message changed while the cable was taken waits for the
+/// [next message](crate::beat), if that is due soon. A firmware that answers only when asked is asked once for each answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Courier {
     /// Time that a command takes on the cable.
@@ -15,28 +17,43 @@ pub(crate) struct Courier {
     limit: Option<f64>,
     sent: Option<(u64, Signals)>,
     news: bool,
+    beat: Beat,
+    /// The cable was taken when the last message came.
+    is_out_of_step: bool,
 }
 
 impl Courier {
     pub(crate) fn new(body: &Body) -> Self {
         let (asks, limit) = (body.firmware.period_ns.is_none(), body.signal_limit);
-        Self { command_ns: body.command_ns(), asks, limit, sent: None, news: false }
+        let beat = Beat::new(body);
+        Self {
+            command_ns: body.command_ns(),
+            asks,
+            limit,
+            sent: None,
+            news: false,
+            beat,
+            is_out_of_step: false,
+        }
     }
 
     /// What is done in a turn in which the motors are to have these signals.
     pub(crate) fn send(&mut self, turn: &Turn, signals: Signals) -> Action {
         self.news |= turn.has_news();
         let signals = within(self.limit, signals);
-        let is_due = self.sent.is_none_or(|(sent_ns, sent)| {
-            let since_ns = turn.at_ns.saturating_sub(sent_ns);
-            let is_other = sent != signals || (self.asks && self.news);
-            since_ns >= self.command_ns && (is_other || since_ns >= self.command_ns.max(REPEAT_NS))
-        });
-        if !is_due {
+        let since_ns = self.sent.map(|(sent_ns, _)| turn.at_ns.saturating_sub(sent_ns));
+        let is_free = since_ns.is_none_or(|since_ns| since_ns >= self.command_ns);
+        if self.beat.hear(turn) {
+            self.is_out_of_step = !is_free;
+        }
+        let is_other = self.sent.is_none_or(|(_, sent)| sent != signals) || (self.asks && self.news);
+        let is_due = is_other || since_ns.is_some_and(|since_ns| since_ns >= REPEAT_NS);
+        let waits = self.is_out_of_step && self.beat.in_the_way_of(turn.at_ns).is_some();
+        if !is_free || !is_due || waits {
             return Action::wait();
         }
         self.sent = Some((turn.at_ns, signals));
-        self.news = false;
+        (self.news, self.is_out_of_step) = (false, false);
         Action::drive(signals.left, signals.right)
     }
 }
@@ -106,5 +123,26 @@ mod tests {
         };
         assert!(asked(0, false));
         assert!(!asked(40, false) && asked(50, true) && !asked(52, true) && asked(80, false));
+    }
+
+    #[test]
+    fn signals_that_change_with_each_message_soon_go_out_with_it_whenever_the_first_was_sent() {
+        let body = body(&[("front", "ir", 0.0)]);
+        for first in 0..2 {
+            let mut courier = Courier::new(&body);
+            let mut in_step = 0;
+            for i in first..200 {
+                // 20.487 ms, 40 ms, 40.487 ms, 60 ms: a message, and the end of a tick without one.
+                let is_message = i % 2 == 1;
+                let at_ns = 20 * MS * (i / 2) + if is_message { 487_000 } else { 0 };
+                let messages = i.div_ceil(2);
+                let signals = Signals { left: 1e-3 * f64::from(messages as u32), right: 0.0 };
+                let turn = turn(&body, at_ns, &[is_message.then_some(&[0.1][..])]);
+                let is_sent = courier.send(&turn, signals).signals.is_some();
+                assert!(is_message || !is_sent || i < 4, "{i}: between two messages");
+                in_step += u32::from(is_message && is_sent);
+            }
+            assert!(in_step >= 97, "{first}: {in_step}");
+        }
     }
 }

@@ -56,6 +56,7 @@ pub mod vfh;
 pub mod wander;
 
 mod anew;
+mod beat;
 mod chance;
 mod courier;
 mod feelers;

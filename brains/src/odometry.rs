@@ -23,6 +23,7 @@
 //! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] mends it, and all that came after. What came before
 //! moves with it, so that another scan, which began earlier, still knows how the robot went.
 
+mod arrivals;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,8 @@ use baudbot_client::{Body, Encoding, Turn};
 use baudbot_geometry::{Pose, math};
 
 use crate::estimate::Estimate;
+use crate::process::Awaited;
+use arrivals::Arrivals;
 use step::Step;
 
 /// What must be known of the wheels, and how much is kept.
@@ -47,8 +50,8 @@ pub struct Parameters {
     pub modulus: Option<f64>,
     /// Variance of the error of a wheel's way, in square metres, for each metre that it goes.
     pub variance_m2_per_m: f64,
-    /// How many past poses are kept, at least 1: those of readings, and those that were corrected.
-    pub history: usize,
+    /// How far back poses are kept, in nanoseconds: those of readings, and those that were corrected.
+    pub past_ns: u64,
 }
 
 /// Where the robot is by its wheels.
@@ -60,6 +63,7 @@ pub struct Odometry {
     /// The instant that was corrected last. No earlier one can be.
     corrected_ns: u64,
     last: Option<Last>,
+    arrivals: Arrivals,
 }
 
 /// An instant, the pose at it, and the way that led there.
@@ -94,7 +98,7 @@ impl Parameters {
             m_per_count: [TAU * body.wheel_radius_m / f64::from(counts); 2],
             modulus,
             variance_m2_per_m: 1e-4,
-            history: 256,
+            past_ns: PAST_NS,
         })
     }
 }
@@ -104,7 +108,7 @@ impl Odometry {
     #[must_use]
     pub fn new(parameters: Parameters, at_ns: u64, start: Estimate) -> Self {
         let past = VecDeque::from([Past { at_ns, step: Step::default(), estimate: start }]);
-        Self { parameters, past, corrected_ns: at_ns, last: None }
+        Self { parameters, past, corrected_ns: at_ns, last: None, arrivals: Arrivals::default() }
     }
 
     /// Starts when this sensor, encoders or an odometer, has its first reading: at a pose that is known, or where the
@@ -142,7 +146,35 @@ impl Odometry {
             [left, right, ..] if !is_odometer => self.encoders(at_ns, [left, right]),
             _ => return false,
         }
+        self.arrivals.note(sensor, at_ns, turn.at_ns);
         true
+    }
+
+    /// Whether at this instant of the laptop's clock nothing has come for longer than `least_ns`, in nanoseconds, and longer than
+    /// [usual](Self::patience_ns).
+    #[must_use]
+    pub fn is_overdue(&self, now_ns: u64, least_ns: u64) -> bool {
+        now_ns.saturating_sub(self.arrivals.heard_ns()) > least_ns.max(self.patience_ns())
+    }
+
+    /// How long after its last reading the next is still not overdue, in nanoseconds: some times as long as usual.
+    #[must_use]
+    pub fn patience_ns(&self) -> u64 {
+        self.arrivals.patience_ns()
+    }
+
+    /// That its sensor is waited for, and since when.
+    #[must_use]
+    pub fn awaited(&self) -> Awaited {
+        self.arrivals.awaited()
+    }
+
+    /// At which part of its speed a robot may drive by it whose commands take so long on the cable, in nanoseconds: 1, unless
+    /// its readings are so old that it would be too far on its way, or too far round, before it could heed them.
+    #[must_use]
+    pub fn haste(&self, command_ns: u64) -> f64 {
+        let blind_ns = self.arrivals.lag_ns().saturating_add(command_ns).max(1);
+        (CALM_NS / blind_ns as f64).min(1.0)
     }
 
     /// A reading of both encoders, which must know the direction, sampled at this instant. Counts that
@@ -177,8 +209,8 @@ impl Odometry {
         self.newest().at_ns
     }
 
-    /// Where the robot was at an earlier instant, `None` if that is forgotten. It is taken to have gone evenly
-    /// between readings, and to stand since the last one.
+    /// Where the robot was at an earlier instant; `None` if that is forgotten, or if it moved while no reading came for so long
+    /// that nobody knows when. It is taken to have gone evenly between readings, and to stand since the last one.
     #[must_use]
     pub fn at(&self, at_ns: u64) -> Option<Estimate> {
         let after = self.past.partition_point(|past| past.at_ns < at_ns);
@@ -187,6 +219,9 @@ impl Odometry {
             return Some(next.estimate);
         }
         let before = &self.past[after.checked_sub(1)?];
+        if next.at_ns.saturating_sub(before.at_ns) > EVEN_NS && !next.step.is_small() {
+            return None;
+        }
         let part = next.step.part(fraction(before.at_ns, at_ns, next.at_ns));
         Some(self.stepped(&before.estimate, &part))
     }
@@ -247,9 +282,10 @@ impl Odometry {
         self.remember(Past { at_ns, step, estimate });
     }
 
+    /// Forgets what is so long ago that what is left reaches far enough without it.
     fn remember(&mut self, past: Past) {
-        // One more than that: the first is where they start from.
-        while self.past.len() > self.parameters.history.max(1) {
+        let since_ns = past.at_ns.saturating_sub(self.parameters.past_ns);
+        while self.past.len() >= MOST_POSES || self.past.get(1).is_some_and(|next| next.at_ns <= since_ns) {
             self.past.pop_front();
         }
         self.past.push_back(past);
@@ -270,5 +306,18 @@ fn fraction(from_ns: u64, at_ns: u64, to_ns: u64) -> f64 {
     at_ns.saturating_sub(from_ns) as f64 / to_ns.saturating_sub(from_ns).max(1) as f64
 }
 
+/// Odometry of which nothing has come for so long is overdue, if it is not always so slow, in nanoseconds.
+pub(crate) const OVERDUE_NS: u64 = 500_000_000;
+/// From a reading's sample until a command that heeds it is obeyed it may take so long at full speed, in nanoseconds. At 0.4 m/s
+/// and 0.9 rad/s that is 0.1 m and 0.22 rad, and controllers with a gain of 2 a second do not overshoot.
+const CALM_NS: f64 = 250e6;
+/// Between two readings that are farther apart, in nanoseconds, a robot has not gone evenly: it may have stopped when the cable
+/// was pulled.
+const EVEN_NS: u64 = 600_000_000;
+/// How far back poses are kept, in nanoseconds. A scan of a laser with a slow cable of its own is two seconds old when it comes,
+/// and odometry may be as late as that.
+const PAST_NS: u64 = 10_000_000_000;
+/// So many poses are kept at most: those of ten seconds at 500 Hz.
+const MOST_POSES: usize = 5_000;
 /// The kind of sensor that says x, y and heading.
 const ODOMETER: &str = "odometer";

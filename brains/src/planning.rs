@@ -46,6 +46,7 @@ pub use grid::{Cell, Grid, GridError};
 pub use heuristic::Heuristic;
 pub use moves::Moves;
 pub use plan::{End, Plan, PlanError};
+pub(crate) use search::cheapest;
 pub use search::{a_star, dijkstra, greedy};
 pub use sight::line_of_sight;
 pub use text::Sketch;

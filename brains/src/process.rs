@@ -5,6 +5,8 @@
 //! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
 //! reads that.
 
+use std::fmt;
+
 use baudbot_client::{Signals, Turn};
 use baudbot_geometry::Point;
 
@@ -50,6 +52,23 @@ pub struct Beliefs {
     pub path: Vec<Point>,
     /// What a behaviour is about, in a few words, for people who look.
     pub intention: String,
+    /// The sensor that a process waits for in this step, if one does.
+    pub awaited: Option<Awaited>,
+}
+
+/// A sensor that somebody waits for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Awaited {
+    /// Its name.
+    pub sensor: String,
+    /// When its last reading came, in nanoseconds; 0 if none has.
+    pub since_ns: u64,
+}
+
+impl fmt::Display for Awaited {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "waits for `{}` since {:.2} s", self.sensor, self.since_ns as f64 * 1e-9)
+    }
 }
 
 /// A process that drives.
@@ -62,6 +81,12 @@ pub trait MotorBehavior: Send {
 
     /// Another is activated instead.
     fn leave(&mut self, _: &mut Moment<'_>) {}
+
+    /// Whether it drives by the believed pose. While odometry is overdue the robot then stands, and the older odometry is the
+    /// slower it drives.
+    fn goes_by_pose(&self) -> bool {
+        false
+    }
 }
 
 /// A process that does not drive.

@@ -12,7 +12,7 @@ use baudbot_client::{Body, Brain, Error, connect, run};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use crate::anew::Anew;
-use crate::catalogue::{self, Entry, catalogue};
+use crate::catalogue::{self, Entry, catalogue, text_of};
 use crate::description::Description;
 use crate::registry::Registry;
 
@@ -63,7 +63,7 @@ fn name_of(file: &str) -> String {
 }
 
 fn read(file: &str) -> anyhow::Result<Description> {
-    Ok(Description::parse(&std::fs::read_to_string(file)?)?)
+    Ok(Description::parse(&text_of(Path::new(file))?)?)
 }
 
 fn ended(name: &str, result: anyhow::Result<()>) -> ExitCode {

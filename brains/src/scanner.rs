@@ -1,14 +1,18 @@
 //! From a laser's readings to scans of one instant.
 //!
 //! A reading comes late, and is of a robot that moved. It waits until the odometry has come to the end of its sweep, and
-//! then is [mended](crate::localization::deskew) by what that says.
+//! then is [mended](crate::localization::deskew) by what that says. On a slow cable odometry comes later than the next
+//! readings of the laser, so these wait behind it: each is used as soon as odometry covers it, the oldest first.
 //!
 //! *Limit.* Lasers on turrets are not understood.
+
+use std::collections::VecDeque;
 
 use baudbot_client::{Body, Sweep, Turn};
 
 use crate::localization::deskew::{self, deskew};
 use crate::odometry::Odometry;
+use crate::process::Awaited;
 use crate::scan::Scan;
 
 /// What takes scans.
@@ -18,8 +22,11 @@ pub struct Scanner {
     sweep: Sweep,
     /// So many rays are kept, about.
     rays: usize,
-    /// The last reading, and when it was begun, until the odometry knows where that was.
-    waiting: Option<(u64, Scan)>,
+    name: String,
+    /// When its last reading came, in nanoseconds; 0 if none has.
+    heard_ns: u64,
+    /// Readings, and when each was begun, until the odometry knows where that was; the oldest first.
+    waiting: VecDeque<(u64, Scan)>,
 }
 
 impl Scanner {
@@ -49,48 +56,72 @@ impl Scanner {
         if rays == 0 {
             return Err("rays: must be at least 1".to_owned());
         }
-        Ok(Self { sensor, sweep, rays, waiting: None })
+        Ok(Self { sensor, sweep, rays, name: laser.to_owned(), heard_ns: 0, waiting: VecDeque::new() })
     }
 
-    /// Takes in what a turn brought: a new reading replaces one that still waits.
+    /// Takes in what a turn brought. A new reading waits behind those that wait already. If too many do, it is left out, and
+    /// not one of these: the next one would take the place of the next.
     pub fn hear(&mut self, turn: &Turn) {
         let reading = turn.readings.get(self.sensor).and_then(Option::as_ref);
         let Some(reading) = reading.filter(|reading| reading.readable) else { return };
+        self.heard_ns = turn.at_ns;
+        if self.waiting.len() == MOST_WAITING {
+            return;
+        }
         let begun_ns =
             reading.sampled_at_ns.unwrap_or_else(|| turn.at_ns.saturating_sub(self.sweep.duration_ns));
         let scan = turn.body.sensors.get(self.sensor);
         let scan = scan.and_then(|sensor| Scan::of(sensor, reading));
-        self.waiting = scan.map(|scan| (begun_ns, scan.thinned(self.rays)));
+        self.waiting.extend(scan.map(|scan| (begun_ns, scan.thinned(self.rays))));
     }
 
-    /// The instant of the end of its sweep, in nanoseconds, and the reading as if all of it had been taken then, once this
-    /// odometry has come there. A reading from before all that is known is lost.
+    /// The oldest reading that waits, as if all of it had been taken at the end of its sweep, and that instant in
+    /// nanoseconds, once this odometry has come there; `None` until then. There may be another behind it. A reading from before
+    /// all that is known is lost.
     pub fn take(&mut self, odometry: &Odometry) -> Option<(u64, Scan)> {
-        let begun_ns = self.waiting.as_ref()?.0;
-        let ended_ns = begun_ns.saturating_add(self.sweep.duration_ns);
-        if odometry.at_ns() < ended_ns {
-            return None;
-        }
-        let (_, scan) = self.waiting.take()?;
-        let [right_ns, left_ns] =
-            if self.sweep.clockwise { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
+        let sweep = self.sweep;
+        let is_covered =
+            |waiting: &mut (u64, Scan)| waiting.0.saturating_add(sweep.duration_ns) <= odometry.at_ns();
         let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
-        Some((ended_ns, deskew(&scan, deskew::Sweep { right_ns, left_ns }, ended_ns, pose_at)?))
+        while let Some((begun_ns, scan)) = self.waiting.pop_front_if(is_covered) {
+            let ended_ns = begun_ns.saturating_add(sweep.duration_ns);
+            let [right_ns, left_ns] =
+                if sweep.clockwise { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
+            let mended = deskew(&scan, deskew::Sweep { right_ns, left_ns }, ended_ns, pose_at);
+            if let Some(mended) = mended {
+                return Some((ended_ns, mended));
+            }
+        }
+        None
     }
 
-    /// The same as it is, without any odometry: for who stands still, or knows only where it is now.
+    /// The oldest reading that waits as it is, without any odometry: for who stands still, or knows only where it is now.
     pub fn take_as_is(&mut self) -> Option<(u64, Scan)> {
-        let (begun_ns, scan) = self.waiting.take()?;
+        let (begun_ns, scan) = self.waiting.pop_front()?;
         Some((begun_ns.saturating_add(self.sweep.duration_ns), scan))
     }
 
-    /// The reading that waits is not of interest any more.
-    pub fn forget(&mut self) {
-        self.waiting = None;
+    /// Which sensor the next scan waits for, and since when: that of this odometry, if readings wait for that, or else the laser.
+    #[must_use]
+    pub fn awaited(&self, odometry: Option<&Odometry>) -> Awaited {
+        let odometry = odometry.filter(|_| !self.waiting.is_empty());
+        let laser = || Awaited { sensor: self.name.clone(), since_ns: self.heard_ns };
+        odometry.map_or_else(laser, Odometry::awaited)
     }
 
-    /// Whether the reading that waits was begun at this instant or later; false if none waits.
-    pub fn waits_since(&self, at_ns: u64) -> bool {
-        self.waiting.as_ref().is_some_and(|(begun_ns, _)| *begun_ns >= at_ns)
+    /// The readings that wait are not of interest any more.
+    pub fn forget(&mut self) {
+        self.waiting.clear();
+    }
+
+    /// Those that wait and were begun before this instant, in nanoseconds, are not of interest any more.
+    pub fn forget_before(&mut self, at_ns: u64) {
+        self.waiting.retain(|(begun_ns, _)| *begun_ns >= at_ns);
     }
 }
+
+/// So many readings wait at most: those of a laser at 100 Hz while odometry is five seconds late.
+const MOST_WAITING: usize = 512;
+
+#[cfg(test)]
+mod tests;

@@ -37,7 +37,7 @@ impl Registry {
             .motor("follow_wall", |parameters, kit| FollowWall::new(parameters, kit.body))
             .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
             .motor("home", |parameters, kit| Home::new(parameters, &kit))
-            .motor("potential_field", |parameters, _| PotentialField::new(parameters))
+            .motor("potential_field", |parameters, kit| PotentialField::new(parameters, kit.body))
             .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
             .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
             .motor("vfh", |parameters, kit| Vfh::new(parameters, kit.body))

@@ -24,7 +24,7 @@ mod behavior;
 pub mod candidates;
 mod histogram;
 mod memory;
-mod sight;
+pub(crate) mod sight;
 
 pub use behavior::{Parameters, Vfh};
 pub use histogram::{Histogram, Window};

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod bench;
+mod brain;
 mod export;
 mod help;
 mod locate;
@@ -14,10 +15,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use baudbot_server::{Address, Lockstep, Pace, Watchdog, WatchdogPolicy};
+use baudbot_server::{Address, Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::bench::BenchArgs;
+pub(crate) use self::brain::{BrainArgs, Reconnect};
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
     BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
@@ -175,24 +177,6 @@ pub(crate) struct ServeArgs {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct BrainArgs {
-    /// Name of a brain, or the file of one that is described in TOML; with parameters if need be
-    #[arg(value_name = "BRAIN[:K=V,…]")]
-    pub(crate) brain: Option<String>,
-    /// List the brains and their parameters
-    #[arg(long)]
-    pub(crate) list: bool,
-    #[command(flatten)]
-    pub(crate) server: ConnectArgs,
-    /// A robot to drive; may be given several times [default: the world's only robot]
-    #[arg(long = "robot", value_name = "ROBOT")]
-    pub(crate) robots: Vec<String>,
-    /// Seed of the brain's own chance
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) seed: u64,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
     /// A scenario file, or one that is part of the program: arsim, khepera, wander
     pub(crate) scenario: String,
@@ -302,6 +286,10 @@ pub(crate) struct WatchdogArgs {
     /// while an answer is under way; the run is the same [default: on]
     #[arg(long, value_name = "on|off")]
     pub(crate) lookahead: Option<Lookahead>,
+    /// In real and scaled time: by how much the world may lag and catch up, by the wall clock; what is beyond it lets go
+    /// [default: 100]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_lag_ms: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -356,6 +344,11 @@ impl PaceName {
                 "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: else nobody is waited for",
             ));
         }
+        if !matches!(self, Self::Timed(_)) && args.max_lag_ms.is_some() {
+            return Err(Refused::error(
+                "--max-lag-ms needs --pace real-time or scaled:X: else there is no clock to lag behind",
+            ));
+        }
         let defaults = Watchdog::default();
         let policy = args.on_timeout.map(|policy| match policy {
             OnTimeout::Wait => WatchdogPolicy::Wait,
@@ -371,7 +364,10 @@ impl PaceName {
                 },
                 lookahead: args.lookahead != Some(Lookahead::Off),
             }),
-            Self::Timed(factor) => Pace::Timed { factor },
+            Self::Timed(factor) => {
+                let max_lag = args.max_lag_ms.map_or(Timed::MAX_LAG, |ms| Duration::from_millis(ms.into()));
+                Pace::Timed(Timed { factor, max_lag })
+            }
             Self::Free => Pace::Free,
         })
     }
@@ -432,10 +428,21 @@ mod tests {
     #[test]
     fn a_watchdog_belongs_to_lockstep() {
         let lookahead = Some(Lookahead::Off);
-        let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout: Some(OnTimeout::Detach), lookahead };
+        let on_timeout = Some(OnTimeout::Detach);
+        let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout, lookahead, max_lag_ms: None };
         let watchdog = Watchdog { timeout: Duration::from_millis(5), policy: WatchdogPolicy::Detach };
         let lockstep = Lockstep { watchdog, lookahead: false };
         assert_eq!(PaceName::Lockstep.with(&args).unwrap(), Pace::Lockstep(lockstep));
         assert!(PaceName::Free.with(&args).is_err());
+    }
+
+    #[test]
+    fn a_lag_belongs_to_the_wall_clock() {
+        let args =
+            |max_lag_ms| WatchdogArgs { watchdog_ms: None, on_timeout: None, lookahead: None, max_lag_ms };
+        let timed = Timed { factor: 2.0, max_lag: Duration::from_millis(5) };
+        assert_eq!(PaceName::Timed(2.0).with(&args(Some(5))).unwrap(), Pace::Timed(timed));
+        assert_eq!(PaceName::Timed(1.0).with(&args(None)).unwrap(), Pace::REAL_TIME);
+        assert!(PaceName::Lockstep.with(&args(Some(5))).is_err());
     }
 }

@@ -2,15 +2,16 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use baudbot_brains::catalogue::catalogue;
-use baudbot_client::Client;
+use baudbot_client::{Client, Error, come_back};
 use baudbot_proto::v1;
 
-use crate::args::BrainArgs;
+use crate::args::{BrainArgs, Reconnect};
 use crate::crew::{self, Crew, Job};
 use crate::signals::Stop;
-use crate::{connect, text};
+use crate::text::tell;
+use crate::{connect, error, text};
 
 pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     let Some(brain) = args.brain.clone().filter(|_| !args.list) else { return text::print(&list()) };
@@ -22,7 +23,7 @@ pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Drives until the run is over. That a world, and a robot, need no name if there is only one, is for the
+/// Drives until the run is over, and comes back to a server that it has lost. That a world, and a robot, need no name if there is only one, is for the
 /// person at the keyboard; the brain itself sees its cable only.
 async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let channel = connect::channel(&args.server.connect).await?;
@@ -30,14 +31,34 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let robots = if args.robots.is_empty() { vec![only_robot(&world)?] } else { args.robots };
     let names = robots.join(", ");
     let job = Job { brain, robots };
-    let mut crew = Crew::attach(Client::from_channel(channel), &world.world, job, args.seed).await?;
-    eprintln!("driving {names} of world {}", world.world);
-    let summary = crew.run(|| eprintln!("the operator has restarted the brain of {names}")).await?;
-    if crew.is_closed() {
-        bail!("the server closed the connection before the run was over");
+    let mut crew = Crew::attach(Client::from_channel(channel), &world.world, job.clone(), args.seed).await?;
+    tell!("driving {names} of world {}", world.world);
+    let attach = async || {
+        let client = Client::from_channel(connect::channel(&args.server.connect).await?);
+        Crew::attach(client, &world.world, job.clone(), args.seed).await
+    };
+    loop {
+        let lost = match crew.run(|| tell!("the operator has restarted the brain of {names}")).await {
+            Ok(_) if crew.is_closed() => anyhow!("the server closed the connection before the run was over"),
+            Ok(summary) => {
+                let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
+                return text::print(&format!("the run is over after {}\n", text::count(turns, "turn")));
+            }
+            Err(error) if may_pass(&error) => error,
+            Err(error) => return Err(error),
+        };
+        let Reconnect::For(limit) = args.reconnect else { return Err(lost) };
+        let limit_s = limit.as_secs();
+        tell!("{}; trying to come back for {limit_s} s", error::text(&lost));
+        let back = come_back(limit, may_pass, &attach).await;
+        crew = back.with_context(|| format!("the brain of {names} is not back"))?;
+        tell!("back with a brain that begins anew: driving {names} of world {}", world.world);
     }
-    let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-    text::print(&format!("the run is over after {}\n", text::count(turns, "turn")))
+}
+
+/// Whether it is the connection that failed, or something else that is not for ever.
+fn may_pass(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<Error>().is_some_and(Error::may_pass)
 }
 
 fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {

@@ -19,6 +19,7 @@ use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text::{self, NOTHING, count, duration, handy, pairs, percent, table};
+use crate::together;
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
@@ -45,6 +46,9 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
     for warning in scenario.warnings() {
         let _ = writeln!(text, "\nwarning: {warning}");
     }
+    for (robot, warning) in together::all_warnings(scenario) {
+        let _ = writeln!(text, "\nwarning: robot `{robot}`: {warning}");
+    }
     text
 }
 
@@ -56,7 +60,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
     };
     vec![
         ("name", scenario.name().to_owned()),
-        ("description", scenario.description().to_owned()),
+        ("description", text::one_line(scenario.description())),
         ("step", format!("{} in {substeps}", duration(scenario.step_ns() as f64))),
         (
             "seed",

@@ -66,6 +66,8 @@ async fn attach(client: &Client, world: &str, job: &Job, seed: u64) -> anyhow::R
     match crew::Crew::attach(client.clone(), world, job.clone(), seed).await {
         Ok(crew) => Ok(crew),
         Err(CrewError::Brain(error)) => Err(Refused::error(error.to_string())),
+        // Whose errors tell whether it is worth trying again.
+        Err(CrewError::Client(error)) => Err(error.into()),
         Err(error) => Err(error.into()),
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use std::process::ExitCode;
 
 use baudbot_server::ServerError;
+use baudbot_sim::printable::Printable;
 use tonic::Code;
 
 /// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,
@@ -56,8 +57,8 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
 pub(crate) fn from_server(status: &tonic::Status) -> anyhow::Error {
     // A status that the server sent has no cause here; one that stands for a broken connection has.
     match status.source() {
-        Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", status.message()),
-        None => anyhow::anyhow!("the server says: {}", status.message()),
+        Some(_) => anyhow::anyhow!("the connection to the server is lost ({})", Printable(status.message())),
+        None => anyhow::anyhow!("the server says: {}", Printable(status.message())),
     }
 }
 

@@ -1,10 +1,15 @@
 //! What is told while it happens: a log on stderr, and, if asked for, a collector of traces.
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::str::FromStr;
 
+use crate::text;
+use crate::text::tell;
+use baudbot_sim::printable::Printable;
 use clap::ValueEnum;
+use tracing_subscriber::field::RecordFields;
 use tracing_subscriber::filter::{FilterExt, LevelFilter, Targets, filter_fn};
+use tracing_subscriber::fmt::format::{DefaultFields, FormatFields, Writer};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{Layer, Registry, fmt};
@@ -51,13 +56,20 @@ pub(crate) type Listener = Box<dyn Layer<Registry> + Send + Sync>;
 
 /// Begins to log. A program that `serves` worlds also exports, if a collector is named.
 pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: bool) -> Logs {
+    // What h2 warns of is what strangers send, as often as they like: it is told to those who want to know all.
+    let least = if tells_all(&filter, "h2") { LevelFilter::TRACE } else { LevelFilter::ERROR };
+    let strangers =
+        filter_fn(move |metadata| !metadata.target().starts_with("h2") || *metadata.level() <= least);
     // Without spans, which are for collectors: an event says all itself.
-    let filter = filter.and(filter_fn(|metadata| metadata.is_event()));
-    let stderr = fmt::layer().with_writer(std::io::stderr);
+    let filter = filter.and(strangers).and(filter_fn(|metadata| metadata.is_event()));
     let stderr = match format {
-        LogFormat::Text => stderr.with_ansi(std::io::stderr().is_terminal()).with_filter(filter).boxed(),
+        LogFormat::Text => {
+            let text = fmt::layer().with_ansi(io::stderr().is_terminal()).with_writer(io::stderr);
+            text.fmt_fields(PrintableFields).with_filter(filter).boxed()
+        }
         LogFormat::Json => {
-            let json = stderr.json().flatten_event(true).with_current_span(false).with_span_list(false);
+            let json = fmt::layer().with_writer(|| EscapedJson(io::stderr())).json();
+            let json = json.flatten_event(true).with_current_span(false).with_span_list(false);
             json.with_filter(filter).boxed()
         }
     };
@@ -67,11 +79,41 @@ pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: boo
     logs
 }
 
+/// Whether what a part of the program says is told down to its details.
+fn tells_all(filter: &Targets, part: &str) -> bool {
+    LevelFilter::DEBUG.into_level().is_some_and(|debug| filter.would_enable(part, &debug))
+}
+
+/// Writes what an event says so that no terminal obeys it: names in it may be those of other users.
+struct PrintableFields;
+
+impl<'w> FormatFields<'w> for PrintableFields {
+    fn format_fields<R: RecordFields>(&self, mut out: Writer<'w>, fields: R) -> std::fmt::Result {
+        let mut text = String::new();
+        DefaultFields::new().format_fields(Writer::new(&mut text), fields)?;
+        write!(out, "{}", Printable(text))
+    }
+}
+
+/// The same for lines of JSON, each of which comes at once.
+struct EscapedJson<W>(W);
+
+impl<W: Write> Write for EscapedJson<W> {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        self.0.write_all(text::escaped_json(&String::from_utf8_lossy(line)).as_bytes())?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
 #[cfg(feature = "otel")]
 fn export(asked: bool, listeners: &mut Vec<Listener>) -> Logs {
     let export = asked.then(|| crate::otel::Export::start(listeners));
     let _export = export.and_then(|export| {
-        export.map_err(|error| eprintln!("note: {ENDPOINT}: {error}; nothing is exported")).ok()
+        export.map_err(|error| tell!("note: {ENDPOINT}: {error}; nothing is exported")).ok()
     });
     Logs { _export }
 }
@@ -79,7 +121,7 @@ fn export(asked: bool, listeners: &mut Vec<Listener>) -> Logs {
 #[cfg(not(feature = "otel"))]
 fn export(asked: bool, _: &mut [Listener]) -> Logs {
     if asked {
-        eprintln!(
+        tell!(
             "note: {ENDPOINT} is set, but this program was built without the feature otel: nothing is exported"
         );
     }
@@ -92,6 +134,39 @@ const ENDPOINT: &str = "OTEL_EXPORTER_OTLP_ENDPOINT";
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What a log keeps in memory.
+    #[derive(Clone, Default)]
+    struct Kept(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+    impl Write for Kept {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn no_log_has_anything_that_a_terminal_obeys() {
+        let (text, json) = (Kept::default(), Kept::default());
+        let (to_text, to_json) = (text.clone(), json.clone());
+        let as_text =
+            fmt::layer().with_ansi(false).with_writer(move || to_text.clone()).fmt_fields(PrintableFields);
+        let as_json = fmt::layer().with_writer(move || EscapedJson(to_json.clone())).json();
+        let hostile = "\u{1b}[2J\u{9b}31m\u{202e}\n\r";
+        tracing::subscriber::with_default(Registry::default().with(as_text).with(as_json), || {
+            tracing::warn!(brain = hostile, world = %hostile, seat = ?hostile, "attached {hostile}");
+        });
+        for log in [text, json] {
+            let log = String::from_utf8(log.0.lock().unwrap().clone()).unwrap();
+            let (line, rest) = log.split_once('\n').unwrap();
+            assert!(rest.is_empty() && line.chars().all(baudbot_sim::printable::is_printable), "{log:?}");
+            assert!(line.contains("attached"), "{log:?}");
+        }
+    }
 
     #[test]
     fn filters_are_levels_of_all_or_of_parts() {

@@ -8,11 +8,13 @@
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    `text` lays out columns, `viewer` leads to a page, and
-//!    `foxglove` lets another program look.
+//!    `text` lays out columns and is the only way to a terminal, `viewer` leads to a page, and `foxglove` lets another
+//!    program look.
 //! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
+
+#![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod alike;
 mod args;
@@ -33,6 +35,7 @@ mod locate;
 mod logs;
 mod map;
 mod new;
+mod opened;
 #[cfg(feature = "otel")]
 mod otel;
 mod plan;
@@ -47,6 +50,7 @@ mod signals;
 mod summary;
 mod sweep;
 mod text;
+mod together;
 mod trace;
 mod tune;
 mod viewer;
@@ -55,11 +59,14 @@ mod work;
 mod written;
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::Parser;
+use tokio::runtime::Runtime;
 
 use crate::args::{Cli, Command, NewCommand};
+use crate::text::tell;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -71,7 +78,7 @@ fn main() -> ExitCode {
     match execute(command) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {}", error::text(&error));
+            tell!("error: {}", error::text(&error));
             error::exit_code(&error)
         }
     }
@@ -81,6 +88,16 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     // A brain and the server next to it talk in turn: a second thread would only pass their messages on.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.context("cannot start the runtime")?;
+    let done = execute_on(&runtime, command);
+    // Whatever still hangs, such as a disk, keeps nobody waiting.
+    runtime.shutdown_timeout(PATIENCE);
+    done
+}
+
+/// How long work may go on that nobody waits for.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(args) => return runtime.block_on(run::run(&args)),
         Command::Sweep(args) => return runtime.block_on(sweep::sweep(args)),

@@ -19,6 +19,7 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 
 use crate::logs::Listener;
+use crate::text::tell;
 
 /// What sends. It ends with what is still to be sent.
 pub(crate) struct Export {
@@ -54,7 +55,7 @@ impl Drop for Export {
             [self.traces.shutdown_with_timeout(PATIENCE), self.logs.shutdown_with_timeout(PATIENCE)]
         {
             if let Err(error) = outcome {
-                eprintln!("note: not all spans and events were exported: {error}");
+                tell!("note: not all spans and events were exported: {error}");
             }
         }
     }

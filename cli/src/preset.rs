@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 
 use crate::args::PresetArgs;
 use crate::error::Refused;
-use crate::text::{pairs, print};
+use crate::text::{pairs, print, print_json};
 
 pub(crate) fn preset(args: &PresetArgs) -> anyhow::Result<()> {
     let Some(name) = &args.name else {
-        return if args.json { print_json(&presets().map(about).collect()) } else { print(&list()) };
+        return if args.json { print_json(&presets().map(about).collect::<Value>()) } else { print(&list()) };
     };
     let preset = presets::preset(name).ok_or_else(|| Refused::error(unknown(name)))?;
     if args.json { print_json(&with_values(preset)) } else { print(preset.text) }
@@ -44,10 +44,6 @@ fn value(fact: &Fact) -> Value {
         "standing": fact.standing.map(|standing| standing.word()),
         "source": source,
     })
-}
-
-fn print_json(value: &Value) -> anyhow::Result<()> {
-    print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
 fn unknown(name: &str) -> String {

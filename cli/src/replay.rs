@@ -1,12 +1,12 @@
 //! `baudbot replay`: a recording is done again, and held against what was recorded.
 
-use std::io::IsTerminal;
+use std::io::{BufReader, IsTerminal};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Context;
-use baudbot_recording::{RecordingError, Replay, Tape};
+use baudbot_recording::{RecordingError, Replay, Stretch, Tape};
 use baudbot_server::{Pace, WorldConfig, pace_of};
 use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -15,7 +15,8 @@ use serde::Serialize;
 use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
 use crate::error::Refused;
 use crate::serve::{Serving, Viewing};
-use crate::{record, text};
+use crate::text::tell;
+use crate::{opened, record, text};
 
 /// What was found.
 #[derive(Debug, Serialize)]
@@ -31,6 +32,12 @@ struct Finding {
     ticks_with_inputs: usize,
     events: usize,
     identical: bool,
+    /// Nothing that was recorded is missing before the last tick.
+    complete: bool,
+    compared_ticks: u64,
+    /// How many there were; `None` if the end is missing and nothing tells where it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recorded_ticks: Option<u64>,
     /// The first tick that differs, and what of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     differs_at_tick: Option<u64>,
@@ -47,14 +54,14 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     check(args)?;
     let (mut replay, mut world) = open(&args.recording)?;
     let tape = Arc::clone(replay.tape());
-    if let (Some(problem), false) = (tape.problem(), args.quiet) {
-        eprintln!("note: {}: {problem}; it is replayed as far as it goes", args.recording.display());
+    if !args.quiet {
+        note(&args.recording, &tape);
     }
     if args.fork {
         let pace = pace(args.pace, &args.watchdog, &tape)?;
         to(args, &mut replay, &mut world)?;
         if let Some(difference) = replay.difference() {
-            eprintln!("warning: this is not the world that was recorded, which differs at {difference}");
+            tell!("warning: this is not the world that was recorded, which differs at {difference}");
         }
         let name = tape.header().world.clone();
         return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
@@ -67,36 +74,64 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     go_on(&mut replay, &mut world, last_tick, args.quiet)?;
     let finding = finding(args, &replay, &world);
     if args.json {
-        text::print(&format!("{}\n", serde_json::to_string_pretty(&finding).context("cannot write JSON")?))?;
+        text::print_json(&finding)?;
     } else {
         text::print(&words(&finding))?;
     }
-    Ok(if finding.identical { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(match finding {
+        Finding { identical: false, .. } => ExitCode::FAILURE,
+        Finding { complete: false, .. } => ExitCode::from(INCOMPLETE),
+        Finding { .. } => ExitCode::SUCCESS,
+    })
+}
+
+/// What is wrong with the file.
+fn note(file: &Path, tape: &Tape) {
+    let file = file.display();
+    if let Some(problem) = tape.problem() {
+        tell!("note: {file}: {problem}; it is replayed as far as it goes");
+    } else if let Some(scratch) = tape.scratch() {
+        tell!("note: {file}: {scratch}, but all is there that the run was made of");
+    }
 }
 
 /// Refuses options that would be of no use.
 fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     let (listen, watchdog) = (&args.listen, &args.watchdog);
-    let listens = !listen.listen.is_empty() || listen.viewer.is_some() || listen.insecure;
+    let listens = !listen.listen.is_empty()
+        || listen.viewer.is_some()
+        || listen.insecure
+        || listen.max_connections.is_some();
     let waits =
         watchdog.watchdog_ms.is_some() || watchdog.on_timeout.is_some() || watchdog.lookahead.is_some();
+    let lags = watchdog.max_lag_ms.is_some();
     let refused = |text: &str| Err(Refused::error(text));
     if args.again.record.is_some() && !args.fork {
         return refused("--record: what is replayed is recorded already; use it with --fork");
     }
     if listens && !args.fork && !args.view {
-        return refused("--listen, --viewer and --insecure need --view or --fork: else nothing is served");
+        return refused(
+            "--listen, --viewer, --insecure and --max-connections need --view or --fork: else nothing is served",
+        );
     }
     if waits && !args.fork {
         return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
+    }
+    if lags && !args.fork {
+        return refused("--max-lag-ms needs --fork: else no world follows the clock");
     }
     Ok(())
 }
 
 /// A recording at its first tick.
 pub(crate) fn open(path: &Path) -> anyhow::Result<(Replay, World)> {
-    let tape = Tape::open(path).map_err(|error| refused(path, &error))?;
+    let tape = tape(path).map_err(|error| refused(path, &error))?;
     Replay::start(Arc::new(tape)).map_err(|error| refused(path, &error))
+}
+
+/// What is in a recording.
+pub(crate) fn tape(path: &Path) -> Result<Tape, RecordingError> {
+    Tape::read(BufReader::with_capacity(1 << 20, opened::plain(path)?))
 }
 
 /// Goes on to a tick, and shows how far it is.
@@ -106,7 +141,8 @@ pub(crate) fn go_on(
     last_tick: u64,
     quiet: bool,
 ) -> anyhow::Result<()> {
-    let bar = progress(world.tick(), last_tick.min(replay.tape().last_tick()), quiet);
+    let last_tick = replay.tape().nearest(last_tick);
+    let bar = progress(world.tick(), last_tick, quiet);
     while world.tick() < last_tick && replay.step(world).context("the recording cannot be replayed")? {
         if world.tick().is_multiple_of(REDRAW_TICKS) {
             bar.set_position(world.tick());
@@ -160,6 +196,12 @@ async fn view(args: &ReplayArgs, replay: Replay, world: World) -> anyhow::Result
 fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
     let (tape, difference) = (replay.tape(), replay.difference());
     let header = tape.header();
+    let asked = args.to.map(|to_s| tick(to_s, tape.scenario()));
+    let (from, until) = tape.extent();
+    let until = asked.map_or(until, |asked| asked.clamp(from, until));
+    let complete = asked.map_or_else(|| tape.is_whole(), |asked| tape.has_all_until(asked));
+    let compared = |stretch: &Stretch| stretch.last_tick.min(until).saturating_sub(stretch.first_tick);
+    let is_end_known = tape.is_end_known() || asked.is_some_and(|asked| asked <= tape.last_tick());
     Finding {
         recording: args.recording.display().to_string(),
         world: header.world.clone(),
@@ -172,6 +214,9 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
         ticks_with_inputs: tape.inputs(),
         events: tape.events().len(),
         identical: difference.is_none(),
+        complete,
+        compared_ticks: tape.stretches().iter().map(compared).sum(),
+        recorded_ticks: is_end_known.then_some(until - from),
         differs_at_tick: difference.map(|difference| difference.tick),
         differs: difference.map(|difference| difference.what.clone()),
         cut_off: tape.problem().map(str::to_owned),
@@ -187,8 +232,15 @@ fn words(finding: &Finding) -> String {
     );
     let verdict = match (&finding.differs_at_tick, &finding.differs) {
         (Some(tick), Some(what)) => format!("differs at tick {tick}: {what}\n"),
-        _ if finding.cut_off.is_some() => {
-            format!("identical as far as the file goes: state hash {}\n", finding.state_hash)
+        _ if !finding.complete => {
+            let Finding { compared_ticks: n, state_hash, .. } = finding;
+            let share = match finding.recorded_ticks {
+                Some(all) => format!("{n} of {all} ticks ({:.1} %)", 100.0 * *n as f64 / all.max(1) as f64),
+                None => {
+                    format!("{n} ticks that are left; how many there were the file does not tell any more")
+                }
+            };
+            format!("incomplete: identical in {share}: state hash {state_hash}\n")
         }
         _ => format!("identical: state hash {}\n", finding.state_hash),
     };
@@ -212,6 +264,9 @@ fn progress(first: u64, last: u64, quiet: bool) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} ticks, {eta} to go");
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
+
+/// The exit code if nothing differs, but not all could be compared.
+const INCOMPLETE: u8 = 3;
 
 /// How often the bar is looked after.
 const REDRAW_TICKS: u64 = 256;

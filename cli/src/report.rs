@@ -50,6 +50,14 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         let text =
             format!("{} overruns, at most {late} late, drift {:+.4} %", clock.overruns, clock.drift_percent);
         head.push(("clock", text));
+        if clock.times_let_go > 0 {
+            let times = usize::try_from(clock.times_let_go).unwrap_or(usize::MAX);
+            let lags = count(times, "lag");
+            head.push((
+                "let go",
+                format!("{} s of the wall clock, in {lags} that were too long", handy(clock.let_go_s)),
+            ));
+        }
     }
     head.extend(summary.score.iter().flat_map(score));
     head.extend(summary.recording.iter().flat_map(recording));
@@ -124,6 +132,12 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
         facts.push((
             "slow brain",
             format!("{} turns came too late for a brain that did not read", robot.lost_deliveries),
+        ));
+    }
+    if robot.lost_steps > 0 {
+        facts.push((
+            "fast brain",
+            format!("{} steps were thrown away, as there were too many in a tick", robot.lost_steps),
         ));
     }
     if robot.frames_missed > 0 {
@@ -270,7 +284,14 @@ mod tests {
     fn bars_are_in_proportion_and_none_that_is_used_is_empty() {
         let entry = |below_us, ticks| Lateness { below_us, ticks };
         let lateness = vec![entry(1, 0), entry(2, 4000), entry(4, 0), entry(8, 1), entry(16, 0)];
-        let clock = Clock { overruns: 0, lateness_max_ms: 0.007, drift_percent: 0.0, lateness };
+        let clock = Clock {
+            overruns: 0,
+            lateness_max_ms: 0.007,
+            let_go_s: 0.0,
+            times_let_go: 0,
+            drift_percent: 0.0,
+            lateness,
+        };
         let expected = format!("  < 2 µs  4000  {}\n  < 4 µs     0\n  < 8 µs     1  █\n", "█".repeat(40));
         assert_eq!(histogram(&clock), expected);
     }
@@ -283,7 +304,14 @@ mod tests {
 
     #[test]
     fn no_ticks_no_bars() {
-        let clock = Clock { overruns: 0, lateness_max_ms: 0.0, drift_percent: f64::NAN, lateness: vec![] };
+        let clock = Clock {
+            overruns: 0,
+            lateness_max_ms: 0.0,
+            let_go_s: 0.0,
+            times_let_go: 0,
+            drift_percent: f64::NAN,
+            lateness: vec![],
+        };
         assert_eq!(histogram(&clock), "");
     }
 }

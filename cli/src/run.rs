@@ -25,6 +25,7 @@ use crate::error::{Refused, from_builder, from_server};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
+use crate::text::tell;
 use crate::trace::Trace;
 use crate::written::{self, Files, STDOUT};
 use crate::{connect, record, report, text, viewer};
@@ -46,7 +47,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let plan = Plan::new(args)?;
     let quiet = args.quiet;
     if let Some(note) = plan.note.as_ref().filter(|_| !quiet) {
-        eprintln!("{note}");
+        tell!("{note}");
     }
     let monitor = Arc::new(Monitor::default());
     let (on_tick, files) = hook(args, &plan, Arc::clone(&monitor))?;
@@ -57,25 +58,29 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let status = run.until_over(&mut stop, quiet).await;
     let (interrupted, files) = (run.interrupted, run.files);
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
-        eprintln!("note: somebody kept a connection open; it was cut");
+        tell!("note: somebody kept a connection open; it was cut");
     }
     // The world's thread has closed the files, or will at once.
     let status = files.finish().await.and(status)?;
     let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
     show(args, &summary)?;
+    let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
+    if let Some(problem) = unwritten {
+        let file = args.record.record.clone().unwrap_or_default();
+        return Err(anyhow!("the recording {} has ended before the run: {problem}", file.display()));
+    }
     Ok(if summary.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
 fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
     if args.json {
-        let json = serde_json::to_string_pretty(summary).context("cannot write the summary")?;
-        return text::print(&format!("{json}\n"));
+        return text::print_json(summary);
     }
     if args.quiet {
         return Ok(());
     }
     if [&args.csv, &args.timeline].into_iter().flatten().any(|path| path == Path::new(STDOUT)) {
-        eprint!("{}", report::text(summary));
+        tell!("{}", report::text(summary).trim_end());
         return Ok(());
     }
     text::print(&report::text(summary))
@@ -150,16 +155,16 @@ async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<S
     // It stands until its brains are there.
     let world = WorldConfig::new(plan.world.clone(), Arc::clone(&plan.scenario)).pace(plan.pace).paused(true);
     let world = record::add(world.on_tick(on_tick), &args.record);
-    let mut builder = Server::builder().world(world).insecure(args.listen.insecure);
+    let mut builder = args.listen.builder().world(world);
     for address in &args.listen.listen {
         builder = builder.listen(address.clone());
     }
     // What is over in a moment nobody can look at.
-    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed { .. }));
+    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
-        server.addresses().iter().for_each(|address| eprintln!("listening on {address}"));
-        viewer::link(&server).iter().for_each(|link| eprintln!("{link}"));
+        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
+        viewer::link(&server).iter().for_each(|link| tell!("{link}"));
     }
     Ok(server)
 }
@@ -242,13 +247,13 @@ impl Running<'_> {
         let waited = self.wait(stop, &mut brains, &bar).await;
         bar.finish_and_clear();
         waited?;
-        let mut status = self.pause(control.clone()).await?;
-        if status.recording.is_some() {
-            let request = v1::StopRecordingRequest { world: self.plan.world.clone() };
-            let closed = control.stop_recording(request).await.map_err(|status| from_server(&status))?;
-            status.recording = closed.into_inner().recording;
+        let status = self.pause(control).await?;
+        if status.recording.is_none() {
+            return Ok(status);
         }
-        Ok(status)
+        // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
+        let closed = self.server.stop_recording(&self.plan.world).await;
+        closed.map_err(|status| from_server(&status))
     }
 
     /// The world's last state; a run that has ended is not changed by a pause.

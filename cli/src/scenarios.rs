@@ -1,7 +1,7 @@
 //! Scenarios: files, and those that are part of this program.
 
 use std::borrow::Cow;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -9,6 +9,8 @@ use baudbot_sim::scenario::MAX_BYTES;
 use baudbot_sim::{Override, Scenario};
 
 use crate::error::Refused;
+use crate::opened;
+use crate::text::tell;
 
 /// The scenarios that the program can run anywhere.
 pub(crate) const EMBEDDED: [(&str, &str); 3] = [
@@ -74,7 +76,7 @@ impl Source {
 /// Tells what is allowed and yet hardly meant.
 pub(crate) fn warn(scenario: &Scenario) {
     for warning in scenario.warnings() {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
 }
 
@@ -102,8 +104,8 @@ pub(crate) fn read(path: &str) -> anyhow::Result<String> {
     }
     // A device or a pipe has no length, and may have no end.
     let mut bytes = Vec::new();
-    let mut file = File::open(path).map_err(unreadable)?.take(MAX_BYTES as u64 + 1);
-    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    let file = opened::any(Path::new(path)).map_err(unreadable)?;
+    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() > MAX_BYTES {
         let problem = format!("{path}: has more than {MAX_BYTES} bytes, the most that a scenario may have");
         return Err(Refused::error(problem));

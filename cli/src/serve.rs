@@ -1,6 +1,7 @@
 //! `baudbot serve`: worlds for brains in other processes.
 
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Duration;
 
@@ -14,12 +15,13 @@ use crate::error::{Refused, from_builder};
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
 use crate::signals::Stop;
+use crate::text::tell;
 use crate::{record, replay, text, viewer};
 
 pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
     let mut serving = Serving::new(&args.listen);
     if let Some(folder) = &args.recordings {
-        check_folder(folder)?;
+        make_folder(folder)?;
         serving.builder = serving.builder.recordings(folder.clone());
     }
     match &args.resume {
@@ -65,21 +67,26 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
     if let Some(problem) = tape.problem() {
-        eprintln!("note: {}: {problem}", file.display());
+        tell!("note: {}: {problem}; the world goes on where what is left of it ends", file.display());
     }
     let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
-    eprintln!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
+    tell!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));
     Ok(())
 }
 
-fn check_folder(folder: &Path) -> anyhow::Result<()> {
+/// Makes the folder, if it is not there.
+fn make_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
-    let folder = folder.display();
-    Err(Refused::error(format!("--recordings {folder}: there is no such folder; make it with mkdir")))
+    let refused = |why: &str| Refused::error(format!("--recordings {}: {why}", folder.display()));
+    std::fs::create_dir(folder).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => refused("is a file and no folder; name another"),
+        ErrorKind::NotFound => refused("is to be in a folder that is not there; make that with mkdir -p"),
+        _ => refused(&format!("cannot be made: {error}")),
+    })
 }
 
 /// When there is a page if nobody says.
@@ -103,7 +110,7 @@ type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
     pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self { builder: Server::builder().insecure(listen.insecure), listen, worlds: Vec::new() }
+        Self { builder: listen.builder(), listen, worlds: Vec::new() }
     }
 
     /// A world that brains can come to.
@@ -133,10 +140,10 @@ impl<'a> Serving<'a> {
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
         stop.wait().await;
-        eprintln!("stopping");
+        tell!("stopping");
         tokio::select! {
             () = server.shutdown() => {}
-            () = tokio::time::sleep(PATIENCE) => eprintln!("note: somebody kept a connection open; it was cut"),
+            () = tokio::time::sleep(PATIENCE) => tell!("note: somebody kept a connection open; it was cut"),
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
-//! Ctrl-C and SIGTERM.
+//! Ctrl-C, SIGTERM, and the terminal that is closed.
 
 use std::sync::mpsc;
 use std::{io, process, thread};
 
 use tokio::runtime;
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::sync::watch;
 
 /// The wish of a person or a system that the program ends.
@@ -42,8 +42,11 @@ impl Stop {
 }
 
 async fn hear(stop: &watch::Sender<bool>, ready: &mpsc::Sender<io::Result<()>>) {
-    let signals = signal(SignalKind::interrupt()).and_then(|int| Ok((int, signal(SignalKind::terminate())?)));
-    let (mut interrupt, mut terminate) = match signals {
+    let signals = signal(SignalKind::interrupt()).and_then(|interrupt| {
+        let hangup = (!ignores_hangup()).then(|| signal(SignalKind::hangup())).transpose()?;
+        Ok((interrupt, signal(SignalKind::terminate())?, hangup))
+    });
+    let (mut interrupt, mut terminate, mut hangup) = match signals {
         Ok(signals) => signals,
         Err(error) => return drop(ready.send(Err(error))),
     };
@@ -52,11 +55,26 @@ async fn hear(stop: &watch::Sender<bool>, ready: &mpsc::Sender<io::Result<()>>) 
         tokio::select! {
             _ = interrupt.recv() => {}
             _ = terminate.recv() => {}
+            () = received(&mut hangup) => {}
         }
         if stop.send_replace(true) {
             process::exit(INTERRUPTED.into());
         }
     }
+}
+
+async fn received(signal: &mut Option<Signal>) {
+    match signal {
+        Some(signal) => drop(signal.recv().await),
+        None => std::future::pending().await,
+    }
+}
+
+/// Whether it was started with `nohup`: then a terminal that is closed ends nothing. Who cannot say it, has not been.
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }
 
 /// The exit code of what was ended by Ctrl-C, as shells have it.

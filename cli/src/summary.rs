@@ -88,7 +88,10 @@ pub(crate) struct Blocked {
 pub(crate) struct Clock {
     pub(crate) overruns: u64,
     pub(crate) lateness_max_ms: f64,
-    /// Simulated time beyond that of the scaled wall clock.
+    /// Wall-clock time that the world let go, as it lagged by more than its pace allows, and how often it did.
+    pub(crate) let_go_s: f64,
+    pub(crate) times_let_go: u64,
+    /// Simulated time beyond that of the scaled wall clock, without what was let go.
     pub(crate) drift_percent: f64,
     pub(crate) lateness: Vec<Lateness>,
 }
@@ -118,6 +121,8 @@ pub(crate) struct Robot {
     pub(crate) turns: u64,
     pub(crate) commands: u64,
     pub(crate) lost_deliveries: u64,
+    /// Steps of its brain that were thrown away, since there were too many at a time.
+    pub(crate) lost_steps: u64,
     pub(crate) frames_missed: u64,
     /// `ideal`, `uart` or `usb`.
     pub(crate) link: &'static str,
@@ -237,7 +242,7 @@ impl Summary {
             ending: if interrupted { "it was interrupted".to_owned() } else { status.ending.clone() },
             interrupted,
             state_hash: format!("{:016x}", status.state_hash),
-            clock: kind.as_ref().and_then(factor).map(|factor| clock(&pacing, simulated_s, wall_s * factor)),
+            clock: kind.as_ref().and_then(factor).map(|factor| clock(&pacing, simulated_s, wall_s, factor)),
             lockstep: matches!(kind, Some(Kind::Lockstep(_))).then(|| Lockstep {
                 waiting_s: seconds(pacing.waiting_wall_ns),
                 watchdog_timeouts: pacing.watchdog_timeouts,
@@ -309,11 +314,15 @@ fn factor(kind: &Kind) -> Option<f64> {
     }
 }
 
-fn clock(pacing: &v1::PaceStatus, simulated_s: f64, due_s: f64) -> Clock {
+fn clock(pacing: &v1::PaceStatus, simulated_s: f64, wall_s: f64, factor: f64) -> Clock {
     let lateness = pacing.lateness_us_log2.iter().enumerate();
+    let let_go_s = seconds(pacing.let_go_wall_ns);
+    let due_s = (wall_s - let_go_s) * factor;
     Clock {
         overruns: pacing.late_ticks,
         lateness_max_ms: pacing.lateness_max_wall_ns as f64 / 1e6,
+        let_go_s,
+        times_let_go: pacing.times_let_go,
         drift_percent: (simulated_s / due_s - 1.0) * 100.0,
         lateness: lateness.map(|(i, &ticks)| Lateness { below_us: 1 << i, ticks }).collect(),
     }
@@ -335,6 +344,7 @@ impl Robot {
             turns: status.turns,
             commands: status.commands,
             lost_deliveries: status.lost_deliveries,
+            lost_steps: status.lost_steps,
             frames_missed: status.frames_missed,
             link: link::kind(&spec.link),
             baud,
@@ -452,7 +462,7 @@ mod tests {
         "#;
         let scenario = Scenario::parse(toml).unwrap();
         let jobs = [Job { brain: "wander".into(), robots: vec!["alice".into()] }];
-        let scaled = Kind::Scaled(v1::Scaled { factor: 1.5 });
+        let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
         let summary = Summary::new(&scenario, &status(scaled), true, &jobs);
         assert_eq!(summary.simulated_per_wall, 1.5);
         assert!(summary.interrupted && summary.lockstep.is_none());

@@ -4,13 +4,14 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Context;
 use baudbot_experiment::find::{Limit, find};
 use baudbot_experiment::{Experiment, Swept, Workers, table, unique_name};
+use baudbot_sim::printable::Printable;
 use indicatif::ProgressBar;
 
 use crate::args::{SweepArgs, WorkArgs};
 use crate::signals::INTERRUPTED;
+use crate::text::tell;
 use crate::{text, work};
 
 pub(crate) async fn sweep(args: SweepArgs) -> anyhow::Result<ExitCode> {
@@ -29,11 +30,12 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
         bar.set_length(total);
         bar.set_position(done);
     };
-    let swept = baudbot_experiment::sweep(experiment, &work::options(args, &out, stop, &progress));
+    let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
+    let swept = baudbot_experiment::sweep(experiment, &work::options(args, &out, stop, &progress, &tell));
     bar.finish_and_clear();
     let swept = swept.map_err(|error| work::from_experiment(args, error))?;
     if swept.interrupted {
-        eprintln!(
+        tell!(
             "stopped after {} of {} runs, which {} has; the same command goes on from there",
             swept.done,
             swept.total,
@@ -55,20 +57,18 @@ fn look(
     let workers = Workers { place: work::place(args), jobs: work::jobs(args), name: unique_name("find") };
     let quiet = args.quiet || args.json || !std::io::stderr().is_terminal();
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-    let told =
-        |value: &str| bar.set_message(format!("{field} = {value}: {} seeds", experiment.seeds.count()));
+    let told = |value: &str| {
+        bar.set_message(format!("{field} = {}: {} seeds", Printable(value), experiment.seeds.count()));
+    };
     let found = find(experiment, field, &workers, args.yes, stop, &told);
     bar.finish_and_clear();
     let Some(limits) = found.map_err(|error| work::from_experiment(args, error))? else {
-        eprintln!("stopped before a limit was found");
+        tell!("stopped before a limit was found");
         return Ok(ExitCode::from(INTERRUPTED));
     };
     if args.json {
         let json = serde_json::json!({ "field": field, "limits": limits.iter().map(Limit::json).collect::<Vec<_>>() });
-        text::print(&format!(
-            "{}\n",
-            serde_json::to_string_pretty(&json).context("cannot write the limits")?
-        ))?;
+        text::print_json(&json)?;
     } else if !args.quiet {
         let limits: String = limits.iter().map(|limit| limit.text(experiment, field)).collect();
         text::print(&limits)?;
@@ -79,12 +79,11 @@ fn look(
 /// What a person or a program is told at the end.
 fn show(experiment: &Experiment, args: &WorkArgs, swept: &Swept) -> anyhow::Result<()> {
     if args.json {
-        let json = serde_json::to_string_pretty(&swept.summary.json(experiment));
-        text::print(&format!("{}\n", json.context("cannot write the summary")?))?;
+        text::print_json(&swept.summary.json(experiment))?;
     } else if !args.quiet {
         text::print(&table::text(experiment, &swept.summary, MOST_CELLS))?;
         for file in &swept.files {
-            eprintln!("wrote {}", file.display());
+            tell!("wrote {}", file.display());
         }
     }
     Ok(())

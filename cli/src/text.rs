@@ -1,10 +1,16 @@
-//! Text in columns, and quantities for people.
+//! Text in columns, quantities for people, and the only way to their terminals.
+//!
+//! Scenarios, recordings and brains of others have names and words in them that a terminal may obey. All that goes to stdout
+//! and stderr as text goes through here, where such characters are shown instead.
 
+use std::fmt;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
+use baudbot_sim::printable::{Printable, PrintableLines, is_printable};
+use serde::Serialize;
 
 /// Rows of cells as lines, each column as wide as its widest cell: the first to the left, the others to the
 /// right.
@@ -58,16 +64,62 @@ pub(crate) fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Writes to stdout; a reader that is gone is an error, no panic.
+/// A text of others on one line: line breaks are spaces, and what else a terminal would obey is shown.
+pub(crate) fn one_line(text: &str) -> String {
+    Printable(text.split_whitespace().collect::<Vec<_>>().join(" ")).to_string()
+}
+
+/// Writes text for people to stdout; a reader that is gone is an error, no panic.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    write_out(&PrintableLines(text).to_string())
+}
+
+/// Writes a value as JSON to stdout. Its strings keep all their characters, and no terminal obeys them.
+pub(crate) fn print_json(value: &impl Serialize) -> anyhow::Result<()> {
+    let json = serde_json::to_string_pretty(value).context("cannot write JSON")?;
+    write_out(&(escaped_json(&json) + "\n"))
+}
+
+/// Moves the cursor and the like: escape sequences of our own, and text that is printable.
+pub(crate) fn control(sequences: &str) -> anyhow::Result<()> {
+    write_out(sequences)
+}
+
+fn write_out(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to stdout")
 }
 
-/// Writes to a file, or to stdout for `-`.
+/// JSON in which only printable characters stand for themselves: all others are in strings, or between lines.
+pub(crate) fn escaped_json(json: &str) -> String {
+    let mut escaped = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '\n' => escaped.push(c),
+            c if is_printable(c) => escaped.push(c),
+            // None of them is beyond the first 2¹⁶.
+            c => escaped += &format!("\\u{:04x}", u32::from(c)),
+        }
+    }
+    escaped
+}
+
+/// Writes a line to stderr, as `eprintln!` does: see [`tell`].
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::text::write_err(format_args!($($text)*)) };
+}
+pub(crate) use tell;
+
+/// Writes a line, or several, for people to stderr. If nobody can read it there is nobody to be told of that.
+pub(crate) fn write_err(text: fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr().lock(), "{}", PrintableLines(text));
+}
+
+/// Writes what a program reads to a file, or to stdout for `-`.
 pub(crate) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     if path == Path::new("-") {
-        return print(text);
+        // Pictures and tables are for other programs, and escape what is in them.
+        return write_out(text);
     }
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
@@ -85,6 +137,20 @@ mod tests {
         let text = table("> ", &[row(["µ", "1", ""]), row(["left", "100", ""])]);
         assert_eq!(text, "> µ       1\n> left  100\n");
         assert_eq!(pairs("", &[("a", "1".into()), ("bcd", "2".into())]), "a    1\nbcd  2\n");
+    }
+
+    #[test]
+    fn json_keeps_its_strings_and_shows_nothing_that_a_terminal_obeys() {
+        let hostile = "\u{1b}[31m\u{9b}2J\u{202e}\u{7f}µ\n\"";
+        let json = escaped_json(&serde_json::to_string_pretty(&[hostile]).unwrap());
+        assert!(json.chars().all(|c| is_printable(c) || c == '\n'), "{json:?}");
+        assert_eq!(serde_json::from_str::<Vec<String>>(&json).unwrap(), [hostile]);
+        assert!(json.contains('µ'), "{json}");
+    }
+
+    #[test]
+    fn a_text_of_others_is_one_line() {
+        assert_eq!(one_line(" a\n  b\tc\u{1b}[0m "), r"a b c\u{1b}[0m");
     }
 
     #[test]

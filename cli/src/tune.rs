@@ -3,11 +3,11 @@
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Context;
 use baudbot_experiment::{Experiment, Tuned};
 
 use crate::args::{TuneArgs, WorkArgs};
 use crate::signals::INTERRUPTED;
+use crate::text::tell;
 use crate::{text, work};
 
 pub(crate) async fn tune(args: TuneArgs) -> anyhow::Result<ExitCode> {
@@ -22,14 +22,15 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
         bar.set_length(total);
         bar.set_position(done);
     };
-    let tuned = baudbot_experiment::tune(experiment, &work::options(args, &out, stop, &progress));
+    let tell = |text: &str| bar.suspend(|| tell!("warning: {text}"));
+    let tuned = baudbot_experiment::tune(experiment, &work::options(args, &out, stop, &progress, &tell));
     bar.finish_and_clear();
     let tuned = tuned.map_err(|error| work::from_experiment(args, error))?;
     if tuned.interrupted {
         let journal = out.join("rows.jsonl");
         let candidates = tuned.candidates.len();
         let journal = journal.display();
-        eprintln!(
+        tell!(
             "stopped after {candidates} candidates, which {journal} has; the same command goes on from there"
         );
         return Ok(ExitCode::from(INTERRUPTED));
@@ -41,12 +42,11 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
 /// What a person or a program is told at the end.
 fn show(experiment: &Experiment, args: &WorkArgs, tuned: &Tuned) -> anyhow::Result<()> {
     if args.json {
-        let json = serde_json::to_string_pretty(&tuned.json(experiment));
-        text::print(&format!("{}\n", json.context("cannot write what was found")?))?;
+        text::print_json(&tuned.json(experiment))?;
     } else if !args.quiet {
         text::print(&tuned.text(experiment))?;
         for file in &tuned.files {
-            eprintln!("wrote {}", file.display());
+            tell!("wrote {}", file.display());
         }
     }
     Ok(())

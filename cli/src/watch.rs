@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use baudbot_proto::v1;
+use baudbot_sim::printable::PrintableLines;
 use tonic::Streaming;
 use tonic::transport::Channel;
 
@@ -13,7 +14,7 @@ use crate::args::WatchArgs;
 use crate::error::from_server;
 use crate::map::Map;
 use crate::signals::Stop;
-use crate::text::{NOTHING, table};
+use crate::text::{NOTHING, table, tell};
 use crate::{connect, foxglove, text};
 
 pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
@@ -30,7 +31,7 @@ pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
         () = stop.wait() => Ok(()),
     };
     if in_place {
-        text::print(SHOW_CURSOR)?;
+        text::control(SHOW_CURSOR)?;
     }
     shown
 }
@@ -46,13 +47,17 @@ async fn show(args: &WatchArgs, in_place: bool) -> anyhow::Result<()> {
     let size = if in_place { terminal() } else { PAPER };
     let mut view = View { world, described, map: None, size, collisions: Vec::new() };
     if in_place {
-        text::print(CLEAR_AND_HIDE_CURSOR)?;
+        text::control(CLEAR_AND_HIDE_CURSOR)?;
     }
     loop {
         let frame = next(&mut frames, &channel, &view.world, args.once).await?;
         let Some(frame) = frame else { bail!("the server closed the connection") };
         let drawn = view.draw(&frame);
-        text::print(&if in_place { in_place_of_the_last(&drawn) } else { format!("{drawn}\n") })?;
+        if in_place {
+            text::control(&in_place_of_the_last(&PrintableLines(drawn).to_string()))?;
+        } else {
+            text::print(&format!("{drawn}\n"))?;
+        }
         if args.once {
             return Ok(());
         }
@@ -79,7 +84,7 @@ async fn next(
                     bail!("there is nothing to see: world `{world}` {why}");
                 }
                 if !std::mem::replace(&mut told, true) {
-                    eprintln!("world {world} {why}");
+                    tell!("world {world} {why}");
                 }
             }
         }

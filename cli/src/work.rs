@@ -54,9 +54,10 @@ pub(crate) fn options<'a>(
     out: &'a Path,
     stop: &'a AtomicBool,
     progress: &'a (dyn Fn(u64, u64) + Sync),
+    tell: &'a (dyn Fn(&str) + Sync),
 ) -> Options<'a> {
     let (place, jobs) = (place(args), jobs(args));
-    Options { out, fresh: args.fresh, place, jobs, confirmed: args.yes, stop, progress }
+    Options { out, fresh: args.fresh, place, jobs, confirmed: args.yes, stop, progress, tell }
 }
 
 pub(crate) fn place(args: &WorkArgs) -> Place {

@@ -1,34 +1,156 @@
-//! Where a server is.
+//! Where a server is, and whether it is one.
 
+use std::io;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
 use std::time::Duration;
 
+use hyper_util::rt::TokioIo;
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::{TcpStream, UnixStream};
+use tokio::sync::Notify;
+use tokio::time::timeout;
 use tonic::transport::{Channel, Endpoint};
+use tower::service_fn;
 
 use crate::error::Error;
 
 /// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
 pub(crate) async fn connect(address: &str) -> Result<Channel, Error> {
-    let endpoint = endpoint(address).ok_or_else(|| Error::Address { address: address.to_owned() })?;
-    endpoint.connect().await.map_err(|error| Error::connect(address, &error))
+    connect_within(address, PATIENCE).await
 }
 
-fn endpoint(address: &str) -> Option<Endpoint> {
-    let uri = match address.split_once(':')? {
-        ("unix", path) => (!path.is_empty()).then(|| address.to_owned())?,
-        ("http", _) => with_port(address, address.strip_prefix("http://")?)?,
-        _ => with_port(&format!("http://{address}"), address)?,
+async fn connect_within(address: &str, patience: Duration) -> Result<Channel, Error> {
+    let (place, endpoint) = place(address).ok_or_else(|| Error::Address { address: address.to_owned() })?;
+    let heard = Arc::new(Notify::new());
+    // Also makes the connections that take the place of one that is lost.
+    let connector = service_fn({
+        let heard = Arc::clone(&heard);
+        move |_| {
+            let (place, heard) = (place.clone(), Arc::clone(&heard));
+            async move { Ok::<_, io::Error>(TokioIo::new(Line { pipe: place.open().await?, heard: Some(heard) })) }
+        }
+    });
+    let channel = endpoint.connect_timeout(patience).connect_with_connector(connector).await;
+    let channel = channel.map_err(|error| Error::connect(address, &error))?;
+    // A server tells its settings at once. What does not would leave the first call without an answer.
+    let silent = |_| Error::Connect {
+        address: address.to_owned(),
+        cause: format!("something takes connections there, but has said nothing for {patience:?}"),
     };
-    // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
-    Some(Endpoint::from_shared(uri).ok()?.tcp_nodelay(true).connect_timeout(CONNECT_TIMEOUT))
+    timeout(patience, heard.notified()).await.map_err(silent)?;
+    Ok(channel)
+}
+
+/// Where a server listens.
+#[derive(Clone, Debug)]
+enum Place {
+    /// `HOST:PORT`.
+    Tcp(String),
+    /// A path.
+    Unix(String),
+}
+
+impl Place {
+    async fn open(&self) -> io::Result<Box<dyn Pipe>> {
+        Ok(match self {
+            Self::Tcp(authority) => {
+                let stream = TcpStream::connect(authority).await?;
+                // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
+                stream.set_nodelay(true)?;
+                Box::new(stream)
+            }
+            Self::Unix(path) => Box::new(UnixStream::connect(path).await?),
+        })
+    }
+}
+
+/// What bytes go over.
+trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}
+
+impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
+
+/// A connection that tells when the first bytes have come, or its end.
+struct Line {
+    pipe: Box<dyn Pipe>,
+    /// Who is to be told.
+    heard: Option<Arc<Notify>>,
+}
+
+impl AsyncRead for Line {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        let result = Pin::new(&mut self.pipe).poll_read(context, buffer);
+        if result.is_ready()
+            && let Some(heard) = self.heard.take()
+        {
+            heard.notify_one();
+        }
+        result
+    }
+}
+
+impl AsyncWrite for Line {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.pipe).poll_write(context, bytes)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        parts: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.pipe).poll_write_vectored(context, parts)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.pipe.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.pipe).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.pipe).poll_shutdown(context)
+    }
+}
+
+fn place(address: &str) -> Option<(Place, Endpoint)> {
+    let (place, uri) = match address.split_once(':')? {
+        // The name is never looked up; it has to be some authority.
+        ("unix", "") => return None,
+        ("unix", path) => (Place::Unix(path.to_owned()), "http://localhost".to_owned()),
+        ("http", _) => tcp(address.strip_prefix("http://")?)?,
+        _ => tcp(address)?,
+    };
+    // A brain that waits for its turn hears nothing for long, and would not notice that nobody is there any more.
+    let endpoint =
+        Endpoint::from_shared(uri).ok()?.http2_keep_alive_interval(KEEPALIVE).keep_alive_timeout(KEEPALIVE);
+    Some((place, endpoint))
 }
 
 /// Without a port a URI means port 80, where no world is.
-fn with_port(uri: &str, authority: &str) -> Option<String> {
-    let (host, port) = authority.trim_end_matches('/').rsplit_once(':')?;
-    (!host.is_empty() && !host.contains('/') && port.parse::<u16>().is_ok()).then(|| uri.to_owned())
+fn tcp(authority: &str) -> Option<(Place, String)> {
+    let authority = authority.trim_end_matches('/');
+    let (host, port) = authority.rsplit_once(':')?;
+    let fits = !host.is_empty() && !host.contains('/') && port.parse::<u16>().is_ok();
+    fits.then(|| (Place::Tcp(authority.to_owned()), format!("http://{authority}")))
 }
 
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long a server may take to be reached, and then to say the first word.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// How long a server that says nothing is left in peace, and then how long it has for an answer.
+const KEEPALIVE: Duration = Duration::from_secs(20);
 
 #[cfg(test)]
 mod tests {
@@ -44,7 +166,7 @@ mod tests {
             "http://box:1/",
             "unix:/run/b",
         ] {
-            assert!(endpoint(good).is_some(), "{good}");
+            assert!(place(good).is_some(), "{good}");
         }
         for bad in [
             "",
@@ -58,8 +180,18 @@ mod tests {
             "a b:7400",
             "http://box",
         ] {
-            assert!(endpoint(bad).is_none(), "{bad}");
+            assert!(place(bad).is_none(), "{bad}");
         }
+    }
+
+    #[tokio::test]
+    async fn a_port_that_takes_connections_and_says_nothing_is_given_up() {
+        let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = silent.local_addr().unwrap().to_string();
+        let text = connect_within(&address, Duration::from_millis(100)).await.unwrap_err().to_string();
+        let words = "something takes connections there, but has said nothing for 100ms";
+        let expected = format!("no server answers at {address} ({words}); is `baudbot serve` running there?");
+        assert_eq!(text, expected);
     }
 
     #[tokio::test]

@@ -15,7 +15,7 @@ use crate::session::{Hello, Session};
 /// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
 ///
 /// # Errors
-/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s.
+/// [`Error::Address`] if that is no address, [`Error::Connect`] if no server answers there within 5 s, or something takes connections there and says nothing for as long.
 pub async fn connect(address: &str) -> Result<Client, Error> {
     Ok(Client::from_channel(address::connect(address).await?))
 }

@@ -26,6 +26,7 @@ pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
         brain: hello.brain.clone(),
         memory_bytes: hello.memory_bytes,
         thinks_as_scenario: hello.thinks_as_scenario,
+        stop_when_gone: false,
     }))
 }
 

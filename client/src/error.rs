@@ -29,7 +29,7 @@ pub enum Error {
     Status {
         /// The kind of error; the contract lists them.
         code: Code,
-        /// The server's words.
+        /// The server's words. They may quote what other users say, so what a terminal would obey in them is escaped.
         message: String,
     },
     /// The operator wants the brain to begin anew. A program that can makes its brain afresh and attaches it to the same
@@ -123,19 +123,46 @@ impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
         // A status that the transport makes up says from what; one that the server sent has no source.
         if let Some(source) = status.source() {
-            return Self::Lost { message: root(source).to_string() };
+            return Self::Lost { message: printable(&root(source).to_string()) };
         }
         if status.metadata().get(REASON).is_some_and(|reason| reason == RESTART) {
             return Self::Restart;
         }
-        Self::Status { code: status.code(), message: status.message().to_owned() }
+        Self::Status { code: status.code(), message: printable(status.message()) }
     }
 }
 
 impl Error {
+    /// Whether the same may go well a while later: the server is not there, the connection broke, or another program has the
+    /// robot, which may be this one's own connection before the server has noticed that it is lost. What a server refuses, or
+    /// ends, for any other reason it would refuse again.
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Connect { .. } | Self::Lost { .. } => true,
+            Self::Status { code, .. } => matches!(code, Code::Unavailable | Code::AlreadyExists),
+            Self::Address { .. } | Self::Restart | Self::Protocol(_) | Self::Brains { .. } => false,
+        }
+    }
+
     pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
         Self::Connect { address: address.to_owned(), cause: root(error).to_string() }
     }
+}
+
+/// Without characters that a terminal obeys in place of showing them: control characters, and those that turn the direction
+/// of writing around.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+                shown.extend(c.escape_default());
+            }
+            c if c.is_control() => shown.extend(c.escape_default()),
+            c => shown.push(c),
+        }
+    }
+    shown
 }
 
 /// The innermost error says what happened ("connection refused"); those around it say only where.
@@ -145,4 +172,17 @@ fn root<'a>(error: &'a (dyn StdError + 'static)) -> &'a dyn StdError {
         error = source;
     }
     error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_others_that_a_server_passes_on_are_shown_and_not_obeyed() {
+        let held = "held by `\u{1b}]0;pwned\u{7}\u{9b}2J\u{202e}µ\n`";
+        let text = Error::from(tonic::Status::already_exists(held)).to_string();
+        let expected = r"the server says: held by `\u{1b}]0;pwned\u{7}\u{9b}2J\u{202e}µ\n` (AlreadyExists)";
+        assert_eq!(text, expected);
+    }
 }

@@ -12,7 +12,8 @@
 //! 5. [`Robot::drive`] answers it with [`Signals`] for the motors; [`run`] does 4 and 5 with a [`Brain`]
 //!    until the run is over.
 //!
-//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`].
+//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. A program that loses its server
+//! [comes back](come_back()) if it wants to.
 //!
 //! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
 //! does what a brain of messages does.
@@ -47,6 +48,7 @@ mod address;
 mod body;
 mod brain;
 mod client;
+mod comeback;
 mod convert;
 mod error;
 mod fleet;
@@ -64,6 +66,7 @@ pub use baudbot_wire::Encoding;
 pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
 pub use brain::{Action, Brain, Summary, run, run_fleet};
 pub use client::{Client, connect};
+pub use comeback::come_back;
 pub use error::{Breach, Error};
 pub use fleet::Fleet;
 pub use raw::{RawRobot, RawTurn};

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use baudbot_sim::printable::Printable;
+
 /// Why there is no experiment, or no end of a sweep. The message says where, and how to mend it.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -37,7 +39,8 @@ pub enum Error {
 
 impl Error {
     pub(crate) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Field { path: path.into(), problem: problem.into() }
+        let printable = |text: String| Printable(text).to_string();
+        Self::Field { path: printable(path.into()), problem: printable(problem.into()) }
     }
 
     pub(crate) fn file(doing: &'static str, path: &Path) -> impl Fn(io::Error) -> Self {

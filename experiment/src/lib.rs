@@ -9,7 +9,7 @@
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
-//! 5. [`chart`] draws, with the elements of [`svg`]; [`columnar`] writes Parquet.
+//! 5. [`chart`] draws, with the elements of [`svg`], and [`ran`] has the words for what ran; [`columnar`] writes Parquet.
 
 pub mod chart;
 mod check;
@@ -33,6 +33,7 @@ mod outputs;
 pub mod pair;
 mod parquet_table;
 mod pool;
+pub mod ran;
 mod raw;
 mod remote;
 mod row;

@@ -5,6 +5,8 @@
 
 use std::fmt::Write;
 
+use baudbot_sim::printable::is_printable;
+
 /// Elements one after the other.
 #[derive(Debug, Default)]
 pub struct Canvas {
@@ -123,7 +125,8 @@ pub fn px(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Text as it may stand in an element or an attribute. A character that XML does not know at all is replaced.
+/// Text as it may stand in an element or an attribute. A character that XML does not know at all, or that nobody would see, is
+/// replaced.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -133,8 +136,8 @@ pub fn escape(text: &str) -> String {
             '>' => escaped += "&gt;",
             '"' => escaped += "&quot;",
             '\t' | '\n' | '\r' => escaped.push(' '),
-            '\0'..='\x1f' | '\x7f'..='\u{9f}' | '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
-            c => escaped.push(c),
+            c if is_printable(c) && !matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push(c),
+            _ => escaped.push('\u{fffd}'),
         }
     }
     escaped

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use baudbot_sim::printable::PrintableLines;
+
 use crate::check::check;
 use crate::error::Error;
 use crate::estimate::Estimate;
@@ -31,6 +33,8 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Is told how many runs of how many are done.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
+    /// Is told what is wrong with the journal that is there, and mended: a line of text each.
+    pub tell: &'a (dyn Fn(&str) + Sync),
 }
 
 /// How a sweep went.
@@ -60,7 +64,7 @@ pub fn sweep(experiment: &Experiment, options: &Options<'_>) -> Result<Swept, Er
     check(experiment)?;
     let folder = Folder::take(options.out)?;
     let header = Header::new(&experiment.name, fingerprint(experiment), build(), total);
-    let mut journal = begin_journal(&folder, &header, options.fresh)?;
+    let mut journal = begin_journal(&folder, &header, options)?;
     let resumed = journal.done();
     let name = world_name(folder.id(), options.out);
     let mut runner = Runner { experiment, options, journal: &mut journal, total, name };
@@ -142,11 +146,15 @@ impl Runner<'_> {
 }
 
 /// The journal in a folder, or a fresh one beside it: what is there is deleted only once nothing can refuse to go on.
-pub(crate) fn begin_journal(folder: &Folder, header: &Header, fresh: bool) -> Result<Journal, Error> {
-    if fresh {
+pub(crate) fn begin_journal(
+    folder: &Folder,
+    header: &Header,
+    options: &Options<'_>,
+) -> Result<Journal, Error> {
+    if options.fresh {
         folder.remove(FRESH)?;
     }
-    Journal::open(&folder.file(if fresh { FRESH } else { JOURNAL }), header)
+    Journal::open(&folder.file(if options.fresh { FRESH } else { JOURNAL }), header, options.tell)
 }
 
 /// A fresh journal is not wanted after all.
@@ -174,7 +182,7 @@ fn write(
     }
     folder.write(CSV, |out| csv_table::write(out, experiment, journal.rows()?))?;
     folder.write(PARQUET, |out| parquet_table::write(out, experiment, journal.rows()?))?;
-    let text = table::text(experiment, &swept.summary, usize::MAX);
+    let text = PrintableLines(table::text(experiment, &swept.summary, usize::MAX)).to_string();
     folder.write(SUMMARY, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
     swept.files = [CSV, PARQUET, SUMMARY].map(|name| folder.file(name)).to_vec();
     // Of an experiment that had other charts there may be some that nothing else would replace.

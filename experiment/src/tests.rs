@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::find::find;
-use crate::{Error, Experiment, Options, Place, Swept, Workers, check, sweep};
+use crate::fingerprint::{build, fingerprint};
+use crate::journal::{Header, Journal};
+use crate::{Error, Experiment, Options, Place, Row, Swept, Workers, check, sweep};
 
 const ROOM: &str = r#"
 name = "room"
@@ -65,6 +67,7 @@ fn options(out: &Path) -> Options<'_> {
         confirmed: true,
         stop: &GO_ON,
         progress: &|_, _| {},
+        tell: &|_| {},
     }
 }
 
@@ -119,6 +122,7 @@ fn a_sweep_makes_a_row_a_run_and_what_cannot_be_run_stops_no_other() {
     for name in ["collisions.svg", "success-heat.svg"] {
         let svg = String::from_utf8(read(&out, name)).unwrap();
         assert!(roxmltree::Document::parse(&svg).is_ok(), "{svg}");
+        assert!(svg.contains("test: constant:left=0.4 in room, 3 s, seeds 1 to 3"), "{svg}");
     }
 }
 
@@ -290,26 +294,43 @@ fn a_file_that_is_no_journal_is_not_cut_but_a_torn_header_of_our_own_is() {
     }
 }
 
+/// The journal of an experiment of two runs.
+fn journal(experiment: &Experiment, out: &Path, build: String) -> Journal {
+    let header = Header::new("test", fingerprint(experiment), build, 2);
+    let path = out.join("rows.jsonl");
+    std::fs::write(&path, "").unwrap();
+    Journal::open(&path, &header, &|_| {}).unwrap()
+}
+
 #[test]
-fn a_row_of_a_run_that_the_experiment_has_not_is_refused_with_its_line() {
-    let (experiment, out, lines) = two_runs("beyond");
-    for confirmed in [true, false] {
-        let text = [&lines[..], &[lines[1].replace("\"run\":", "\"run\":100")]].concat().join("\n") + "\n";
-        std::fs::write(out.join("rows.jsonl"), text).unwrap();
-        let error = sweep(&experiment, &Options { confirmed, ..options(&out) }).unwrap_err().to_string();
-        assert!(error.contains("rows.jsonl: line 4 is of run 100"), "{error}");
-        assert!(error.contains("but the last run is 1; delete that line"), "{error}");
+fn a_damaged_line_is_told_of_and_its_run_done_again_to_the_same_table() {
+    let (experiment, out, _) = two_runs("damaged");
+    let (table, sound) = (read(&out, "rows.csv"), read(&out, "rows.jsonl"));
+    // Bits of the header, of both rows, and the last one.
+    for at in [9, 400, sound.len() / 2, sound.len() - 300, sound.len() - 1] {
+        let mut bytes = sound.clone();
+        bytes[at] ^= 0x10;
+        std::fs::write(out.join("rows.jsonl"), &bytes).unwrap();
+        let line = 1 + sound[..at].iter().filter(|byte| **byte == b'\n').count();
+        let told = std::sync::Mutex::new(Vec::new());
+        let tell = |text: &str| told.lock().unwrap().push(text.to_owned());
+        let swept = sweep(&experiment, &Options { tell: &tell, ..options(&out) }).unwrap();
+        let told = told.into_inner().unwrap();
+        assert!(told[0].contains(&format!("rows.jsonl: line {line} is ")), "byte {at}: {told:?}");
+        assert_eq!(swept.resumed, if line == 1 { 2 } else { 1 }, "byte {at}");
+        assert!(read(&out, "rows.csv") == table, "byte {at}");
+        assert_eq!(run(&experiment, &out).unwrap().resumed, 2, "byte {at}: it is not mended");
     }
 }
 
 #[test]
 fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
-    let (experiment, out, lines) = two_runs("panicked");
+    let (experiment, out, _) = two_runs("panicked");
     let expected = read(&out, "rows.csv");
     let with = |error: &str| {
-        let row = format!("{{\"run\":0,\"error\":\"{error}\"}}");
-        let good = lines[1..].iter().find(|line| line.contains("\"run\":1,")).unwrap();
-        std::fs::write(out.join("rows.jsonl"), format!("{}\n{row}\n{good}\n", lines[0])).unwrap();
+        let mut journal = journal(&experiment, &out, build());
+        journal.append(&Row { run: 0, outcome: Err(error.to_owned()) }).unwrap();
+        journal.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
         run(&experiment, &out).unwrap()
     };
     let again = with("the run panicked, which is a fault of baudbot: at 7");
@@ -322,11 +343,11 @@ fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
 
 #[test]
 fn another_build_of_the_model_does_not_go_on_with_a_journal() {
-    let (experiment, out, lines) = two_runs("build");
-    let own = crate::fingerprint::build();
+    let (experiment, out, _) = two_runs("build");
+    let own = build();
     let version = own.split(' ').next().unwrap();
     let other = format!("{version} 0123456789abcdef");
-    std::fs::write(out.join("rows.jsonl"), lines[0].replace(&own, &other) + "\n").unwrap();
+    drop(journal(&experiment, &out, other.clone()));
     let error = run(&experiment, &out).unwrap_err().to_string();
     assert!(
         error.contains("was begun by another build of baudbot, whose runs differ from this one's")

@@ -66,23 +66,42 @@ impl Digests {
     }
 }
 
+/// A mark as it is held against a world.
+#[derive(Debug)]
+pub(crate) struct Mark {
+    pub(crate) tick: u64,
+    pub(crate) first_tick: u64,
+    pub(crate) state_hash: u64,
+    /// Of its ticks, one after the other; none if they are of other fields than are known here.
+    fields: Vec<u8>,
+    robots: Vec<u8>,
+}
+
+impl From<v1::RecordedMark> for Mark {
+    fn from(mark: v1::RecordedMark) -> Self {
+        let v1::RecordedMark { tick, first_tick, state_hash, .. } = mark;
+        let (mut fields, mut robots) = (mark.field_digests, mark.robot_digests);
+        if mark.fields != FIELDS {
+            (fields, robots) = Default::default();
+        }
+        Self { tick, first_tick, state_hash, fields, robots }
+    }
+}
+
 /// The first field that is not what it was when this mark was made, at this tick; if only one robot can be meant, with
 /// its name. `None` if all is the same, or the mark knows nothing of it.
-pub(crate) fn difference(mark: &v1::RecordedMark, world: &World) -> Option<String> {
+pub(crate) fn difference(mark: &Mark, world: &World) -> Option<String> {
     let place = usize::try_from(world.tick().checked_sub(mark.first_tick)?).ok()?;
-    if mark.fields != FIELDS {
-        return None;
-    }
     let (fields, robots) = digests(world);
     let recorded = |all: &[u8], n: usize, i: usize| {
         let at = place.checked_mul(n)?.checked_add(i)?.checked_mul(2)?;
-        Some(u16::from_le_bytes(all.get(at..at + 2)?.try_into().ok()?))
+        Some(u16::from_le_bytes(all.get(at..at.checked_add(2)?)?.try_into().ok()?))
     };
     let is_other = |all: &[u8], digests: &[u16], i: usize| {
         recorded(all, digests.len(), i).is_some_and(|digest| digest != digests[i])
     };
-    let field = (0..fields.len()).find(|&i| is_other(&mark.field_digests, &fields, i));
-    let robot = (0..robots.len()).find(|&i| is_other(&mark.robot_digests, &robots, i));
+    let field = (0..fields.len()).find(|&i| is_other(&mark.fields, &fields, i));
+    let robot = (0..robots.len()).find(|&i| is_other(&mark.robots, &robots, i));
     let names = |i: usize| {
         let names = world.robots().skip(i).step_by(PLACES).map(|robot| robot.spec().name.clone());
         names.collect::<Vec<_>>().join(" or ")

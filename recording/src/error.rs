@@ -22,6 +22,12 @@ pub enum RecordingError {
         crate::topic::HEADER
     )]
     Foreign,
+    /// What it begins with is damaged.
+    #[error("cannot be replayed: {0}, and the header that says what was recorded is not there")]
+    Headless(String),
+    /// It is packed in a way that is not known here.
+    #[error("is packed with `{}`; pack it anew with `lz4` (mcap compress --compression lz4)", .0.escape_debug())]
+    Packed(String),
     /// It is of a version to come.
     #[error(
         "is of format {found}, which a newer version of baudbot wrote ({program}); this one reads format {}",

@@ -8,7 +8,7 @@ use baudbot_proto::v1::WatchResponse;
 use prost::Message;
 
 use crate::error::RecordingError;
-use crate::reader::Reader;
+use crate::reader::{Item, Reader};
 use crate::topic;
 
 /// The frames of a recording, one after the other. There are as many a simulated second as were asked for when it was
@@ -37,8 +37,12 @@ impl<R: Read> Iterator for Frames<R> {
 
     /// The next frame. Where the file is cut off or damaged, they end.
     fn next(&mut self) -> Option<Self::Item> {
-        let message = self.0.next(|topic| topic == topic::FRAMES).transpose()?;
-        Some(message.and_then(|message| {
+        let item = match self.0.next(|topic| topic == topic::FRAMES).transpose()? {
+            Ok(Item::Message(message)) => Ok(message),
+            Ok(Item::Damage) => return None,
+            Err(error) => Err(error),
+        };
+        Some(item.and_then(|message| {
             let decoded = WatchResponse::decode(message.data.as_slice());
             decoded.map_err(|source| RecordingError::Message { topic: topic::FRAMES.to_owned(), source })
         }))

@@ -25,7 +25,7 @@ pub use error::{RecordingError, WriteError};
 pub use file::RecordingFile;
 pub use frames::Frames;
 pub use replay::{Difference, Replay};
-pub use tape::Tape;
+pub use tape::{Stretch, Tape};
 pub use writer::{Writer, checksum, header};
 
 /// Version of the format. A reader refuses a newer one.

@@ -1,22 +1,42 @@
-//! The messages of an MCAP file, one after the other, as far as it goes.
+//! The messages of an MCAP file, one after the other, past what is damaged.
+//!
+//! What a file says of itself is not believed: each length is held against the bytes that are there before memory is
+//! asked for, and what a chunk unpacks to against its checksum. Behind a record that makes no sense the next chunk is
+//! looked for, byte by byte.
+
+mod bytes;
+mod chunk;
+mod record;
 
 use std::collections::HashMap;
 use std::io::Read;
 use std::sync::Arc;
 
-use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-
 use crate::error::RecordingError;
+use bytes::Bytes;
+use chunk::Unusable;
+use record::{BEGINNING, Chunk, HEAD, Record, Statistics};
 
-/// Reads messages. It ends where the file ends, or where it is damaged.
+/// Reads messages.
 pub(crate) struct Reader<R> {
-    file: R,
-    records: LinearReader,
+    bytes: Bytes<R>,
+    /// What chunks may unpack to, in bytes, all together.
+    limit: usize,
+    unpacked: usize,
+    /// The chunk that is being read, and where in it.
+    chunk: Vec<u8>,
+    at: usize,
     topics: HashMap<u16, Arc<str>>,
-    /// Why the file ends too early, if it does.
-    problem: Option<String>,
+    seen: Seen,
     has_begun: bool,
+    is_over: bool,
+}
+
+/// What comes next.
+pub(crate) enum Item {
+    Message(Message),
+    /// Something is damaged between the message before it and the one behind it.
+    Damage,
 }
 
 /// A message.
@@ -25,62 +45,301 @@ pub(crate) struct Message {
     pub(crate) data: Vec<u8>,
 }
 
+/// What was found of a file besides its messages.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    /// Messages and chunks that are as they were written.
+    messages: u64,
+    chunks: u32,
+    damages: u32,
+    /// Where the first damage is.
+    first_damage: u64,
+    /// The end of the messages was there; whether their checksum is the one that is told, if one is.
+    end: Option<Option<bool>>,
+    /// Of the whole file, as it tells itself.
+    statistics: Option<Statistics>,
+    /// The last record of the file was there.
+    has_footer: bool,
+    /// Where reading was given up.
+    given_up: bool,
+    /// Bytes that came out of chunks that were not sound.
+    wasted: usize,
+}
+
+/// How whole a file is; known at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Condition {
+    /// All messages that were ever in it have been read.
+    pub(crate) is_whole: bool,
+    /// What is wrong with it, if anything is: if it is whole, nothing that matters.
+    pub(crate) problem: Option<String>,
+    /// The times of its first and its last message, in nanoseconds, if it tells them.
+    pub(crate) times_ns: Option<(u64, u64)>,
+}
+
 impl<R: Read> Reader<R> {
-    /// `limit`: no record is longer than that.
+    /// `limit`: what is in it is not longer than that, in bytes.
     pub(crate) fn new(file: R, limit: usize) -> Self {
-        let options = LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(limit.min(MAX_RECORD));
-        let records = LinearReader::new_with_options(options);
-        Self { file, records, topics: HashMap::new(), problem: None, has_begun: false }
-    }
-
-    /// The next message on a topic that `wanted` says yes to; `None` at the end.
-    pub(crate) fn next(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Message>, RecordingError> {
-        while self.problem.is_none() {
-            let Some(event) = self.records.next_event() else { return Ok(None) };
-            let record = match event {
-                Ok(LinearReadEvent::ReadRequest(n)) => {
-                    let n = self.file.read(self.records.insert(n))?;
-                    self.records.notify_read(n);
-                    continue;
-                }
-                Ok(LinearReadEvent::Record { opcode, data }) => mcap::parse_record(opcode, data),
-                Err(error) => Err(error),
-            };
-            match record {
-                Ok(Record::Channel(channel)) => {
-                    self.topics.insert(channel.id, channel.topic.into());
-                }
-                Ok(Record::Message { header, data }) => {
-                    let Some(topic) = self.topics.get(&header.channel_id) else { continue };
-                    if wanted(topic) {
-                        let (topic, data) = (Arc::clone(topic), data.into_owned());
-                        return Ok(Some(Message { topic, data }));
-                    }
-                }
-                Ok(_) => {}
-                Err(error) if self.has_begun => self.problem = Some(words(&error)),
-                Err(error) => return Err(RecordingError::NotMcap(words(&error))),
-            }
-            self.has_begun = true;
+        Self {
+            bytes: Bytes::new(file),
+            limit,
+            unpacked: 0,
+            chunk: Vec::new(),
+            at: 0,
+            topics: HashMap::new(),
+            seen: Seen::default(),
+            has_begun: false,
+            is_over: false,
         }
-        Ok(None)
     }
 
-    /// Why the file ends too early, if it does; known at its end.
-    pub(crate) fn problem(self) -> Option<String> {
-        self.problem
+    /// The next message on a topic that `wanted` says yes to, or the next damage; `None` at the end.
+    pub(crate) fn next(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Item>, RecordingError> {
+        if !self.has_begun {
+            self.begin()?;
+        }
+        loop {
+            if let Some(message) = self.next_of_chunk(&wanted) {
+                return Ok(Some(Item::Message(message)));
+            }
+            if self.is_over {
+                return Ok(None);
+            }
+            match self.next_record(&wanted)? {
+                Next::Message(message) => return Ok(Some(Item::Message(message))),
+                Next::Nothing => {}
+                Next::Damage => {
+                    self.damaged();
+                    self.look_for_more()?;
+                    return Ok(Some(Item::Damage));
+                }
+            }
+        }
+    }
+
+    /// How whole the file is, once there is nothing more to be read.
+    pub(crate) fn condition(self) -> Condition {
+        let Seen { messages, chunks, end, damages, has_footer, .. } = self.seen;
+        let statistics = self.seen.statistics.filter(|_| has_footer);
+        let found = (messages, chunks);
+        let all = statistics.map(|statistics| (statistics.messages, statistics.chunks) == found);
+        let is_whole = match (end, all) {
+            // Of a file that is cut off anywhere not all is there.
+            _ if !has_footer => false,
+            (None, _) => false,
+            (Some(Some(true)), _) | (_, Some(true)) => true,
+            (Some(None), None) => damages == 0,
+            (Some(Some(false) | None), Some(false) | None) => false,
+        };
+        let times_ns = statistics.map(|statistics| (statistics.first_ns, statistics.last_ns));
+        Condition { is_whole, problem: self.seen.problem(is_whole), times_ns }
+    }
+
+    fn begin(&mut self) -> Result<(), RecordingError> {
+        self.has_begun = true;
+        if self.bytes.peek(MAGIC.len())? != MAGIC {
+            return Err(RecordingError::NotMcap("it does not begin as one".to_owned()));
+        }
+        self.bytes.take(MAGIC.len());
+        Ok(())
+    }
+
+    fn next_of_chunk(&mut self, wanted: impl Fn(&str) -> bool) -> Option<Message> {
+        while self.at < self.chunk.len() {
+            let (record, next) = chunk::record(&self.chunk, self.at)?;
+            self.at = next;
+            if let Some(message) = self.seen.note(&mut self.topics, record, &wanted) {
+                return Some(message);
+            }
+        }
+        None
+    }
+
+    fn next_record(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Next, RecordingError> {
+        let head = self.bytes.peek(HEAD)?;
+        if head.is_empty() {
+            self.is_over = true;
+            return Ok(Next::Nothing);
+        }
+        let head = record::head(head).and_then(|(kind, length)| Some((kind, usize::try_from(length).ok()?)));
+        let Some((kind, length)) = head.filter(|(_, length)| *length <= MAX_RECORD) else {
+            return Ok(Next::Damage);
+        };
+        let bytes = self.bytes.peek(HEAD + length)?;
+        let record = if bytes.len() == HEAD + length { record::parse(kind, &bytes[HEAD..]) } else { None };
+        let mut next = Next::Nothing;
+        match record {
+            None => return Ok(Next::Damage),
+            Some(Record::Chunk(packed)) => {
+                let room = self.limit - self.unpacked;
+                let chunk = &mut self.chunk;
+                (self.at, next) = (0, self.seen.chunk(&packed, chunk, (room, self.limit))?);
+                self.unpacked += chunk.len();
+            }
+            Some(Record::DataEnd { checksum }) => {
+                self.end_messages(checksum, HEAD + length);
+                return Ok(next);
+            }
+            Some(Record::Footer { checksum }) => {
+                self.end(checksum, HEAD + length);
+                return Ok(next);
+            }
+            Some(Record::Statistics(statistics)) => self.seen.statistics = Some(statistics),
+            // Whoever packs messages packs all of them: this was something else.
+            Some(Record::Message { .. }) if self.seen.chunks > 0 => return Ok(Next::Damage),
+            Some(record @ (Record::Channel { .. } | Record::Message { .. } | Record::Other)) => {
+                next = self.seen.note(&mut self.topics, record, &wanted).map_or(next, Next::Message);
+            }
+        }
+        if !matches!(next, Next::Damage) {
+            self.bytes.take(HEAD + length);
+        }
+        Ok(next)
+    }
+
+    /// A record of so many bytes says that there are no messages behind it, and what the checksum of the file is so far.
+    fn end_messages(&mut self, checksum: u32, length: usize) {
+        let found = self.bytes.checksum();
+        self.seen.end = Some((checksum != 0).then_some(checksum == found));
+        self.bytes.take(length);
+        // What follows has a checksum of its own.
+        self.bytes.checksum();
+    }
+
+    /// The last record, of so many bytes, ends with the checksum of what the file tells of itself.
+    fn end(&mut self, checksum: u32, length: usize) {
+        self.bytes.take(length - size_of_val(&checksum));
+        if checksum != 0 && checksum != self.bytes.checksum() {
+            self.seen.statistics = None;
+        }
+        (self.seen.has_footer, self.is_over) = (true, true);
+    }
+
+    fn damaged(&mut self) {
+        if self.seen.damages == 0 {
+            self.seen.first_damage = self.bytes.place();
+        }
+        self.seen.damages = self.seen.damages.saturating_add(1);
+    }
+
+    /// Goes on to the next place where a chunk may begin, or the end of the messages.
+    fn look_for_more(&mut self) -> Result<(), RecordingError> {
+        if self.seen.wasted > MAX_WASTED || self.seen.damages > MAX_DAMAGES {
+            (self.seen.given_up, self.is_over) = (true, true);
+            return Ok(());
+        }
+        self.bytes.take(1);
+        loop {
+            let ahead = self.bytes.ahead()?;
+            if ahead.is_empty() {
+                self.is_over = true;
+                return Ok(());
+            }
+            match record::first_of_interest(ahead) {
+                None => {
+                    let all = ahead.len();
+                    self.bytes.take(all);
+                }
+                Some(place) => {
+                    self.bytes.take(place);
+                    if record::may_begin(self.bytes.peek(BEGINNING)?) {
+                        return Ok(());
+                    }
+                    self.bytes.take(1);
+                }
+            }
+        }
     }
 }
 
-fn words(error: &mcap::McapError) -> String {
-    match error {
-        mcap::McapError::UnexpectedEof => "the file ends in the middle".to_owned(),
-        mcap::McapError::BadMagic => "it does not begin, or not end, as one".to_owned(),
-        error => format!("the file is damaged: {error}"),
+impl Seen {
+    /// Unpacks a chunk, unless it is not sound; then nothing of it is left. `room`: how many bytes it may have, and how
+    /// many all chunks together.
+    fn chunk(
+        &mut self,
+        packed: &Chunk<'_>,
+        chunk: &mut Vec<u8>,
+        (room, limit): (usize, usize),
+    ) -> Result<Next, RecordingError> {
+        if packed.size > room as u64 {
+            return Err(RecordingError::TooLong { limit });
+        }
+        match chunk::unpack(packed, chunk) {
+            Ok(()) => {
+                self.chunks += 1;
+                Ok(Next::Nothing)
+            }
+            Err(Unusable::Packed(how)) => Err(RecordingError::Packed(how)),
+            Err(Unusable::Damaged) => {
+                self.wasted += chunk.len();
+                chunk.clear();
+                Ok(Next::Damage)
+            }
+        }
+    }
+
+    /// Notes a channel; gives a message that is wanted.
+    fn note(
+        &mut self,
+        topics: &mut HashMap<u16, Arc<str>>,
+        record: Record<'_>,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Option<Message> {
+        match record {
+            Record::Channel { id, topic } => {
+                topics.insert(id, topic.into());
+                None
+            }
+            Record::Message { channel, data } => {
+                self.messages += 1;
+                let topic = topics.get(&channel).filter(|topic| wanted(topic))?;
+                Some(Message { topic: Arc::clone(topic), data: data.to_vec() })
+            }
+            Record::Chunk(_)
+            | Record::DataEnd { .. }
+            | Record::Footer { .. }
+            | Record::Statistics(_)
+            | Record::Other => None,
+        }
+    }
+
+    fn problem(&self, is_whole: bool) -> Option<String> {
+        let at = self.first_damage;
+        let cut_off = || (!is_whole).then(|| "the file is cut off".to_owned());
+        let end = self.end.filter(|_| self.has_footer);
+        match (self.damages, end) {
+            _ if self.given_up => Some(format!("the file is damaged from byte {at} on")),
+            (0, None) => cut_off(),
+            (0, Some(_)) => (!is_whole).then(|| "chunks of the file are missing".to_owned()),
+            // What is cut off within a record looks like damage that nothing follows.
+            (1, None) => Some(format!("the file is cut off or damaged at byte {at}")),
+            (1, Some(_)) => Some(format!("the file is damaged at byte {at}")),
+            (n, Some(_)) => {
+                Some(format!("the file is damaged in {n} places, the first of them at byte {at}"))
+            }
+            (n, None) => Some(format!(
+                "the file is damaged in {n} places, the first of them at byte {at}, and its end is missing"
+            )),
+        }
     }
 }
+
+/// What a record of the file was.
+enum Next {
+    Nothing,
+    Message(Message),
+    Damage,
+}
+
+/// With what an MCAP file begins.
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Longest record that is read, in bytes.
 const MAX_RECORD: usize = 1 << 30;
+
+/// So many bytes may come out of chunks that then turn out not to be sound, before the rest is given up: each byte of a
+/// file could be made to look like the beginning of one.
+const MAX_WASTED: usize = 1 << 30;
+
+/// Of a file that is damaged in more places nothing else is expected.
+const MAX_DAMAGES: u32 = 1000;

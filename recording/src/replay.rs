@@ -70,16 +70,25 @@ impl Replay {
 
     /// Whether there is no more to replay.
     pub fn is_over(&self, world: &World) -> bool {
-        world.tick() >= self.tape.last_tick() || world.ending().is_some()
+        self.is_at_a_gap(world) && self.tape.next_stretch(world.tick()).is_none()
     }
 
-    /// Goes on to the beginning of the next tick; does nothing at the end. Says whether it has gone on.
+    /// Whether there is no more to replay, or no more before something that is missing.
+    fn is_at_a_gap(&self, world: &World) -> bool {
+        world.tick() >= self.tape.stretch_of(world.tick()).last_tick || world.ending().is_some()
+    }
+
+    /// Goes on to the beginning of the next tick, or past what is missing to the next one that is there; does nothing at
+    /// the end. Says whether it has gone on.
     ///
     /// # Errors
     /// If the recording has an input that cannot be read.
     pub fn step(&mut self, world: &mut World) -> Result<bool> {
-        if self.is_over(world) {
-            return Ok(false);
+        if self.is_at_a_gap(world) {
+            let Some(next) = self.tape.next_stretch(world.tick()) else { return Ok(false) };
+            *world = self.tape.state_before(next.first_tick)?;
+            self.begin(world)?;
+            return Ok(true);
         }
         let recorded = self.tape.inputs_at(world.tick())?;
         let inputs = recorded.iter().flat_map(|recorded| &recorded.inputs);
@@ -109,7 +118,7 @@ impl Replay {
     /// As [`step`](Self::step).
     pub fn seek(&mut self, world: &mut World, tick: u64) -> Result<()> {
         self.approach(world, tick)?;
-        while world.tick() < tick && self.step(world)? {}
+        while world.tick() < self.goal && self.step(world)? {}
         Ok(())
     }
 
@@ -119,11 +128,11 @@ impl Replay {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn approach(&mut self, world: &mut World, tick: u64) -> Result<bool> {
-        self.goal = tick.clamp(self.tape.first_tick(), self.tape.last_tick());
+        self.goal = self.tape.nearest(tick);
         let here = Some(world.tick()).filter(|&at| at <= self.goal);
         let near = self.near.as_ref().filter(|near| near.tick() <= self.goal);
         // Some ticks before it, so that there is something on the timelines.
-        let from = self.goal.saturating_sub(RUN_UP);
+        let from = self.goal.saturating_sub(RUN_UP).max(self.tape.stretch_of(self.goal).first_tick);
         let state = self.tape.nearest_state(from);
         match (here, near) {
             (Some(here), near) if here >= near.map_or(state, World::tick).max(state) => return Ok(false),
@@ -169,7 +178,7 @@ impl Replay {
                     "the state's fingerprint, though no field that is looked at differs (since tick {since})"
                 ),
             );
-        } else if tick == tape.last_tick() || world.ending().is_none() {
+        } else if tick == tape.stretch_of(tick).last_tick || world.ending().is_none() {
             // All is as it was.
         } else {
             self.differs(

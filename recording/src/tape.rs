@@ -1,5 +1,7 @@
 //! What was read of a recording: all that makes the run again, in memory.
 
+mod stretch;
+
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::ops::Range;
@@ -9,10 +11,13 @@ use std::sync::Arc;
 use baudbot_proto::v1;
 use baudbot_sim::{Override, SavedError, Scenario, World};
 use prost::Message;
+use prost::encoding::{DecodeContext, decode_key, skip_field};
 
+use crate::digest::{FIELDS, Mark};
 use crate::error::RecordingError;
-use crate::reader::Reader;
+use crate::reader::{Condition, Item, Reader};
 use crate::{FORMAT, topic};
+pub use stretch::Stretch;
 
 type Result<T> = std::result::Result<T, RecordingError>;
 
@@ -22,20 +27,35 @@ pub struct Tape {
     header: v1::RecordingHeader,
     scenario: Arc<Scenario>,
     bytes: Vec<u8>,
-    /// In the order of ticks, each with its tick.
-    inputs: Vec<(u64, Range<usize>)>,
-    states: Vec<(u64, Range<usize>)>,
-    marks: Vec<v1::RecordedMark>,
+    /// In the order of ticks.
+    inputs: Vec<Kept>,
+    states: Vec<Kept>,
+    marks: Vec<(u32, Mark)>,
     events: Vec<v1::RecordedEvent>,
-    problem: Option<String>,
+    /// What can be done again, in the order of ticks; at least one.
+    stretches: Vec<Stretch>,
+    condition: Condition,
+    /// While it is read: how often something was missing so far.
+    part: u32,
+    /// How many inputs and states there were when the last mark came.
+    marked: (usize, usize),
+}
+
+/// A message that is kept as it came.
+#[derive(Debug)]
+struct Kept {
+    tick: u64,
+    /// How often something was missing before it.
+    part: u32,
+    place: Range<usize>,
 }
 
 impl Tape {
     /// Reads a file.
     ///
     /// # Errors
-    /// If it is no recording, or too little is left of it. One that is cut off or damaged behind its beginning is read as
-    /// far as it goes, and [`problem`](Self::problem) says why.
+    /// If it is no recording, or too little is left of it. Of one that is cut off or damaged behind its beginning all is
+    /// read that can be done again, and [`problem`](Self::problem) says what is wrong with it.
     pub fn open(path: &Path) -> Result<Self> {
         Self::read(BufReader::with_capacity(1 << 20, File::open(path)?))
     }
@@ -48,13 +68,16 @@ impl Tape {
         Self::read_at_most(file, usize::MAX)
     }
 
-    /// As [`read`](Self::read), of bytes from somebody who may mean harm: they make no more than this of memory.
+    /// As [`read`](Self::read), of bytes from somebody who may mean harm: they unpack to no more bytes than this.
     ///
     /// # Errors
     /// Also if it is more.
     pub fn read_at_most(file: impl Read, limit: usize) -> Result<Self> {
         let mut reader = Reader::new(file, limit);
-        let header = header(&mut reader)?;
+        let Ok(header) = header(&mut reader)? else {
+            let problem = reader.condition().problem.unwrap_or_default();
+            return Err(RecordingError::Headless(problem));
+        };
         let overrides: std::result::Result<Vec<_>, _> =
             header.overrides.iter().map(|text| Override::parse(text)).collect();
         let scenario = Scenario::parse_with(&header.scenario_toml, &overrides?)?;
@@ -66,64 +89,62 @@ impl Tape {
             states: Vec::new(),
             marks: Vec::new(),
             events: Vec::new(),
-            problem: None,
+            stretches: Vec::new(),
+            condition: Condition { is_whole: true, problem: None, times_ns: None },
+            part: 0,
+            marked: (0, 0),
         };
-        while let Some(message) = reader.next(|topic| WANTED.contains(&topic))? {
-            tape.take(&message.topic, &message.data)?;
-            if tape.bytes.len() > limit {
-                return Err(RecordingError::TooLong { limit });
+        while let Some(item) = reader.next(|topic| WANTED.contains(&topic))? {
+            match item {
+                Item::Message(message) => tape.take(&message.topic, &message.data)?,
+                Item::Damage => tape.part += 1,
             }
         }
-        tape.problem = reader.problem();
+        tape.condition = reader.condition();
         tape.put_in_order()
     }
 
     fn take(&mut self, topic: &str, data: &[u8]) -> Result<()> {
         match topic {
-            topic::MARKS => self.marks.push(decode(topic, data)?),
+            topic::MARKS
+                // A text of no letters is two bytes in the file, and more in memory.
+                if occurrences(data, MARKS_FIELDS).is_none_or(|fields| fields <= 4 * FIELDS.len()) => {
+                    self.mark(decode::<v1::RecordedMark>(topic, data)?.into());
+                }
             topic::EVENTS => self.events.push(decode(topic, data)?),
             topic::INPUTS => {
-                let tick = decode::<v1::RecordedInputs>(topic, data)?.tick;
-                let place = self.keep(data);
-                self.inputs.push((tick, place));
+                let kept = self.keep(topic, data)?;
+                self.inputs.push(kept);
             }
             topic::STATE => {
-                let tick = decode::<v1::RecordedState>(topic, data)?.tick;
-                let place = self.keep(data);
-                self.states.push((tick, place));
+                let kept = self.keep(topic, data)?;
+                self.states.push(kept);
             }
             _ => {}
         }
         Ok(())
     }
 
-    fn keep(&mut self, data: &[u8]) -> Range<usize> {
-        let start = self.bytes.len();
-        self.bytes.extend(data);
-        start..self.bytes.len()
+    /// The ticks of a mark follow on those of the one before it, or something is missing between them.
+    fn mark(&mut self, mark: Mark) {
+        if let Some((part, before)) = self.marks.last()
+            && *part == self.part
+            && mark.first_tick > before.tick.saturating_add(1)
+        {
+            self.part += 1;
+            let (inputs, states) = self.marked;
+            let since = self.inputs[inputs..].iter_mut().chain(&mut self.states[states..]);
+            since.for_each(|kept| kept.part = self.part);
+        }
+        self.marks.push((self.part, mark));
+        self.marked = (self.inputs.len(), self.states.len());
     }
 
-    /// What is behind the last mark may not be all that there was.
-    fn put_in_order(mut self) -> Result<Self> {
-        let (Some(first), Some(last)) = (self.states.first(), self.marks.last()) else {
-            return Err(RecordingError::Empty);
-        };
-        let ticks = first.0..=last.tick;
-        // Beyond that there is no time.
-        if ticks.is_empty() || last.tick > u64::MAX / self.scenario.step_ns().max(1) {
-            return Err(RecordingError::Empty);
-        }
-        self.inputs.retain(|(tick, _)| ticks.contains(tick));
-        self.events.retain(|event| ticks.contains(&event.tick));
-        self.states.retain(|(tick, _)| ticks.contains(tick));
-        self.inputs.sort_by_key(|(tick, _)| *tick);
-        self.states.sort_by_key(|(tick, _)| *tick);
-        self.marks.sort_by_key(|mark| mark.tick);
-        // Of two marks that begin at one tick the later knows more: a change by hand may have come between.
-        self.marks.reverse();
-        self.marks.dedup_by(|earlier, later| later.first_tick <= earlier.first_tick);
-        self.marks.reverse();
-        Ok(self)
+    fn keep(&mut self, topic: &str, data: &[u8]) -> Result<Kept> {
+        let OfTick { tick } = decode(topic, data)?;
+        let start = self.bytes.len();
+        self.bytes.extend(data);
+        Ok(Kept { tick, part: self.part, place: start..self.bytes.len() })
     }
 
     /// What it begins with.
@@ -138,12 +159,12 @@ impl Tape {
 
     /// The first tick of which something is known.
     pub fn first_tick(&self) -> u64 {
-        self.states[0].0
+        self.stretches[0].first_tick
     }
 
     /// The last tick of which all is known that entered the world before it.
     pub fn last_tick(&self) -> u64 {
-        self.marks[self.marks.len() - 1].tick
+        self.stretches[self.stretches.len() - 1].last_tick
     }
 
     /// What happened, in the order of ticks.
@@ -151,9 +172,19 @@ impl Tape {
         &self.events
     }
 
-    /// Why the file ends too early, if it does.
+    /// Why there is less in the file than was recorded, if there is.
     pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
+        self.condition.problem.as_deref().filter(|_| !self.is_whole())
+    }
+
+    /// What is wrong with the file though all that makes the run again is there, if anything is.
+    pub fn scratch(&self) -> Option<&str> {
+        self.condition.problem.as_deref().filter(|_| self.is_whole())
+    }
+
+    /// Whether all is there that was recorded.
+    pub fn is_whole(&self) -> bool {
+        self.condition.is_whole
     }
 
     /// Ticks in which something entered the world.
@@ -163,36 +194,39 @@ impl Tape {
 
     /// The fingerprint of the state at the last tick.
     pub fn last_hash(&self) -> u64 {
-        self.marks[self.marks.len() - 1].state_hash
+        self.marks[self.marks.len() - 1].1.state_hash
     }
 
     /// What entered the world in a tick, from the first of these messages on.
     pub(crate) fn inputs_at(&self, tick: u64) -> Result<Vec<v1::RecordedInputs>> {
-        let from = self.inputs.partition_point(|(at, _)| *at < tick);
-        let those = self.inputs[from..].iter().take_while(|(at, _)| *at == tick);
-        those.map(|(_, place)| decode(topic::INPUTS, &self.bytes[place.clone()])).collect()
+        let from = self.inputs.partition_point(|kept| kept.tick < tick);
+        let those = self.inputs[from..].iter().take_while(|kept| kept.tick == tick);
+        those.map(|kept| decode(topic::INPUTS, &self.bytes[kept.place.clone()])).collect()
     }
 
     /// The mark that has the digests of this tick.
-    pub(crate) fn mark_of(&self, tick: u64) -> Option<&v1::RecordedMark> {
-        self.marks.get(self.marks.partition_point(|mark| mark.tick < tick))
+    pub(crate) fn mark_of(&self, tick: u64) -> Option<&Mark> {
+        let place = self.marks.partition_point(|(_, mark)| mark.tick < tick);
+        self.marks.get(place).map(|(_, mark)| mark)
     }
 
     /// The tick of the last state at this tick or before it.
     pub(crate) fn nearest_state(&self, tick: u64) -> u64 {
-        let until = self.states.partition_point(|(at, _)| *at <= tick);
-        self.states[until.saturating_sub(1)].0
+        let until = self.states.partition_point(|kept| kept.tick <= tick);
+        self.states[until.saturating_sub(1)].tick
     }
 
-    /// The last state at this tick or before it; of those but the first, one that can be read.
+    /// The last state at this tick or before it in its stretch; of those but the first, one that can be read.
     pub(crate) fn state_before(&self, tick: u64) -> Result<World> {
-        let until = self.states.partition_point(|(at, _)| *at <= tick).max(1);
-        for (_, place) in self.states[1..until].iter().rev() {
-            if let Ok(world) = self.state(place)? {
+        let stretch = self.stretch_of(tick);
+        let first = self.states.partition_point(|kept| kept.tick < stretch.first_tick);
+        let until = self.states.partition_point(|kept| kept.tick <= tick);
+        for kept in self.states.get(first + 1..until).unwrap_or_default().iter().rev() {
+            if let Ok(world) = self.state(kept)? {
                 return Ok(world);
             }
         }
-        self.first_state()
+        self.state_at_start(first)
     }
 
     /// The world as the recording begins.
@@ -200,22 +234,26 @@ impl Tape {
     /// # Errors
     /// If its state cannot be used.
     pub fn first_state(&self) -> Result<World> {
-        let (tick, place) = &self.states[0];
-        match self.state(place)? {
+        self.state_at_start(0)
+    }
+
+    fn state_at_start(&self, place: usize) -> Result<World> {
+        let kept = &self.states[place];
+        match self.state(kept)? {
             Ok(world) => Ok(world),
             // A run from its start needs no state: the replay will find what has changed since.
-            Err(_) if *tick == 0 && self.header.program_version != crate::PROGRAM_VERSION => {
+            Err(_) if kept.tick == 0 && self.header.program_version != crate::PROGRAM_VERSION => {
                 Ok(World::new(Arc::clone(&self.scenario)))
             }
             Err(source) => {
                 let program = self.header.program_version.clone();
-                Err(RecordingError::State { tick: *tick, program, source })
+                Err(RecordingError::State { tick: kept.tick, program, source })
             }
         }
     }
 
-    fn state(&self, place: &Range<usize>) -> Result<std::result::Result<World, SavedError>> {
-        let state: v1::RecordedState = decode(topic::STATE, &self.bytes[place.clone()])?;
+    fn state(&self, kept: &Kept) -> Result<std::result::Result<World, SavedError>> {
+        let state: v1::RecordedState = decode(topic::STATE, &self.bytes[kept.place.clone()])?;
         let world = World::load(Arc::clone(&self.scenario), &state.state, state.state_hash);
         Ok(world.and_then(|world| {
             let is_it = world.tick() == state.tick;
@@ -226,8 +264,25 @@ impl Tape {
 
 const WANTED: [&str; 4] = [topic::STATE, topic::INPUTS, topic::MARKS, topic::EVENTS];
 
-fn header(reader: &mut Reader<impl Read>) -> Result<v1::RecordingHeader> {
-    let first = reader.next(|_| true)?.ok_or(RecordingError::Empty)?;
+/// The number of `fields` in a `RecordedMark`.
+const MARKS_FIELDS: u32 = 4;
+
+/// Of an input or a state, what has to be known to keep it.
+#[derive(Clone, Copy, PartialEq, Message)]
+struct OfTick {
+    #[prost(uint64, tag = "1")]
+    tick: u64,
+}
+
+/// The header that a recording begins with, unless that is damaged.
+fn header(reader: &mut Reader<impl Read>) -> Result<std::result::Result<v1::RecordingHeader, ()>> {
+    let first = match reader.next(|_| true)?.ok_or(RecordingError::Empty)? {
+        Item::Damage => {
+            while reader.next(|_| false)?.is_some() {}
+            return Ok(Err(()));
+        }
+        Item::Message(first) => first,
+    };
     if &*first.topic != topic::HEADER {
         return Err(RecordingError::Foreign);
     }
@@ -235,9 +290,20 @@ fn header(reader: &mut Reader<impl Read>) -> Result<v1::RecordingHeader> {
     if header.format != FORMAT {
         return Err(RecordingError::Newer { found: header.format, program: header.program_version });
     }
-    Ok(header)
+    Ok(Ok(header))
 }
 
 fn decode<M: Message + Default>(topic: &str, data: &[u8]) -> Result<M> {
     M::decode(data).map_err(|source| RecordingError::Message { topic: topic.to_owned(), source })
+}
+
+/// How often a message has the field of this number; `None` if it cannot be read.
+fn occurrences(mut data: &[u8], wanted: u32) -> Option<usize> {
+    let mut n = 0;
+    while !data.is_empty() {
+        let (field, wire) = decode_key(&mut data).ok()?;
+        n += usize::from(field == wanted);
+        skip_field(wire, field, &mut data, DecodeContext::default()).ok()?;
+    }
+    Some(n)
 }

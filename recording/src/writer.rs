@@ -68,6 +68,8 @@ impl<W: Write + Seek> Writer<W> {
         let (step_ns, buffer) = (header.step_ns, Vec::new());
         let mut writer = Self { mcap, channels, step_ns, sequence: 0, buffer, shown: None };
         writer.write(writer.channels.header, 0, header)?;
+        // What is damaged behind it does not take it along.
+        writer.mcap.flush()?;
         Ok(writer)
     }
 

@@ -2,6 +2,7 @@
 //! contract's, but for what brains publish: that passes the world by, and nothing here looks into it.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
 use baudbot_proto::v1;
@@ -37,6 +38,7 @@ pub(crate) enum Letter {
         session: u64,
         turn: u64,
         writes: Vec<Write>,
+        /// Given back when the letter is opened: it bounds how many of a stream wait for that.
         permit: OwnedSemaphorePermit,
     },
     Detach {
@@ -152,6 +154,7 @@ pub(crate) struct RecordingReport {
 pub(crate) struct SeatReport {
     pub(crate) brain: Option<String>,
     pub(crate) lost_deliveries: u64,
+    pub(crate) lost_steps: u64,
 }
 
 /// What a world is doing.
@@ -257,6 +260,8 @@ pub(crate) struct Attach {
     pub(crate) memory_bytes: Option<u64>,
     /// It has promised to think as long as the scenario says.
     pub(crate) steady: bool,
+    /// Its robots are to stand when it is gone.
+    pub(crate) stop_when_gone: bool,
     pub(crate) deliveries: mpsc::Sender<Delivery>,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,
@@ -270,6 +275,8 @@ pub(crate) struct Attached {
     pub(crate) robots: Vec<usize>,
     pub(crate) lockstep: bool,
     pub(crate) beliefs: Beliefs,
+    /// Counts the Steps that are thrown away.
+    pub(crate) lost_steps: Arc<AtomicU64>,
 }
 
 /// A hold on robots: they are let go when it is dropped, wherever that happens.

@@ -35,14 +35,17 @@
 //! ```
 
 mod address;
+mod annotate;
 mod beliefs;
 mod blocking;
 mod brain_link;
 mod columns;
 mod control;
 mod convert;
+mod descriptors;
 mod details;
 mod endpoint;
+mod gate;
 mod host;
 mod letter;
 mod log;
@@ -55,6 +58,7 @@ mod pipe;
 mod recording;
 mod registry;
 mod room;
+mod seldom;
 mod server;
 mod sessions;
 mod words;
@@ -62,7 +66,8 @@ mod words;
 pub use address::{Address, BadAddress};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
+pub use descriptors::raise_descriptor_limit;
 pub use host::OnTick;
-pub use pace::{Lockstep, Pace, Watchdog, WatchdogPolicy};
+pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::Film;
 pub use server::{Builder, Server, ServerError, WorldConfig};

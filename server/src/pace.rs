@@ -7,11 +7,8 @@ use baudbot_sim::SimTime;
 /// The paces of `docs/timing.md`; they differ only in when a tick ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// Simulated time runs at this multiple of the wall clock; 1 is real time. Positive and finite.
-    Timed {
-        /// Simulated seconds a wall-clock second.
-        factor: f64,
-    },
+    /// Simulated time follows the wall clock.
+    Timed(Timed),
     /// The world waits for every brain.
     Lockstep(Lockstep),
     /// As lockstep, but only as many ticks as asked for.
@@ -22,13 +19,18 @@ pub enum Pace {
 
 impl Pace {
     /// Real time.
-    pub const REAL_TIME: Self = Self::Timed { factor: 1.0 };
+    pub const REAL_TIME: Self = Self::scaled(1.0);
+
+    /// So many simulated seconds a wall-clock second, which is positive and finite, and the usual lag at most.
+    pub const fn scaled(factor: f64) -> Self {
+        Self::Timed(Timed { factor, max_lag: Timed::MAX_LAG })
+    }
 
     /// How the world waits for brains, in the paces in which it does.
     pub(crate) fn lockstep(&self) -> Option<Lockstep> {
         match self {
             Self::Lockstep(lockstep) | Self::Stepped(lockstep) => Some(*lockstep),
-            Self::Timed { .. } | Self::Free => None,
+            Self::Timed(_) | Self::Free => None,
         }
     }
 
@@ -36,6 +38,21 @@ impl Pace {
     pub(crate) fn watchdog(&self) -> Option<Watchdog> {
         self.lockstep().map(|lockstep| lockstep.watchdog)
     }
+}
+
+/// How a world follows the wall clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed {
+    /// Simulated seconds a wall-clock second; 1 is real time. Positive and finite.
+    pub factor: f64,
+    /// By how much of the wall clock the world may lag. It works that off as fast as it can; what is beyond, it lets go, and
+    /// is late by that for good.
+    pub max_lag: Duration,
+}
+
+impl Timed {
+    /// What a world may lag if nobody says otherwise: brains notice little of a tenth of a second that is done at once.
+    pub const MAX_LAG: Duration = Duration::from_millis(100);
 }
 
 /// How a world waits for its brains.
@@ -110,6 +127,14 @@ impl Clock {
         self.start + Duration::try_from_secs_f64(seconds).unwrap_or(YEAR).min(YEAR)
     }
 
+    /// Stands still for what `time` lags beyond `most`, so that it does not any more. How long that is, if it does.
+    pub(crate) fn let_go(&mut self, now: Instant, time: SimTime, most: Duration) -> Option<Duration> {
+        let lag = now.saturating_duration_since(self.instant(time));
+        let beyond = lag.checked_sub(most).filter(|beyond| !beyond.is_zero())?;
+        self.start += beyond;
+        Some(beyond)
+    }
+
     /// What time it is.
     pub(crate) fn time(&self, now: Instant) -> SimTime {
         let elapsed = now.saturating_duration_since(self.start).as_secs_f64();
@@ -129,6 +154,9 @@ pub(crate) struct Pacing {
     pub(crate) lateness_sum: Duration,
     pub(crate) watchdog_timeouts: u64,
     pub(crate) waiting: Duration,
+    /// By how much the world lagged more than its pace allows, summed up, and how often it did.
+    pub(crate) let_go: Duration,
+    pub(crate) times_let_go: u64,
 }
 
 impl Pacing {
@@ -156,6 +184,22 @@ mod tests {
         assert_eq!(clock.time(start - Duration::from_secs(1)), SimTime::from_ns(5_000_000_000));
         let crawling = Clock::new(start, SimTime::ZERO, 1e-300);
         assert_eq!(crawling.instant(time), start + YEAR);
+    }
+
+    #[test]
+    fn a_clock_lets_go_what_is_beyond_the_lag_that_is_allowed() {
+        let start = Instant::now();
+        let mut clock = Clock::new(start, SimTime::ZERO, 2.0);
+        let (time, most) = (SimTime::from_ns(10_000_000_000), Duration::from_millis(100));
+        let due = start + Duration::from_secs(5);
+        for on_time in [start, due, due + most] {
+            assert_eq!(clock.let_go(on_time, time, most), None);
+        }
+        assert_eq!(clock.instant(time), due);
+        let late = due + Duration::from_secs(10);
+        assert_eq!(clock.let_go(late, time, most), Some(Duration::from_millis(9900)));
+        assert_eq!(clock.instant(time), late - most, "a tenth of a second is worked off");
+        assert_eq!(clock.let_go(late, time, most), None);
     }
 
     #[test]

@@ -51,11 +51,11 @@ impl Room {
     /// Does what is to be done, if nobody else is at it and it does not take long.
     fn attend(&self) {
         loop {
-            // A world that panicked has no end that could be told; its thread is over, and closes the room.
             let Ok(mut guard) = self.host.try_lock() else { return };
             let Some(host) = guard.as_mut() else { return };
+            let alarm = Alarm(self);
             let then = host.visit(|| self.take_letter());
-            drop(guard);
+            drop((alarm, guard));
             if then == Then::Thread {
                 return self.wake();
             }
@@ -109,6 +109,17 @@ fn sleep(until: Option<Instant>) {
     }
 }
 
+/// Wakes the world's thread if a visitor panics: it finds the world spoilt, and closes the room.
+struct Alarm<'a>(&'a Room);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.wake();
+        }
+    }
+}
+
 /// Closes the room when the world's thread is over, however that came.
 struct Closing<'a>(&'a Room);
 
@@ -122,6 +133,8 @@ impl Drop for Closing<'_> {
         // Who waits for an answer learns that there will be none. Letters hold leases, which write letters.
         drop(left);
         let host = self.0.host.lock().unwrap_or_else(PoisonError::into_inner).take();
-        drop(host);
+        if let Some(mut host) = host {
+            host.abandon();
+        }
     }
 }

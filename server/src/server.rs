@@ -16,14 +16,17 @@ use tokio::net::{TcpListener, UnixListener, UnixStream};
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
-use tokio_stream::wrappers::UnixListenerStream;
-use tonic::Status;
-use tonic::transport::server::{Connected, Router, TcpIncoming};
+use tonic::service::InterceptorLayer;
+use tonic::transport::server::Connected;
 use tonic::transport::{Channel, Server as Transport};
+use tonic::{Request, Status};
+use tower::layer::util::{Identity, Stack};
 
 use crate::address::Address;
 use crate::brain_link::BrainLink;
 use crate::control::Control;
+use crate::descriptors::usual_connections;
+use crate::gate::{Entry, Gate, check_call, guests};
 use crate::host::OnTick;
 use crate::letter::Letter;
 use crate::metrics::Metrics;
@@ -36,6 +39,9 @@ use crate::registry::{NewWorld, Registry};
 
 /// How often a silent connection is asked whether it is there, and how long it has to answer.
 const KEEPALIVE: Duration = Duration::from_secs(20);
+
+/// How long a connection has to ask for something, if nobody says otherwise.
+const FIRST_CALL_WITHIN: Duration = Duration::from_secs(10);
 
 /// Why a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -133,6 +139,8 @@ pub struct Builder {
     recordings: Option<Folder>,
     films: Option<mpsc::Sender<Film>>,
     insecure: bool,
+    connections: Option<usize>,
+    first_call_within: Option<Duration>,
 }
 
 impl Builder {
@@ -185,6 +193,24 @@ impl Builder {
         self
     }
 
+    /// Takes at most so many connections at a time, over all addresses and viewers, and not three quarters of the files that
+    /// the process may have open ([`raise_descriptor_limit`](crate::raise_descriptor_limit)). When all places are taken,
+    /// a new connection gets that of whoever has been silent since it came; if nobody has, its calls are refused with
+    /// `RESOURCE_EXHAUSTED`.
+    #[must_use]
+    pub fn connections(mut self, connections: usize) -> Self {
+        self.connections = Some(connections);
+        self
+    }
+
+    /// Closes a connection that has not asked for anything within so long, and not within 10 s, and a brain's stream that has
+    /// not said Hello by then. Those that have may be silent for as long as they like.
+    #[must_use]
+    pub fn first_call_within(mut self, patience: Duration) -> Self {
+        self.first_call_within = Some(patience);
+        self
+    }
+
     /// Starts the server without any port: it is reached through [`Server::channel`] only.
     ///
     /// # Errors
@@ -214,13 +240,17 @@ impl Builder {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
         let control = Control { registry, recordings: self.recordings };
-        Server::start(control, listeners, pages, self.films).await
+        let gate = Gate::new(
+            self.connections.unwrap_or_else(usual_connections),
+            self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
+        );
+        Server::start(control, gate, listeners, pages, self.films).await
     }
 }
 
 /// A running server. Dropping it tells its worlds to end; [`shutdown`](Self::shutdown) also waits until they have.
 pub struct Server {
-    registry: Registry,
+    pub(crate) registry: Registry,
     addresses: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
@@ -237,12 +267,13 @@ impl Server {
 
     async fn start(
         control: Control,
+        gate: Gate,
         listeners: Vec<Listener>,
         pages: Vec<TcpListener>,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
         let registry = control.registry.clone();
-        let router = router(control).await?;
+        let router = router(control, gate.patience()).await?;
         let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
         let mut tasks = JoinSet::new();
@@ -254,16 +285,17 @@ impl Server {
             if let Address::Unix(path) = listener.address() {
                 sockets.extend(SocketFile::at(path));
             }
-            let (router, stopped) = (router.clone(), stopped.clone());
+            let (router, gate, stopped) = (router.clone(), gate.clone(), stopped.clone());
             match listener {
-                Listener::Tcp(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
-                Listener::Unix(_, incoming) => tasks.spawn(run(router, incoming, stopped)),
+                Listener::Tcp(_, tcp) => tasks.spawn(run(router, guests(Entry::new(tcp, gate)), stopped)),
+                Listener::Unix(_, unix) => tasks.spawn(run(router, guests(Entry::new(unix, gate)), stopped)),
             };
         }
         tasks.spawn(run(router, incoming, stopped.clone()));
         let metrics = Metrics::new(registry.clone());
         for page in pages {
             viewers.extend(page.local_addr());
+            let page = Entry::new(page, gate.clone());
             tasks.spawn(page::serve(page, pipes.clone(), metrics.clone(), films.clone(), stopped.clone()));
         }
         Ok(Self { registry, addresses, viewers, sockets, pipes, stop, tasks })
@@ -316,6 +348,11 @@ impl Drop for Server {
     }
 }
 
+/// The services, behind a check of each call.
+type Router = tonic::transport::server::Router<Stack<InterceptorLayer<CheckCall>, Identity>>;
+
+type CheckCall = fn(Request<()>) -> Result<Request<()>, Status>;
+
 async fn run<I, IO>(router: Router, incoming: I, mut stopped: watch::Receiver<bool>)
 where
     I: Stream<Item = io::Result<IO>>,
@@ -329,7 +366,7 @@ where
     }
 }
 
-async fn router(control: Control) -> Result<Router, ServerError> {
+async fn router(control: Control, patience: Duration) -> Result<Router, ServerError> {
     let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<ControlServiceServer<Control>>().await;
@@ -341,11 +378,12 @@ async fn router(control: Control) -> Result<Router, ServerError> {
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
     let observe = Observe { registry: registry.clone() };
-    let brain_link = BrainLink { registry: registry.clone() };
+    let brain_link = BrainLink { registry: registry.clone(), patience };
     Ok(Transport::builder()
         // A machine that vanished without a word lets its robots go after a while.
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE))
+        .layer(InterceptorLayer::new(check_call as CheckCall))
         .add_service(health_service)
         // Python's reflection client speaks only v1alpha.
         .add_service(reflection().build_v1()?)
@@ -377,8 +415,8 @@ async fn listen_for_pages(
 }
 
 enum Listener {
-    Tcp(Address, TcpIncoming),
-    Unix(Address, UnixListenerStream),
+    Tcp(Address, TcpListener),
+    Unix(Address, UnixListener),
 }
 
 impl Listener {
@@ -388,13 +426,12 @@ impl Listener {
             Address::Tcp(socket) => {
                 let listener = TcpListener::bind(socket).await.map_err(failed)?;
                 let bound = listener.local_addr().map_err(failed)?;
-                // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
-                Ok(Self::Tcp(Address::Tcp(bound), TcpIncoming::from(listener).with_nodelay(Some(true))))
+                Ok(Self::Tcp(Address::Tcp(bound), listener))
             }
             Address::Unix(path) => {
                 remove_stale(path).await.map_err(failed)?;
                 let listener = UnixListener::bind(path).map_err(failed)?;
-                Ok(Self::Unix(address, UnixListenerStream::new(listener)))
+                Ok(Self::Unix(address, listener))
             }
         }
     }

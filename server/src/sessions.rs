@@ -3,8 +3,11 @@
 mod behind;
 mod fit;
 mod measures;
+mod steps;
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use baudbot_sim::{Scenario, SimTime, Turn, World};
@@ -59,6 +62,9 @@ struct Session {
     void_turn: u64,
     /// The watchdog gave up on it; it is not waited for until it has answered its last Turn.
     late: bool,
+    /// Steps of it that the world has taken in this tick, and those of all ticks that it has thrown away.
+    steps: usize,
+    lost_steps: Arc<AtomicU64>,
 }
 
 /// A robot's place for a brain.
@@ -68,6 +74,8 @@ pub(crate) struct Seat {
     /// In lockstep the world stands still while this is so and nobody holds the robot.
     pub(crate) awaited: bool,
     pub(crate) lost_deliveries: u64,
+    /// Of those that held it and are gone.
+    lost_steps: u64,
     /// How those answered that held it and are gone.
     answering: Answering,
     /// Its brain is gone without having answered the Turn of this tick.
@@ -143,6 +151,8 @@ impl Sessions {
             held: Vec::new(),
             void_turn: 0,
             late: false,
+            steps: 0,
+            lost_steps: Arc::default(),
         };
         self.by_number.insert(number, session);
         Ok((number, robots))
@@ -157,6 +167,7 @@ impl Sessions {
             (seat.session, seat.awaited, seat.until) = (None, awaited, None);
             seat.unanswered = awaited && !session.open.is_empty();
             seat.answering.add(session.answering);
+            seat.lost_steps += session.lost_steps.load(Ordering::Relaxed);
         }
     }
 

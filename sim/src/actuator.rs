@@ -46,6 +46,12 @@ pub struct ActuatorState {
     pub angle_rad: f64,
 }
 
+impl ActuatorState {
+    pub(crate) fn is_sound(&self) -> bool {
+        crate::sound::numbers([self.signal, self.pulse, self.angle_rad])
+    }
+}
+
 impl Actuator {
     /// What the scenario calls its kind.
     pub fn kind(&self) -> &'static str {

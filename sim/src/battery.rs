@@ -87,6 +87,11 @@ impl Battery {
 }
 
 impl BatteryState {
+    pub(crate) fn is_sound(&self, battery: &Battery) -> bool {
+        crate::sound::numbers([self.current_a, self.used_j, self.charged_j])
+            && (0.0..=battery.capacity_c).contains(&self.charge_c)
+    }
+
     /// Draws this power for `dt_s`, or what the battery can give, and says how much energy that was, in J.
     /// An empty battery gives nothing.
     pub fn draw(&mut self, battery: &Battery, power_w: f64, dt_s: f64) -> f64 {

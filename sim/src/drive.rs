@@ -14,6 +14,7 @@ use baudbot_geometry::{Pose, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::motor::{MotorNoise, Motors, Steps};
+use crate::sound;
 
 /// What a robot's body, wheels and motors are.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +94,18 @@ pub struct Motion {
     pub acceleration_m_s2: f64,
     /// Steps of stepper motors, once they have run; other motors count none.
     pub steps: Option<Steps>,
+}
+
+impl Motion {
+    pub(crate) fn is_sound(&self) -> bool {
+        let steps = self.steps.unwrap_or_default();
+        let steps = [steps.left, steps.right].map(|steps| [steps.commanded_steps, steps.lost_steps]);
+        sound::pose(&self.pose)
+            && sound::numbers([self.speed_m_s, self.turn_rate_rad_s, self.acceleration_m_s2])
+            && sound::wheels(&self.wheel_speed_rad_s)
+            && sound::wheels(&self.travel_m)
+            && sound::numbers(steps.concat())
+    }
 }
 
 impl Drive {

@@ -157,6 +157,16 @@ impl Decoder {
         }
     }
 
+    /// Whether this decoder may have become what `other` is.
+    pub(crate) fn may_become(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Framed(_), Self::Framed(_)) => true,
+            (Self::Bare(own), Self::Bare(other)) => own.may_become(other),
+            (Self::Khepera { lines: own, .. }, Self::Khepera { lines: other, .. }) => own.may_become(other),
+            (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. }, _) => false,
+        }
+    }
+
     /// A message that was understood asks for readings, or else to have its obeying acknowledged. Where every answer
     /// is readings there is nothing to remember.
     pub(crate) fn owe(&mut self, readings: bool) {

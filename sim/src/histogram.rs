@@ -54,6 +54,13 @@ impl Histogram {
         self.max_ns = self.max_ns.max(ns);
     }
 
+    /// Whether durations can have been counted so.
+    pub(crate) fn is_sound(&self) -> bool {
+        let last = u64::from(self.first) + self.buckets.len() as u64;
+        let is_in = last <= u64::from(bucket(u64::MAX)) + 1 && self.buckets.is_empty() == (self.count == 0);
+        is_in && self.min_ns <= self.max_ns && crate::sound::count(self.count)
+    }
+
     /// How many were counted.
     pub fn count(&self) -> u64 {
         self.count

@@ -200,25 +200,37 @@ impl World {
 
     /// Says whether that made a difference.
     fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<bool> {
-        let (own, now) = (self.robot_named(name)?, self.time());
+        let Some(own) = self.cut_cable(name, self.time(), pulled)? else { return Ok(false) };
+        let (seed, link) = (self.scenario().seed, self.scenario().robots()[own].link.clone());
+        self.state_mut().robots[own].watch_outages(&link, seed, name);
+        Ok(true)
+    }
+
+    /// Changes the cable of the robot of this name; says which robot that is, if it makes a difference.
+    fn cut_cable(&mut self, name: &str, at: SimTime, pulled: bool) -> Result<Option<usize>> {
+        let own = self.robot_named(name)?;
         let link = &self.scenario().robots()[own].link;
         if let Link::Ideal | Link::Onboard = link {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
         }
         if link.is_pulled() == pulled {
-            return Ok(false);
+            return Ok(None);
         }
         self.may_alter(name)?;
-        let (seed, scenario) = (self.scenario().seed, self.scenario_mut());
-        let link = &mut Arc::make_mut(&mut scenario.robots_mut()[own].model).link;
-        cut(link, now, pulled);
-        let link = link.clone();
-        self.state_mut().robots[own].watch_outages(&link, seed, name);
-        Ok(true)
+        let link = &mut Arc::make_mut(&mut self.scenario_mut().robots_mut()[own].model).link;
+        cut(link, at, pulled);
+        Ok(Some(own))
     }
 
     /// Says whether that made a difference.
     fn set_baud(&mut self, name: &str, baud: u32) -> Result<bool> {
+        let Some(own) = self.change_baud(name, baud)? else { return Ok(false) };
+        self.state_mut().robots[own].begin_bursts();
+        Ok(true)
+    }
+
+    /// As [`cut_cable`](Self::cut_cable).
+    fn change_baud(&mut self, name: &str, baud: u32) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
         let spec = &self.scenario().robots()[own];
         let Link::Uart(uart) = &spec.link else {
@@ -229,33 +241,31 @@ impl World {
             return Err(InterventionError::Baud { baud, least, most });
         }
         if uart.baud == baud {
-            return Ok(false);
+            return Ok(None);
         }
         self.may_alter(name)?;
         let changed = Uart { baud, ..uart.clone() };
         let spec = &mut self.scenario_mut().robots_mut()[own];
         Arc::make_mut(&mut spec.model).link = Link::Uart(changed);
-        self.state_mut().robots[own].begin_bursts();
-        Ok(true)
+        Ok(Some(own))
     }
 
-    /// Alters the scenario as it was altered before its state was saved.
-    pub(crate) fn alter_again(&mut self, altered: Altered) -> Result<()> {
+    /// The cables as they have been changed before this state was kept; `false` if they cannot have been.
+    pub(crate) fn alter_again(&mut self, altered: Altered) -> bool {
+        let mut before = SimTime::ZERO;
         for (at, intervention) in &altered.0 {
-            let (Intervention::PullCable { robot, .. } | Intervention::SetBaud { robot, .. }) = intervention
-            else {
-                continue;
+            let changed = match intervention {
+                Intervention::PullCable { robot, pulled } => self.cut_cable(robot, *at, *pulled),
+                Intervention::SetBaud { robot, baud } => self.change_baud(robot, *baud),
+                Intervention::PlaceRobot { .. } | Intervention::PlaceThing { .. } => Ok(None),
             };
-            let own = self.robot_named(robot)?;
-            let link = &mut Arc::make_mut(&mut self.scenario_mut().robots_mut()[own].model).link;
-            match (intervention, link) {
-                (Intervention::PullCable { pulled, .. }, link) => cut(link, *at, *pulled),
-                (Intervention::SetBaud { baud, .. }, Link::Uart(uart)) => uart.baud = *baud,
-                _ => {}
+            if !matches!(changed, Ok(Some(_))) || *at < before {
+                return false;
             }
+            before = *at;
         }
         self.altered = altered;
-        Ok(())
+        before <= self.time() && self.altered.0.len() <= MOST_ALTERED
     }
 
     /// What has been altered is kept with every snapshot, so it has an end.

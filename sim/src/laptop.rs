@@ -12,6 +12,7 @@ use crate::histogram::Histogram;
 use crate::link::{Line, Message as Arrived};
 use crate::port::{Heard, PortState};
 use crate::robot::RobotSpec;
+use crate::sensor::Sensor;
 use crate::time::SimTime;
 
 /// The last reading of one sensor that reached the laptop.
@@ -84,6 +85,23 @@ impl Laptop {
             informed: false,
             has_stepped: false,
         }
+    }
+
+    /// Whether this laptop may have become what `other` is, on a robot that is this: there is of everything as much as it
+    /// has sensors, and a reading has all of its values or none.
+    pub(crate) fn may_become(&self, spec: &RobotSpec, other: &Self) -> bool {
+        let sensors = spec.sensors.len();
+        let fits = |(reading, sensor): (&Reading, &Sensor)| {
+            reading.values.is_empty() || reading.values.len() == sensor.encodings.len()
+        };
+        [other.readings.len(), other.freshness.len(), other.sampled.len()] == [sensors; 3]
+            && other.readings.iter().zip(&*spec.sensors).all(fits)
+            && other
+                .freshness
+                .iter()
+                .all(|fresh| fresh.ages.is_sound() && crate::sound::count(fresh.readable))
+            && other.asked.len() <= MAX_ASKED
+            && self.decoder.may_become(&other.decoder)
     }
 
     /// A byte arrives, and with it perhaps the end of a message. Those that a brain leaves unread beyond the driver's

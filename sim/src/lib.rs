@@ -51,6 +51,7 @@ pub mod mover;
 mod parallel;
 pub mod port;
 pub mod presets;
+pub mod printable;
 pub mod random;
 pub mod referee;
 pub mod robot;
@@ -59,6 +60,7 @@ mod scene;
 pub mod schedule;
 pub mod sensor;
 pub mod sight;
+mod sound;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]
 mod statistics;

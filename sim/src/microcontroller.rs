@@ -23,6 +23,7 @@ use crate::robot::RobotSpec;
 use crate::scene::Ping;
 use crate::schedule::Due;
 use crate::sensor::{Event, Measurement, Parts, Sensor};
+use crate::sound;
 use crate::time::{SECOND_NS, SimTime};
 
 /// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
@@ -116,6 +117,26 @@ impl Microcontroller {
             orders: VecDeque::new(),
             commands: 0,
         }
+    }
+
+    /// Whether this processor may have become what `other` is at `now`, on a robot that is this.
+    pub(crate) fn may_become(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> bool {
+        let channels = self.channels.iter().zip(&other.channels).zip(&*spec.sensors);
+        // Orders are obeyed one behind the other, none later than the processor is done with it.
+        let mut orders = other.orders.iter().map(|order| order.at);
+        let signals = |order: &Order| {
+            sound::wheels(&order.signals)
+                && sound::numbers(order.others.iter().copied())
+                && order.others.len() == spec.actuators.len()
+        };
+        other.channels.len() == spec.sensors.len()
+            && channels.into_iter().all(|((own, other), sensor)| own.may_become(sensor, other, now))
+            && other.frame.is_sound()
+            && self.decoder.may_become(&other.decoder)
+            && orders.clone().is_sorted()
+            && orders.next_back().is_none_or(|last| last <= other.free_at)
+            && other.orders.iter().all(signals)
+            && sound::count(other.commands)
     }
 
     /// The task that comes next and when it starts: of those that fall due first, sensors in their order,

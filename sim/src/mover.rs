@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::arena::{Arena, Look};
 use crate::movable::{Body, Form};
 use crate::random::Stream;
+use crate::sound;
 use crate::time::SimTime;
 
 /// What such a thing is.
@@ -97,6 +98,16 @@ pub(crate) struct Around<'a> {
 impl Mover {
     pub(crate) fn form(&self) -> Form<'_> {
         Form::of(&self.outline, self.radius_m)
+    }
+
+    /// Whether it can be there: on its way to a point that there is, or behind the last.
+    pub(crate) fn may_be(&self, state: &MoverState) -> bool {
+        let goal = match &self.path {
+            Path::Stops { points, .. } => state.goal <= points.len(),
+            Path::Swing { .. } => state.goal <= 1,
+            Path::Wander { .. } => true,
+        };
+        goal && sound::pose(&state.pose) && sound::count(state.blocked_ns) && state.stream.is_sound()
     }
 
     pub(crate) fn at_start(&self, seed: u64) -> MoverState {

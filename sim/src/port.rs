@@ -9,7 +9,7 @@ use baudbot_geometry::angle;
 use baudbot_wire::{line_image, nmea, scip};
 use serde::{Deserialize, Serialize};
 
-use crate::link::{Line, Link, Message};
+use crate::link::{Direction, Line, Link, Message};
 use crate::sensor::{Device, Sensor};
 use crate::time::SimTime;
 
@@ -62,6 +62,12 @@ impl PortState {
         let link = sensor.port.as_ref().map_or(&Link::Ideal, |port| &port.link);
         let line = Line::up(link, seed, &format!("{robot}/{}:port", sensor.name));
         Self { line, message: Vec::new(), unread: Vec::new(), sequence: 0 }
+    }
+
+    /// Whether the cable of this sensor can be so at `now`, on a robot with so many sensors.
+    pub(crate) fn is_sound(&self, sensor: &Sensor, now: SimTime, sensors: usize) -> bool {
+        let Some(port) = &sensor.port else { return false };
+        self.line.is_sound(&port.link, (Direction::Up, now), sensors) && self.unread.len() <= UNREAD_MAX
     }
 
     /// When the next byte arrives at the laptop.

@@ -56,6 +56,11 @@ impl Stream {
         self.place.key
     }
 
+    /// Whether there is more to be drawn.
+    pub(crate) fn is_sound(&self) -> bool {
+        crate::sound::count(self.place.drawn)
+    }
+
     fn draw(&mut self) -> u64 {
         self.place.drawn += 1;
         self.generator.next_u64()

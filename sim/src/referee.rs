@@ -71,13 +71,18 @@ impl Score {
         }
     }
 
-    /// Whether it counts the same things.
-    pub(crate) fn has_form_of(&self, other: &Self) -> bool {
+    /// Whether this score may have become what `other` is: it counts the same things, and no cells that are none.
+    pub(crate) fn may_become(&self, other: &Self, floor: Option<&Floor>) -> bool {
         let zones = |score: &Self| score.in_zone_ns.iter().map(Vec::len).collect::<Vec<_>>();
-        let floor = |score: &Self| score.coverage.as_ref().map(Coverage::form);
+        let coverage = match (floor, &other.coverage) {
+            (Some(floor), Some(coverage)) => coverage.is_of(floor),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
         self.visited.len() == other.visited.len()
             && zones(self) == zones(other)
-            && floor(self) == floor(other)
+            && other.in_zone_ns.iter().flatten().all(|&ns| crate::sound::count(ns))
+            && coverage
     }
 
     /// Which cells of the floor are covered and sensed, if that is counted.

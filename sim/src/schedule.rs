@@ -44,6 +44,10 @@ pub(crate) struct Due {
 }
 
 impl Due {
+    pub(crate) fn is_sound(&self) -> bool {
+        crate::sound::count(self.missed)
+    }
+
     /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for.
     pub(crate) fn serve(&mut self, schedule: &Schedule, now: SimTime) {
         let missed = now.since(self.next) / schedule.period_ns;

@@ -201,6 +201,27 @@ fn names_are_unique_and_fit_into_paths() {
 }
 
 #[test]
+fn a_scenarios_name_is_on_one_line_and_no_error_quotes_what_a_terminal_obeys() {
+    refused("name = \"a\\nb\"", "name", r"must be on one line and without control characters, is `a\nb`");
+    for hostile in ["\\u001b[2J", "\\u009b31m", "\\u202etxt", "\\r", "\\u0007"] {
+        for toml in [
+            format!("name = \"{hostile}\""),
+            format!("[[robots]]\nname = \"{hostile}\""),
+            format!("\"{hostile}\" = 1"),
+            format!("collision = \"{hostile}\""),
+            format!("[arena]\n\"{hostile}\".x = 1"),
+            format!("[[robots]]\nname = \"r\"\npreset = \"{hostile}\""),
+            // Not TOML at all: the line is shown with the error.
+            format!("step_ms = {} 1", hostile.replace("\\u001b", "\u{1b}").replace("\\u202e", "\u{202e}")),
+        ] {
+            let shown = refusal(&toml);
+            let is_shown = |c: char| baudbot_sim::printable::is_printable(c) || c == '\n';
+            assert!(shown.chars().all(is_shown), "{toml}: {shown:?}");
+        }
+    }
+}
+
+#[test]
 fn polygons_need_an_inside() {
     let polygon = |points: &str| format!("[[arena.polygons]]\nname = \"w\"\npoints_m = {points}");
     refused(&polygon("[[0, 0], [1, 1]]"), "arena.polygons[0].points_m", "at least 3 points");

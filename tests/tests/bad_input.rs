@@ -8,10 +8,11 @@ use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_proto::v1::robot_step::Output;
-use baudbot_server::{Pace, Server, ServerError};
+use baudbot_server::{Pace, Server, ServerError, WorldConfig};
 use baudbot_tests::system::{client, drive, lockstep, operator, serve, serve_on_ports, status};
 use baudbot_tests::{WANDER, crowd, scenario};
 use tokio::sync::mpsc;
+use tokio_stream::StreamExt;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Code, Status, Streaming};
 
@@ -64,6 +65,7 @@ fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
         brain: "test".into(),
         memory_bytes: None,
         thinks_as_scenario: false,
+        stop_when_gone: false,
     })
 }
 
@@ -225,7 +227,7 @@ async fn a_flood_faster_than_any_uart_is_counted_and_the_clock_is_kept() {
 #[tokio::test]
 async fn a_client_that_never_reads_loses_its_turns_and_slows_nobody() {
     let names: Vec<String> = vec!["r0".into(), "r1".into()];
-    let pace = Pace::Timed { factor: 100.0 };
+    let pace = Pace::scaled(100.0);
     let server = serve(scenario(&crowd(&names), &["end.after_s=300.0"]), pace).await;
     let mute = Stream::open(&server, hello(&["r0"], v1::PortMode::Messages)).await.unwrap();
     let watcher = ObserveServiceClient::new(server.channel().await.unwrap())
@@ -294,7 +296,7 @@ async fn paces_and_orders_that_make_no_sense_are_refused() {
     let refused = operator.set_pace(set(Some(v1::Pace { kind: None }))).await.unwrap_err();
     assert_status(&refused, Code::InvalidArgument, "pace.kind: must be set");
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let kind = Some(v1::pace::Kind::Scaled(v1::Scaled { factor }));
+        let kind = Some(v1::pace::Kind::Scaled(v1::Scaled { factor, max_lag_ms: 0 }));
         let refused = operator.set_pace(set(Some(v1::Pace { kind }))).await.unwrap_err();
         assert_status(&refused, Code::InvalidArgument, "pace.scaled.factor: must be positive");
     }
@@ -400,5 +402,101 @@ async fn a_brain_on_board_has_no_bytes() {
     let raw = Stream::open(&server, hello(&["robot"], v1::PortMode::Raw)).await.err().unwrap();
     assert_status(&raw, Code::InvalidArgument, "hello.mode: the brain of robot `robot` is on board");
     Stream::open(&server, messages()).await.expect("with messages it may attach");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_message_that_is_too_long_ends_its_stream_with_a_reason() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let mut stream = Stream::open(&server, hello(&["robot"], v1::PortMode::Raw)).await.unwrap();
+    stream.send(step(0, 0, Output::Raw(vec![0; 5 << 20]))).await;
+    let status = stream.end().await;
+    assert_status(&status, Code::OutOfRange, "request: ");
+    assert_status(&status, Code::OutOfRange, "the limit is: 4194304 bytes");
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_mode_that_there_is_not_and_a_belief_that_cannot_be_drawn_are_refused_with_the_field() {
+    let server = serve(scenario(WANDER, &[]), Pace::REAL_TIME).await;
+    let Request::Hello(sound) = messages() else { panic!("a Hello") };
+    let odd = Request::Hello(v1::Hello { mode: 77, ..sound });
+    let refused = Stream::open(&server, odd).await.err().unwrap();
+    assert_status(&refused, Code::InvalidArgument, "hello.mode: must be 0 to 2 (see PortMode), is 77");
+    for (covariance_m2, x_m, text) in [
+        (vec![], f64::NAN, "annotate.belief.pose.x_m: must be a finite number, is NaN"),
+        (
+            vec![1.0, 2.0],
+            0.0,
+            "annotate.belief.pose.covariance_m2: must have 3 entries (xx, xy, yy) or none, has 2",
+        ),
+    ] {
+        let mut stream = Stream::open(&server, messages()).await.unwrap();
+        let pose = Some(v1::BelievedPose { x_m, covariance_m2, ..Default::default() });
+        let belief = Some(v1::Belief { pose, ..Default::default() });
+        stream.send(Request::Annotate(v1::Annotate { robot: 0, belief })).await;
+        assert_status(&stream.end().await, Code::InvalidArgument, text);
+    }
+    server.shutdown().await;
+}
+
+/// A connection over which two brains talk, of which one sends so many Steps to a world that stands, each in a frame of its
+/// own.
+async fn talk_to_a_world_that_stands(steps: u64) {
+    let names: Vec<String> = vec!["r0".into(), "r1".into()];
+    let server = serve_on_ports(scenario(&crowd(&names), &[]), Pace::REAL_TIME).await;
+    let mut operator = operator(&server).await;
+    operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
+    let address = format!("http://{}", server.addresses()[1]);
+    let channel = tonic::transport::Endpoint::from_shared(address).unwrap().connect().await.unwrap();
+    let neighbour = baudbot_client::Client::from_channel(channel.clone());
+    let mut neighbour = neighbour.attach("w", "r1").await.unwrap();
+    let said = (0..steps).map(|_| step(0, 0, command(0.1, 0.1)));
+    let said = std::iter::once(hello(&["r0"], v1::PortMode::Messages)).chain(said);
+    let one_by_one = tokio_stream::iter(said).then(async |request| {
+        tokio::task::yield_now().await;
+        v1::AttachRequest { request: Some(request) }
+    });
+    let (_open, end) = mpsc::channel(1);
+    let requests = Box::pin(one_by_one.chain(ReceiverStream::new(end)));
+    let mut responses = BrainLinkServiceClient::new(channel).attach(requests).await.unwrap().into_inner();
+    // The world takes 64 in a tick, and this tick does not end.
+    let (mut lost, mut since) = (0, Instant::now());
+    while lost < steps - 64 {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+        let now = status(&server).await.robots[0].lost_steps;
+        if now > lost {
+            (lost, since) = (now, Instant::now());
+        }
+        assert!(since.elapsed() < Duration::from_secs(30), "the stream is not read on: {lost} of {steps}");
+    }
+    let lost: Vec<_> = status(&server).await.robots.iter().map(|robot| robot.lost_steps).collect();
+    assert_eq!(lost, [steps - 64, 0]);
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    for _ in 0..20 {
+        neighbour.turn().await.unwrap().unwrap();
+        responses.message().await.unwrap().unwrap();
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_burst_of_steps_to_a_world_that_stands_harms_nobody_on_its_connection() {
+    talk_to_a_world_that_stands(4_000).await;
+}
+
+#[tokio::test]
+async fn a_hundred_thousand_steps_to_a_world_that_stands_are_read_and_counted() {
+    talk_to_a_world_that_stands(100_000).await;
+}
+
+#[tokio::test]
+async fn a_stream_without_a_hello_is_ended() {
+    let builder = Server::builder().first_call_within(Duration::from_millis(100));
+    let server = builder.world(WorldConfig::new("w", scenario(WANDER, &[]))).in_process().await.unwrap();
+    let (_requests, stream) = mpsc::channel(1);
+    let channel = server.channel().await.unwrap();
+    let refused = BrainLinkServiceClient::new(channel).attach(ReceiverStream::new(stream)).await.unwrap_err();
+    assert_status(&refused, Code::DeadlineExceeded, "request: no Hello has come within 100ms");
     server.shutdown().await;
 }

@@ -133,7 +133,7 @@ async fn a_brain_that_is_killed_and_restarted_goes_on_with_its_robot() {
 async fn keeps_to_the_wall_clock(factor: f64, seconds: f64) -> Result<(), String> {
     let changes = [&format!("end.after_s={seconds}")[..], "collision=stop-robot"];
     let started = Instant::now();
-    let server = serve(scenario(WANDER, &changes), Pace::Timed { factor }).await;
+    let server = serve(scenario(WANDER, &changes), Pace::scaled(factor)).await;
     drive(&client(&server).await, "robot", "avoid", 1).await;
     let took = started.elapsed().as_secs_f64() * factor;
     let status = status(&server).await;
@@ -196,9 +196,9 @@ async fn the_pace_can_be_changed_in_the_middle_of_a_run() {
     };
     for kind in [
         v1::pace::Kind::Lockstep(v1::Lockstep::default()),
-        v1::pace::Kind::Scaled(v1::Scaled { factor: 5.0 }),
+        v1::pace::Kind::Scaled(v1::Scaled { factor: 5.0, max_lag_ms: 0 }),
         v1::pace::Kind::Lockstep(v1::Lockstep::default()),
-        v1::pace::Kind::RealTime(v1::RealTime {}),
+        v1::pace::Kind::RealTime(v1::RealTime::default()),
     ] {
         set(kind).await;
         let before = status(&server).await.tick;
@@ -252,13 +252,13 @@ async fn a_backlog_of_answers_is_void_after_a_reset() {
 /// A world that cannot follow an absurd scale takes commands all the same, and is sane again afterwards.
 #[tokio::test]
 async fn commands_to_a_world_that_lags_its_clock_do_not_go_to_the_far_future() {
-    let server = serve(scenario(WANDER, &["collision=stop-robot"]), Pace::Timed { factor: 1e300 }).await;
+    let server = serve(scenario(WANDER, &["collision=stop-robot"]), Pace::scaled(1e300)).await;
     let client = client(&server).await;
     let brain = tokio::spawn(async move { drive(&client, "robot", "avoid", 1).await });
     tokio::time::sleep(Duration::from_millis(300)).await;
     let before = status(&server).await;
     assert!(before.robots[0].commands > 0, "{:?}", before.robots[0]);
-    let real_time = v1::pace::Kind::RealTime(v1::RealTime {});
+    let real_time = v1::pace::Kind::RealTime(v1::RealTime::default());
     let request = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(real_time) }) };
     operator(&server).await.set_pace(request).await.unwrap();
     tokio::time::sleep(Duration::from_millis(300)).await;

@@ -67,6 +67,31 @@ impl Page {
         }
     }
 
+    /// What the stream of a brain says next; that its requests are taken goes without saying.
+    async fn attached(&mut self, call: u32) -> v1::attach_response::Response {
+        loop {
+            match self.answer(call).await {
+                Answer::Attach(response) => return response.response.unwrap(),
+                Answer::Taken(_) => {}
+                other => panic!("nothing of a stream but {other:?}"),
+            }
+        }
+    }
+
+    /// Becomes the robot's brain, whose robot stands when it is gone if `stop_when_gone`.
+    async fn drive(&mut self, call: u32, stop_when_gone: bool) {
+        let robots = vec!["robot".into()];
+        let hello = v1::Hello { world: "w".into(), robots, stop_when_gone, ..Default::default() };
+        self.ask(call, attach(v1::attach_request::Request::Hello(hello))).await;
+        assert!(matches!(self.attached(call).await, v1::attach_response::Response::Welcome(_)));
+    }
+
+    /// Answers the next Turn with these signals.
+    async fn steer(&mut self, call: u32, signals: (f64, f64)) {
+        let v1::attach_response::Response::Turn(turn) = self.attached(call).await else { panic!() };
+        self.ask(call, step(turn.turn, signals)).await;
+    }
+
     async fn failure(&mut self, call: u32, request: Asked) -> (String, String) {
         self.ask(call, request).await;
         match self.answer(call).await {
@@ -74,6 +99,17 @@ impl Page {
             other => panic!("no failure but {other:?}"),
         }
     }
+}
+
+fn attach(request: v1::attach_request::Request) -> Asked {
+    Asked::Attach(v1::AttachRequest { request: Some(request) })
+}
+
+fn step(turn: u64, (left_signal, right_signal): (f64, f64)) -> Asked {
+    let command = v1::Command { left_signal, right_signal, other_signals: vec![] };
+    let output = Some(v1::robot_step::Output::Command(command));
+    let robots = vec![v1::RobotStep { robot: 0, output, ..Default::default() }];
+    attach(v1::attach_request::Request::Step(v1::Step { turn, robots }))
 }
 
 fn get_world(world: &str) -> Asked {
@@ -224,24 +260,15 @@ async fn calls_that_fail_say_why_and_the_page_goes_on() {
 async fn a_page_drives_a_robot_through_its_link_and_shows_what_it_believes() {
     let server = serve(lockstep()).await;
     let (mut page, mut other) = (Page::open(&server).await, Page::open(&server).await);
-    let attach = |request| Asked::Attach(v1::AttachRequest { request: Some(request) });
-    let hello = v1::Hello { world: "w".into(), robots: vec!["robot".into()], ..Default::default() };
-    page.ask(7, attach(v1::attach_request::Request::Hello(hello))).await;
-    let Answer::Attach(welcome) = page.answer(7).await else { panic!() };
-    assert!(matches!(welcome.response, Some(v1::attach_response::Response::Welcome(_))));
+    page.drive(7, false).await;
     other.ask(1, watch(&["robot"])).await;
     let mut believed = None;
     for _ in 0..100 {
-        let Answer::Attach(response) = page.answer(7).await else { panic!() };
-        let Some(v1::attach_response::Response::Turn(turn)) = response.response else { panic!() };
-        let command = v1::Command { left_signal: 0.2, right_signal: 0.2, other_signals: vec![] };
-        let output = Some(v1::robot_step::Output::Command(command));
-        let robots = vec![v1::RobotStep { robot: 0, output, ..Default::default() }];
+        let v1::attach_response::Response::Turn(turn) = page.attached(7).await else { panic!() };
         let belief = v1::Belief { state: format!("turn {}", turn.turn), ..Default::default() };
         let annotate = v1::Annotate { robot: 0, belief: Some(belief) };
         page.ask(7, attach(v1::attach_request::Request::Annotate(annotate))).await;
-        let step = v1::Step { turn: turn.turn, robots };
-        page.ask(7, attach(v1::attach_request::Request::Step(step))).await;
+        page.ask(7, step(turn.turn, (0.2, 0.2))).await;
     }
     while believed.is_none() {
         let frame = other.frame(1).await;
@@ -262,6 +289,139 @@ async fn a_page_drives_a_robot_through_its_link_and_shows_what_it_believes() {
         }
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
+    server.shutdown().await;
+}
+
+/// The robot turns on the spot, so that it runs into nothing.
+const SPIN: (f64, f64) = (0.4, -0.4);
+
+/// Drives until the robot's motors turn it; what they get is seen by `other`, whose Watch has this number.
+async fn spin(page: &mut Page, call: u32, other: &mut Page, watch: u32) {
+    while other.frame(watch).await.robots[0].left_signal < 0.3 {
+        page.steer(call, SPIN).await;
+    }
+}
+
+async fn until_it_stands(other: &mut Page, watch: u32) {
+    while other.frame(watch).await.robots[0].left_signal != 0.0 {}
+}
+
+#[tokio::test]
+async fn a_robot_stands_when_the_page_that_drives_it_is_gone_however_it_goes() {
+    let server = serve(Pace::REAL_TIME).await;
+    let mut operator = operator(&server).await;
+    let mut other = Page::open(&server).await;
+    other.ask(1, watch(&[])).await;
+    for way in ["it lets go", "it is closed", "the operator throws it off", "it says nonsense"] {
+        let mut page = Page::open(&server).await;
+        page.drive(7, true).await;
+        spin(&mut page, 7, &mut other, 1).await;
+        match way {
+            "it lets go" => page.ask(7, Asked::Close(v1::CloseCall {})).await,
+            "it is closed" => drop(page),
+            "the operator throws it off" => {
+                let detach = v1::DetachBrain { robot: "robot".into(), restart: false };
+                let intervention = Some(v1::intervene_request::Intervention::DetachBrain(detach));
+                let request = v1::InterveneRequest { world: "w".into(), intervention };
+                operator.intervene(request).await.unwrap();
+            }
+            _ => page.ask(7, step(0, (9.0, f64::NAN))).await,
+        }
+        until_it_stands(&mut other, 1).await;
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_robot_goes_on_when_its_brain_is_gone_and_wanted_no_last_word() {
+    let server = serve(Pace::REAL_TIME).await;
+    let (mut page, mut other) = (Page::open(&server).await, Page::open(&server).await);
+    other.ask(1, watch(&["robot"])).await;
+    page.drive(7, false).await;
+    spin(&mut page, 7, &mut other, 1).await;
+    drop(page);
+    while other.frame(1).await.details[0].attached {}
+    for _ in 0..10 {
+        assert!(other.frame(1).await.robots[0].left_signal > 0.3);
+    }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_world_that_waits_for_its_brains_stops_the_robot_of_a_page_that_is_gone() {
+    let server = serve(lockstep()).await;
+    let (mut page, mut other) = (Page::open(&server).await, Page::open(&server).await);
+    page.drive(7, true).await;
+    other.ask(1, watch(&[])).await;
+    for _ in 0..50 {
+        page.steer(7, SPIN).await;
+    }
+    while other.frame(1).await.robots[0].left_signal < 0.3 {}
+    drop(page);
+    let mut operator = operator(&server).await;
+    let request = || v1::GetWorldRequest { world: "w".into() };
+    while operator.get_world(request()).await.unwrap().into_inner().status.unwrap().robots[0].attached {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    // It waits for another brain, and the operator has it go on without.
+    operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    until_it_stands(&mut other, 1).await;
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_robot_stands_while_the_page_that_drives_it_says_nothing() {
+    let server = serve(Pace::REAL_TIME).await;
+    let (mut page, mut other) = (Page::open(&server).await, Page::open(&server).await);
+    other.ask(1, watch(&["robot"])).await;
+    page.drive(7, true).await;
+    spin(&mut page, 7, &mut other, 1).await;
+    until_it_stands(&mut other, 1).await;
+    let frame = other.frame(1).await;
+    assert!(frame.tick > 100 && frame.details[0].attached, "{}", frame.tick);
+    // A word of it, and it is driven again.
+    page.ask(7, step(0, SPIN)).await;
+    while other.frame(1).await.robots[0].left_signal < 0.3 {}
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_page_that_says_more_than_its_world_takes_is_not_thrown_off() {
+    let server = serve(Pace::REAL_TIME).await;
+    let mut page = Page::open(&server).await;
+    page.ask(1, Asked::PauseWorld(v1::PauseWorldRequest { world: "w".into() })).await;
+    assert!(matches!(page.answer(1).await, Answer::PauseWorld(_)));
+    page.drive(7, true).await;
+    for _ in 0..3000 {
+        page.ask(7, step(0, SPIN)).await;
+    }
+    let mut taken = 0;
+    while taken < 3000 {
+        match page.answer(7).await {
+            Answer::Taken(_) => taken += 1,
+            Answer::Attach(_) => {}
+            other => panic!("after {taken}: {other:?}"),
+        }
+    }
+    page.ask(2, get_world("w")).await;
+    let Answer::GetWorld(answer) = page.answer(2).await else { panic!() };
+    assert!(answer.status.unwrap().robots[0].attached);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn raw_bytes_have_no_last_word() {
+    let server = serve(lockstep()).await;
+    let hello = v1::Hello {
+        world: "w".into(),
+        robots: vec!["robot".into()],
+        mode: v1::PortMode::Raw.into(),
+        stop_when_gone: true,
+        ..Default::default()
+    };
+    let request = attach(v1::attach_request::Request::Hello(hello));
+    let (code, message) = Page::open(&server).await.failure(1, request).await;
+    assert_eq!((code.as_str(), message.contains("MESSAGES")), ("INVALID_ARGUMENT", true), "{message}");
     server.shutdown().await;
 }
 

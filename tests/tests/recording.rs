@@ -137,7 +137,10 @@ async fn a_replay_is_an_ordinary_world_for_observers_and_goes_both_ways() {
     operator.set_pace(pace(stepped)).await.unwrap();
     let step = v1::StepWorldRequest { world: "w".into(), ticks: 3 };
     assert_eq!(operator.step_world(step).await.unwrap().into_inner().status.unwrap().tick, 153);
-    operator.set_pace(pace(v1::pace::Kind::Scaled(v1::Scaled { factor: 10.0 }))).await.unwrap();
+    operator
+        .set_pace(pace(v1::pace::Kind::Scaled(v1::Scaled { factor: 10.0, max_lag_ms: 0 })))
+        .await
+        .unwrap();
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     while let Some(frame) = frames.message().await.unwrap() {
         if !frame.ending.is_empty() {

@@ -6,9 +6,11 @@ use baudbot_client::Signals;
 use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
+use baudbot_sim::World;
 use baudbot_tests::system::{client, lockstep, operator, serve, serve_on_ports, status};
 use baudbot_tests::{ARSIM, KHEPERA, WANDER, scenario};
 use tokio_stream::StreamExt;
+use tonic::Code;
 use tonic_health::pb::HealthCheckRequest;
 use tonic_health::pb::health_client::HealthClient;
 use tonic_reflection::pb::{v1 as reflection_v1, v1alpha as reflection_v1alpha};
@@ -214,5 +216,49 @@ async fn two_hundred_worlds_and_their_brains_live_in_one_server() {
     while let Some(turns) = brains.join_next().await {
         assert_eq!(turns.unwrap(), 20);
     }
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn ticks_that_nobody_waits_for_any_more_are_not_done() {
+    let server = serve(scenario(WANDER, &["collision=stop-robot"]), Pace::Stepped(Lockstep::default())).await;
+    let mut first = operator(&server).await;
+    let mut second = operator(&server).await;
+    first.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    let step = |ticks| v1::StepWorldRequest { world: "w".into(), ticks };
+    let endless = tokio::spawn(async move { first.step_world(step(u64::MAX)).await.map(drop) });
+    while status(&server).await.tick < 10 {
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    // A second order has no place beside it, and is told so.
+    let refused = second.step_world(step(1)).await.unwrap_err();
+    assert_eq!(refused.code(), Code::FailedPrecondition);
+    assert!(refused.message().contains("`w` does ticks for another StepWorld"), "{}", refused.message());
+    endless.abort();
+    let started = Instant::now();
+    while status(&server).await.state() != v1::WorldState::Paused {
+        assert!(started.elapsed() < Duration::from_secs(20), "it goes on though its client is gone");
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    let stopped = status(&server).await.tick;
+    let stepped = second.step_world(step(3)).await.unwrap().into_inner().status.unwrap();
+    assert_eq!(stepped.tick, stopped + 3);
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn a_world_whose_looker_on_panics_ends_its_brains_streams_with_the_reason() {
+    let panics = Box::new(|world: &World| assert!(world.tick() < 5, "this panic is part of a test"));
+    let world = WorldConfig::new("w", scenario(WANDER, &[])).pace(lockstep()).on_tick(panics);
+    let server = Server::builder().world(world).in_process().await.unwrap();
+    let mut robot = client(&server).await.attach("w", "robot").await.unwrap();
+    let error = loop {
+        match robot.turn().await {
+            Ok(turn) => assert!(turn.is_some()),
+            Err(error) => break error.to_string(),
+        }
+        robot.pass().await.unwrap();
+    };
+    assert!(error.contains("world `w` has ended by a panic"), "{error}");
     server.shutdown().await;
 }

@@ -27,13 +27,17 @@ export function listen(desk: Desk): void {
   const { drive } = desk;
   window.addEventListener("keydown", (event) => {
     if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (drive.state !== "off" && isDriveKey(event.key)) drive.keys.add(event.key.toLowerCase());
-    else if (!press(desk, event)) return;
+    if (drive.state !== "off" && isDriveKey(event.key)) {
+      drive.wake();
+      drive.keys.add(event.key.toLowerCase());
+    } else if (!press(desk, event)) return;
     event.preventDefault();
   });
   window.addEventListener("keyup", (event) => drive.keys.delete(event.key.toLowerCase()));
   // A key that is let go elsewhere is not heard of.
-  window.addEventListener("blur", () => drive.keys.clear());
+  window.addEventListener("blur", () => drive.rest());
+  document.addEventListener("visibilitychange", () => document.hidden && drive.rest());
+  window.addEventListener("focus", () => drive.wake());
 }
 
 function isTyping(event: KeyboardEvent): boolean {

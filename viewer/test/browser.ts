@@ -87,6 +87,40 @@ test("a robot is driven, and stands when it is let go", options, async () => {
   await page.close();
 });
 
+test(
+  "a robot stands when its driver looks elsewhere with a finger on the pad, until the pad is touched again",
+  options,
+  async () => {
+    const page = await open("#world=second&robot=carol");
+    await page.getByTestId("drive").click();
+    const box = await page.getByLabel("Drive pad").boundingBox();
+    assert.ok(box);
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const pose = async () => (await state(page)).pose;
+    const push = async () => {
+      const from = await pose();
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 20, y - 30);
+      await page.waitForFunction((from) => {
+        const to = window.baudbotViewer.pose;
+        return from && to && Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m) > 0.02;
+      }, from);
+    };
+    await push();
+    await page.evaluate(() => window.dispatchEvent(new Event("blur")));
+    await page.mouse.move(x - 20, y - 30);
+    await settled(pose, 700);
+    assert.ok(await page.getByTestId("pad").isVisible(), "the page still holds it");
+    await page.mouse.up();
+    await push();
+    await page.mouse.up();
+    await settled(pose, 700);
+    await page.keyboard.press("Escape");
+    await page.close();
+  },
+);
+
 test("who holds a robot is told", options, async () => {
   const page = await open("#world=second&robot=alice");
   await page.getByTestId("drive").click();
@@ -135,4 +169,53 @@ test("on a telephone panels are shown one at a time", options, async () => {
   assert.equal(wide, 390, "nothing is wider than the screen");
   if (shots) await page.screenshot({ path: `${shots}/phone-dark.png` });
   await page.close();
+});
+
+/** Places in the panel that are over each other, and texts that are cut; nothing if all can be read. */
+const unreadable = (page: Page) =>
+  page.evaluate(() => {
+    const problems: string[] = [];
+    for (const sensor of document.querySelectorAll(".sensor")) {
+      const parts = [...sensor.querySelectorAll(".label, .number, .age, .missed, .sensor-name, .kind, canvas, .track")];
+      const seen = parts.filter((part) => part.getClientRects().length > 0 && part.getBoundingClientRect().width > 0);
+      const boxes = seen.map((part) => {
+        // Of a text, what it takes: it may be longer than its element.
+        const range = document.createRange();
+        range.selectNodeContents(part);
+        return part.tagName === "CANVAS" || part.className === "track"
+          ? part.getBoundingClientRect()
+          : range.getBoundingClientRect();
+      });
+      seen.forEach((part, i) => {
+        if (part.tagName !== "CANVAS" && part.scrollWidth > part.clientWidth + 1 && part.clientWidth > 0)
+          problems.push(`${part.textContent} is cut`);
+        const right = sensor.getBoundingClientRect().right;
+        if (boxes[i]!.right > right + 1) problems.push(`${part.textContent} is wider than the panel`);
+        boxes.slice(i + 1).forEach((other, j) => {
+          const wide = Math.min(boxes[i]!.right, other.right) - Math.max(boxes[i]!.left, other.left);
+          const high = Math.min(boxes[i]!.bottom, other.bottom) - Math.max(boxes[i]!.top, other.top);
+          if (wide > 1 && high > 2)
+            problems.push(`${part.className} ${part.textContent} over ${seen[i + 1 + j]!.className}`);
+        });
+      });
+    }
+    return problems;
+  });
+
+test("at a slow cable each sensor's name, value, age and count have their places", options, async () => {
+  const world = mock().worlds.get("second")!;
+  world.missed = 12_345n;
+  for (const [width, height] of [
+    [1280, 800],
+    [1920, 1080],
+    [1000, 700],
+    [390, 844],
+  ] as const) {
+    const page = await open("#world=second&robot=alice", { width, height });
+    await page.waitForFunction(() => document.querySelector(".missed")?.textContent?.includes("missed"));
+    await page.waitForFunction(() => / (ms|s)$/.test(document.querySelector(".age")?.textContent ?? ""));
+    assert.deepEqual(await unreadable(page), [], `${width} pixels`);
+    await page.close();
+  }
+  world.missed = 0n;
 });

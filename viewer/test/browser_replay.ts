@@ -69,6 +69,36 @@ test("going back takes the trail back, and a leap draws no line", options, async
   await page.close();
 });
 
+/** Pixels of the chart that have the colour of one of its lines. */
+const inLines = (page: Page) =>
+  page.locator(".chart-holder canvas").evaluate((element) => {
+    const canvas = element as HTMLCanvasElement;
+    const { data } = canvas.getContext("2d")!.getImageData(0, 0, canvas.width, canvas.height);
+    const colors = [
+      [0x00, 0x72, 0xb2],
+      [0xd5, 0x5e, 0x00],
+    ];
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+      if (colors.some((color) => color.every((value, j) => Math.abs(value - (data[i + j] ?? 0)) < 8))) count++;
+    return count;
+  });
+
+test("after a seek the chart shows what is there, before anything is played", options, async () => {
+  const page = await openReplay("run-1");
+  await page.getByTestId("replay-slider").fill("1500");
+  await at(page, 1500);
+  await page.waitForTimeout(400);
+  const dots = await inLines(page);
+  assert.ok(dots >= 10 && dots < 200, `${dots} pixels: a dot for each value that is known, and no line`);
+  await page.getByTestId("replay-slider").fill("900");
+  await at(page, 900);
+  await page.waitForTimeout(400);
+  assert.ok((await inLines(page)) >= 10);
+  if (shots) await page.screenshot({ path: `${shots}/replay-sought.png` });
+  await page.close();
+});
+
 test("ticks and events are gone through with buttons, keys and a click", options, async () => {
   const page = await openReplay("run-1");
   await page.getByTestId("replay-next-event").click();

@@ -49,6 +49,8 @@ interface Attachment {
   world: MockWorld;
   robot: number;
   turn: bigint;
+  /** It stands when its brain is gone. */
+  stops: boolean;
 }
 
 /** One page. */
@@ -62,7 +64,7 @@ class Session {
     private readonly files: Map<string, MockFile>,
   ) {
     socket.on("message", (data) => this.take(fromBinary(PageRequestSchema, new Uint8Array(data as Buffer))));
-    socket.on("close", () => this.attachments.forEach(({ world, robot }) => this.let_go(world, robot)));
+    socket.on("close", () => this.attachments.forEach((one) => this.let_go(one)));
   }
 
   private reply(call: number, response: Reply): void {
@@ -259,7 +261,8 @@ class Session {
   }
 
   private attach(call: number, { request }: AttachRequest): undefined {
-    if (request.case === "hello") {
+    if (request.case !== "hello") this.reply(call, { case: "taken", value: {} } as Reply);
+    else {
       const world = this.find(request.value.world);
       const robot = world.description.robots.findIndex((one) => one.robot === request.value.robots[0]);
       const body = world.bodies[robot];
@@ -272,7 +275,7 @@ class Session {
           `robots[0]: the brain \`${body.brain}\` holds \`${request.value.robots[0]}\``,
         );
       body.brain = request.value.brain;
-      this.attachments.push({ call, world, robot, turn: 0n });
+      this.attachments.push({ call, world, robot, turn: 0n, stops: request.value.stopWhenGone });
       const lockstep = world.pace.kind.case === "lockstep" || world.pace.kind.case === "stepped";
       this.reply(call, {
         case: "attach",
@@ -290,14 +293,14 @@ class Session {
 
   private close(call: number): Reply {
     this.watches = this.watches.filter((watch) => watch.call !== call);
-    for (const { world, robot } of this.attachments.filter((one) => one.call === call)) this.let_go(world, robot);
+    for (const one of this.attachments.filter((one) => one.call === call)) this.let_go(one);
     this.attachments = this.attachments.filter((one) => one.call !== call);
     return { case: "closed", value: {} } as Reply;
   }
 
-  private let_go(world: MockWorld, robot: number): void {
+  private let_go({ world, robot, stops }: Attachment): void {
     const body = world.bodies[robot];
-    if (body) body.brain = "";
+    if (body) Object.assign(body, { brain: "", ...(stops && { left: 0, right: 0 }) });
   }
 
   /** After a seek: a frame at once, with what is known of the time before. */

@@ -36,6 +36,8 @@ export class MockWorld {
   bodies: Body[] = [];
   box = { xM: 0.6, yM: -0.6, headingRad: 0.3 };
   lost = 0n;
+  /** Reads of each sensor that were left out. */
+  missed = 0n;
   recording: { recording: string; bytes: bigint; ticks: bigint; problem: string } | undefined;
   baud = 9600;
   readonly floor = new MockFloor();
@@ -189,6 +191,7 @@ export class MockWorld {
           sampledAtNs: known ? at * STEP_NS : undefined,
           readable: known && this.tick % period < 1n,
           samples: this.tick / period,
+          missed: this.missed,
           readableSteps: this.tick / period,
           rays: this.rays(body, sensor.kind, s, sensors.length),
         };

@@ -3,8 +3,10 @@ import { test } from "node:test";
 import { create } from "@bufbuild/protobuf";
 import { RobotDescriptionSchema } from "../src/gen/baudbot/v1/brain_link_pb";
 import { TimelineKind as K } from "../src/gen/baudbot/v1/observe_pb";
+import { LIGHT } from "../src/arena/palette";
 import { Timeline, type Happening } from "../src/model/timeline";
 import { lastCycle } from "../src/timing/cycle";
+import { draw, heightOf } from "../src/timing/draw";
 import { lanes, what, windowFor } from "../src/timing/layout";
 
 const us = (from: number, until: number, kind: K, bytes = 0, part?: number): Happening => ({
@@ -117,4 +119,101 @@ test("a timeline is bounded, and a new Watch does not repeat it", () => {
   assert.ok(timeline.happenings.length <= 6000, `${timeline.happenings.length}`);
   timeline.take([event], true);
   assert.equal(timeline.happenings.length, 1);
+});
+
+/** A canvas that only notes what is written and which diamonds are drawn; a character is six pixels wide. */
+function paper() {
+  const texts: { text: string; left: number; right: number; y: number }[] = [];
+  const marks: { x: number; y: number }[] = [];
+  const state: Record<string, unknown> = { textAlign: "left" };
+  let path: [number, number][] = [];
+  const draw = {
+    measureText: (text: string) => ({ width: 6 * text.length }),
+    fillText(text: string, x: number, y: number) {
+      const width = 6 * text.length;
+      const left = state.textAlign === "center" ? x - width / 2 : state.textAlign === "right" ? x - width : x;
+      texts.push({ text, left, right: left + width, y });
+    },
+    beginPath: () => (path = []),
+    moveTo: (x: number, y: number) => path.push([x, y]),
+    lineTo: (x: number, y: number) => path.push([x, y]),
+    closePath: () => marks.push({ x: path[0]![0], y: path[1]![1] }),
+  } as Record<string, unknown>;
+  const context = new Proxy(draw, {
+    get: (_, name: string) => draw[name] ?? state[name] ?? (() => {}),
+    set: (_, name: string, value) => ((state[name] = value), true),
+  });
+  return { context: context as unknown as CanvasRenderingContext2D, texts, marks };
+}
+
+/** As at 2400 baud: a brain that is asked in vain again and again, and sensors that are left out together. */
+function slow(): Happening[] {
+  const idle = Array.from({ length: 40 }, (_, i) => us(9_000 * i, 9_000 * i, K.THINK, 0, 0));
+  const missed = Array.from({ length: 25 }, (_, i) => {
+    const at = 80_000 * Math.floor(i / 5) + 112 * (i % 5);
+    return us(at, at, K.MISSED, 0, i % 2);
+  });
+  return [...idle, ...missed, us(300_000, 300_000, K.LATE), ...cycle(100_000)].sort((a, b) => a.start_ns - b.start_ns);
+}
+
+function drawn(width: number, until_ms: number) {
+  const { context, texts, marks } = paper();
+  const all = slow();
+  const window = { from_ns: 0, until_ns: until_ms * 1e6 };
+  const found = lastCycle(all);
+  const shown = lanes(ROBOT, all, window, found);
+  const row = 14;
+  const height = heightOf(shown, row);
+  const [step_ns, deadline_ns] = [10e6, 10e6];
+  draw({ context, width, height, theme: LIGHT, window, lanes: shown, cycle: found, step_ns, deadline_ns, row });
+  return { texts, marks };
+}
+
+test("no label is written over another one, nor over a mark", () => {
+  for (const width of [360, 480, 590, 980, 1400])
+    for (const until_ms of [40, 90, 200, 400]) {
+      const { texts, marks } = drawn(width, until_ms);
+      const what = `${width} pixels, ${until_ms} ms`;
+      for (const [i, a] of texts.entries())
+        for (const b of texts.slice(i + 1)) {
+          if (Math.abs(a.y - b.y) > 8) continue;
+          assert.ok(a.right <= b.left || b.right <= a.left, `${what}: ${JSON.stringify([a, b])}`);
+        }
+      for (const { text, left, right, y } of texts)
+        for (const mark of marks) {
+          if (Math.abs(mark.y - (y - 4)) > 3) continue;
+          assert.ok(mark.x + 4 <= left || mark.x - 4 >= right, `${what}: ${text} at ${left} over a mark at ${mark.x}`);
+        }
+    }
+});
+
+test("sensors that are left out together are told together", () => {
+  const { texts } = drawn(980, 200);
+  assert.equal(texts.filter(({ text }) => text === "5 × left out").length, 3);
+  assert.equal(texts.filter(({ text }) => text === "left out").length, 0);
+});
+
+test("the names of lanes are whole where there is room", () => {
+  for (const width of [360, 980]) {
+    const { texts } = drawn(width, 200);
+    for (const name of ["transfer down", "actuation"])
+      assert.ok(
+        texts.some(({ text }) => text === name),
+        `${width}: ${texts.map(({ text }) => text).join(", ")}`,
+      );
+  }
+});
+
+test("a cycle of half a second is shown whole", () => {
+  const long = [
+    us(0, 112, K.ACQUIRE, 0, 0),
+    us(600, 695, K.FRAME, 19),
+    us(695, 400_000, K.UP, 19),
+    us(400_000, 400_000, K.THINK, 0, 1),
+    us(400_000, 480_000, K.DOWN, 8),
+    us(470_000, 481_000, K.OBEY),
+  ];
+  const found = lastCycle(long);
+  const { until_ns } = windowFor(found, 500e6, 10e6, 0);
+  assert.ok(found && until_ns > found.end_ns, `${until_ns}`);
 });

@@ -58,6 +58,13 @@ impl BareDecoder {
         (self.collected.len() >= self.length).then(|| &*self.collected.drain())
     }
 
+    /// Whether this decoder may have become what `other` is: of messages as long and pauses as long, and with less than a
+    /// message collected.
+    pub fn may_become(&self, other: &Self) -> bool {
+        let is_same = self.length == other.length && self.gap_ns == other.gap_ns;
+        is_same && other.collected.len() < other.length.max(1)
+    }
+
     /// How many incomplete messages have been discarded.
     pub const fn discarded(&self) -> u64 {
         self.discarded

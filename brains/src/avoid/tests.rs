@@ -180,3 +180,53 @@ fn without_eyes_there_is_no_brain() {
         assert_eq!(Avoid::new(Parameters::default(), chance.clone(), &body), None);
     }
 }
+
+/// The turns of the scenario `wander` in 10 s: a message 0.487 ms after each second tick, and the ends of ticks without one.
+/// Whether each brings a message, and its instant.
+fn turns_at_9600_baud() -> impl Iterator<Item = (bool, u64)> {
+    (0..500_u64).flat_map(|i| [(false, 20 * i * MS), (true, 20 * i * MS + 487_000)])
+}
+
+/// After a stall a brain says at the end of a tick that it stands still, and half a millisecond later, while that is on the
+/// cable, the next message comes.
+#[test]
+fn after_a_stall_it_soon_answers_each_message_with_its_command_again() {
+    for stall_ms in [1, 10, 33, 100, 110, 600, 1500] {
+        for begun_ms in [0, 1, 15, 2000, 2013] {
+            let mut bench = Bench::new(&FIVE);
+            let stalled = begun_ms * MS..(begun_ms + stall_ms) * MS;
+            let mut unanswered = Vec::new();
+            for (is_message, at_ns) in turns_at_9600_baud().filter(|(_, at_ns)| !stalled.contains(at_ns)) {
+                let mut turn = turn(&bench.body, at_ns, &[Some(&[0.1 + 1e-12 * at_ns as f64][..]); 6]);
+                turn.readings.iter_mut().flatten().for_each(|reading| reading.readable = is_message);
+                let is_answered = bench.avoid.step(&turn).signals.is_some();
+                if is_message && !is_answered {
+                    unanswered.push(at_ns / MS);
+                }
+            }
+            let few = unanswered.len() <= 4;
+            assert!(few, "{stall_ms} ms from {begun_ms} ms on: {} unanswered", unanswered.len());
+        }
+    }
+}
+
+#[test]
+fn if_the_next_message_is_lost_it_answers_the_last_one_late_rather_than_never() {
+    let mut bench = Bench::new(&FIVE);
+    let mut said = |is_message: bool, at_us: u64| {
+        let mut turn = turn(&bench.body, 1000 * at_us, &[Some(&[0.1][..]); 6]);
+        turn.readings.iter_mut().flatten().for_each(|reading| reading.readable = is_message);
+        let action = bench.avoid.step(&turn);
+        (action.signals.is_some(), action.until.and_then(|until| until.at_latest_ns).unwrap() / 1000)
+    };
+    assert_eq!(said(false, 0), (true, 100_000), "blind");
+    assert!(!said(true, 487).0, "the stop is on the cable");
+    assert!(said(true, 20_487).0);
+    assert_eq!(
+        said(true, 27_000),
+        (false, 33_513),
+        "it is free before that, but the next message is due then"
+    );
+    assert_eq!(said(false, 30_000), (false, 33_513));
+    assert!(said(false, 40_000).0);
+}

@@ -98,4 +98,8 @@ impl MotorBehavior for Charge {
         moment.beliefs.path = vec![self.charger];
         Some(self.helm.signals(&estimate.world_from_robot, math::atan2(way.y, way.x), 1.0))
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }

@@ -235,6 +235,10 @@ impl MotorBehavior for FollowPath {
         }
         Some(self.drive(&world_from_robot))
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }
 
 /// So long it waits before it looks for a way again, in nanoseconds.

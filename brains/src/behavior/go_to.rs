@@ -75,4 +75,8 @@ impl MotorBehavior for GoTo {
         moment.beliefs.intention = if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
         Some(signals)
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }

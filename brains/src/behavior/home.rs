@@ -166,6 +166,10 @@ impl MotorBehavior for Home {
         };
         Some(Signals { left: wheel(-1.0), right: wheel(1.0) })
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use baudbot_client::{Body, Brain};
 
 use super::error::CatalogueError;
 use super::nearest::nearest_first;
-use super::{Entry, Setting};
+use super::{Entry, PLACED_SCANS, Setting};
 use crate::animals::ant::brain::{self as ant, AntBrain};
 use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
 use crate::animals::larva::brain::{self as larva, LarvaBrain};
@@ -21,6 +21,7 @@ pub(super) struct Kind {
     summary: &'static str,
     settings: fn() -> Vec<Setting>,
     make: fn(&Wish<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
+    together: Option<[&'static str; 2]>,
 }
 
 /// A brain that is to be made.
@@ -43,6 +44,7 @@ pub(super) const KINDS: &[Kind] = &[
             let needed = "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`";
             Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
         },
+        together: None,
     },
     Kind {
         name: "avoid",
@@ -52,12 +54,14 @@ pub(super) const KINDS: &[Kind] = &[
             let avoid = Avoid::new(wish.parameters(avoid::PARAMETERS)?, wish.chance(), wish.body);
             Ok(Box::new(avoid.ok_or_else(|| wish.lacks("a sensor of kind `ir` that looks ahead"))?))
         },
+        together: None,
     },
     Kind {
         name: "constant",
         summary: "sends the same signals in every step",
         settings: || settings(constant::PARAMETERS),
         make: |wish| Ok(Box::new(Constant::new(wish.parameters(constant::PARAMETERS)?))),
+        together: None,
     },
     Kind {
         name: "ecoli",
@@ -69,6 +73,7 @@ pub(super) const KINDS: &[Kind] = &[
                 brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
             ))
         },
+        together: None,
     },
     Kind {
         name: "explore",
@@ -80,6 +85,7 @@ pub(super) const KINDS: &[Kind] = &[
                           `odometer` with x_m, y_m and heading_rad";
             Ok(Box::new(explore.ok_or_else(|| wish.lacks(needed))?))
         },
+        together: PLACED_SCANS,
     },
     Kind {
         name: "larva",
@@ -91,6 +97,7 @@ pub(super) const KINDS: &[Kind] = &[
                 brain.ok_or_else(|| wish.lacks("a sensor of kind `light`, `photoresistor` or `field`"))?,
             ))
         },
+        together: None,
     },
     Kind {
         name: "navigate",
@@ -103,6 +110,7 @@ pub(super) const KINDS: &[Kind] = &[
             odometer.ok_or_else(|| wish.lacks("a sensor `odometer` with x_m and y_m"))?;
             Ok(Box::new(Navigate::new(parameters)))
         },
+        together: None,
     },
     Kind {
         name: "stentor",
@@ -113,12 +121,14 @@ pub(super) const KINDS: &[Kind] = &[
             let needed = "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`";
             Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
         },
+        together: None,
     },
     Kind {
         name: "wander",
         summary: "drives on and turns now and then, blindly and at random",
         settings: || settings(wander::PARAMETERS),
         make: |wish| Ok(Box::new(Wander::new(wish.parameters(wander::PARAMETERS)?, wish.chance()))),
+        together: None,
     },
     Kind {
         name: "woodlouse",
@@ -130,12 +140,18 @@ pub(super) const KINDS: &[Kind] = &[
                 brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
             ))
         },
+        together: None,
     },
 ];
 
 impl Kind {
     pub(super) fn entry(&self) -> Entry {
-        Entry { name: self.name, summary: self.summary.to_owned(), parameters: (self.settings)() }
+        Entry {
+            name: self.name,
+            summary: self.summary.to_owned(),
+            parameters: (self.settings)(),
+            together: self.together,
+        }
     }
 
     /// Makes one for a robot with this body.

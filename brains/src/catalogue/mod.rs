@@ -15,6 +15,7 @@ pub use error::CatalogueError;
 use kinds::KINDS;
 pub use nearest::nearest_first;
 use repertoires::Text;
+pub(crate) use repertoires::text_of;
 
 /// A kind of brain.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,9 @@ pub struct Entry {
     pub summary: String,
     /// What can be set; of a brain that is described in TOML any number can be, by its path.
     pub parameters: Vec<Setting>,
+    /// Two kinds of sensors that it needs together: readings of the first are of no use before those of the second have come
+    /// that cover their instants.
+    pub together: Option<[&'static str; 2]>,
 }
 
 /// A parameter of a kind of brain.
@@ -106,6 +110,9 @@ pub fn catalogue() -> Vec<Entry> {
     all
 }
 
+/// Who makes maps of scans, or finds itself by them, must know where each was taken.
+const PLACED_SCANS: Option<[&str; 2]> = Some(["laser", "odometer"]);
+
 /// The brains that are written in Rust.
 pub(crate) fn kinds() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|kind| kind.name)
@@ -149,6 +156,13 @@ mod tests {
             "brain `wander`: turn_probability must be from 0 to 1, not 3"
         );
         assert_eq!(error("wander:turn=NaN"), "brain `wander`: turn must be from -10 to 10, not NaN");
+    }
+
+    #[test]
+    fn brains_say_which_sensors_they_need_together() {
+        let together = catalogue().into_iter().filter(|entry| entry.together == PLACED_SCANS);
+        let names: Vec<_> = together.map(|entry| entry.name).collect();
+        assert_eq!(names, ["errands", "explore", "hall", "mower", "tour"]);
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Brains that are described in TOML: those that are part of the program, and files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use baudbot_client::Body;
 
-use super::Entry;
 use super::error::CatalogueError;
+use super::{Entry, PLACED_SCANS};
 use crate::composed::Composed;
 use crate::description::{Description, DescriptionError, edited};
 use crate::registry::Registry;
@@ -15,6 +16,9 @@ pub(super) struct Text {
     name: String,
     toml: String,
 }
+
+/// Kinds of processes that must know where each scan was taken.
+const PLACING: &[&str] = &["explore", "laser_localization", "particle_localization", "slam", "vfh"];
 
 /// Those that are part of the program.
 const BUILT_IN: &[(&str, &str)] = &[
@@ -33,7 +37,9 @@ pub(super) fn entries() -> impl Iterator<Item = Entry> {
     BUILT_IN.iter().map(|&(name, toml)| {
         let description = Description::parse(toml);
         let summary = description.as_ref().map_or("", Description::summary).to_owned();
-        Entry { name, summary, parameters: Vec::new() }
+        let mut kinds = description.iter().flat_map(Description::kinds);
+        let together = PLACED_SCANS.filter(|_| kinds.any(|kind| PLACING.contains(&kind)));
+        Entry { name, summary, parameters: Vec::new(), together }
     })
 }
 
@@ -46,7 +52,7 @@ impl Text {
         if !name.ends_with(".toml") {
             return Ok(None);
         }
-        match std::fs::read_to_string(name) {
+        match text_of(Path::new(name)) {
             Ok(toml) => Ok(Some(Self { name: name.to_owned(), toml })),
             Err(error) => Err(CatalogueError::File { file: PathBuf::from(name), problem: error.to_string() }),
         }
@@ -95,6 +101,15 @@ impl Text {
 
     fn error(&self, error: DescriptionError) -> CatalogueError {
         CatalogueError::Description { brain: self.name.clone(), error }
+    }
+}
+
+/// The text of a file. What is not a plain file is refused: a pipe may have nobody at its other end.
+pub(crate) fn text_of(file: &Path) -> io::Result<String> {
+    if fs::metadata(file)?.is_file() {
+        fs::read_to_string(file)
+    } else {
+        Err(io::Error::other("is not a file"))
     }
 }
 

@@ -105,8 +105,8 @@ impl Localize {
     /// began when it stood.
     fn scan(&mut self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
         self.scanner.hear(moment.turn);
-        if self.parameters.stop.is_some() && !self.scanner.waits_since(self.stopped_ns? + SETTLE_NS) {
-            return None;
+        if self.parameters.stop.is_some() {
+            self.scanner.forget_before(self.stopped_ns? + SETTLE_NS);
         }
         self.scanner.take(moment.beliefs.odometry.as_ref()?)
     }
@@ -148,7 +148,13 @@ impl CognitiveProcess for Localize {
                 return;
             }
         }
-        let Some((taken_ns, scan)) = self.scan(moment) else { return };
+        let Some((taken_ns, scan)) = self.scan(moment) else {
+            if at_ns.saturating_sub(self.next_ns) > OVERDUE_NS {
+                let beliefs = &mut *moment.beliefs;
+                beliefs.awaited.get_or_insert_with(|| self.scanner.awaited(beliefs.odometry.as_ref()));
+            }
+            return;
+        };
         let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.correctable(taken_ns));
         let Some(guess) = guess else { return };
         let found = self.locate(&scan, guess);
@@ -159,6 +165,9 @@ impl CognitiveProcess for Localize {
         // Who has not found itself tries again with the next scan.
         let pause_s = if found.is_some() { self.parameters.every_s } else { 0.0 };
         self.next_ns = at_ns + (pause_s * 1e9) as u64;
+        if pause_s > 0.0 {
+            self.scanner.forget();
+        }
         if let Some(stop) = self.parameters.stop.as_ref().filter(|_| found.is_some()) {
             moment.set_gamma(stop, 0.0);
             self.stopped_ns = None;
@@ -170,6 +179,8 @@ impl CognitiveProcess for Localize {
     }
 }
 
+/// Who has waited for a scan for so long says so, in nanoseconds.
+const OVERDUE_NS: u64 = 2_000_000_000;
 /// So long a robot takes to stand still, in nanoseconds.
 const SETTLE_NS: u64 = 500_000_000;
 /// A robot that stands does not find itself any better after this, in nanoseconds.

@@ -4,8 +4,8 @@ use baudbot_client::Body;
 use baudbot_geometry::Pose;
 use serde::Deserialize;
 
-use crate::odometry::{self, Odometry};
-use crate::process::{CognitiveProcess, Moment};
+use crate::odometry::{self, OVERDUE_NS, Odometry};
+use crate::process::{Awaited, CognitiveProcess, Moment};
 
 /// What it counts by.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -62,9 +62,14 @@ impl CognitiveProcess for CountWheels {
             moment.beliefs.odometry =
                 Odometry::starting(self.parameters, moment.turn, &self.sensor, self.start);
         }
-        if let Some(odometry) = &mut moment.beliefs.odometry {
-            odometry.read(moment.turn, &self.sensor);
-            moment.beliefs.pose = Some(odometry.estimate());
+        let Some(odometry) = &mut moment.beliefs.odometry else {
+            moment.beliefs.awaited = Some(Awaited { sensor: self.sensor.clone(), since_ns: 0 });
+            return;
+        };
+        odometry.read(moment.turn, &self.sensor);
+        moment.beliefs.pose = Some(odometry.estimate());
+        if odometry.is_overdue(moment.turn.at_ns, OVERDUE_NS) {
+            moment.beliefs.awaited = Some(odometry.awaited());
         }
     }
 }

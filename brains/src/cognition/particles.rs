@@ -171,10 +171,11 @@ impl CognitiveProcess for Disperse {
     fn step(&mut self, moment: &mut Moment<'_>) {
         self.scanner.hear(moment.turn);
         let Some(odometry) = &mut moment.beliefs.odometry else { return };
-        let Some((taken_ns, scan)) = self.scanner.take(odometry) else { return };
-        if let Some(estimate) = self.see(odometry, taken_ns, &scan) {
-            odometry.correct(taken_ns, estimate);
-            moment.beliefs.pose = Some(odometry.estimate());
+        while let Some((taken_ns, scan)) = self.scanner.take(odometry) {
+            if let Some(estimate) = self.see(odometry, taken_ns, &scan) {
+                odometry.correct(taken_ns, estimate);
+                moment.beliefs.pose = Some(odometry.estimate());
+            }
         }
     }
 

@@ -76,12 +76,13 @@ impl CognitiveProcess for MakeMap {
     fn step(&mut self, moment: &mut Moment<'_>) {
         self.scanner.hear(moment.turn);
         let Some(odometry) = &mut moment.beliefs.odometry else { return };
-        let Some((taken_ns, scan)) = self.scanner.take(odometry) else { return };
-        let Some(guess) = odometry.correctable(taken_ns) else { return };
-        let grid = moment.beliefs.grid.get_or_insert_with(|| self.slam.grid());
-        if let Some(estimate) = self.slam.see(grid, &scan, &guess) {
-            odometry.correct(taken_ns, estimate);
-            moment.beliefs.pose = Some(odometry.estimate());
+        while let Some((taken_ns, scan)) = self.scanner.take(odometry) {
+            let Some(guess) = odometry.correctable(taken_ns) else { continue };
+            let grid = moment.beliefs.grid.get_or_insert_with(|| self.slam.grid());
+            if let Some(estimate) = self.slam.see(grid, &scan, &guess) {
+                odometry.correct(taken_ns, estimate);
+                moment.beliefs.pose = Some(odometry.estimate());
+            }
         }
     }
 }

@@ -263,6 +263,10 @@ impl MotorBehavior for CoverRows {
             Poll::Pending => Signals::default(),
         })
     }
+
+    fn goes_by_pose(&self) -> bool {
+        true
+    }
 }
 
 /// Part of a cell by which a distance may fall short of a whole number of cells and still count as that.

@@ -86,6 +86,11 @@ impl Description {
         &self.raw.description
     }
 
+    /// The kinds of its processes.
+    pub fn kinds(&self) -> impl Iterator<Item = &str> {
+        self.raw.motor.values().chain(self.raw.cognitive.values()).map(|process| process.kind.as_str())
+    }
+
     /// The brain, for a robot with this body. `seed` chooses its random numbers. It does not notice when its world is reset, as
     /// those of the [catalogue](crate::catalogue) and of [`program`](crate::program) do, which begin anew then.
     ///

@@ -62,9 +62,10 @@ impl ExploreFloor {
         self.scout.feel(moment.turn);
         self.scanner.hear(moment.turn);
         let Some(odometry) = &moment.beliefs.odometry else { return };
-        let Some((at_ns, scan)) = self.scanner.take(odometry) else { return };
-        if let Some(estimate) = odometry.at(at_ns) {
-            self.scan = Some(PlacedScan { world_from_robot: estimate.world_from_robot, scan });
+        while let Some((at_ns, scan)) = self.scanner.take(odometry) {
+            if let Some(estimate) = odometry.at(at_ns) {
+                self.scan = Some(PlacedScan { world_from_robot: estimate.world_from_robot, scan });
+            }
         }
     }
 }
@@ -86,7 +87,9 @@ impl MotorBehavior for ExploreFloor {
         if let Some(known_ns) = known_ns.filter(|_| has_news) {
             self.heard_ns = Some((known_ns, at_ns));
         }
-        let is_fresh = |(_, heard_ns): (u64, u64)| at_ns.saturating_sub(heard_ns) <= self.stale_ns;
+        let patience_ns = beliefs.odometry.as_ref().map_or(0, Odometry::patience_ns);
+        let stale_ns = self.stale_ns.max(patience_ns);
+        let is_fresh = |(_, heard_ns): (u64, u64)| at_ns.saturating_sub(heard_ns) <= stale_ns;
         let Some(odometry) = beliefs.odometry.as_ref().filter(|_| self.heard_ns.is_some_and(is_fresh)) else {
             "does not know where it is".clone_into(&mut beliefs.intention);
             beliefs.path.clear();
@@ -99,8 +102,15 @@ impl MotorBehavior for ExploreFloor {
         self.is_new = false;
         let signals = self.scout.step(at_ns, &odometry.estimate().world_from_robot, self.scan.as_ref());
         beliefs.intention = self.scout.intention();
+        if self.scan.is_none() {
+            beliefs.awaited.get_or_insert_with(|| self.scanner.awaited(beliefs.odometry.as_ref()));
+        }
         beliefs.path = self.scout.path().into_iter().collect();
         Some(signals)
+    }
+
+    fn goes_by_pose(&self) -> bool {
+        true
     }
 }
 

@@ -17,6 +17,7 @@ use crate::estimate::Estimate;
 use crate::mapping::{Occupancy, PlacedScan};
 use crate::navigate::ODOMETER;
 use crate::odometry::{self, Odometry};
+use crate::process::Awaited;
 use crate::scanner::Scanner;
 use crate::slam::{self, Slam};
 
@@ -42,7 +43,7 @@ pub struct Explore {
     /// What corrects the odometer, and its map; `None` if that is believed.
     slam: Option<(Slam, Occupancy)>,
     sent_ns: Option<u64>,
-    heard_ns: Option<u64>,
+    now_ns: u64,
 }
 
 impl Explore {
@@ -63,7 +64,7 @@ impl Explore {
             odometry: None,
             slam: slam(&parameters),
             sent_ns: None,
-            heard_ns: None,
+            now_ns: 0,
         })
     }
 
@@ -78,33 +79,31 @@ impl Explore {
             self.odometry = Odometry::starting(self.wheels, turn, ODOMETER, None);
         }
         let has_news = self.odometry.as_mut().is_some_and(|odometry| odometry.read(turn, ODOMETER));
-        if has_news {
-            self.heard_ns = Some(turn.at_ns);
-        }
         self.scanner.hear(turn);
         self.scout.feel(turn);
-        self.place_scan();
+        self.place_scans();
         has_news
     }
 
-    /// Gives a scan its pose, once the odometer knows it.
-    fn place_scan(&mut self) {
+    /// Gives scans their poses, once the odometer knows these.
+    fn place_scans(&mut self) {
         let Some(odometry) = &mut self.odometry else { return };
-        let Some((at_ns, scan)) = self.scanner.take(odometry) else { return };
-        let Some(mut estimate) = odometry.correctable(at_ns) else { return };
-        if let Some((slam, grid)) = &mut self.slam {
-            // What fits nowhere is not explored by, either.
-            let Some(found) = slam.see(grid, &scan, &estimate) else { return };
-            odometry.correct(at_ns, found);
-            estimate = found;
+        while let Some((at_ns, scan)) = self.scanner.take(odometry) {
+            let Some(mut estimate) = odometry.correctable(at_ns) else { continue };
+            if let Some((slam, grid)) = &mut self.slam {
+                // What fits nowhere is not explored by, either.
+                let Some(found) = slam.see(grid, &scan, &estimate) else { continue };
+                odometry.correct(at_ns, found);
+                estimate = found;
+            }
+            let Estimate { world_from_robot, .. } = estimate;
+            self.scan = Some(PlacedScan { world_from_robot, scan });
         }
-        let Estimate { world_from_robot, .. } = estimate;
-        self.scan = Some(PlacedScan { world_from_robot, scan });
     }
 
     fn act(&mut self, turn: &Turn, has_news: bool) -> Action {
         let at_ns = turn.at_ns;
-        let is_blind = self.heard_ns.is_none_or(|heard_ns| at_ns.saturating_sub(heard_ns) > self.stale_ns);
+        let is_blind = self.is_blind(at_ns);
         let pause_ns = if is_blind { self.command_ns.max(REPEAT_NS) } else { self.command_ns };
         let is_free = self.sent_ns.is_none_or(|sent_ns| at_ns.saturating_sub(sent_ns) >= pause_ns);
         if !is_free || !(is_blind || has_news) {
@@ -116,13 +115,31 @@ impl Explore {
             return Action::drive(0.0, 0.0);
         };
         let here = odometry.estimate().world_from_robot;
+        let haste = odometry.haste(self.command_ns);
         let Signals { left, right } = self.scout.step(at_ns, &here, self.scan.as_ref());
-        Action::drive(left, right)
+        Action::drive(haste * left, haste * right)
+    }
+
+    /// Whether the odometer has been silent for too long.
+    fn is_blind(&self, at_ns: u64) -> bool {
+        self.odometry.as_ref().is_none_or(|odometry| odometry.is_overdue(at_ns, self.stale_ns))
+    }
+
+    /// The sensor that it waits for, if it does.
+    fn awaited(&self) -> Option<Awaited> {
+        let Some(odometry) = &self.odometry else {
+            return Some(Awaited { sensor: ODOMETER.to_owned(), since_ns: 0 });
+        };
+        if self.is_blind(self.now_ns) {
+            return Some(odometry.awaited());
+        }
+        self.scan.is_none().then(|| self.scanner.awaited(Some(odometry)))
     }
 }
 
 impl Brain for Explore {
     fn step(&mut self, turn: &Turn) -> Action {
+        self.now_ns = turn.at_ns;
         let has_news = self.look(turn);
         let action = self.act(turn, has_news);
         action.until_message_or(turn.at_ns.saturating_add(self.command_ns.max(REPEAT_NS)))
@@ -132,7 +149,8 @@ impl Brain for Explore {
         let path = self.scout.path().iter().map(|to| Point { x_m: to.x, y_m: to.y }).collect();
         let pose = self.odometry.as_ref().map(|odometry| odometry.estimate().shown());
         let map = self.slam.as_ref().map(|(_, grid)| grid.shown());
-        Some(Belief { state: self.scout.intention(), path, pose, map, ..Belief::default() })
+        let state = self.awaited().map_or_else(|| self.scout.intention(), |awaited| awaited.to_string());
+        Some(Belief { state, path, pose, map, ..Belief::default() })
     }
 }
 

@@ -198,7 +198,7 @@ mod tests {
             m_per_count: [1e-4; 2],
             modulus: None,
             variance_m2_per_m: 1e-4,
-            history: 100,
+            past_ns: 10_000_000_000,
         };
         let start = moving(middle)(900_000_000).unwrap();
         let mut odometry = Odometry::new(parameters, 900_000_000, Estimate::exact(start));

@@ -85,7 +85,7 @@ fn track(
         m_per_count: [1.0; 2],
         modulus: None,
         variance_m2_per_m: 3.0 * NOISE_M * NOISE_M,
-        history: 10,
+        past_ns: 10_000_000_000,
     };
     let mut truths = vec![start()];
     let mut odometry = Odometry::new(parameters, 0, Estimate::within(start(), 0.01, 0.01));

@@ -46,6 +46,12 @@ impl Step {
         }
     }
 
+    /// Whether it hardly matters when in its time it was done.
+    pub(super) fn is_small(&self) -> bool {
+        let Pose { position, heading } = self.then_from_now;
+        position.coords.norm() <= SMALL_M && heading.abs() <= SMALL_RAD
+    }
+
     /// The beginning of it, up to a fraction.
     pub(super) fn part(&self, fraction: f64) -> Self {
         let Pose { position, heading } = self.then_from_now;
@@ -88,6 +94,11 @@ impl Step {
         Estimate { world_from_robot: world_from_now, covariance }
     }
 }
+
+/// A way that is longer matters, in metres, ...
+const SMALL_M: f64 = 0.1;
+/// ... and a turn that is wider, in radians.
+const SMALL_RAD: f64 = 0.1;
 
 /// How long the chord of an arc is, as a part of the arc, by the angle of the arc.
 fn chord_of_arc(turn_rad: f64) -> f64 {

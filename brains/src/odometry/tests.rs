@@ -13,7 +13,7 @@ const PARAMETERS: Parameters = Parameters {
     m_per_count: [0.001; 2],
     modulus: None,
     variance_m2_per_m: 1e-4,
-    history: 100,
+    past_ns: PAST_NS,
 };
 
 fn odometry(parameters: Parameters, start: Pose) -> Odometry {
@@ -134,7 +134,7 @@ fn drive_arc(mut error_m: impl FnMut(f64) -> f64) -> Estimate {
 
 #[test]
 fn earlier_poses_are_looked_up_between_readings() {
-    let mut odometry = odometry(Parameters { history: 3, ..PARAMETERS }, Pose::new(0.0, 0.0, 0.0));
+    let mut odometry = odometry(Parameters { past_ns: 2500, ..PARAMETERS }, Pose::new(0.0, 0.0, 0.0));
     (1..=5_u32).for_each(|i| odometry.encoders(u64::from(1000 * i), [f64::from(100 * i); 2]));
     let at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot.position.x);
     assert!((at(4250).unwrap() - 0.425).abs() < 1e-12, "{:?}", at(4250));
@@ -261,4 +261,28 @@ fn a_turn_is_read_when_it_brings_something_new() {
     assert!(!odometry.read(&old, "wheels") && !odometry.read(&old, "place"));
     assert_near(odometry.estimate().world_from_robot, Pose::new(0.1, 0.0, 0.0), 1e-12);
     assert_eq!(odometry.at_ns(), 20);
+}
+
+/// The cable was out; the robot went on for a while and then stood, or the other way round.
+#[test]
+fn where_a_robot_was_while_nothing_came_for_long_nobody_knows_if_it_moved() {
+    const MS: u64 = 1_000_000;
+    let after_s = |seconds: f64, counts: [f64; 2]| {
+        let mut odometry = odometry(PARAMETERS, Pose::new(0.0, 0.0, 0.0));
+        odometry.encoders(100 * MS, [0.0; 2]);
+        odometry.encoders(100 * MS + (1e9 * seconds) as u64, counts);
+        odometry
+    };
+    let turned = [-100.0, 100.0];
+    let odometry = after_s(2.0, turned);
+    assert!(
+        odometry.at(100 * MS).is_some() && odometry.at(2100 * MS).is_some() && odometry.at(50 * MS).is_some()
+    );
+    assert_eq!((odometry.at(1100 * MS), odometry.correctable(1100 * MS)), (None, None));
+    let mut corrected = odometry.clone();
+    assert!(
+        !corrected.correct(1100 * MS, Estimate::exact(Pose::new(0.0, 0.0, 0.3))) && corrected == odometry
+    );
+    assert!(after_s(0.5, turned).at(300 * MS).is_some(), "not for long");
+    assert!(after_s(2.0, [10.0, -10.0]).at(1100 * MS).is_some(), "hardly moved");
 }

@@ -171,12 +171,12 @@ impl Grid {
     }
 
     /// How many cells there are.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.blocked.len()
     }
 
     /// Which cell in order it is.
-    pub(super) fn number(&self, cell: Cell) -> usize {
+    pub(crate) fn number(&self, cell: Cell) -> usize {
         cell.row * self.columns + cell.column
     }
 

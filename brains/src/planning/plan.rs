@@ -76,6 +76,8 @@ pub enum PlanError {
         moves: usize,
         /// Its way until there, the start included.
         walked: Vec<Cell>,
+        /// The cells that were looked at, in this order: its way and the free neighbours of that.
+        touched: Vec<Cell>,
     },
 }
 

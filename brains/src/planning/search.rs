@@ -54,6 +54,41 @@ pub fn greedy(
     search(&Search { grid, target, moves, order: Order::Estimate(heuristic) }, start)
 }
 
+/// The cheapest way by A\*, where a step costs its length times the mean of what its two cells cost, and what it costs, in
+/// cells. `costs` has a number for each cell, 1 or more. Corners are not cut.
+///
+/// # Errors
+/// As [`dijkstra`].
+pub(crate) fn cheapest(
+    grid: &Grid,
+    costs: &[f64],
+    start: Cell,
+    target: Cell,
+) -> Result<(Vec<Cell>, f64), PlanError> {
+    let plan = plan(grid, &Weighted { grid, costs, target }, start, target)?;
+    Ok((plan.cells, plan.length_m / grid.cell_m()))
+}
+
+struct Weighted<'a> {
+    grid: &'a Grid,
+    costs: &'a [f64],
+    target: Cell,
+}
+
+impl Graph for Weighted<'_> {
+    fn neighbours(&self, node: usize) -> impl Iterator<Item = (usize, f64)> {
+        let neighbours = Moves::EightNoCut.neighbours(self.grid, self.grid.cell(node));
+        neighbours.map(move |(cell, step)| {
+            let next = self.grid.number(cell);
+            (next, 0.5 * step * (self.costs[node] + self.costs[next]))
+        })
+    }
+
+    fn estimate(&self, node: usize) -> f64 {
+        Heuristic::Octile.estimate(self.grid.cell(node), self.target)
+    }
+}
+
 struct Search<'a> {
     grid: &'a Grid,
     target: Cell,

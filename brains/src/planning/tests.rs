@@ -139,7 +139,10 @@ fn the_walker_gets_stuck_where_a_search_does_not() {
     let task = Task::new("..###.\nS...#T\n..###.\n......");
     let stuck = walk(&task.grid, task.start, task.target, Four, Euclidean);
     let walked: Vec<_> = (0..4).map(|column| Cell { column, row: 1 }).collect();
-    assert_eq!(stuck, Err(PlanError::DeadEnd { cell: walked[3], moves: 3, walked }));
+    // The start and its three neighbours, then those of each cell of the way that are new.
+    let touched = [(0, 1), (1, 1), (0, 2), (0, 0), (2, 1), (1, 2), (1, 0), (3, 1)];
+    let touched = touched.map(|(column, row)| Cell { column, row }).to_vec();
+    assert_eq!(stuck, Err(PlanError::DeadEnd { cell: walked[3], moves: 3, walked, touched }));
     assert_eq!([task.dijkstra(Four).length_m, task.greedy(Four).length_m], [9.0, 9.0]);
 }
 

@@ -40,7 +40,8 @@ pub fn walk(
             }
         }
         let Some((next, step, _)) = best else {
-            return Err(PlanError::DeadEnd { cell: current, moves: cells.len() - 1, walked: cells });
+            let moves = cells.len() - 1;
+            return Err(PlanError::DeadEnd { cell: current, moves, walked: cells, touched });
         };
         length += step;
         cells.push(next);

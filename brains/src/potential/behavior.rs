@@ -3,20 +3,26 @@
 //! The direction is that of (6.3), the wheels' speeds are those of (6.4) to (6.7). Waypoints attract one after the other:
 //! each goes once the robot has been within L of it.
 //!
-//! *Beyond the notes*: a robot that has hardly moved for a while though it is not at the goal is locked, and it then puts a
-//! waypoint of its own beside the way to the goal, in turn to the left and to the right, each time farther away. With
-//! `escape_after_s = 0` it stays locked, as in Fig. 6.13.
+//! *Beyond the notes*: a robot that gets no lower for a while though it is not at its goal is locked. It then plans a way on the
+//! ground (`terrain`), round the hills of its field and round what it has felt (`felt`), and follows that until the field
+//! leads from where it is to the goal; then it goes down the field again. What it feels in its way stops it, and begins such a
+//! detour at once. With `escape_after_s = 0` there is no detour: it stays locked, as in Fig. 6.13.
 
 use std::collections::VecDeque;
 
-use baudbot_client::Signals;
-use baudbot_geometry::{Point, Pose, Vector, math};
+use baudbot_client::{Body, Signals};
+use baudbot_geometry::{Point, Pose, Vector, angle, math};
 use serde::Deserialize;
 
+use super::detour::Detour;
+use super::felt::Felt;
 use super::field::{Field, Potential};
+use super::lock::Lock;
+use super::terrain::Terrain;
 use crate::behavior::Steering;
 use crate::behavior::steering::Helm;
 use crate::process::{Moment, MotorBehavior};
+use crate::vfh::sight;
 
 /// The field, and how it is followed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -36,9 +42,12 @@ pub struct Parameters {
     /// It has arrived within this distance of the goal, in metres.
     #[serde(default = "passed_m")]
     pub arrived_m: f64,
-    /// So long it may stay within a few centimetres before it is locked, in seconds; 0: for ever.
+    /// So long it may get no lower in the field before it is locked, in seconds; 0: for ever.
     #[serde(default = "escape_after_s")]
     pub escape_after_s: f64,
+    /// By which sensors it feels what the field does not know.
+    #[serde(default)]
+    pub sight: sight::Parameters,
     /// How it steers.
     #[serde(default)]
     pub steering: Steering,
@@ -56,26 +65,29 @@ fn escape_after_s() -> f64 {
 #[derive(Clone, Debug)]
 pub struct PotentialField {
     parameters: Parameters,
+    radius_m: f64,
     waypoints: VecDeque<Potential>,
     helm: Helm,
+    /// It steers by that on a detour.
+    careful: Helm,
     arrived: bool,
     lock: Lock,
-}
-
-/// Whether the robot gets anywhere.
-#[derive(Clone, Debug, Default)]
-struct Lock {
-    /// Places with their instants, in nanoseconds, of the last while.
-    places: VecDeque<(u64, Point)>,
-    escapes: u32,
+    felt: Felt,
+    detour: Option<Detour>,
+    /// Where the detour began, and how many there have been on the way to this target.
+    begun: (Point, u32),
+    /// When the detour was thought over last, in nanoseconds.
+    thought_ns: u64,
+    /// Since when it stands before something that it feels, in nanoseconds.
+    stands_ns: Option<u64>,
 }
 
 impl PotentialField {
-    /// At its start.
+    /// At its start, for a robot with this body.
     ///
     /// # Errors
     /// If the parameters make no sense, in words.
-    pub fn new(parameters: Parameters) -> Result<Self, String> {
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
         if let Some(problem) = parameters.steering.problem() {
             return Err(problem);
         }
@@ -83,20 +95,26 @@ impl PotentialField {
         if !(after_s == 0.0 || (1.0..=1e6).contains(&after_s)) {
             return Err(format!("escape_after_s: must be 0 or from 1 to 1000000, is {after_s}"));
         }
-        let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
-        let named = named.into_iter().flat_map(|(name, all)| {
-            all.iter().enumerate().map(move |(i, one)| (format!("{name}[{i}]"), *one))
-        });
-        for (name, potential) in [("goal".to_owned(), parameters.goal)].into_iter().chain(named) {
-            for (field, value) in [("beta_m", potential.beta_m), ("gamma_m", potential.gamma_m)] {
-                if !(value.is_finite() && value > 0.0) {
-                    return Err(format!("{name}.{field}: must be positive, is {value}"));
-                }
-            }
-        }
+        check(&parameters)?;
         let (waypoints, helm) =
             (parameters.waypoints.iter().copied().collect(), Helm::new(parameters.steering));
-        Ok(Self { parameters, waypoints, helm, arrived: false, lock: Lock::default() })
+        let rotate_above_rad = parameters.steering.rotate_above_rad.min(ROTATE_ABOVE_RAD);
+        let rotate_until_rad = parameters.steering.rotate_until_rad.min(rotate_above_rad);
+        let careful = Helm::new(Steering { rotate_above_rad, rotate_until_rad, ..parameters.steering });
+        Ok(Self {
+            careful,
+            felt: Felt::new(&parameters.sight, body)?,
+            radius_m: body.radius_m,
+            parameters,
+            waypoints,
+            helm,
+            arrived: false,
+            lock: Lock::default(),
+            detour: None,
+            begun: (Point::origin(), 0),
+            thought_ns: 0,
+            stands_ns: None,
+        })
     }
 
     /// Whether it is at its goal.
@@ -104,91 +122,250 @@ impl PotentialField {
         self.arrived
     }
 
-    /// Wheel speeds at this believed pose and instant, in metres a second.
-    pub fn wheels(&mut self, world_from_robot: &Pose, at_ns: u64) -> [f64; 2] {
-        match self.heading_rad(world_from_robot.position, at_ns) {
-            Some(heading_rad) => self.helm.wheels(world_from_robot, heading_rad),
-            None => [0.0; 2],
-        }
-    }
-
-    /// φ_ref; `None` once it has arrived, or where there is no slope.
-    fn heading_rad(&mut self, at: Point, at_ns: u64) -> Option<f64> {
-        let p = &self.parameters;
+    /// Signals at this believed pose and instant, and what it says.
+    fn drive(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
+        let (p, at) = (&self.parameters, pose.position);
         self.arrived |= distance(p.goal.center(), at) <= p.arrived_m;
         if self.arrived {
-            return None;
+            return (Signals::default(), "has arrived");
         }
         if self.waypoints.front().is_some_and(|waypoint| distance(waypoint.center(), at) <= p.passed_m) {
             self.waypoints.pop_front();
+            self.lock.begin();
+            (self.detour, self.begun.1) = (None, 0);
         }
-        if p.escape_after_s > 0.0 && self.lock.is_locked(at, at_ns, p.escape_after_s) {
-            let waypoint = self.lock.way_out(at, p.goal.center());
-            self.waypoints.push_front(waypoint);
+        if !self.felt.is_senseless() && self.felt.is_blind(at_ns) {
+            return (Signals::default(), "feels nothing");
         }
+        if self.detour.is_none() { self.follow(pose, at_ns) } else { self.go_round(pose, at_ns) }
+    }
+
+    /// Goes down the field.
+    fn follow(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
+        let (at, after_s) = (pose.position, self.parameters.escape_after_s);
+        let field = self.field();
+        let down = field.direction(at);
+        let heading_rad = (down != Vector::zeros()).then(|| math::atan2(down.y, down.x));
+        if after_s > 0.0 {
+            let is_closed =
+                heading_rad.is_some_and(|rad| self.felt.room_m(pose, rad) < AHEAD * self.radius_m);
+            if self.lock.holds(at, field.height(at), at_ns, after_s) || is_closed {
+                return self.begin_detour(pose, at_ns);
+            }
+        }
+        let Some(heading_rad) = heading_rad else { return (Signals::default(), "") };
+        (self.steer(pose, heading_rad, at_ns), "")
+    }
+
+    /// The field as it is now: goal, obstacles, and the next waypoint.
+    fn field(&self) -> Field {
+        let p = &self.parameters;
         let all =
             [p.goal].into_iter().chain(p.obstacles.iter().copied()).chain(self.waypoints.front().copied());
-        let down = Field { potentials: all.collect() }.direction(at);
-        (down != Vector::zeros()).then(|| math::atan2(down.y, down.x))
+        Field { potentials: all.collect() }
+    }
+
+    /// Signals that lead in a direction, as fast as there is room.
+    fn steer(&mut self, pose: &Pose, heading_rad: f64, at_ns: u64) -> Signals {
+        let room_m = self.felt.room_m(pose, pose.heading) - STOP * self.radius_m;
+        if room_m > 0.0 {
+            self.stands_ns = None;
+            let part = (room_m / (SLOW * self.radius_m)).clamp(SLOWEST, 1.0);
+            let helm = if self.detour.is_some() { &mut self.careful } else { &mut self.helm };
+            return helm.signals(pose, heading_rad, part);
+        }
+        let s = self.parameters.steering;
+        let off_rad = angle::difference(heading_rad, pose.heading);
+        if off_rad.abs() > s.rotate_until_rad {
+            let signal = s.rotation_m_s.copysign(off_rad) / s.full_speed_m_s;
+            return Signals { left: -signal, right: signal };
+        }
+        let since_ns = *self.stands_ns.get_or_insert(at_ns);
+        if at_ns.saturating_sub(since_ns) > STANDS_NS {
+            self.felt.mark_ahead(pose);
+            self.stands_ns = None;
+        }
+        Signals::default()
     }
 }
 
-impl Lock {
-    /// Whether it has been within a few centimetres of here for so long.
-    fn is_locked(&mut self, at: Point, at_ns: u64, after_s: f64) -> bool {
-        let after_ns = (after_s * 1e9) as u64;
-        // One place in a tenth of a second is enough.
-        if self.places.back().is_none_or(|(last_ns, _)| at_ns.saturating_sub(*last_ns) >= 100_000_000) {
-            self.places.push_back((at_ns, at));
-        }
-        while self.places.front().is_some_and(|(then_ns, _)| at_ns.saturating_sub(*then_ns) > after_ns) {
-            self.places.pop_front();
-        }
-        let whole = self
-            .places
-            .front()
-            .is_some_and(|(then_ns, _)| at_ns.saturating_sub(*then_ns) + 200_000_000 >= after_ns);
-        whole && self.places.iter().all(|(_, place)| distance(*place, at) < LOCKED_M)
+impl PotentialField {
+    fn begin_detour(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
+        self.felt.take_news();
+        self.begun = (pose.position, self.begun.1.saturating_add(1));
+        self.thought_ns = at_ns;
+        let terrain = self.terrain(pose.position);
+        let way = terrain.and_then(|terrain| terrain.way(pose.position, self.target()));
+        self.detour = way.map(|way| Detour::new(way, self.radius_m));
+        (Signals::default(), "")
     }
 
-    /// A waypoint beside the way to the goal.
-    fn way_out(&mut self, at: Point, goal: Point) -> Potential {
-        let way = goal - at;
-        let left = Vector::new(-way.y, way.x) / math::hypot(way.x, way.y).max(1e-9);
-        let side = if self.escapes.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let far_m = ESCAPE_M * f64::from(1 + self.escapes / 2);
-        self.escapes += 1;
-        self.places.clear();
-        let place = at + left * (side * far_m);
-        let reach_m = far_m * 0.75;
-        Potential { x_m: place.x, y_m: place.y, alpha: -3.0, beta_m: reach_m, gamma_m: reach_m }
+    /// Follows the way round, until the field leads on from here.
+    fn go_round(&mut self, pose: &Pose, at_ns: u64) -> (Signals, &'static str) {
+        let at = pose.position;
+        if at_ns.saturating_sub(self.thought_ns) >= THINK_NS {
+            self.thought_ns = at_ns;
+            self.think(pose);
+        }
+        let Some(detour) = &mut self.detour else { return self.follow(pose, at_ns) };
+        if detour.is_forced() {
+            return (self.look_for_a_way(), "knows no way");
+        }
+        let way = detour.next(at) - at;
+        (self.steer(pose, math::atan2(way.y, way.x), at_ns), "goes round")
     }
+
+    /// Whether the way is still the best one, and whether the field leads on.
+    fn think(&mut self, pose: &Pose) {
+        let at = pose.position;
+        let Some(terrain) = self.terrain(at) else { return };
+        if self.leads_on(pose, &terrain) {
+            self.detour = None;
+            self.lock.begin();
+            return;
+        }
+        let has_news = self.felt.take_news();
+        let stray_m = STRAY * self.radius_m;
+        let Some(detour) = &mut self.detour else { return };
+        let is_lost = detour.is_forced() || detour.strayed_m(at) > stray_m;
+        if !(has_news || is_lost) {
+            return;
+        }
+        match terrain.way(at, self.target()) {
+            Some(way) if is_lost => self.detour = Some(Detour::new(way, self.radius_m)),
+            Some(way) => {
+                if let Some(detour) = &mut self.detour {
+                    detour.reconsider(way, &terrain);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// No way is open. What was felt may not be there: it looks round. Who feels nothing stands.
+    fn look_for_a_way(&mut self) -> Signals {
+        if self.felt.is_senseless() {
+            return Signals::default();
+        }
+        if self.felt.marks().next().is_some() {
+            self.felt.forget();
+        }
+        let signal = self.parameters.steering.rotation_m_s / self.parameters.steering.full_speed_m_s;
+        Signals { left: -signal, right: signal }
+    }
+
+    /// Whether a point that follows the field from here comes to the target, with room for the body on all its way.
+    fn leads_on(&self, pose: &Pose, terrain: &Terrain) -> bool {
+        let (begun, detours) = self.begun;
+        // Each detour goes twice as far as the one before, so that field and detour do not lead to and fro for ever.
+        let away_m = self.radius_m * f64::from(1_u32 << detours.min(MOST_DOUBLED));
+        if distance(pose.position, begun) < away_m {
+            return false;
+        }
+        let (field, target, step_m) = (self.field(), self.target(), ROLL * self.radius_m);
+        let down = field.direction(pose.position);
+        if self.felt.room_m(pose, math::atan2(down.y, down.x)) < CLEAR * self.radius_m {
+            return false;
+        }
+        let near_m = self.parameters.passed_m.min(self.parameters.arrived_m).max(step_m);
+        let most = (MOST_ROLL * distance(pose.position, target) / step_m) as usize + 1;
+        let mut at = pose.position;
+        for _ in 0..most {
+            if distance(at, target) <= near_m {
+                return true;
+            }
+            if !terrain.is_open(at) {
+                return false;
+            }
+            at += field.direction(at) * step_m;
+        }
+        false
+    }
+
+    fn terrain(&self, at: Point) -> Option<Terrain> {
+        let hills: Vec<_> =
+            self.parameters.obstacles.iter().filter(|hill| hill.alpha > 0.0).copied().collect();
+        Terrain::new([at, self.target()], &hills, self.felt.marks(), self.felt.blur_m(), self.radius_m)
+    }
+
+    /// Where it goes now.
+    fn target(&self) -> Point {
+        self.waypoints.front().unwrap_or(&self.parameters.goal).center()
+    }
+}
+
+/// What makes no sense among the potentials.
+fn check(parameters: &Parameters) -> Result<(), String> {
+    let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
+    let named = named
+        .into_iter()
+        .flat_map(|(name, all)| all.iter().enumerate().map(move |(i, one)| (format!("{name}[{i}]"), *one)));
+    for (name, potential) in [("goal".to_owned(), parameters.goal)].into_iter().chain(named) {
+        for (field, value) in [("beta_m", potential.beta_m), ("gamma_m", potential.gamma_m)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("{name}.{field}: must be positive, is {value}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 impl MotorBehavior for PotentialField {
+    /// What it did before does not count: it may have been led elsewhere. What it felt does.
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.lock.begin();
+        (self.detour, self.stands_ns) = (None, None);
+    }
+
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+        self.felt.feel(moment.turn, moment.beliefs);
         let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
-        let [left, right] = self.wheels(&estimate.world_from_robot, moment.turn.at_ns);
-        let full_speed_m_s = self.parameters.steering.full_speed_m_s;
-        moment.beliefs.path =
-            self.waypoints.iter().map(Potential::center).chain([self.parameters.goal.center()]).collect();
-        moment.beliefs.intention = if self.arrived { "has arrived".to_owned() } else { String::new() };
-        Some(Signals { left: left / full_speed_m_s, right: right / full_speed_m_s })
+        let (signals, intention) = self.drive(&estimate.world_from_robot, moment.turn.at_ns);
+        let waypoints = self.waypoints.iter().map(Potential::center);
+        let round = self.detour.iter().flat_map(|detour| detour.left()).copied();
+        moment.beliefs.path = round.chain(waypoints).chain([self.parameters.goal.center()]).collect();
+        intention.clone_into(&mut moment.beliefs.intention);
+        Some(signals)
+    }
+
+    fn goes_by_pose(&self) -> bool {
+        true
     }
 }
 
-fn distance(a: Point, b: Point) -> f64 {
+pub(super) fn distance(a: Point, b: Point) -> f64 {
     math::hypot(a.x - b.x, a.y - b.y)
 }
 
-/// Who stays within this distance for a while is locked, in metres.
-const LOCKED_M: f64 = 0.05;
-/// How far the first waypoints out of a lock are, in metres.
-const ESCAPE_M: f64 = 0.8;
+/// A detour begins with so much room in the direction of the field, in radii of the body ...
+const AHEAD: f64 = 1.0;
+/// ... and the field is followed again with so much.
+const CLEAR: f64 = 1.75;
+/// Who has so much room ahead drives no farther, in radii of the body.
+const STOP: f64 = 0.3;
+/// With so much room more it drives at its full speed, in radii of the body.
+const SLOW: f64 = 1.5;
+/// On a detour it turns on the spot if the heading is off by more than that, in radians: it may be narrow there.
+const ROTATE_ABOVE_RAD: f64 = 0.35;
+/// Part of its speed that is left where there is little room.
+const SLOWEST: f64 = 0.25;
+/// A robot that is so far beside its way plans another one, in radii of the body.
+const STRAY: f64 = 2.0;
+/// The field is followed in steps of so many radii of the body ...
+const ROLL: f64 = 0.2;
+/// ... for so many times the way straight on.
+const MOST_ROLL: f64 = 4.0;
+/// So often the way of a detour is doubled at most.
+const MOST_DOUBLED: u32 = 16;
+/// It thinks its way over so often, in nanoseconds.
+const THINK_NS: u64 = 500_000_000;
+/// Who stands before something for so long marks it, in nanoseconds.
+const STANDS_NS: u64 = 1_000_000_000;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_body::body;
 
     fn wedge(escape_after_s: f64, waypoints: Vec<Potential>) -> PotentialField {
         let hill = |x_m, y_m| Potential { x_m, y_m, alpha: 0.6, beta_m: 0.25, gamma_m: 0.25 };
@@ -199,9 +376,10 @@ mod tests {
             passed_m: 0.1,
             arrived_m: 0.05,
             escape_after_s,
+            sight: sight::Parameters::default(),
             steering: Steering::default(),
         };
-        PotentialField::new(parameters).unwrap()
+        PotentialField::new(parameters, &body(&[])).unwrap()
     }
 
     /// A robot of half track 0.2 m whose wheels do at once what they are told: where it is, when it arrived, and how often it
@@ -209,13 +387,14 @@ mod tests {
     fn drive(mut field: PotentialField, y_m: f64, for_s: f64) -> (Pose, Option<f64>, u32) {
         let (mut pose, dt_s, mut rotations, mut rotated) = (Pose::new(-1.0, y_m, 0.0), 0.01, 0, false);
         for step in 0..(for_s / dt_s) as u64 {
-            let [left, right] = field.wheels(&pose, step * 10_000_000);
+            let (Signals { left, right }, _) = field.drive(&pose, step * 10_000_000);
             rotations += u32::from(field.helm.rotates() && !rotated);
             rotated = field.helm.rotates();
             if field.has_arrived() {
                 return (pose, Some(step as f64 * dt_s), rotations);
             }
-            let (speed, turn) = ((left + right) / 2.0, (right - left) / 0.4);
+            // Half a metre a second for a signal of 1.
+            let (speed, turn) = ((left + right) / 4.0, (right - left) / 0.8);
             pose.position += pose.direction().vector() * (speed * dt_s);
             pose.heading += turn * dt_s;
         }
@@ -250,7 +429,7 @@ mod tests {
         let bad = Potential { x_m: 0.0, y_m: 0.0, alpha: 1.0, beta_m: 1.0, gamma_m: 0.0 };
         let mut parameters = wedge(0.0, Vec::new()).parameters;
         parameters.waypoints.push(bad);
-        let problem = PotentialField::new(parameters).unwrap_err();
+        let problem = PotentialField::new(parameters, &body(&[])).unwrap_err();
         assert_eq!(problem, "waypoints[0].gamma_m: must be positive, is 0");
     }
 }

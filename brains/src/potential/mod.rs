@@ -3,5 +3,10 @@
 pub mod behavior;
 pub mod field;
 
+mod detour;
+mod felt;
+mod lock;
+mod terrain;
+
 pub use behavior::PotentialField;
 pub use field::{Field, Potential};

@@ -11,6 +11,7 @@ use super::sight::{self, Sight};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
 use crate::navigation::Goals;
+use crate::odometry::Odometry;
 use crate::process::{Moment, MotorBehavior};
 
 /// Where it goes, and what it heeds on its way.
@@ -352,16 +353,27 @@ impl MotorBehavior for Vfh {
         let estimate = moment.beliefs.pose?;
         let goal = self.goals.from(estimate.world_from_robot.position);
         moment.beliefs.path = self.goals.left().to_vec();
-        let stale_ns = (self.parameters.stale_s * 1e9) as u64;
+        // What is seen counts only once odometry says from where.
+        let patience_ns = moment.beliefs.odometry.as_ref().map_or(0, Odometry::patience_ns);
+        let stale_ns = ((self.parameters.stale_s * 1e9) as u64).max(patience_ns);
         let is_blind =
             self.seen_ns.is_none_or(|seen_ns| moment.turn.at_ns.saturating_sub(seen_ns) > stale_ns);
         let (signals, intention) = match goal {
             None => (Signals::default(), if self.has_arrived() { "has arrived" } else { "" }),
-            Some(_) if is_blind => (Signals::default(), "sees nothing"),
+            Some(_) if is_blind => {
+                let beliefs = &mut *moment.beliefs;
+                let awaited = self.sight.awaited(moment.turn, beliefs, self.seen_ns.unwrap_or_default());
+                beliefs.awaited = beliefs.awaited.take().or(awaited);
+                (Signals::default(), "sees nothing")
+            }
             Some(goal) => self.drive(&estimate.world_from_robot, goal, moment.turn.at_ns),
         };
         intention.clone_into(&mut moment.beliefs.intention);
         Some(signals)
+    }
+
+    fn goes_by_pose(&self) -> bool {
+        true
     }
 }
 

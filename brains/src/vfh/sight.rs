@@ -6,7 +6,7 @@ use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
-use crate::process::Beliefs;
+use crate::process::{Awaited, Beliefs};
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
@@ -86,15 +86,25 @@ impl Sight {
         let mut seen = Vec::new();
         for laser in &mut self.lasers {
             laser.hear(turn);
-            let taken = match &beliefs.odometry {
+            let taken = std::iter::from_fn(|| match &beliefs.odometry {
                 Some(odometry) => laser.take(odometry),
                 None => laser.take_as_is(),
-            };
-            seen.extend(taken.and_then(|(at_ns, scan)| placed(at_ns, scan, beliefs)));
+            });
+            seen.extend(taken.filter_map(|(at_ns, scan)| placed(at_ns, scan, beliefs)));
         }
         let heard = self.cones.iter().filter_map(|(i, cone)| cone.scan(turn, *i));
         seen.extend(heard.filter_map(|(at_ns, scan)| placed(at_ns, scan, beliefs)));
         seen
+    }
+
+    /// Which sensor it waits for if it has seen nothing since this instant, in nanoseconds, and since when.
+    pub fn awaited(&self, turn: &Turn, beliefs: &Beliefs, seen_ns: u64) -> Option<Awaited> {
+        let laser = self.lasers.iter().map(|laser| laser.awaited(beliefs.odometry.as_ref()));
+        let cone = || {
+            let sensor = turn.body.sensors.get(self.cones.first()?.0)?.name.clone();
+            Some(Awaited { sensor, since_ns: seen_ns })
+        };
+        laser.min_by_key(|awaited| awaited.since_ns).or_else(cone)
     }
 
     /// Whether it can tell who walks from what stands. The arcs of sensors that say one distance come and go with each turn of
@@ -249,7 +259,7 @@ mod tests {
             m_per_count: [1e-4; 2],
             modulus: None,
             variance_m2_per_m: 0.0,
-            history: 100,
+            past_ns: 10_000_000_000,
         };
         let mut odometry = Odometry::new(parameters, 0, Estimate::exact(Pose::new(0.0, 0.0, 0.0)));
         for at_ns in (0..=until_ns).step_by(100_000_000) {

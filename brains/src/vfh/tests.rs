@@ -129,6 +129,7 @@ fn who_sees_nothing_stands_still() {
     let (body, mut vfh) = (robot(), made("goals_m = [[4.4, 4.4]]").unwrap());
     let (still, beliefs) = signals(&mut vfh, &turn(&body, 0, &[None]), Pose::new(1.0, 1.0, 0.0));
     assert_eq!((still, beliefs.intention.as_str()), (Signals::default(), "sees nothing"));
+    assert!(beliefs.awaited.is_some_and(|awaited| awaited.since_ns == 0), "and says what it waits for");
     let seen = scan(&map(&[]), &Pose::new(1.0, 1.0, 0.8));
     let (moving, _) = signals(&mut vfh, &turn(&body, 0, &[Some(&seen)]), Pose::new(1.0, 1.0, 0.8));
     assert!(moving.left > 0.0);

@@ -17,8 +17,8 @@ Examples:
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
 
-Ctrl-C (or SIGTERM) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends the
-program at once, without a summary.";
+Ctrl-C (or SIGTERM, or SIGHUP) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends
+the program at once, without a summary. The exit code is 1 if a recording could not be written to its end.";
 
 pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:
@@ -54,19 +54,27 @@ Examples:
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
   baudbot run wander --record run.mcap
-  baudbot replay run.mcap                        identical, or the first tick and field that differ (exit code 1)
+  baudbot replay run.mcap                        identical, or the first tick and field that differ
   baudbot replay run.mcap --view                 in a browser, forwards and backwards
   baudbot replay run.mcap --to 12.5 --fork       live from there on, for new brains
   baudbot serve --resume run.mcap                live from its end on: after a crash, for example
 
-A recording has all that went into the world, so it is simulated again, on any machine. docs/recording.md says what is in
-the file, and which other programs read it.";
+Exit codes:
+  0    identical, and nothing is missing
+  1    it differs, or something went wrong
+  2    the file or the options cannot be used
+  3    incomplete: identical as far as there is something to compare; what is said tells how much that is
+  130  stopped by Ctrl-C
+
+A recording has all that went into the world, so it is simulated again, on any machine. Of a file that is damaged all is
+compared that can be done again. docs/recording.md says what is in the file, and which other programs read it.";
 
 pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:
   baudbot brain --list
   baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
-  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot";
+  baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot
+  baudbot brain avoid --reconnect off            ends when its server does";
 
 pub(super) const CHECK_EXAMPLES: &str = "\
 Examples:

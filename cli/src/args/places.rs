@@ -1,6 +1,6 @@
 //! Where servers listen, and where they are looked for.
 
-use baudbot_server::Address;
+use baudbot_server::{Address, Builder, Server, raise_descriptor_limit};
 use clap::Args;
 
 use crate::viewer::Viewer;
@@ -18,6 +18,25 @@ pub(crate) struct ListenArgs {
     /// Allow addresses that other machines reach; whoever reaches them may do anything here
     #[arg(long)]
     pub(crate) insecure: bool,
+    /// Take at most so many connections at a time, pages included
+    ///
+    /// When there are as many, a new one gets the place of whoever has asked for nothing since it came; if nobody has, it is
+    /// refused. The default is three quarters of the files that the program may have open (`ulimit -Hn`), and 16,384 at
+    /// most.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_connections: Option<u32>,
+}
+
+impl ListenArgs {
+    /// A server that listens so, but for its addresses.
+    pub(crate) fn builder(&self) -> Builder {
+        raise_descriptor_limit();
+        let builder = Server::builder().insecure(self.insecure);
+        match self.max_connections {
+            Some(connections) => builder.connections(connections as usize),
+            None => builder,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

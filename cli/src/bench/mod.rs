@@ -16,6 +16,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::args::BenchArgs;
 use crate::error::{self, Refused};
 use crate::text;
+use crate::text::tell;
 
 pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
@@ -31,7 +32,7 @@ pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     if cfg!(debug_assertions) {
-        eprintln!("warning: {DEBUG_BUILD}");
+        tell!("warning: {DEBUG_BUILD}");
     }
     let (measured, failed) = measure(args, &chosen)?;
     let file = args.json.as_ref().or(args.csv.as_ref());
@@ -77,7 +78,7 @@ fn measure(
             Ok(outcome) => measured.push((workload, outcome)),
             Err(error) => {
                 failed += 1;
-                bar.suspend(|| eprintln!("error: {}: {}", workload.name, error::text(&error.into())));
+                bar.suspend(|| tell!("error: {}: {}", workload.name, error::text(&error.into())));
             }
         }
     }

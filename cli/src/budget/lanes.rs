@@ -27,6 +27,7 @@ pub(crate) fn diagram(world: &str, budget: &RobotBudget) -> Option<Diagram> {
             duration(deadline_ns as f64),
             budget.bottleneck
         ),
+        ran: Vec::new(),
         lanes: lanes(budget)?,
         from_ns: 0,
         // A bit more, so that its end is seen.

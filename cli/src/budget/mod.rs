@@ -15,6 +15,7 @@ use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text;
+use crate::together;
 
 pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
@@ -32,7 +33,7 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
     }
     if args.json {
-        text::print(&(serde_json::to_string_pretty(&budget)? + "\n"))?;
+        text::print_json(&budget)?;
     } else {
         text::print(&told(&source, &wanted, &budget))?;
     }
@@ -65,7 +66,11 @@ fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget) -> String {
     }
     let told = |(spec, count): (&RobotSpec, usize)| {
         let robot = budget.robots.iter().find(|robot| robot.robot == spec.name);
-        robot.map(|robot| table::robot(robot) + &alike::others(spec, count))
+        robot.map(|robot| {
+            let warnings = together::warnings(spec, robot);
+            let warnings: String = warnings.iter().map(|warning| format!("  warning: {warning}\n")).collect();
+            table::robot(robot) + &warnings + &alike::others(spec, count)
+        })
     };
     let robots: Vec<_> = alike::first_of_each(specs.iter().copied()).into_iter().filter_map(told).collect();
     robots.join("\n")

@@ -25,6 +25,7 @@ mod timeline;
 
 use anyhow::anyhow;
 use baudbot_experiment::pair::Pair;
+use baudbot_experiment::ran;
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
@@ -51,8 +52,19 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let window = wanted.window(robot, &events, scenario.step_ns());
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
-    let picture = picture(&name, scenario.step_ns(), robot, &events, &window).draw();
-    text::write(path, &picture)
+    let mut picture = picture(&name, scenario.step_ns(), robot, &events, &window);
+    picture.ran = ran(&scenario, robot, &jobs);
+    text::write(path, &picture.draw())
+}
+
+/// What ran: the robot's brain, its link and the seed, and what was changed of the scenario.
+fn ran(scenario: &Scenario, robot: &RobotSpec, jobs: &[Job]) -> Vec<String> {
+    let own = jobs.iter().filter(|job| job.robots.contains(&robot.name));
+    let brains: Vec<_> = own.map(|job| job.brain.clone()).collect();
+    let facts = ran::facts(&brains, &[ran::link(&robot.link)], scenario.seed());
+    let about = ran::about(scenario, false);
+    let changed = (about != scenario.description()).then_some(about);
+    [Some(facts), changed].into_iter().flatten().collect()
 }
 
 /// A world with its brains, tick by tick: adds the new events of the robot in this place, and says the time after the
@@ -124,6 +136,7 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
             Some(cycle) => format!("{} in {world}: control cycle {}", robot.name, cycle.number),
         },
         subtitle,
+        ran: Vec::new(),
         lanes: timeline::lanes(robot, events, (*from_ns, *until_ns), of_cycle),
         from_ns: *from_ns,
         until_ns: *until_ns,

@@ -14,6 +14,8 @@ use crate::text::duration;
 pub(crate) struct Diagram {
     pub(crate) title: String,
     pub(crate) subtitle: String,
+    /// What ran, if it is of a run.
+    pub(crate) ran: Vec<String>,
     pub(crate) lanes: Vec<Lane>,
     pub(crate) from_ns: u64,
     pub(crate) until_ns: u64,
@@ -96,7 +98,9 @@ impl Diagram {
     pub(crate) fn draw(&self) -> String {
         let left = self.left();
         let scale = Scale { from_ns: self.from_ns, until_ns: self.until_ns, left, width: PLOT };
-        let lines = wrapped(&self.subtitle, 13.0, left + PLOT - MARGIN, 2);
+        let wrap = |text: &str| wrapped(text, 13.0, left + PLOT - MARGIN, 2);
+        let lines: Vec<_> =
+            std::iter::once(&self.subtitle).chain(&self.ran).flat_map(|text| wrap(text)).collect();
         let head = 46.0 + 18.0 * lines.len() as f64;
         let marks = if self.marks.is_empty() { 0.0 } else { 18.0 };
         let top = head + marks + ABOVE;

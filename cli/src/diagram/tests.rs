@@ -29,6 +29,7 @@ fn diagram(lanes: Vec<Lane>, (from_ns, until_ns): (u64, u64)) -> Diagram {
     Diagram {
         title: "title".to_owned(),
         subtitle: "subtitle".to_owned(),
+        ran: Vec::new(),
         lanes,
         from_ns,
         until_ns,

@@ -36,6 +36,7 @@ mod walls;
 
 use std::sync::Arc;
 
+use baudbot_experiment::ran;
 use baudbot_sim::sight::Onlooker;
 use baudbot_sim::{Scenario, World};
 
@@ -100,7 +101,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let most = if is_wide { (960.0, 700.0) } else { (660.0, 760.0) };
     let scale = (most.0 / bounds.size().x).min(most.1 / bounds.size().y);
     let text_room = if is_wide { most.0 } else { scale * bounds.size().x + GAP + WIDTH };
-    let head = head(scenario, label, text_room);
+    let head = head(scenario, label, shown, text_room);
     let view = View { world: bounds, scale, left: frame::LEFT, top: head.height };
     let lenses = match shown {
         Shown::Starts => Lenses::new(&kinds, scale),
@@ -113,7 +114,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let blocks = block::columns(&mut canvas, &plan.blocks(), columns(&view, is_wide));
     let (right, bottom) = (view.left + view.width(), view.top + view.height() + frame::BELOW);
     let size = (right.max(blocks.0) + GAP, bottom.max(blocks.1));
-    document(scenario, label, size, &canvas)
+    document(scenario, label, shown, size, &canvas)
 }
 
 /// Which kinds of robots are enlarged, and how high the windows on them are.
@@ -140,7 +141,13 @@ impl<'a> Lenses<'a> {
 }
 
 /// The whole file.
-fn document(scenario: &Scenario, label: &str, (width, height): (f64, f64), inside: &Canvas) -> String {
+fn document(
+    scenario: &Scenario,
+    label: &str,
+    shown: Shown<'_>,
+    (width, height): (f64, f64),
+    inside: &Canvas,
+) -> String {
     let (width, height) = (width.ceil(), height.ceil());
     let mut canvas = Canvas::default();
     let root = Element::new("svg").set("xmlns", "http://www.w3.org/2000/svg").number("width", width);
@@ -148,7 +155,7 @@ fn document(scenario: &Scenario, label: &str, (width, height): (f64, f64), insid
     let root = root.set("role", "img").set("font-family", "system-ui, Helvetica, Arial, sans-serif");
     let title = format!("{}, seen from above", name(scenario, label));
     canvas.open(root.titled(&title));
-    canvas.put(Element::new("desc").text(&format!("{} ", scenario.description())));
+    canvas.put(Element::new("desc").text(&format!("{} ", told(scenario, shown).join(" "))));
     canvas.open(Element::new("defs"));
     ground::definitions(&mut canvas, scenario.surroundings());
     canvas.close("defs");
@@ -163,8 +170,17 @@ fn name<'a>(scenario: &'a Scenario, label: &'a str) -> &'a str {
     if scenario.name().is_empty() { label } else { scenario.name() }
 }
 
-/// Name and description.
-fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
+/// What it is of, and what ran in it.
+fn told(scenario: &Scenario, shown: Shown<'_>) -> Vec<String> {
+    let (about, facts) = match shown {
+        Shown::Starts | Shown::Route(_) | Shown::Quest(_) => (ran::about(scenario, false), None),
+        Shown::Trails(trails) => (trails.about.clone(), Some(trails.facts.clone())),
+    };
+    [Some(about), facts].into_iter().flatten().filter(|text| !text.is_empty()).collect()
+}
+
+/// Name, description, and what ran.
+fn head(scenario: &Scenario, label: &str, shown: Shown<'_>, room: f64) -> Block {
     let mut canvas = Canvas::default();
     let text = |y: f64, size: f64, color: &str, text: &str| {
         let at = Element::new("text").number("x", 24.0).number("y", y).number("font-size", size);
@@ -173,7 +189,7 @@ fn head(scenario: &Scenario, label: &str, room: f64) -> Block {
     let name = shortened(name(scenario, label), 20.0, room);
     canvas.put(text(34.0, 20.0, INK, &name).set("font-weight", "600"));
     let mut y = 38.0;
-    for line in wrapped(scenario.description(), 13.0, room, 3) {
+    for line in told(scenario, shown).iter().flat_map(|text| wrapped(text, 13.0, room, 3)) {
         y += 18.0;
         canvas.put(text(y, 13.0, PALE_INK, &line));
     }

@@ -22,6 +22,10 @@ pub(crate) struct Trails {
     pub(crate) from: SimTime,
     /// When they end.
     pub(crate) until: SimTime,
+    /// What the scenario is about, or what was changed of it.
+    pub(crate) about: String,
+    /// Which brains drove, over which links, with which seed.
+    pub(crate) facts: String,
 }
 
 /// The way of a robot.

@@ -4,6 +4,7 @@
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
 //!    `baudbot run` ([`watched`]), [`rows`] of Parquet, [`events`], [`trails`] for a picture, and [`beliefs`], which are in the
 //!    recording's frames.
+//!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
 //! 4. [`summary`] is what is told about a recording of which nothing else is wanted.
 
@@ -12,6 +13,7 @@ mod browser;
 mod events;
 mod film;
 mod pass;
+mod ran;
 mod rows;
 mod summary;
 mod trails;
@@ -29,8 +31,9 @@ use baudbot_sim::World;
 use crate::args::ExportArgs;
 use crate::csv::Table;
 use crate::error::Refused;
-use crate::replay::refused;
+use crate::replay::{refused, tape};
 use crate::signals::{INTERRUPTED, Stop};
+use crate::text::tell;
 use crate::trace::Trace;
 use crate::written::{self, STDOUT};
 use pass::{Output, Sink};
@@ -39,7 +42,7 @@ use window::Window;
 
 pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     check(args)?;
-    let tape = Arc::new(Tape::open(&args.file).map_err(|error| refused(&args.file, &error))?);
+    let tape = Arc::new(tape(&args.file).map_err(|error| refused(&args.file, &error))?);
     if args.outputs().next().is_none() {
         summary::show(&args.file, &tape, args.json)?;
         return Ok(ExitCode::SUCCESS);
@@ -88,13 +91,18 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
 fn notes(args: &ExportArgs, tape: &Tape) {
     let file = args.file.display();
     if let Some(problem) = tape.problem() {
-        let end_s = window::seconds(tape, tape.last_tick());
-        eprintln!("note: {file} is cut off ({problem}); what is left of it ends at {end_s} s");
+        let ends = tape.stretches().iter().map(|stretch| {
+            let [from_s, to_s] =
+                [stretch.first_tick, stretch.last_tick].map(|tick| window::seconds(tape, tick));
+            format!("{from_s} s to {to_s} s")
+        });
+        let left = ends.collect::<Vec<_>>().join(", ");
+        tell!("note: {file}: {problem}; what is left of it is {left}");
     }
     let first = tape.first_tick();
     if first > 0 && args.timeline.is_some() {
         let start_s = window::seconds(tape, first);
-        eprintln!("note: {file} begins at {start_s} s: the trace has nothing of what was before");
+        tell!("note: {file} begins at {start_s} s: the trace has nothing of what was before");
     }
 }
 
@@ -122,7 +130,7 @@ fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Resu
     add(&args.events, 1, &|out| Box::new(events::Events::new(out, tape, window.from)))?;
     add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, tape)))?;
     add(&args.beliefs_csv, 1, &|out| Box::new(beliefs::Table::new(out, &beliefs)))?;
-    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, &beliefs, &with)))?;
+    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, tape, &beliefs, &with)))?;
     Ok(outputs)
 }
 

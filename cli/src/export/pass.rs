@@ -9,6 +9,7 @@ use baudbot_sim::World;
 use super::window::Window;
 use crate::run;
 use crate::signals::Stop;
+use crate::text::tell;
 
 /// Makes something of what it sees.
 pub(super) trait Sink {
@@ -51,9 +52,14 @@ pub(super) fn run(
 ) -> anyhow::Result<bool> {
     let bar = run::progress(Some(window.to_tick - window.from_tick), quiet);
     replay.seek(&mut world, window.from_tick).context("the recording")?;
+    // Where the window begins something may be missing.
+    while world.tick() < window.from_tick && replay.step(&mut world).context("the recording")? {}
     let mut is_whole = true;
     loop {
         let seen = world.tick();
+        if seen > window.to_tick {
+            break;
+        }
         outputs.iter_mut().try_for_each(|output| output.tick(&world))?;
         if seen.is_multiple_of(TICKS_A_LOOK) {
             bar.set_position(seen.saturating_sub(window.from_tick));
@@ -72,11 +78,11 @@ pub(super) fn run(
     bar.finish_and_clear();
     outputs.into_iter().try_for_each(Output::finish)?;
     if let Some(difference) = replay.difference() {
-        eprintln!("warning: the run does not come out as it was recorded, from {difference}");
+        tell!("warning: the run does not come out as it was recorded, from {difference}");
     }
     if !is_whole {
         let at_s = world.time().as_seconds();
-        eprintln!("note: stopped at {at_s} s of the run; what is written ends there");
+        tell!("note: stopped at {at_s} s of the run; what is written ends there");
     }
     Ok(is_whole)
 }

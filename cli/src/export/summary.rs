@@ -41,8 +41,7 @@ pub(super) fn show(path: &Path, tape: &Tape, as_json: bool) -> anyhow::Result<()
     let bytes = fs::metadata(path).with_context(|| format!("cannot read {}", path.display()))?.len();
     let summary = Summary::new(path.display().to_string(), bytes, tape);
     if as_json {
-        let json = serde_json::to_string_pretty(&summary).context("cannot write the summary")?;
-        return text::print(&format!("{json}\n"));
+        return text::print_json(&summary);
     }
     text::print(&summary.text())
 }

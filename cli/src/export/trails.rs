@@ -1,16 +1,15 @@
 //! The ways of the robots, for a picture.
 
-use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use baudbot_geometry::{Point, Pose};
-use baudbot_proto::v1::ReplayEventKind;
 use baudbot_recording::Tape;
 use baudbot_sim::{RobotView, Scenario, SimTime, World};
 
 use super::Out;
 use super::pass::Sink;
+use super::ran::Ran;
 use crate::drawing::{self, Collision, Trail, Trails};
 
 /// A picture that is drawn at the end.
@@ -18,8 +17,7 @@ pub(super) struct Picture {
     out: Out,
     scenario: Arc<Scenario>,
     label: String,
-    /// Ticks before which somebody changed something by hand.
-    changed: BTreeSet<u64>,
+    ran: Ran,
     /// When it begins and ends.
     span: Option<(SimTime, SimTime)>,
     ways: Vec<Way>,
@@ -37,13 +35,12 @@ struct Way {
 
 impl Picture {
     pub(super) fn new(out: Out, tape: &Arc<Tape>) -> Self {
-        let changes = tape.events().iter().filter(|event| event.kind() == ReplayEventKind::Change);
         let robots = tape.scenario().robots().len();
         Self {
             out,
             scenario: Arc::clone(tape.scenario()),
             label: tape.header().world.clone(),
-            changed: changes.map(|event| event.tick).collect(),
+            ran: Ran::of(tape),
             span: None,
             ways: Vec::new(),
             room: (MOST_POINTS / robots.max(1)).clamp(LEAST_ROOM, MOST_ROOM),
@@ -55,11 +52,12 @@ impl Sink for Picture {
     fn tick(&mut self, world: &World) -> io::Result<()> {
         let now = world.time();
         self.span = Some((self.span.map_or(now, |(from, _)| from), now));
+        self.ran.see(world);
         if self.ways.is_empty() {
             self.ways = world.robots().map(|robot| Way::new(&robot)).collect();
             return Ok(());
         }
-        let changed = self.changed.contains(&world.tick());
+        let changed = self.ran.is_changed(world.tick());
         let step_s = world.scenario().step_ns() as f64 * 1e-9;
         for (way, robot) in self.ways.iter_mut().zip(world.robots()) {
             way.go_on(&robot, step_s, changed);
@@ -83,7 +81,9 @@ impl Sink for Picture {
     fn finish(mut self: Box<Self>) -> io::Result<()> {
         let (from, until) = self.span.unwrap_or_default();
         let robots = self.ways.into_iter().map(Way::done).collect();
-        let picture = drawing::draw_trails(&self.scenario, &self.label, &Trails { robots, from, until });
+        let (about, facts) = (self.ran.about().to_owned(), self.ran.facts());
+        let trails = Trails { robots, from, until, about, facts };
+        let picture = drawing::draw_trails(&self.scenario, &self.label, &trails);
         self.out.write_all(picture.as_bytes())?;
         self.out.flush()
     }

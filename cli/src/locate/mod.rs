@@ -10,7 +10,6 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::Context;
 use baudbot_brains::scan::Scan;
 use baudbot_geometry::{Point, Pose, Vector, math};
 use clap::ValueEnum;
@@ -43,8 +42,7 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
         }
     }
     if args.json {
-        let json = serde_json::to_string_pretty(&told.found()).context("cannot write what was found")?;
-        text::print(&format!("{json}\n"))?;
+        text::print_json(&told.found())?;
     } else {
         text::print(&told.words())?;
     }

@@ -8,7 +8,6 @@ mod way;
 
 use std::process::ExitCode;
 
-use anyhow::Context;
 use baudbot_brains::planning::{Cell, End, Grid, GridError, PlanError};
 use baudbot_geometry::{Bounds, Point};
 use baudbot_sim::Scenario;
@@ -38,8 +37,7 @@ pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
         }
     }
     if args.json {
-        let json = serde_json::to_string_pretty(&task.found(&way)).context("cannot write what was found")?;
-        text::print(&format!("{json}\n"))?;
+        text::print_json(&task.found(&way))?;
     } else {
         text::print(&task.words(&way))?;
     }

@@ -42,7 +42,7 @@ impl Way {
         };
         match plan {
             Ok(plan) => Ok(Self::of(grid, &plan)),
-            Err(PlanError::DeadEnd { walked, .. }) => Ok(Self::stuck(grid, &walked)),
+            Err(PlanError::DeadEnd { walked, touched, .. }) => Ok(Self::stuck(grid, &walked, &touched)),
             Err(error) => Err(error),
         }
     }
@@ -58,13 +58,13 @@ impl Way {
         }
     }
 
-    fn stuck(grid: &Grid, walked: &[Cell]) -> Self {
+    fn stuck(grid: &Grid, walked: &[Cell], touched: &[Cell]) -> Self {
         let points: Vec<_> = walked.iter().map(|&cell| grid.center(cell)).collect();
         Self {
             length_m: points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
             points: bends(&points),
             expanded: walked.len(),
-            touched: walked.iter().map(place).collect(),
+            touched: touched.iter().map(place).collect(),
             cells: Vec::new(),
             is_stuck: true,
         }

@@ -172,6 +172,41 @@ fn the_picture_has_a_way_for_each_robot() {
     assert!(points(0) <= 2 && points(2) > 5, "{} and {} points", points(0), points(2));
 }
 
+/// All text of a picture.
+fn words(picture: &str) -> String {
+    let document = Document::parse(picture).unwrap();
+    document.descendants().filter_map(|node| node.text()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_picture_tells_what_ran_and_repeats_no_description_that_was_made_false() {
+    let whole = "ARSim's arena, five IR sensors, a brain across 9600 baud 8N1";
+    let seconds = ["--seconds", "0.5", "--seed", "7", "--brain", "avoid:forward=0.3"];
+    let tape = record("wander", &seconds, "as-described.mcap");
+    let picture = words(&good(&["export", &tape, "--svg", "-"]));
+    assert!(picture.contains(whole), "{picture}");
+    assert!(
+        picture.contains("wander") && picture.contains("avoid:forward=0.3 · 9600 baud · seed 7"),
+        "{picture}"
+    );
+    let slow = [&seconds[..], &["--set", "robots.robot.link.baud=2400", "--no-noise"]].concat();
+    let tape = record("wander", &slow, "slower.mcap");
+    let picture = words(&good(&["export", &tape, "--svg", "-"]));
+    assert!(!picture.contains("9600"), "{picture}");
+    assert!(picture.contains("changed: robots.robot.link.baud=2400, noise=false"), "{picture}");
+    assert!(picture.contains("avoid:forward=0.3 · 2400 baud · seed 7"), "{picture}");
+    let set = ["--set", "robots.robot.link.baud=2400"];
+    let picture = words(&good(&[&["check", "wander", "--svg", "-"], &set[..]].concat()));
+    assert!(
+        !picture.contains("9600") && picture.contains("changed: robots.robot.link.baud=2400"),
+        "{picture}"
+    );
+    let diagram = ["diagram", "wander", "--svg", "-", "--brain", "wander", "--seed", "3"];
+    let picture = words(&good(&[&diagram, &set[..]].concat()));
+    assert!(picture.contains("wander · 2400 baud · seed 3"), "{picture}");
+    assert!(picture.contains("changed: robots.robot.link.baud=2400"), "{picture}");
+}
+
 #[test]
 fn a_recording_is_summed_up() {
     let tape = two_seconds("summary.mcap");
@@ -201,7 +236,7 @@ fn what_is_left_of_a_recording_is_exported_with_a_note() {
     fs::write(&tape, &whole[..whole.len() - 100]).unwrap();
     let (code, table, note) = baudbot(&["export", &tape, "--csv", "-"]);
     assert_eq!(code, 0);
-    assert!(note.starts_with(&format!("note: {tape} is cut off (")), "{note}");
+    assert!(note.starts_with(&format!("note: {tape}: the file is cut off")), "{note}");
     assert!(table.lines().count() > 1, "{table}");
     assert!(good(&["export", &tape]).contains("cut off"));
 }

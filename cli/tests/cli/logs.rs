@@ -10,8 +10,8 @@ use serde_json::Value;
 use crate::processes::serve;
 use crate::{Running, command, said};
 
-/// Tries to make a line of its own, or to colour the terminal.
-const HOSTILE: &str = "a\n{\"level\":\"INFO\",\"forged\":1}\u{1b}[31m\"";
+/// Tries to say something else than its name. What could make a line of its own, or colour the terminal, no server takes.
+const HOSTILE: &str = "a\",\"forged\":1,\"b\":\"\\n";
 
 /// Lets a brain of this name come and go, and ends the server; what it has logged.
 fn come_and_go(server: Running, address: &str, brain: &str) -> String {
@@ -71,7 +71,7 @@ fn text_logs_take_no_line_from_a_brain() {
         lines.iter().all(|line| line.contains(" world=\"wander\" ") && line.contains(" time_s=")),
         "{err}"
     );
-    assert!(lines[1].contains(r#"brain="a\n{\"level\""#), "{err}");
+    assert!(lines[1].contains(r#"brain="a\",\"forged\":1,"#), "{err}");
 }
 
 #[test]

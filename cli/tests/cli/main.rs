@@ -3,10 +3,12 @@
 mod beliefs;
 mod bench;
 mod budget;
+mod damaged;
 mod devices;
 mod diagrams;
 mod export;
 mod foxglove;
+mod hostile;
 mod locating;
 mod logs;
 mod new;
@@ -19,6 +21,7 @@ mod recordings;
 mod refusals;
 mod runs;
 mod sweep;
+mod terminal;
 mod timelines;
 mod tune;
 

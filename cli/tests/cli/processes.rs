@@ -89,12 +89,57 @@ fn a_second_signal_ends_an_observer_whom_nobody_reads() {
 fn a_brain_that_loses_its_server_says_so() {
     let (server, tcp, _) = serve("lost.sock", &["wander"]);
     let named = ["--world", "wander", "--robot", "robot"];
-    let mut brain = Running::start(&[&["brain", "constant", "--connect", &tcp], &named[..]].concat());
+    let brain = ["brain", "constant", "--connect", &tcp, "--reconnect", "off"];
+    let mut brain = Running::start(&[&brain, &named[..]].concat());
     assert_eq!(brain.first_complaint(), DRIVING);
     drop(server);
     let (code, _, err) = brain.end();
     assert_eq!(code, 1);
-    assert!(err.contains("the connection to the server is lost"), "{err}");
+    assert!(err.contains("the connection to the server is lost") && !err.contains("come back"), "{err}");
+}
+
+#[test]
+fn a_brain_comes_back_to_a_server_that_is_started_again_and_goes_when_its_robot_is_no_more() {
+    let (server, _, unix) = serve("back.sock", &["wander"]);
+    let mut brain = Running::start(&["brain", "constant", "--connect", &unix]);
+    assert_eq!(brain.first_complaint(), DRIVING);
+    // One that dies, and one that closes all its connections in good order.
+    drop(server);
+    let lost = brain.first_complaint();
+    assert!(
+        lost.contains("the connection to the server is lost")
+            && lost.ends_with("trying to come back for 600 s\n")
+    );
+    let (server, ..) = serve("back.sock", &["wander"]);
+    let back = "back with a brain that begins anew: driving robot of world wander\n";
+    assert_eq!(brain.first_complaint(), back);
+    let (code, _, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
+    assert_eq!(code, 1, "{err}");
+    assert!(err.contains("robot `robot` of world `wander` is held by brain `constant`"), "{err}");
+    server.signal("-TERM");
+    assert_eq!(server.end().0, 0);
+    assert!(brain.first_complaint().ends_with("trying to come back for 600 s\n"));
+    // What will not change ends it: there is no such robot any more.
+    let socket = format!("unix:{}", place("back.sock").display());
+    let mut server = Running::start(&["serve", "--listen", &socket, "khepera"]);
+    server.lines_until("Ctrl-C");
+    let (code, _, err) = brain.end();
+    assert_eq!(code, 1);
+    assert!(
+        err.contains("the brain of robot is not back: ") && err.contains("there is no world `wander`"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_brain_that_does_not_find_its_server_again_gives_up_at_its_limit() {
+    let (server, _, unix) = serve("gone.sock", &["wander"]);
+    let mut brain = Running::start(&["brain", "constant", "--connect", &unix, "--reconnect", "1"]);
+    assert_eq!(brain.first_complaint(), DRIVING);
+    drop(server);
+    let (code, _, err) = brain.end();
+    assert_eq!(code, 1);
+    assert!(err.contains("the brain of robot is not back: no server answers at unix:"), "{err}");
 }
 
 #[test]

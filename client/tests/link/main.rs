@@ -47,6 +47,7 @@ async fn the_handshake_names_world_robot_and_brain_and_brings_the_body() {
         brain: "timid".into(),
         memory_bytes: None,
         thinks_as_scenario: false,
+        stop_when_gone: false,
     };
     assert_eq!(requests.recv().await, Some(Request::Hello(hello)));
     assert_eq!((robot.step_ns(), robot.lockstep()), (10_000_000, true));

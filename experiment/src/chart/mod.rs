@@ -11,9 +11,12 @@ pub(crate) mod trace;
 
 use std::collections::BTreeMap;
 
-use crate::choice::{Choice, Field};
-use crate::experiment::{Chart, Experiment};
+use baudbot_sim::Scenario;
+
+use crate::choice::{Choice, Field, Setting};
+use crate::experiment::{Chart, Experiment, Seeds};
 use crate::figures::INFOS;
+use crate::ran;
 use crate::raw::ChartKind;
 use crate::row::Row;
 use crate::statistics::{Sample, wilson};
@@ -147,15 +150,50 @@ fn title(experiment: &Experiment, chart: &Chart) -> String {
     chart.title.clone().unwrap_or_else(own)
 }
 
-/// What a chart's numbers are of.
+/// What a chart's numbers are of: what ran.
 fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
     let others = (0..experiment.fields.len()).filter(|&i| i != chart.x && Some(i) != chart.by);
     let others: Vec<_> = others.map(|i| experiment.fields[i].label.as_str()).collect();
     let over = if others.is_empty() { String::new() } else { format!(", mean over {}", others.join(", ")) };
     let length =
         experiment.seconds.map(|seconds| format!(", {} s", axis::number(seconds))).unwrap_or_default();
-    let seeds = experiment.seeds.count();
-    format!("{}{length}, {seeds} seed{}{over}", experiment.name, if seeds == 1 { "" } else { "s" })
+    format!("{}{length}, {}{over}", of_what(experiment), seeds(experiment))
+}
+
+/// Which brains drove in which scenario, and over which links unless those are varied.
+pub(crate) fn of_what(experiment: &Experiment) -> String {
+    let mut words = format!("{}: {}", experiment.name, experiment.brains.join(", "));
+    let Ok(scenario) = Scenario::parse(&experiment.text) else { return words };
+    let name = if scenario.name().is_empty() { &experiment.scenario } else { scenario.name() };
+    words += &format!(" in {name}");
+    let varied = experiment.fields.iter().any(|field| varies_links(&field.choice));
+    let mut links = ran::links(&scenario);
+    links.dedup();
+    match links.as_slice() {
+        [link] if !varied => words + ", " + link,
+        _ => words,
+    }
+}
+
+fn varies_links(choice: &Choice) -> bool {
+    let is_of_link = |path: &str| path.contains("link") || path.contains("preset");
+    match choice {
+        Choice::Range(range) => is_of_link(&range.target),
+        Choice::Levels(levels) => {
+            levels.iter().flat_map(|level| &level.settings).any(|setting| match setting {
+                Setting::Scenario { path, .. } => is_of_link(path),
+                Setting::Parameter { .. } | Setting::Brain(_) => false,
+            })
+        }
+    }
+}
+
+pub(crate) fn seeds(experiment: &Experiment) -> String {
+    match &experiment.seeds {
+        Seeds::From(first, last) if first == last => format!("seed {first}"),
+        Seeds::From(first, last) => format!("seeds {first} to {last}"),
+        Seeds::List(seeds) => format!("{} seeds", seeds.len()),
+    }
 }
 
 /// Parts that a range is cut into.

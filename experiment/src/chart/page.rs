@@ -37,7 +37,8 @@ pub(super) fn open(canvas: &mut Canvas, (width, height): (f64, f64), title: &str
     canvas.put(paper.set("fill", PAPER));
     let title = text((20.0, 28.0), "start", title).set("font-size", "16").set("font-weight", "600");
     canvas.put(title);
-    canvas.put(text((20.0, 47.0), "start", subtitle).set("fill", PALE_INK));
+    let fits = ((width - 40.0) / self::width("m", 12.0)) as usize;
+    canvas.put(text((20.0, 47.0), "start", &cut_to(subtitle, fits)).set("fill", PALE_INK));
 }
 
 pub(super) fn close(mut canvas: Canvas) -> String {
@@ -76,10 +77,15 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
 
 /// A text that is cut if it is long.
 pub(super) fn cut(text: &str) -> String {
-    if text.chars().count() <= MOST {
+    cut_to(text, MOST)
+}
+
+/// A text of at most so many characters, with a sign that there was more.
+fn cut_to(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
         text.to_owned()
     } else {
-        text.chars().take(MOST - 1).chain(['…']).collect()
+        text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Optimizers of well-kept crates, each as a function of what was found so far.
+//! Optimizers, each as a function of what was found so far: two of well-kept crates, and the one of `genetic`.
 //!
 //! An optimizer with a seed does the same whenever it is told the same. So it needs no state of its own here: to go on it is
 //! run from its beginning. That makes a tuning that was killed go on where it was, from its journal alone, and lets the
@@ -6,16 +6,14 @@
 //!
 //! Points are in the unit cube: each coordinate is how much of its field's range lies below. Costs are to be made small.
 
-use std::ops::RangeInclusive;
-
 use argmin::core::{CostFunction, PopulationState, Problem, Solver, State};
 use argmin::solver::particleswarm::ParticleSwarm;
 use cmaes::{CMAESOptions, DVector};
-use genetic_algorithm::strategy::evolve::prelude::*;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use serde::Deserialize;
 
+use super::genetic;
 use super::ledger::Ledger;
 
 /// How numbers are looked for.
@@ -29,7 +27,8 @@ pub enum Method {
     /// Particle swarm optimization: each particle is drawn to the best place that it has seen, and to the best of all.
     #[serde(rename = "pso")]
     Swarm,
-    /// A genetic algorithm: tournaments, uniform crossover, mutations by up to an eighth of the range.
+    /// A genetic algorithm: tournaments, children between their parents or a little beyond, mutations by up to an eighth of
+    /// the range.
     #[serde(rename = "ga")]
     Genetic,
 }
@@ -55,7 +54,7 @@ impl Course {
         let goes_on = match self.method {
             Method::CmaEs => self.sample(past.len(), &ledger)?,
             Method::Swarm => self.swarm(past.len(), &ledger)?,
-            Method::Genetic => self.evolve(past.len(), &ledger)?,
+            Method::Genetic => return Ok(Some(genetic::generation(self, past))),
         };
         Ok(goes_on.then(|| ledger.into_asked()))
     }
@@ -86,29 +85,9 @@ impl Course {
         }
         Ok(true)
     }
-
-    fn evolve(&self, past: usize, ledger: &Ledger) -> Result<bool, String> {
-        let ranges: Vec<RangeInclusive<f64>> = vec![0.0..=1.0; self.dimensions];
-        let genotype = MultiRangeGenotype::builder().with_allele_ranges(ranges);
-        let genotype = genotype.with_mutation_types(vec![MutationType::Range(MUTATION); self.dimensions]);
-        let genotype = genotype.build().map_err(|error| error.0.to_owned())?;
-        Evolve::builder()
-            .with_genotype(genotype)
-            .with_select(SelectTournament::new(0.8, 0.1, 3))
-            .with_crossover(CrossoverUniform::new(0.9, 0.8))
-            .with_mutate(MutateMultiGene::new(self.dimensions.div_ceil(2), 0.6))
-            .with_fitness(Told(ledger.clone()))
-            .with_fitness_ordering(FitnessOrdering::Minimize)
-            .with_target_population_size(self.population)
-            .with_max_generations(past)
-            .with_rng_seed_from_u64(self.seed)
-            .call()
-            .map_err(|error| error.0.to_owned())?;
-        Ok(true)
-    }
 }
 
-/// What the crates ask for costs.
+/// What a crate asks for costs.
 #[derive(Clone, Debug)]
 struct Told(Ledger);
 
@@ -121,20 +100,8 @@ impl CostFunction for Told {
     }
 }
 
-impl Fitness for Told {
-    type Genotype = MultiRangeGenotype<f64>;
-
-    fn calculate_for_chromosome(
-        &mut self,
-        chromosome: &FitnessChromosome<Self>,
-        _genotype: &FitnessGenotype<Self>,
-    ) -> Option<FitnessValue> {
-        fitness_score(self.0.cost(&chromosome.genes), PRECISION)
-    }
-}
-
 /// Into the range from 0 to 1, as in a mirror at either end.
-fn fold(x: f64) -> f64 {
+pub(super) fn fold(x: f64) -> f64 {
     let once = x.rem_euclid(2.0);
     if once > 1.0 { 2.0 - once } else { once }
 }
@@ -144,12 +111,6 @@ const FIRST_STEP: f64 = 0.25;
 
 /// Steps below this share of the ranges are over.
 const LEAST_STEP: f64 = 1e-4;
-
-/// Largest mutation, as a share of a range.
-const MUTATION: f64 = 0.125;
-
-/// Differences of costs below this are none to the genetic algorithm, which counts in whole numbers.
-const PRECISION: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {
@@ -182,13 +143,18 @@ mod tests {
     #[test]
     fn each_method_finds_the_bottom_of_a_bowl_and_stays_in_the_ranges() {
         for method in METHODS {
-            let points = run(&course(method, 3), 40);
-            let all = || points.iter().flatten();
-            assert!(all().flatten().all(|x| (0.0..=1.0).contains(x)), "{method:?}");
-            assert!(points.iter().all(|generation| generation.len() <= 12), "{method:?}");
-            let best = all().map(|point| bowl(point)).fold(f64::INFINITY, f64::min);
-            let first = points[0].iter().map(|point| bowl(point)).fold(f64::INFINITY, f64::min);
-            assert!(best < 2e-3 && best < 0.1 * first, "{method:?}: {first} {best}");
+            let mut bests = [1, 2, 3, 4, 5].map(|seed| {
+                let points = run(&Course { seed, ..course(method, 3) }, 40);
+                let all = || points.iter().flatten();
+                assert!(all().flatten().all(|x| (0.0..=1.0).contains(x)), "{method:?}");
+                assert!(points.iter().all(|generation| generation.len() <= 12), "{method:?}");
+                let best = all().map(|point| bowl(point)).fold(f64::INFINITY, f64::min);
+                let first = points[0].iter().map(|point| bowl(point)).fold(f64::INFINITY, f64::min);
+                (best, best / first)
+            });
+            bests.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (best, share) = bests[2];
+            assert!(best < 2e-3 && share < 0.1, "{method:?}: {bests:?}");
         }
     }
 

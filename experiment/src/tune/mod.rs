@@ -9,6 +9,7 @@
 //! that was killed goes on where it was. One that is over goes on if it is given more generations.
 
 mod candidate;
+mod genetic;
 mod goal;
 mod ledger;
 mod method;
@@ -66,7 +67,7 @@ pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Err
     // More generations go on with what there is.
     let own = format!("{:?}", (course, &tuning.goal, tuning.check_seeds, &experiment.success));
     let header = Header::new(&experiment.name, fingerprint_with(experiment, &own), build(), i64::MAX as u64);
-    let mut journal = sweep::begin_journal(&folder, &header, options.fresh)?;
+    let mut journal = sweep::begin_journal(&folder, &header, options)?;
     let rows = journal.rows()?.map(|row| row.map(|row| (row.run, row))).collect::<Result<_, _>>()?;
     let name = sweep::world_name(folder.id(), options.out);
     let journal = &mut journal;

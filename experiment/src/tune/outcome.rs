@@ -4,8 +4,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use baudbot_brains::catalogue;
+use baudbot_sim::printable::PrintableLines;
 use serde_json::{Value, json};
 
+use crate::chart;
 use crate::chart::trace::{self, Trace};
 use crate::choice::{Choice, Field, Setting};
 use crate::crew;
@@ -60,7 +62,7 @@ impl Tuned {
 
     pub(super) fn write(&mut self, experiment: &Experiment, folder: &Folder) -> Result<(), Error> {
         let mut texts = vec![
-            (SUMMARY, self.text(experiment)),
+            (SUMMARY, PrintableLines(self.text(experiment)).to_string()),
             (TRACE, trace::draw(&self.trace(experiment))),
             (CANDIDATES, self.table(experiment)),
         ];
@@ -163,7 +165,11 @@ impl Tuned {
             });
         Trace {
             title: experiment.name.clone(),
-            subtitle: format!("each point is a candidate, a mean over {} seeds", experiment.seeds.count()),
+            subtitle: format!(
+                "{}; each point is a candidate, a mean over {}",
+                chart::of_what(experiment),
+                chart::seeds(experiment)
+            ),
             goal,
             generations: last,
             untuned: self.untuned.as_ref().and_then(|untuned| untuned.outcome.score()),

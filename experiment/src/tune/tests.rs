@@ -55,6 +55,16 @@ fn folder(name: &str) -> PathBuf {
 
 /// Stops after so many runs.
 fn run_until(toml: &str, out: &Path, jobs: usize, runs: u64) -> Result<Tuned, Error> {
+    run_and_tell(toml, out, jobs, runs, &|_| {})
+}
+
+fn run_and_tell(
+    toml: &str,
+    out: &Path,
+    jobs: usize,
+    runs: u64,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Tuned, Error> {
     let (stop, seen) = (AtomicBool::new(false), AtomicU64::new(0));
     let progress = |done: u64, _| {
         if seen.fetch_max(done, Ordering::Relaxed).max(done) >= runs {
@@ -63,7 +73,8 @@ fn run_until(toml: &str, out: &Path, jobs: usize, runs: u64) -> Result<Tuned, Er
     };
     let (place, fresh, confirmed) = (Place::Here, false, true);
     let experiment = experiment(toml)?;
-    tune(&experiment, &Options { out, fresh, place, jobs, confirmed, stop: &stop, progress: &progress })
+    let (stop, progress) = (&stop, &progress);
+    tune(&experiment, &Options { out, fresh, place, jobs, confirmed, stop, progress, tell })
 }
 
 fn run(toml: &str, name: &str) -> Tuned {
@@ -119,6 +130,33 @@ fn what_was_stopped_goes_on_and_any_number_of_threads_finds_the_same() {
     run_until(STRAIGHT, &parts, 1, u64::MAX).unwrap();
     assert_eq!(journal, std::fs::read(parts.join("rows.jsonl")).unwrap());
     [whole, parts].iter().for_each(|folder| std::fs::remove_dir_all(folder).unwrap());
+}
+
+#[test]
+fn damaged_lines_are_told_of_and_their_runs_done_again_to_the_same_result() {
+    let out = folder("damaged");
+    run_until(STRAIGHT, &out, 2, u64::MAX).unwrap();
+    let (files, path) = (read(&out), out.join("rows.jsonl"));
+    let sound = std::fs::read(&path).unwrap();
+    let mut bytes = sound.clone();
+    let lines = bytes.split_inclusive_mut(|byte| *byte == b'\n').skip(3).step_by(7);
+    let hit = lines.map(|line| line[line.len() / 2] ^= 1).count();
+    std::fs::write(&path, &bytes).unwrap();
+    let told = std::sync::Mutex::new(Vec::new());
+    run_and_tell(STRAIGHT, &out, 2, u64::MAX, &|text| told.lock().unwrap().push(text.to_owned())).unwrap();
+    let told = told.into_inner().unwrap();
+    assert_eq!(told.len(), hit);
+    for (i, told) in told.iter().enumerate() {
+        assert!(told.contains(&format!("rows.jsonl: line {} is damaged", 4 + 7 * i)), "{told}");
+    }
+    assert!(files == read(&out));
+    let sorted = |bytes: &[u8]| {
+        let mut lines: Vec<_> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
+        lines.sort();
+        lines
+    };
+    assert!(sorted(&sound) == sorted(&std::fs::read(&path).unwrap()), "other runs were done");
+    std::fs::remove_dir_all(out).unwrap();
 }
 
 #[test]
@@ -194,7 +232,8 @@ fn the_way_to_a_goal_can_be_made_short() {
     let experiment = Experiment::parse(&toml, "test", |_| Ok(room)).unwrap();
     let (out, stop) = (folder("goal"), AtomicBool::new(false));
     let (place, fresh, confirmed) = (Place::Here, false, true);
-    let options = Options { out: &out, fresh, place, jobs: 2, confirmed, stop: &stop, progress: &|_, _| {} };
+    let (progress, tell) = (&|_, _| {}, &|_: &str| {});
+    let options = Options { out: &out, fresh, place, jobs: 2, confirmed, stop: &stop, progress, tell };
     let tuned = tune(&experiment, &options).unwrap();
     assert_eq!(tuned.untuned.as_ref().unwrap().outcome.score(), None, "it stands");
     assert!(

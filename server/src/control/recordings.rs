@@ -1,5 +1,6 @@
 //! What operators do with runs that are files.
 
+use std::io::BufReader;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
@@ -11,10 +12,11 @@ use tonic::Status;
 use super::{Control, status_of};
 use crate::blocking::blocking;
 use crate::convert;
-use crate::letter::{Letter, Order, RecordingReport};
+use crate::letter::{Letter, Order, RecordingReport, Report};
 use crate::pace::Pace;
 use crate::recording::{Folder, RecordConfig};
-use crate::registry::NewWorld;
+use crate::registry::{NewWorld, Registry};
+use crate::server::Server;
 use crate::words::brief;
 
 impl Control {
@@ -62,9 +64,7 @@ impl Control {
     }
 
     pub(super) async fn stop_recording_of(&self, world: &str) -> Result<RecordingReport, Status> {
-        let (told, closed) = oneshot::channel();
-        self.order(world, Order::StopRecording(told)).await?;
-        closed.await.map_err(|_| Status::internal("the recording's thread is gone"))
+        Ok(stop(&self.registry, world).await?.1)
     }
 
     pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
@@ -75,15 +75,11 @@ impl Control {
 
     pub(super) async fn open(&self, request: v1::OpenRecordingRequest) -> Result<v1::WorldStatus, Status> {
         let v1::OpenRecordingRequest { recording, world } = request;
-        let path = self.folder()?.file(&recording)?;
-        let file = format!("recording: `{recording}`");
+        let folder = self.folder()?.clone();
+        let (name, file) = (recording.clone(), format!("recording: `{recording}`"));
         let opened = blocking(move || {
-            if !path.exists() {
-                return Err(Status::not_found(format!(
-                    "{file}: there is no such file in the server's folder"
-                )));
-            }
-            open(Tape::open(&path))
+            let opened = BufReader::with_capacity(1 << 20, folder.open(&name)?);
+            open(Tape::read(opened))
                 .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
         });
         let (replay, made) = opened.await??;
@@ -111,10 +107,34 @@ impl Control {
     }
 }
 
+/// Closes a world's recording. Gives the world as the file ends with it, and how the file is.
+async fn stop(registry: &Registry, world: &str) -> Result<(Report, RecordingReport), Status> {
+    let (told, closed) = oneshot::channel();
+    let report = registry.find("world", world)?.order(Order::StopRecording(told)).await?;
+    let recording = closed.await.map_err(|_| Status::internal("the recording's thread is gone"))?;
+    Ok((report, recording))
+}
+
+impl Server {
+    /// Closes a world's recording, and says how the world then stood: in the very state that the file ends with. Who
+    /// asks for the one and then for the other may find a tick between them.
+    ///
+    /// # Errors
+    /// If there is no such world, or it is not being recorded.
+    pub async fn stop_recording(&self, world: &str) -> Result<v1::WorldStatus, Status> {
+        let (report, recording) = stop(&self.registry, world).await?;
+        let status = status_of(Report { recording: Some(recording), ..report }).await?.1;
+        Ok(status)
+    }
+}
+
 /// A world from a state that SaveWorld gave, and the name that it had.
 pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
     let tape = Tape::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
+    if let Some(problem) = tape.problem() {
+        return Err(invalid(format!("is no whole state: {problem}")));
+    }
     if tape.last_tick() != tape.first_tick() {
         let ticks = tape.last_tick() - tape.first_tick();
         return Err(invalid(format!(

@@ -5,18 +5,20 @@ use std::time::Duration;
 use baudbot_proto::v1;
 use tonic::Status;
 
-use crate::pace::{Lockstep, Pace, Watchdog, WatchdogPolicy};
+use crate::pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 
 /// A pace from the contract; `None` if it is absent.
 pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> {
     let Some(pace) = pace else { return Ok(None) };
     let kind = pace.kind.ok_or_else(|| Status::invalid_argument("pace.kind: must be set"))?;
     Ok(Some(match kind {
-        v1::pace::Kind::RealTime(_) => Pace::REAL_TIME,
-        v1::pace::Kind::Scaled(v1::Scaled { factor }) if factor.is_finite() && factor > 0.0 => {
-            Pace::Timed { factor }
+        v1::pace::Kind::RealTime(v1::RealTime { max_lag_ms }) => {
+            Pace::Timed(Timed { factor: 1.0, max_lag: max_lag(max_lag_ms) })
         }
-        v1::pace::Kind::Scaled(v1::Scaled { factor }) => {
+        v1::pace::Kind::Scaled(v1::Scaled { factor, max_lag_ms }) if factor.is_finite() && factor > 0.0 => {
+            Pace::Timed(Timed { factor, max_lag: max_lag(max_lag_ms) })
+        }
+        v1::pace::Kind::Scaled(v1::Scaled { factor, .. }) => {
             return Err(Status::invalid_argument(format!(
                 "pace.scaled.factor: must be positive, is {factor}"
             )));
@@ -29,6 +31,10 @@ pub(crate) fn pace_from(pace: Option<v1::Pace>) -> Result<Option<Pace>, Status> 
         }
         v1::pace::Kind::Free(_) => Pace::Free,
     }))
+}
+
+fn max_lag(ms: u32) -> Duration {
+    if ms == 0 { Timed::MAX_LAG } else { Duration::from_millis(ms.into()) }
 }
 
 fn lockstep_from(watchdog: Option<v1::Watchdog>, no_lookahead: bool) -> Result<Lockstep, Status> {
@@ -58,8 +64,12 @@ pub fn pace_of(pace: v1::Pace) -> Option<Pace> {
 pub(crate) fn pace_to(pace: Pace) -> v1::Pace {
     use v1::pace::Kind;
     let kind = match pace {
-        Pace::Timed { factor: 1.0 } => Kind::RealTime(v1::RealTime {}),
-        Pace::Timed { factor } => Kind::Scaled(v1::Scaled { factor }),
+        Pace::Timed(Timed { factor: 1.0, max_lag }) => {
+            Kind::RealTime(v1::RealTime { max_lag_ms: ms(max_lag) })
+        }
+        Pace::Timed(Timed { factor, max_lag }) => {
+            Kind::Scaled(v1::Scaled { factor, max_lag_ms: ms(max_lag) })
+        }
         Pace::Lockstep(Lockstep { watchdog, lookahead }) => {
             Kind::Lockstep(v1::Lockstep { watchdog: Some(watchdog_to(watchdog)), no_lookahead: !lookahead })
         }
@@ -77,6 +87,10 @@ fn watchdog_to(watchdog: Watchdog) -> v1::Watchdog {
         WatchdogPolicy::GoOn => v1::WatchdogPolicy::GoOn,
         WatchdogPolicy::Detach => v1::WatchdogPolicy::Detach,
     };
-    let timeout_ms = u32::try_from(watchdog.timeout.as_millis()).unwrap_or(u32::MAX);
-    v1::Watchdog { timeout_ms, policy: policy.into() }
+    v1::Watchdog { timeout_ms: ms(watchdog.timeout), policy: policy.into() }
+}
+
+/// Whole milliseconds, of which 0 would mean something else.
+fn ms(duration: Duration) -> u32 {
+    u32::try_from(duration.as_millis()).unwrap_or(u32::MAX).max(1)
 }

@@ -79,6 +79,8 @@ fn pace_status(pacing: &Pacing) -> v1::PaceStatus {
         lateness_max_wall_ns: nanos(pacing.lateness_max),
         watchdog_timeouts: pacing.watchdog_timeouts,
         waiting_wall_ns: nanos(pacing.waiting),
+        let_go_wall_ns: nanos(pacing.let_go),
+        times_let_go: pacing.times_let_go,
     }
 }
 
@@ -106,6 +108,7 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
             .collect(),
         frames_missed: robot.frames_missed(),
         lost_deliveries: seat.lost_deliveries,
+        lost_steps: seat.lost_steps,
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),

@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use baudbot_sim::SimTime;
-use tokio::sync::{OwnedSemaphorePermit, oneshot};
+use tokio::sync::oneshot;
 use tonic::Status;
 
+use super::last_word::LastWord;
 use super::{Host, Pending, ahead, sender};
 use crate::endpoint::{Thinking, Write};
 use crate::letter::{Attach, Attached, CoverageReport, Lease, Letter};
@@ -42,16 +43,22 @@ impl Host {
                 self.observers.add(watch, view);
             }
             Letter::Attach(request, reply) => self.attach(request, reply),
-            Letter::Step { session, turn, writes, permit } => self.take_step(session, turn, writes, permit),
+            Letter::Step { session, turn, writes, permit } => {
+                drop(permit);
+                self.take_step(session, turn, writes);
+            }
             Letter::End => {
                 event!(self, info, "world over, since its server stops");
-                self.deleted = true;
+                // The same may be there again, in a moment.
+                self.over =
+                    Some(Status::unavailable(format!("world `{}` is over, as its server stops", self.name)));
             }
             Letter::Detach { session, why } => {
                 self.log_detached(session, &why);
                 self.record_gone(session, &why);
                 self.beliefs.hand_to(None, self.sessions.robots(session));
                 self.give_up(session);
+                self.stop_robots_of(session);
                 self.sessions.detach(session, self.policy());
             }
         }
@@ -62,13 +69,15 @@ impl Host {
             return drop(reply.send(Err(status)));
         }
         let scenario = Arc::clone(self.world.scenario());
-        let (world, brain) = (request.world.clone(), request.brain.clone());
+        let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
         let (session, robots) = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(attached) => attached,
             Err(status) => return drop(reply.send(Err(status))),
         };
+        let lost_steps = self.sessions.count_of_lost_steps(session);
         for &robot in &robots {
             self.senders[robot] = sender(&self.world.robot(robot));
+            self.last_words[robot] = stops.then(|| LastWord::of(&self.world));
         }
         self.record_come(&robots, &brain);
         self.log_attached(session, &robots);
@@ -77,7 +86,7 @@ impl Host {
         // If nobody waits for the answer any more, the lease is dropped, and a letter says so.
         self.beliefs.hand_to(Some(session), &robots);
         let beliefs = self.beliefs.clone();
-        if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs })).is_err() {
+        if reply.send(Ok(Attached { lease, scenario, robots, lockstep, beliefs, lost_steps })).is_err() {
             return;
         }
         if self.world.ending().is_some() {
@@ -91,7 +100,8 @@ impl Host {
         self.pace.watchdog().map(|watchdog| watchdog.policy)
     }
 
-    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>, permit: OwnedSemaphorePermit) {
+    fn take_step(&mut self, session: u64, turn: u64, writes: Vec<Write>) {
+        self.note_word_of(session);
         let promised = self.sessions.promised(session);
         let answer = self.sessions.answered(session, turn);
         match (answer, self.pace.watchdog()) {
@@ -111,7 +121,11 @@ impl Host {
                     return self.catch_up(session, writes);
                 }
             }
-            (Answer::Due | Answer::Unasked, None) => {}
+            (Answer::Due | Answer::Unasked, None) => {
+                if !self.sessions.takes_step(session) {
+                    return;
+                }
+            }
         }
         let tick = self.sessions.tick_of(session, turn);
         for write in writes {
@@ -122,12 +136,11 @@ impl Host {
             let bytes = self.senders[robot].encode(spec, write.output);
             self.inputs.push(Pending { robot, at, bytes, tick });
         }
-        self.permits.push(permit);
     }
 
     /// When the bytes of a step are handed to the port: the instant of the brain's step plus its thinking
     /// time where the world waits, and not before they came where time follows the wall clock.
-    fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
+    pub(super) fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
         let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
         let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
         match &self.clock {

@@ -3,6 +3,7 @@
 //! Who does that is [`Room`](crate::room::Room)'s to know. This file is the loop; what operators order is in [`orders`].
 
 mod ahead;
+mod last_word;
 mod letters;
 mod log;
 mod measures;
@@ -11,6 +12,8 @@ mod record;
 mod replay;
 mod rounds;
 mod stopwatch;
+#[cfg(test)]
+mod tests;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,7 +21,7 @@ use std::sync::atomic::AtomicU32;
 use std::time::{Duration, Instant};
 
 use baudbot_sim::{Input, Intervention, RobotView, SimTime, Turn, World};
-use tokio::sync::{OwnedSemaphorePermit, oneshot};
+use tokio::sync::oneshot;
 use tonic::Status;
 
 use crate::beliefs::Beliefs;
@@ -26,10 +29,12 @@ use crate::endpoint::Sender;
 use crate::letter::{Activity, Letter, Report};
 use crate::log::event;
 use crate::observers::{Observers, View};
-use crate::pace::{Clock, Pace, Pacing, WatchdogPolicy};
+use crate::pace::{Clock, Pace, Pacing, Timed, WatchdogPolicy};
 use crate::recording::Recorder;
 use crate::registry::NewWorld;
+use crate::seldom::Seldom;
 use crate::sessions::Sessions;
+use last_word::LastWord;
 use replay::Replaying;
 pub(crate) use rounds::Then;
 use stopwatch::Stopwatch;
@@ -52,25 +57,27 @@ pub(crate) struct Host {
     paused: bool,
     /// Ticks still to do in the stepped pace, and who waits for them.
     credits: u64,
-    steppers: Vec<oneshot::Sender<Result<Report, Status>>>,
+    stepper: Option<oneshot::Sender<Result<Report, Status>>>,
     /// Between `begin` and `finish`.
     begun: bool,
     /// Set while simulated time follows the wall clock.
     clock: Option<Clock>,
+    lagging: Seldom,
     /// Since when the world waits for brains, in lockstep.
     waiting_since: Instant,
     running: Stopwatch,
     inputs: Vec<Pending>,
-    /// Given back at the end of the tick: they bound how much one stream can have in a tick.
-    permits: Vec<OwnedSemaphorePermit>,
     /// Each robot's, where the server encodes for its brain. What they hold is on the wire, so they go back in
     /// time with the world.
     senders: Vec<Sender>,
     /// As they were when the tick began, which is where a snapshot goes back to.
     senders_at_begin: Vec<Sender>,
+    /// Of each robot, what is written when its brain is gone, if its brain wants that.
+    last_words: Vec<Option<LastWord>>,
     snapshots: VecDeque<Snapshot>,
     last_snapshot: u64,
-    deleted: bool,
+    /// What its brains are told at its end, once that has come.
+    over: Option<Status>,
     /// How long a tick takes, lately; `None` before the first.
     tick_takes: Option<Duration>,
     tick_took: Duration,
@@ -131,6 +138,7 @@ impl Host {
             recorder: None,
             heavy: None,
             behind_since: vec![0; senders.len()],
+            last_words: vec![None; senders.len()],
             replaying: replay.map(Replaying::new),
             sessions: Sessions::new(senders.len()),
             observers: Observers::default(),
@@ -143,18 +151,18 @@ impl Host {
             pacing: Pacing::default(),
             paused,
             credits: 0,
-            steppers: Vec::new(),
+            stepper: None,
             begun: false,
             clock: None,
+            lagging: Seldom::default(),
             waiting_since: Instant::now(),
             running: Stopwatch::default(),
             inputs: Vec::new(),
-            permits: Vec::new(),
             senders_at_begin: senders.clone(),
             senders,
             snapshots: VecDeque::new(),
             last_snapshot: 0,
-            deleted: false,
+            over: None,
             tick_takes: None,
             tick_took: Duration::ZERO,
             neighbours,
@@ -222,9 +230,7 @@ impl Host {
     }
 
     fn begin(&mut self, now: Instant) {
-        if let (Pace::Timed { factor }, None) = (self.pace, &self.clock) {
-            self.clock = Some(Clock::new(now, self.world.time(), factor));
-        }
+        self.follow_clock(now);
         let lockstep = self.pace.lockstep();
         let mut turns = self.world.begin().to_vec();
         self.record_begun();
@@ -235,11 +241,25 @@ impl Host {
         self.sessions.deliver(&self.world, &turns, lockstep.map(|_| now));
         self.senders_at_begin.clone_from(&self.senders);
         self.begun = true;
+        self.stop_silent(now);
         let begun = Instant::now();
         if !self.sessions.is_behind() {
             self.waiting_since = begun;
         }
         self.tick_took = begun - now;
+    }
+
+    /// A tick is to begin: where time follows the wall clock, what the world lags beyond what it may is let go.
+    fn follow_clock(&mut self, now: Instant) {
+        let Pace::Timed(Timed { factor, max_lag }) = self.pace else { return };
+        let clock = self.clock.get_or_insert_with(|| Clock::new(now, self.world.time(), factor));
+        let Some(beyond) = clock.let_go(now, self.world.time(), max_lag) else { return };
+        self.pacing.let_go += beyond;
+        self.pacing.times_let_go += 1;
+        if let Some(times) = self.lagging.note(now) {
+            let (let_go_s, sum_s) = (beyond.as_secs_f64(), self.pacing.let_go.as_secs_f64());
+            event!(self, warn, times, let_go_s, sum_s, "the world lags, and lets time go");
+        }
     }
 
     /// A brain that waits for what has not come is not asked. Its step counts as one in which it wrote nothing.
@@ -283,16 +303,16 @@ impl Host {
         self.world.finish_ahead(&inputs, open);
         self.record_inputs(began, open);
         self.inputs.clear();
-        self.permits.clear();
+        self.sessions.forget_steps();
         self.begun = false;
-        self.credits = self.credits.saturating_sub(1);
+        self.spend_credit();
         self.ending = self.world.ending().is_some();
         if self.ending && !self.sessions.is_behind() {
             self.end();
         }
         self.intervene();
         if self.credits == 0 {
-            self.answer_steppers();
+            self.answer_stepper();
         }
         self.note_duration(self.tick_took + now.elapsed());
     }
@@ -347,7 +367,14 @@ impl Host {
         self.record_gone(session, status.message());
         self.beliefs.hand_to(None, self.sessions.robots(session));
         self.give_up(session);
+        self.stop_robots_of(session);
         self.sessions.close(session, self.policy(), status);
+    }
+
+    /// The world is over. Brains that it has not told learn it: a panic has ended it.
+    pub(crate) fn abandon(&mut self) {
+        let text = format!("world `{}` has ended by a panic; the server's log says more", self.name);
+        self.sessions.close_all(&Status::internal(text));
     }
 
     fn tick_end(&self) -> SimTime {

@@ -45,7 +45,7 @@ impl Host {
                 self.paused = true;
                 self.clock = None;
                 self.credits = 0;
-                self.answer_steppers();
+                self.answer_stepper();
             }
             Order::Step { ticks } => return self.step(ticks, reply),
             Order::Seek { tick } => return self.seek(tick, reply),
@@ -56,9 +56,8 @@ impl Host {
                 }
             }
             Order::StopRecording(told) => {
-                if let Err(status) = self.stop_recording(told) {
-                    return drop(reply.send(Err(status)));
-                }
+                let stopped = self.stop_recording(told);
+                return drop(reply.send(stopped.map(|world| Report { world, ..self.report(0) })));
             }
             Order::Save { snapshot } => return drop(reply.send(self.saved(snapshot))),
             Order::SetPace(pace) => self.set_pace(pace),
@@ -101,7 +100,7 @@ impl Host {
             Order::Delete => {
                 // Who deletes a world and then ends the program finds its file whole.
                 self.end_recording();
-                self.deleted = true;
+                self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));
             }
         }
         drop(reply.send(Ok(self.report(snapshot))));
@@ -184,13 +183,26 @@ impl Host {
             let text = "a robot has no brain, and the world waits for one; attach it, or go on without by StartWorld";
             return drop(reply.send(Err(Status::failed_precondition(text))));
         }
+        if self.stepper.as_ref().is_some_and(|stepper| !stepper.is_closed()) {
+            let text = format!(
+                "world: `{}` does ticks for another StepWorld, {} are left; wait for them, or end them with PauseWorld",
+                self.name, self.credits
+            );
+            return drop(reply.send(Err(Status::failed_precondition(text))));
+        }
         self.paused = false;
-        self.credits = self.credits.saturating_add(ticks.max(1));
-        self.steppers.push(reply);
+        self.credits = ticks.max(1);
+        self.stepper = Some(reply);
     }
 
-    pub(super) fn answer_steppers(&mut self) {
-        for reply in std::mem::take(&mut self.steppers) {
+    /// A tick is done. If nobody waits any more for those that are left of a StepWorld, there are no further ones.
+    pub(super) fn spend_credit(&mut self) {
+        let is_wanted = self.stepper.as_ref().is_some_and(|stepper| !stepper.is_closed());
+        self.credits = if is_wanted { self.credits.saturating_sub(1) } else { 0 };
+    }
+
+    pub(super) fn answer_stepper(&mut self) {
+        if let Some(reply) = self.stepper.take() {
             drop(reply.send(Ok(self.report(0))));
         }
     }
@@ -209,7 +221,7 @@ impl Host {
         }
         self.clock = None;
         self.credits = 0;
-        self.answer_steppers();
+        self.answer_stepper();
         self.waiting_since = Instant::now();
     }
 
@@ -221,10 +233,10 @@ impl Host {
         self.ending = false;
         self.clock = None;
         self.inputs.clear();
-        self.permits.clear();
+        self.sessions.forget_steps();
         self.sessions.void_turns();
         self.credits = 0;
-        self.answer_steppers();
+        self.answer_stepper();
         self.drop_interventions();
         self.beliefs.forget_all();
         self.observers.begin_anew(&self.world);
@@ -262,6 +274,7 @@ impl Host {
         let seats = self.sessions.seats().map(|(seat, brain)| SeatReport {
             brain: brain.map(str::to_owned),
             lost_deliveries: seat.lost_deliveries,
+            lost_steps: self.sessions.lost_steps(seat),
         });
         Report {
             name: Arc::clone(&self.name),

@@ -23,12 +23,15 @@ impl Host {
         Ok(())
     }
 
-    /// `told` learns how the file is once it is closed.
-    pub(super) fn stop_recording(&mut self, told: oneshot::Sender<RecordingReport>) -> Result<(), Status> {
+    /// `told` learns how the file is once it is closed. Gives the world as the file ends with it: its tick begun,
+    /// whether it was or not.
+    pub(super) fn stop_recording(&mut self, told: oneshot::Sender<RecordingReport>) -> Result<World, Status> {
         let none = || Status::failed_precondition(format!("world: `{}` is not being recorded", self.name));
         let recorder = self.recorder.take().ok_or_else(none)?;
+        let mut last = self.world.clone();
+        last.begin();
         recorder.stop(&self.world, !self.sessions.is_behind(), Some(told));
-        Ok(())
+        Ok(last)
     }
 
     /// The world is over, and waits until its file is.

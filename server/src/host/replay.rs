@@ -9,7 +9,7 @@ use tonic::Status;
 use super::{Host, Next};
 use crate::letter::{Activity, Order, ReplayReport, Report};
 use crate::observers::View;
-use crate::pace::{Clock, Pace};
+use crate::pace::Pace;
 use crate::recording::SharedTape;
 
 /// A replay that is under way. Its world always stands within a tick, its sensors read.
@@ -138,14 +138,14 @@ impl Host {
         }
         if is_over || self.credits == 0 {
             self.credits = 0;
-            self.answer_steppers();
+            self.answer_stepper();
         }
     }
 
     fn replay_tick(&mut self, replay: &mut Replay, now: Instant) -> Result<(), RecordingError> {
         match (self.pace, &self.clock) {
-            (Pace::Timed { factor }, None) => {
-                self.clock = Some(Clock::new(now, self.world.time(), factor));
+            (Pace::Timed(_), None) => {
+                self.follow_clock(now);
                 return Ok(());
             }
             (_, Some(clock)) => {
@@ -155,9 +155,16 @@ impl Host {
             }
             (_, None) => {}
         }
-        replay.step(&mut self.world)?;
-        self.credits = self.credits.saturating_sub(1);
+        let tick = self.world.tick();
+        let goes_on = replay.step(&mut self.world)?;
+        if goes_on && self.world.tick() != tick + 1 {
+            // Something is missing in the recording. Nobody waits for as long as that took.
+            self.clock = None;
+            self.observers.begin_anew(&self.world);
+        }
+        self.spend_credit();
         self.show();
+        self.follow_clock(now);
         Ok(())
     }
 
@@ -178,7 +185,7 @@ impl Host {
         }
         self.clock = None;
         let tape = replaying.replay.tape();
-        let tick = tick.clamp(tape.first_tick(), tape.last_tick());
+        let tick = tape.nearest(tick);
         match replaying.replay.approach(&mut self.world, tick) {
             Ok(jumped) => {
                 replaying.seek = Some(Seek { tick, jumped: jumped || had_jumped, reply });
@@ -200,7 +207,7 @@ impl Host {
         self.pace = pace;
         self.credits = 0;
         self.senders = super::senders(&self.world);
-        self.answer_steppers();
+        self.answer_stepper();
         self.waiting_since = Instant::now();
     }
 }

@@ -3,8 +3,6 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use tonic::Status;
-
 use super::{Host, Next};
 use crate::letter::{Activity, Letter, Order};
 use crate::recording::Recorder;
@@ -30,9 +28,9 @@ impl Host {
             self.open(letter);
         }
         self.open_all(letters);
-        if self.deleted {
+        if let Some(why) = self.over.take() {
             self.end_recording();
-            self.sessions.close_all(&Status::aborted(format!("world `{}` was deleted", self.name)));
+            self.sessions.close_all(&why);
             return Then::Over;
         }
         let now = Instant::now();
@@ -72,7 +70,7 @@ impl Host {
             }
             let now = Instant::now();
             let patient = now - *begun.get_or_insert(now) < VISIT;
-            if self.deleted {
+            if self.over.is_some() {
                 return Then::Thread;
             }
             self.running.set(self.activity() == Activity::Running, now);

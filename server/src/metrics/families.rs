@@ -8,7 +8,7 @@ use crate::letter::Activity;
 /// Name, help, and what it is of a world. Counters end in `_total`, all others are gauges.
 type Of<T> = (&'static str, &'static str, fn(&T) -> f64);
 
-const WORLDS: [Of<Measures>; 10] = [
+const WORLDS: [Of<Measures>; 12] = [
     ("baudbot_world_ticks_total", "Ticks done since the run began.", |w| w.tick as f64),
     ("baudbot_world_simulated_seconds_total", "Simulated time since the run began.", |w| w.time.as_seconds()),
     ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {
@@ -30,6 +30,12 @@ const WORLDS: [Of<Measures>; 10] = [
         "Wall-clock time during which the world waited for brains.",
         |w| w.pacing.waiting.as_secs_f64(),
     ),
+    (
+        "baudbot_world_let_go_seconds_total",
+        "Wall-clock time that the world let go, as it lagged by more than its pace allows.",
+        |w| w.pacing.let_go.as_secs_f64(),
+    ),
+    ("baudbot_world_let_go_total", "How often it did.", |w| w.pacing.times_let_go as f64),
     ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots().len() as f64),
     ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
     (
@@ -69,7 +75,7 @@ const LINES: [Of<Line>; 9] = [
     ("baudbot_link_waiting_bytes", "Bytes that wait for the wire or are on it.", |l| l.waiting_bytes as f64),
 ];
 
-const ROBOTS: [Of<RobotMeasures>; 13] = [
+const ROBOTS: [Of<RobotMeasures>; 14] = [
     ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |r| r.turns as f64),
     ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |r| r.commands as f64),
     ("baudbot_robot_collisions_total", "Collisions.", |r| r.collisions as f64),
@@ -86,6 +92,11 @@ const ROBOTS: [Of<RobotMeasures>; 13] = [
         "baudbot_brain_deliveries_lost_total",
         "Turns that were not given to the brain because it did not read.",
         |r| r.seat.lost_deliveries as f64,
+    ),
+    (
+        "baudbot_brain_steps_lost_total",
+        "Steps that the brain sent beyond those that the world takes in a tick.",
+        |r| r.seat.lost_steps as f64,
     ),
     ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |r| {
         r.seat.queued_turns as f64

@@ -15,17 +15,19 @@
 mod files;
 mod film;
 mod guard;
+mod mailbox;
 mod socket;
 
+use crate::gate::{Entry, Visitor};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
-use axum::extract::{Request, State, WebSocketUpgrade};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::extract::{ConnectInfo, Request, State, WebSocketUpgrade};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use axum::serve::ListenerExt;
+use axum::serve::Listener;
 pub use film::Film;
 use guard::Guard;
 use tokio::net::TcpListener;
@@ -43,7 +45,7 @@ struct Page {
 /// Serves the page on this listener until the server stops. `pipes` lead to the server's own services, `films` to who
 /// wants films, if anybody does.
 pub(crate) async fn serve(
-    listener: TcpListener,
+    listener: Entry<TcpListener>,
     pipes: Pipes,
     metrics: Metrics,
     films: Option<mpsc::Sender<Film>>,
@@ -61,15 +63,32 @@ pub(crate) async fn serve(
         .route("/metrics", get(tell_metrics))
         .fallback(get(file))
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
-        .with_state(page);
+        .layer(axum::middleware::from_fn(check_place))
+        .with_state(page)
+        .into_make_service_with_connect_info::<Visitor>();
     let stop = async move {
         let _ = stopped.wait_for(|stopped| *stopped).await;
     };
-    // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
-    let listener = listener.tap_io(|stream| drop(stream.set_nodelay(true)));
     if let Err(error) = axum::serve(listener, router).with_graceful_shutdown(stop).await {
         tracing::error!(%error, "the viewer's listener stopped");
     }
+}
+
+/// Lets a request pass if there is room for its connection, which is then for this request, or for its socket, only:
+/// a connection that is kept for further ones would take a place for nothing.
+async fn check_place(
+    ConnectInfo(Visitor(visit)): ConnectInfo<Visitor>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let mut response = match visit.ask() {
+        Ok(()) => next.run(request).await,
+        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, problem + "\n").into_response(),
+    };
+    if response.status() != StatusCode::SWITCHING_PROTOCOLS {
+        response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+    }
+    response
 }
 
 async fn check_host(State(page): State<Page>, request: Request, next: Next) -> Response {

@@ -14,14 +14,13 @@ use baudbot_proto::v1::page_response::Response as Answer;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use prost::Message as _;
-use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::MissedTickBehavior;
-use tokio_stream::wrappers::ReceiverStream;
 use tonic::transport::Channel;
 use tonic::{Response, Status, Streaming};
 
+use super::mailbox::{self, Mailbox};
 use crate::pipe::Pipes;
 
 /// Bytes of the longest message: a scenario, and a little around it.
@@ -33,9 +32,6 @@ const MAX_CALLS: usize = 64;
 /// Answers that wait for a page that does not read. Frames beyond that are missed where they are made.
 const ANSWERS_AHEAD: usize = 16;
 
-/// Requests of the page's that wait for the stream of a brain that it is.
-const STEPS_AHEAD: usize = 64;
-
 /// How often a page is asked whether it is there; who says nothing for twice as long is not.
 const PING: Duration = Duration::from_secs(20);
 
@@ -46,7 +42,7 @@ const FAREWELL: Duration = Duration::from_secs(1);
 struct Call {
     task: AbortHandle,
     /// Of an Attach: where further requests go.
-    steps: Option<mpsc::Sender<v1::AttachRequest>>,
+    steps: Option<mailbox::Sender>,
 }
 
 /// The calls of one page.
@@ -122,11 +118,8 @@ impl Calls {
             (Some(Asked::Close(_)), Some(_)) => self.close(call).await,
             (Some(Asked::Close(_)), None) => {}
             (Some(Asked::Attach(step)), Some(Call { steps: Some(steps), .. })) => {
-                if let Err(TrySendError::Full(_)) = steps.try_send(step) {
-                    self.under_way.remove(&call).iter().for_each(|call| call.task.abort());
-                    let text = format!("attach: {STEPS_AHEAD} requests wait, which is the limit");
-                    self.fail(call, &Status::resource_exhausted(text)).await;
-                }
+                steps.send(step);
+                let _ = self.answers.send(answer(call, Answer::Taken(v1::Taken {}))).await;
             }
             (_, Some(_)) => self.fail(call, &Status::already_exists("call: is under way")).await,
             (None, None) => {
@@ -146,8 +139,8 @@ impl Calls {
         let task = match asked {
             Asked::Watch(request) => self.spawn(call, watch_world(channel, call, request, answers)),
             Asked::Attach(first) => {
-                let (sender, requests) = mpsc::channel(STEPS_AHEAD);
-                let _ = sender.try_send(first);
+                let (sender, requests) = mailbox::mailbox();
+                sender.send(first);
                 steps = Some(sender);
                 self.spawn(call, attach(channel, call, requests, answers))
             }
@@ -217,14 +210,9 @@ async fn watch_world(
     forward(frames, call, Answer::Watch, &answers).await
 }
 
-async fn attach(
-    channel: Channel,
-    call: u32,
-    requests: mpsc::Receiver<v1::AttachRequest>,
-    answers: Answers,
-) -> Result<(), Status> {
+async fn attach(channel: Channel, call: u32, requests: Mailbox, answers: Answers) -> Result<(), Status> {
     let mut client = BrainLinkServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE);
-    let responses = client.attach(ReceiverStream::new(requests)).await?.into_inner();
+    let responses = client.attach(requests).await?.into_inner();
     forward(responses, call, Answer::Attach, &answers).await
 }
 

@@ -1,11 +1,13 @@
 //! The server's folder of recordings: names from the network never leave it.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 
 use baudbot_proto::v1;
+use rustix::fs::{Mode, OFlags};
 use tonic::Status;
 
 /// A folder. Clones are the same.
@@ -35,13 +37,28 @@ impl Folder {
         // With room for a number, and another one after a reset.
         let world: String = world.chars().take(48).collect();
         let mut names = (1..).map(|i| format!("{world}-{i}"));
-        let is_free = |name: &String| !self.0.join(format!("{name}.mcap")).exists();
+        // A link that leads nowhere is there, too.
+        let is_free = |name: &String| self.0.join(format!("{name}.mcap")).symlink_metadata().is_err();
         names.find(is_free).expect("numbers do not end")
+    }
+
+    /// Opens the recording of this name for reading. What is no file in this very folder is not opened: a link may lead out
+    /// of it, and who opens a pipe may wait for ever.
+    pub(crate) fn open(&self, name: &str) -> Result<File, Status> {
+        let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        let no_file = || Status::failed_precondition(format!("recording: `{name}` is not a file"));
+        let file = match rustix::fs::open(self.file(name)?, flags, Mode::empty()) {
+            Ok(file) => File::from(file),
+            Err(rustix::io::Errno::LOOP | rustix::io::Errno::NXIO) => return Err(no_file()),
+            Err(error) => return Err(unreadable(name, &error.into())),
+        };
+        let metadata = file.metadata().map_err(|error| unreadable(name, &error))?;
+        if metadata.is_file() { Ok(file) } else { Err(no_file()) }
     }
 
     /// What is in it, in the order of names.
     pub(crate) fn list(&self) -> Result<Vec<v1::RecordingFile>, Status> {
-        let unreadable = |error: std::io::Error| {
+        let unreadable = |error: io::Error| {
             Status::failed_precondition(format!("cannot read the folder {}: {error}", self.0.display()))
         };
         let mut files = Vec::new();
@@ -71,9 +88,43 @@ impl Folder {
     }
 }
 
+fn unreadable(name: &str, error: &io::Error) -> Status {
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            Status::not_found(format!("recording: `{name}`: there is no such file in the server's folder"))
+        }
+        _ => Status::failed_precondition(format!("recording: `{name}` cannot be read: {error}")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_files_of_the_folder_are_opened() {
+        let place = std::env::temp_dir().join(format!("baudbot-folder-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&place);
+        fs::create_dir_all(place.join("runs/folder.mcap")).unwrap();
+        fs::write(place.join("outside.mcap"), "secret").unwrap();
+        fs::write(place.join("runs/run.mcap"), "run").unwrap();
+        std::os::unix::fs::symlink("../outside.mcap", place.join("runs/link.mcap")).unwrap();
+        std::os::unix::fs::symlink("nowhere", place.join("runs/w-1.mcap")).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(place.join("runs/pipe.mcap")).status().unwrap();
+        assert!(made.success());
+        std::os::unix::net::UnixListener::bind(place.join("runs/socket.mcap")).unwrap();
+        let folder = Folder::new(place.join("runs"));
+        assert_eq!(io::read_to_string(folder.open("run").unwrap()).unwrap(), "run");
+        for odd in ["link", "pipe", "socket", "folder", "w-1"] {
+            let status = folder.open(odd).unwrap_err();
+            assert_eq!(status.message(), format!("recording: `{odd}` is not a file"));
+        }
+        assert_eq!(folder.open("none").unwrap_err().code(), tonic::Code::NotFound);
+        let listed: Vec<_> = folder.list().unwrap().into_iter().map(|file| file.recording).collect();
+        assert_eq!(listed, ["run"]);
+        assert_eq!(folder.free_name("w"), "w-2", "the link is not written through");
+        fs::remove_dir_all(&place).unwrap();
+    }
 
     #[test]
     fn names_do_not_lead_out_of_the_folder() {

@@ -301,7 +301,7 @@ impl Recorder {
 }
 
 fn is_hurried(pace: Pace) -> bool {
-    matches!(pace, Pace::Timed { .. })
+    matches!(pace, Pace::Timed(_))
 }
 
 fn recorded(

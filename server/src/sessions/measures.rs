@@ -28,6 +28,7 @@ impl Answering {
 pub(crate) struct SeatMeasures {
     pub(crate) attached: bool,
     pub(crate) lost_deliveries: u64,
+    pub(crate) lost_steps: u64,
     /// Turns that wait until it reads.
     pub(crate) queued_turns: usize,
     /// Turns that it has not answered, in lockstep.
@@ -43,6 +44,7 @@ impl Sessions {
         self.seats.iter().map(move |seat| {
             let mut measures = SeatMeasures {
                 lost_deliveries: seat.lost_deliveries,
+                lost_steps: self.lost_steps(seat),
                 answering: seat.answering,
                 ..SeatMeasures::default()
             };

@@ -36,6 +36,11 @@ impl Bits {
     pub(super) fn words(&self) -> usize {
         self.words.len()
     }
+    /// Whether all of them are among these.
+    pub(super) fn is_within(&self, others: &Self) -> bool {
+        let of = |i: usize| others.words.get(i).copied().unwrap_or(0);
+        self.words.iter().enumerate().all(|(i, word)| word & !of(i) == 0)
+    }
 
     pub(super) fn count(&self) -> usize {
         self.count

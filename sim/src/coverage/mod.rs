@@ -52,9 +52,11 @@ impl Coverage {
         Self { covered: none.clone(), sensed: none }
     }
 
-    /// Words of memory of each of its two maps.
-    pub(crate) fn form(&self) -> [usize; 2] {
-        [&self.covered, &self.sensed].map(Bits::words)
+    /// Whether it is of this floor: of as many cells, none of them one that nobody can reach.
+    pub(crate) fn is_of(&self, floor: &Floor) -> bool {
+        let none = Bits::new(floor.grid().cells());
+        let is_in = |cells: &Bits| cells.words() == none.words() && cells.is_within(floor.free());
+        is_in(&self.covered) && is_in(&self.sensed)
     }
 
     /// Covers the free cells whose centre is strictly inside the disc.

@@ -62,6 +62,11 @@ impl Burst {
         }
     }
 
+    /// Whether its characters are where this wire has them.
+    pub(super) fn is_sound(&self, link: &Link) -> bool {
+        crate::sound::count(self.characters) && self.end == self.start + link.burst_ns(self.characters)
+    }
+
     /// When its last character has arrived; the start of the run if there was none yet.
     pub(super) fn end(&self) -> SimTime {
         self.end

@@ -24,6 +24,12 @@ pub struct LineCounters {
 }
 
 impl LineCounters {
+    pub(super) fn is_sound(&self) -> bool {
+        let counts = [self.bytes, self.corrupted_bytes, self.overrun_bytes, self.refused_bytes];
+        let others = [self.messages, self.bad_frames, self.bad_messages, self.lost_bytes];
+        counts.into_iter().chain(others).all(crate::sound::count)
+    }
+
     /// Bytes that did not arrive as they were sent, for whatever reason.
     pub fn lost(&self) -> u64 {
         self.corrupted_bytes + self.overrun_bytes + self.refused_bytes + self.lost_bytes

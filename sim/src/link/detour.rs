@@ -60,6 +60,32 @@ impl Detour {
         }
     }
 
+    /// Whether a line of this direction can be so on this cable at `now`, with so many bytes on the wire.
+    pub(super) fn is_sound(
+        &self,
+        link: &Link,
+        (direction, now): (Direction, SimTime),
+        in_flight: usize,
+    ) -> bool {
+        let latencies = match (link.adapter(), &self.latencies) {
+            (Adapter::Bluetooth(radio), Some(latencies)) => latencies.are_sound(radio),
+            (Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_), None) => true,
+            (Adapter::Bluetooth(_), None) | (_, Some(_)) => false,
+        };
+        let soon = now + link.adapter().hold_ns().saturating_add(SOON_NS);
+        let packet = match direction {
+            Direction::Up => {
+                let is_soon = self.since <= soon && self.packet_at <= soon && self.blocked_until <= soon;
+                is_soon && self.packet_left as usize <= in_flight && self.asking.is_empty()
+            }
+            Direction::Down => {
+                self.packet_left <= link.adapter().packet_bytes()
+                    && (self.asking.is_empty() || link.turnaround_ns().is_some())
+            }
+        };
+        latencies && packet && self.direction == direction
+    }
+
     /// From when on a byte that is handed over at `now` can be on the wire.
     fn ready(&mut self, link: &Link, now: SimTime) -> SimTime {
         match (self.direction, link.adapter()) {
@@ -198,3 +224,6 @@ impl Line {
         }
     }
 }
+
+/// What waits on a robot for its cable does not wait longer than that: a day.
+pub(super) const SOON_NS: u64 = 86_400 * crate::time::SECOND_NS;

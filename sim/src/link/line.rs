@@ -5,7 +5,7 @@ use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::burst::Burst;
-use super::detour::{Detour, Direction};
+use super::detour::{Detour, Direction, SOON_NS};
 use super::messages::{Message, Messages};
 use super::{LineCounters, Link};
 use crate::random::Stream;
@@ -47,6 +47,28 @@ impl Line {
             detour: link.has_detour().then(|| Detour::new(link, seed, name, direction)),
             counters: LineCounters::default(),
         }
+    }
+
+    /// Whether a line of this direction can be so on this cable at `now`, with readings of so many sensors on it: its
+    /// bytes come one behind the other and are over some day, and their number is right.
+    pub(crate) fn is_sound(&self, link: &Link, at: (Direction, SimTime), sensors: usize) -> bool {
+        let (direction, now) = at;
+        let detour = match &self.detour {
+            Some(detour) => link.has_detour() && detour.is_sound(link, at, self.in_flight.len()),
+            None => !link.has_detour(),
+        };
+        let mut instants = self.in_flight.iter().map(|(at, _)| *at);
+        let is_soon = direction == Direction::Down || self.burst.end() <= now + SOON_NS;
+        detour
+            && is_soon
+            && instants.clone().is_sorted()
+            && instants.next_back().is_none_or(|last| last <= self.burst.end())
+            && crate::sound::count(self.sent)
+            && self.under_way() <= self.sent
+            && self.messages.are_sound(self.sent, sensors)
+            && self.burst.is_sound(link)
+            && self.errors.is_sound()
+            && self.counters.is_sound()
     }
 
     /// From now on the cable can be out.

@@ -32,6 +32,18 @@ struct Sent {
 }
 
 impl Messages {
+    /// Whether they can be on a line on which so many bytes have been put, with readings of so many sensors: each ends
+    /// behind the one before it, and will be over.
+    pub(super) fn are_sound(&self, sent: u64, sensors: usize) -> bool {
+        let mut ends = self.0.iter().map(|sent| sent.end);
+        ends.clone().is_sorted()
+            && ends.next_back().is_none_or(|end| end <= sent)
+            && self.0.iter().all(|sent| {
+                let known = sent.message.sampled.iter().all(|(i, _)| *i < sensors);
+                known && sent.begin <= sent.end
+            })
+    }
+
     /// A message has the bytes of these numbers, from 1: those behind `begin`, and `end` as the last.
     pub(super) fn push(&mut self, (begin, end): (u64, u64), message: Message) {
         self.0.push_back(Sent { begin, end, message });

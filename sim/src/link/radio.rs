@@ -56,6 +56,11 @@ impl Latencies {
         Self { next_ns: radio.draw(&mut chance), chance }
     }
 
+    pub(super) fn are_sound(&self, radio: &Bluetooth) -> bool {
+        let longest_ns = radio.latency_ns.saturating_add(radio.spread_ns).saturating_add(radio.burst_ns);
+        self.next_ns <= longest_ns && self.chance.is_sound()
+    }
+
     /// The next packet's latency is used up.
     pub(super) fn take(&mut self, radio: &Bluetooth) -> u64 {
         core::mem::replace(&mut self.next_ns, radio.draw(&mut self.chance))

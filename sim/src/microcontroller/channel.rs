@@ -11,6 +11,7 @@ use crate::robot::RobotSpec;
 use crate::schedule::Due;
 use crate::sensor::noise::NoiseState;
 use crate::sensor::{Effect, Measurement, Memory, Running, Sensor};
+use crate::sound;
 use crate::time::SimTime;
 
 /// State of one sensor: its device, and the sample that it holds.
@@ -59,6 +60,27 @@ impl Channel {
             fresh: false,
             samples: 0,
         }
+    }
+
+    /// Whether this channel may have become what `other` is at `now`: the device remembers what its kind does, and a
+    /// sample has all of its values.
+    pub(super) fn may_become(&self, sensor: &Sensor, other: &Self, now: SimTime) -> bool {
+        let has_sample = other.fresh || other.samples > 0;
+        let values = other.values.len();
+        let running = match (&other.running, &sensor.own_clock) {
+            (Some(running), Some(clock)) => running.is_sound(&sensor.device, clock, now),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        running
+            && other.memory.is_sound(&self.memory)
+            && self.noise.may_become(&other.noise)
+            && other.due.is_sound()
+            && (sensor.is_on_wire() || other.due.next == SimTime::NEVER)
+            && (values == sensor.encodings.len() || (values == 0 && !has_sample))
+            && sound::numbers(other.values.iter().copied())
+            && [other.samples, other.took_ns].into_iter().all(sound::count)
+            && other.stream.is_sound()
     }
 
     /// Takes a reading: of the device now, or of what it holds.

@@ -33,6 +33,10 @@ impl NoiseState {
         Self { stream, specimen, factor: Wheels { left: 1.0, right: 1.0 } }
     }
 
+    pub(crate) fn is_sound(&self) -> bool {
+        crate::sound::wheels(&self.specimen) && crate::sound::wheels(&self.factor) && self.stream.is_sound()
+    }
+
     /// Draws the factors of the next tick.
     pub(crate) fn tick(&mut self, noise: &MotorNoise) {
         let Wheels { left, right } = pair(noise.sigma, &mut self.stream);

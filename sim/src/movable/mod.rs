@@ -61,6 +61,7 @@ use step::Reaction;
 pub(crate) use step::{Fixed, Pusher, step};
 
 use crate::arena::Look;
+use crate::sound;
 
 /// A thing on the floor that robots can push.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,6 +108,12 @@ pub struct MovableState {
     pub velocity_m_s: Vector,
     /// Turn rate in rad/s, counter-clockwise.
     pub spin_rad_s: f64,
+}
+
+impl MovableState {
+    pub(crate) fn is_sound(&self) -> bool {
+        sound::pose(&self.pose) && sound::numbers([self.velocity_m_s.x, self.velocity_m_s.y, self.spin_rad_s])
+    }
 }
 
 impl Movable {

@@ -67,6 +67,12 @@ struct Open {
 }
 
 impl Cycles {
+    /// Whether cycles can have gone so.
+    pub(crate) fn are_sound(&self) -> bool {
+        let counts = [self.kept, self.late, self.unanswered].into_iter().all(crate::sound::count);
+        counts && self.durations.is_sound() && self.open.len() <= MAX_OPEN
+    }
+
     /// The share of the answered or late cycles that were kept; `None` if there were none.
     pub fn kept_share(&self) -> Option<f64> {
         let all = self.kept + self.late;

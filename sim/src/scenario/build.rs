@@ -15,6 +15,7 @@ use crate::collision::CollisionPolicy;
 use crate::coverage::Floor;
 use crate::movable::{Body, Movable};
 use crate::mover::{Mover, Path as Way};
+use crate::printable::is_printable;
 use crate::referee::Rules;
 use crate::robot::{OnLate, RobotSpec};
 use crate::sensor::Sensor;
@@ -47,7 +48,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
     Ok(Scenario {
         source,
-        name: raw.name,
+        name: name(&path, raw.name)?,
         description: raw.description,
         seed: raw.seed,
         step_ns: step.step_ns,
@@ -156,6 +157,14 @@ fn can_end(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[R
         return Err(path.field("battery_empty").error("no robot has a battery"));
     }
     end.collisions.map_or(Ok(()), |n| path.whole_within("collisions", n, 1, u64::MAX).map(|_| ()))
+}
+
+/// A scenario's name, which lists and pictures show.
+fn name(path: &Path, name: String) -> Result<String> {
+    if name.chars().all(is_printable) {
+        return Ok(name);
+    }
+    Err(path.field("name").error(format!("must be on one line and without control characters, is `{name}`")))
 }
 
 fn sensed_by(path: &Path, name: &str, robots: &[RobotSpec]) -> Result<Vec<Option<usize>>> {

@@ -6,8 +6,10 @@ use alloc::string::{String, ToString};
 use serde::de::DeserializeOwned;
 
 use super::MAX_BYTES;
+use crate::printable::Printable;
 
-/// Why a scenario was refused. The message says where and how to mend it.
+/// Why a scenario was refused. The message says where and how to mend it. What it quotes of the text is
+/// [printable](crate::printable).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
@@ -33,7 +35,8 @@ pub enum ScenarioError {
 impl ScenarioError {
     pub(super) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
         let path = Some(path.into()).filter(|path| !path.is_empty());
-        Self::Field { path: path.unwrap_or_else(|| "scenario".into()), problem: problem.into() }
+        let path = path.unwrap_or_else(|| "scenario".into());
+        Self::Field { path: Printable(path).to_string(), problem: Printable(problem.into()).to_string() }
     }
 }
 

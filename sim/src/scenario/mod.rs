@@ -41,6 +41,7 @@ use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
 use crate::movable::Movable;
 use crate::mover::Mover;
+use crate::printable::PrintableLines;
 use crate::referee::Rules;
 use crate::robot::RobotSpec;
 use crate::surroundings::Surroundings;
@@ -213,13 +214,13 @@ fn read(toml: &str) -> Result<(toml::Table, order::Order), toml::de::Error> {
 
 /// With a picture of the line that is wrong, unless that is too long to be looked at.
 fn syntax(error: &toml::de::Error) -> ScenarioError {
-    let text = error.to_string();
+    let text = PrintableLines(error).to_string();
     if text.lines().all(|line| line.len() <= MAX_SHOWN) {
         return ScenarioError::Syntax(text);
     }
     let place = text.lines().next().filter(|line| line.len() <= MAX_SHOWN).unwrap_or("TOML parse error");
     let message: String = error.message().chars().take(MAX_SHOWN).collect();
-    ScenarioError::Syntax(alloc::format!("{place}: {message}"))
+    ScenarioError::Syntax(alloc::format!("{place}: {}", PrintableLines(message)))
 }
 
 /// Bytes of the longest line that an error shows.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Measurement;
 use crate::drive::Wheels;
 use crate::random::Stream;
+use crate::sound;
 
 /// An encoder on each wheel.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,12 @@ pub(crate) struct Seen {
     passed: Wheels,
     /// What is counted.
     counted: Wheels,
+}
+
+impl Seen {
+    pub(super) fn is_sound(&self) -> bool {
+        sound::wheels(&self.passed) && sound::wheels(&self.counted)
+    }
 }
 
 impl Encoders {

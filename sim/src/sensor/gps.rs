@@ -37,6 +37,12 @@ pub(crate) struct Wander {
     position_deg: [f64; 2],
 }
 
+impl Wander {
+    pub(super) fn is_sound(&self) -> bool {
+        crate::sound::numbers(self.error_m.into_iter().chain(self.position_deg))
+    }
+}
+
 impl Gps {
     /// At the start the error is anything that it can be later.
     pub(super) fn start(&self, stream: &mut Stream) -> Wander {

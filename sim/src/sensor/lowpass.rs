@@ -12,6 +12,10 @@ pub(crate) struct LowPass {
 }
 
 impl LowPass {
+    pub(super) fn is_sound(&self) -> bool {
+        self.last.is_none_or(|(_, output)| crate::sound::numbers([output]))
+    }
+
     /// The output at `now`, the input having been `input` since the last time. The first input passes as it is.
     pub(super) fn follow(&mut self, input: f64, time_constant_s: f64, now: SimTime) -> f64 {
         let output = match self.last {

@@ -124,6 +124,22 @@ pub(crate) enum Memory {
     Touch(touch::Contact),
 }
 
+impl Memory {
+    /// Whether a device can remember this that remembered `first` before its first read.
+    pub(crate) fn is_sound(&self, first: &Self) -> bool {
+        let is_kind = core::mem::discriminant(self) == core::mem::discriminant(first);
+        is_kind
+            && match self {
+                Self::None | Self::Touch(_) => true,
+                Self::Odometer(estimate) => estimate.is_sound(),
+                Self::Encoders(seen) => seen.is_sound(),
+                Self::Filter(filter) => filter.is_sound(),
+                Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
+                Self::Gps(wander) => wander.is_sound(),
+            }
+    }
+}
+
 /// A part of a reading: what its column in a table is called, with its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {

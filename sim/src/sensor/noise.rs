@@ -179,6 +179,15 @@ impl Noise {
 }
 
 impl NoiseState {
+    /// Whether this specimen may have become what `other` is.
+    pub(crate) fn may_become(&self, other: &Self) -> bool {
+        let pairs =
+            [(&self.gains, &other.gains), (&self.offsets, &other.offsets), (&self.drifts, &other.drifts)];
+        pairs
+            .into_iter()
+            .all(|(own, other)| own.len() == other.len() && crate::sound::numbers(other.iter().copied()))
+    }
+
     /// Takes the biases on to `now`: b' = b e^(−Δt/τ) + σ √(1 − e^(−2Δt/τ)) N(0, 1), which is exact for any
     /// Δt, so that a sensor that is read rarely drifts as one that is read often.
     fn drift(&mut self, drift: &Drift, now: SimTime, stream: &mut Stream) {

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{Measurement, noise};
 use crate::drive::Wheels;
 use crate::random::Stream;
+use crate::sound;
 
 /// What an odometer is.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,10 @@ pub(crate) struct Estimate {
 }
 
 impl Estimate {
+    pub(super) fn is_sound(&self) -> bool {
+        sound::pose(&self.pose) && sound::wheels(&self.travel_m)
+    }
+
     /// `CalibrateOdometer`: the estimate starts at the true pose.
     pub(crate) fn calibrated(start: &Pose) -> Self {
         Self { pose: *start, travel_m: Wheels::default() }

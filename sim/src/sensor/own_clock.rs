@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{Device, Measurement, Memory, Sensor, noise};
 use crate::fault::Amiss;
 use crate::random::Stream;
+use crate::sound;
 use crate::time::SimTime;
 
 /// When such a device measures.
@@ -85,6 +86,31 @@ impl Running {
             |stream: &mut Stream| if noise { (stream.uniform() * period_ns as f64) as u64 } else { 0 };
         let begins = SimTime::from_ns(clock.phase_ns.unwrap_or_else(|| anywhere(specimen)));
         Self { period_ns, due: begins, begins, taken: 0, scan: Vec::new(), pending: None, held: None }
+    }
+
+    /// Whether such a device can stand so at `now`: what is past it has measured, so that it has not a year to make up
+    /// for, and a measurement has all of its values.
+    pub(crate) fn is_sound(&self, device: &Device, clock: &OwnClock, now: SimTime) -> bool {
+        let whole = |held: &Option<Held>| {
+            held.as_ref().is_none_or(|held| {
+                held.values.len() == device.values() && sound::numbers(held.values.iter().copied())
+            })
+        };
+        let (rays, sweep_ns) = match device {
+            Device::Laser(laser) => (laser.rays(), laser.sweep_ns),
+            _ => (0, 0),
+        };
+        // One that takes longer than its period is late for ever.
+        let keeps_up = self.begins.since(self.due) <= clock.jitter_ns || sweep_ns >= self.period_ns;
+        self.period_ns > 0
+            && self.period_ns.abs_diff(clock.period_ns) <= clock.spread_ns
+            && keeps_up
+            && self.next(device).0 >= now
+            && self.taken <= rays
+            && (self.scan.is_empty() && self.taken == 0 || self.scan.len() == device.values())
+            && sound::numbers(self.scan.iter().copied())
+            && whole(&self.pending)
+            && whole(&self.held)
     }
 
     /// What happens next, and when. A value comes to the output before the next measurement.

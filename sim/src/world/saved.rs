@@ -4,15 +4,24 @@
 //! part of the state, and in which order, changes from one to the next. Who keeps them keeps the hash, too, and the
 //! [source](crate::scenario::Source) of the scenario.
 
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use thiserror::Error;
 
-use super::{State, World};
+use super::{Ending, State, Turn, World};
+use crate::actuator::ActuatorState;
+use crate::collision::{Collision, Partner};
 use crate::intervention::Altered;
-use crate::robot::{Robot, RobotSpec};
+use crate::link::Direction;
+use crate::movable::MovableState;
+use crate::port::PortState;
+use crate::robot::{Robot, RobotCounters, RobotSpec};
 use crate::scenario::Scenario;
+use crate::scene::Ping;
+use crate::sound;
+use crate::time::SimTime;
 
 /// Why a state is not one of this scenario's world. Bytes of another version are found out by this, or by their hash.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -24,16 +33,12 @@ pub enum SavedError {
     /// They are a state of another world.
     #[error("is the state of a world with other {0}")]
     Other(&'static str),
-    /// The hash is another.
-    #[error(
-        "is damaged, or of another version: its fingerprint is {found:016x}, and should be {wanted:016x}"
-    )]
-    Hash {
-        /// Of the world that the bytes are.
-        found: u64,
-        /// As it was when they were saved.
-        wanted: u64,
-    },
+    /// The hash is another. Which one is not told: whoever changes a state on purpose need not be helped.
+    #[error("is damaged, or of another version: its fingerprint is not the one that was kept with it")]
+    Hash,
+    /// Something is in it that no run of this scenario comes to.
+    #[error("is one that no run comes to: its {0} cannot be")]
+    Unsound(&'static str),
 }
 
 impl World {
@@ -55,46 +60,104 @@ impl World {
             return Err(SavedError::Other("parts"));
         }
         let mut world = Self::new(scenario);
-        world.check_form(&state)?;
+        if state.tick > LAST_NS / world.scenario.step_ns.max(1) {
+            return Err(SavedError::Unsound("tick"));
+        }
+        world.state.tick = state.tick;
+        if !world.alter_again(altered) {
+            return Err(SavedError::Other("cables"));
+        }
+        world.check(&state)?;
         let timelines = world.state.robots.iter_mut().map(|robot| core::mem::take(&mut robot.recorder));
         let timelines: Vec<_> = timelines.collect();
         world.state = state;
         for (robot, recorder) in world.state.robots.iter_mut().zip(timelines) {
             robot.recorder = recorder;
         }
-        world.alter_again(altered).map_err(|_| SavedError::Other("cables"))?;
-        let found = world.hash();
-        if found == hash { Ok(world) } else { Err(SavedError::Hash { found, wanted: hash }) }
+        if world.hash() == hash { Ok(world) } else { Err(SavedError::Hash) }
     }
 
-    /// Whether there is of everything as much as in this world, so that nothing is looked for that is not there.
-    fn check_form(&self, other: &State) -> Result<(), SavedError> {
-        let State { robots, movers, movables, score, turns, .. } = &self.state;
-        let same = |is_same: bool, what| if is_same { Ok(()) } else { Err(SavedError::Other(what)) };
+    /// Whether this world, which is at its start, may come to that state: there is of everything as much as in this one,
+    /// so that nothing is looked for that is not there, and all that can be added to has room.
+    fn check(&self, other: &State) -> Result<(), SavedError> {
+        let State { robots, movers, movables, score, .. } = &self.state;
         same(robots.len() == other.robots.len(), "robots")?;
         same(movers.len() == other.movers.len(), "movers")?;
         same(movables.len() == other.movables.len(), "movables")?;
-        same(score.has_form_of(&other.score), "zones or floors")?;
-        let known = other.turns.iter().all(|turn| turn.robot < robots.len());
-        same(known && turns.is_empty(), "turns")?;
-        let specs = self.scenario.robots().iter();
-        let robots = specs.zip(robots.iter().zip(&other.robots));
-        robots.into_iter().try_for_each(|(spec, (robot, other))| check_robot(spec, robot, other))
+        same(score.may_become(&other.score, self.scenario.rules.floor.as_ref()), "zones or floors")?;
+        let movers = self.scenario.movers.iter().zip(&other.movers);
+        sound(movers.into_iter().all(|(mover, state)| mover.may_be(state)), "movers")?;
+        sound(other.movables.iter().all(MovableState::is_sound), "movables")?;
+        let known = |turn: &Turn| turn.robot < robots.len() && turn.at <= self.tick_end();
+        let in_order = other.turns.windows(2).all(|pair| pair[0].robot < pair[1].robot);
+        sound(in_order && other.turns.iter().all(known), "turns")?;
+        let has_robot = |name: &String| self.scenario.robots().iter().any(|spec| spec.name == *name);
+        sound(other.collisions.iter().all(|collision| has_robot(&collision.robot)), "collisions")?;
+        let ending = other.ending.as_ref().is_none_or(|ending| match ending {
+            Ending::Collision(Collision { robot, .. })
+            | Ending::GoalReached(robot)
+            | Ending::BatteryEmpty(robot)
+            | Ending::DeadlineMissed(robot) => has_robot(robot),
+            Ending::TimeIsOver | Ending::Collisions(_) => true,
+            Ending::AllGoals | Ending::Covered | Ending::Sensed => true,
+        });
+        sound(ending, "ending")?;
+        self.check_robots(&other.robots)
+    }
+
+    fn check_robots(&self, others: &[Robot]) -> Result<(), SavedError> {
+        let is_robot = |i: usize| i < self.state.robots.len();
+        let robots = self.scenario.robots().iter().zip(self.state.robots.iter().zip(others));
+        robots.into_iter().try_for_each(|(spec, (own, other))| {
+            own.check(spec, other, self.time())?;
+            let contacts = other.contacts.iter().all(|partner| match partner {
+                Partner::Robot(i) => is_robot(*i),
+                Partner::Shape(_) => true,
+            });
+            let pulse = |ping: &Ping| is_robot(ping.robot) && sound::numbers([ping.from.x, ping.from.y]);
+            sound(contacts, "contacts")?;
+            sound(other.pings.iter().flatten().all(pulse), "pulses")
+        })
     }
 }
 
-fn check_robot(spec: &RobotSpec, robot: &Robot, other: &Robot) -> Result<(), SavedError> {
-    let same = |is_same: bool, what| if is_same { Ok(()) } else { Err(SavedError::Other(what)) };
-    same(robot.ports.len() == other.ports.len(), "sensor cables")?;
-    same(robot.actuators.len() == other.actuators.len(), "actuators")?;
-    same(robot.battery.is_some() == other.battery.is_some(), "batteries")?;
-    let sensors = spec.sensors.len();
-    let laptop = &other.laptop;
-    let counts = [laptop.readings.len(), laptop.freshness.len(), other.microcontroller.channels().len()];
-    same(counts == [sensors; 3], "sensors")?;
-    let fits = |values: usize, i: usize| values == 0 || values <= spec.sensors[i].encodings.len();
-    let readings = laptop.readings.iter().enumerate().all(|(i, reading)| fits(reading.values.len(), i));
-    let channels = other.microcontroller.channels().iter().enumerate();
-    let samples = channels.into_iter().all(|(i, channel)| fits(channel.values.len(), i));
-    same(readings && samples, "values of sensors")
+impl Robot {
+    /// Whether this robot, which is at its start, may come to that state by `now`.
+    fn check(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> Result<(), SavedError> {
+        same(self.ports.len() == other.ports.len(), "sensor cables")?;
+        same(self.actuators.len() == other.actuators.len(), "actuators")?;
+        same(self.battery.is_some() == other.battery.is_some(), "batteries")?;
+        let sensors = spec.sensors.len();
+        same(other.microcontroller.channels().len() == sensors, "sensors")?;
+        same(other.laptop.readings.len() == sensors, "sensors")?;
+        sound(other.motion.is_sound() && sound::wheels(&other.signals), "motion")?;
+        sound(other.motor_noise.is_sound(), "motors")?;
+        sound(self.microcontroller.may_become(spec, &other.microcontroller, now), "microcontroller")?;
+        sound(self.laptop.may_become(spec, &other.laptop), "readings")?;
+        let up = other.uplink.is_sound(&spec.link, (Direction::Up, now), sensors);
+        let down = other.downlink.is_sound(&spec.link, (Direction::Down, now), sensors);
+        sound(up && down, "cable")?;
+        // What was due before has been done, or there would be years to make up for.
+        sound(other.microcontroller.next(&spec.link, &other.downlink).0 >= now, "schedule")?;
+        let ports = other.ports.iter().zip(&spec.ports);
+        let port = |(port, &i): (&PortState, &usize)| port.is_sound(&spec.sensors[i], now, sensors);
+        sound(ports.into_iter().all(port), "sensor cables")?;
+        sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;
+        let battery = spec.battery.as_ref().zip(other.battery.as_ref());
+        sound(battery.is_none_or(|(battery, state)| state.is_sound(battery)), "battery")?;
+        let RobotCounters { collisions, distance_m, turns } = other.counters;
+        sound(sound::numbers([distance_m]) && [collisions, turns].into_iter().all(sound::count), "counters")?;
+        sound(other.cycles.are_sound(), "control cycles")
+    }
 }
+
+fn same(is_same: bool, what: &'static str) -> Result<(), SavedError> {
+    if is_same { Ok(()) } else { Err(SavedError::Other(what)) }
+}
+
+fn sound(is_sound: bool, what: &'static str) -> Result<(), SavedError> {
+    if is_sound { Ok(()) } else { Err(SavedError::Unsound(what)) }
+}
+
+/// No run is as long: there is room for instants behind it.
+const LAST_NS: u64 = u64::MAX / 4;

@@ -37,6 +37,31 @@ fn an_ir_sensor_saturates_and_sees_nothing_beyond_its_range_or_behind_it() {
     near(single(&with_sensor(&wall(1.19), IR)), (0.03 / (0.99 * 0.99) + 0.1) / 3.0);
 }
 
+/// (3.13) near a wall, in numbers worked out by hand: each ray is limited to 1 before the mean is taken, and after its cosine.
+#[test]
+fn near_a_wall_each_ray_of_an_ir_sensor_is_limited_by_itself() {
+    let read = |opening: &str, arena: &str| {
+        single(&with_sensor(arena, &IR.replace("opening_rad = 0.5", &format!("opening_rad = {opening}"))))
+    };
+    // At 0.15 m the middle ray is 1.4333, so 1; those at ±1 rad go 0.277622 m and are 0.264335.
+    let found = read("2.0", &wall(0.35));
+    assert!((found - 0.509557).abs() < 1e-6, "{found}");
+    // At 0.12 m those at ±0.5 rad are 1.4958, so 1 and not cos 0.5.
+    near(read("1.0", &wall(0.32)), 1.0);
+    // A post that one ray of three meets at 0.05 m: 12.1, so 1. The others see nothing.
+    let post = block("post", [0.25, -0.001, 0.26, 0.001], "");
+    near(read("0.5", &post), 1.0 / 3.0);
+}
+
+#[test]
+fn what_is_exactly_as_far_as_an_ir_sensor_sees_is_not_seen() {
+    let one = IR.replace("rays = 3", "rays = 1").replace("opening_rad = 0.5", "opening_rad = 0.0");
+    let reading = |d: f64| single(&with_sensor(&wall(d), &one.replace("range_m = 1.0", "range_m = 0.3")));
+    // 0.5 - 0.2 is 0.3 to the last bit.
+    near(reading(0.5), 0.0);
+    near(reading(0.5 - 1e-10), 0.03 / 0.09 + 0.1);
+}
+
 #[test]
 fn an_ir_sensor_has_multiplicative_noise_3_1() {
     let toml = with_sensor(&format!("step_ms = 0.05\n{}", wall(0.6)), &format!("{IR}\nsigma = 0.05"));

@@ -53,9 +53,9 @@ export class RobotRecord {
 
   /**
    * A frame has come; `first` of its Watch, it may be one that is here already. Over more than `longest` ticks nothing is
-   * reckoned on.
+   * reckoned on. One that is more than `near_s` after the one before does not follow on it: frames between were missed.
    */
-  take(frame: Frame, belief: Belief | undefined, first: boolean, longest = Infinity): void {
+  take(frame: Frame, belief: Belief | undefined, first: boolean, longest = Infinity, near_s = Infinity): void {
     const tick = Number(frame.tick);
     if (tick - this.lastTick > longest) this.leap();
     this.lastTick = tick;
@@ -67,7 +67,7 @@ export class RobotRecord {
     this.now = now;
     if (detail) this.timeline.take(detail.events, first);
     if (isNew) {
-      this.series.push(secondsOf(now.time_ns), this.values);
+      this.series.push(secondsOf(now.time_ns), this.values, near_s);
       if (now.truth) this.remember(now.time_ns, now.truth);
       if (detail) this.freshness(detail, before?.detail, now.time_ns);
       this.rememberSent(now);
@@ -81,7 +81,7 @@ export class RobotRecord {
     for (const ring of this.history) ring.drop(poses);
     for (const strip of [...this.strips, this.stripTimes]) strip.drop(marks);
     let seen = 0;
-    this.series.cut(time_ns / 1e9);
+    this.series.cut(time_ns / 1e9, time_ns > -Infinity);
     this.timeline.cut(time_ns);
     this.ghostTrail.cut(tick);
     while (seen < this.reckoned.length && (this.reckoned[seen]?.tick ?? 0) <= tick) seen++;

@@ -58,8 +58,9 @@ export class Store extends Emitter<Events> {
   /** Frames that came since the page was opened. */
   frames = 0;
   lastError = "";
-  /** Ticks between two frames, as they are asked for. */
+  /** Ticks between two frames, as they are asked for, and as they were asked for before. */
   stride = 1;
+  private formerStride = 1;
   /** The same while a film is made. */
   filmStride = 0;
   /** The time that shows how old what is drawn is, in milliseconds. */
@@ -82,6 +83,17 @@ export class Store extends Emitter<Events> {
     if (!this.status?.replay) return Infinity;
     const step_s = secondsOf(this.description?.stepNs ?? 0n) || LONGEST_S;
     return Math.max(3 * this.stride, 3 * this.filmStride, LONGEST_S / step_s);
+  }
+
+  /** A Watch begins, with so many ticks between two frames. */
+  setStride(ticks: number): void {
+    [this.formerStride, this.stride] = [this.stride, ticks];
+  }
+
+  /** Frames that are farther apart than this, in seconds, do not follow on each other: others were missed. */
+  private get near_s(): number {
+    const ticks = Math.max(this.stride, this.formerStride, this.filmStride);
+    return 1.5 * ticks * secondsOf(this.description?.stepNs ?? 0n) || Infinity;
   }
 
   setWorlds(worlds: WorldStatus[]): void {
@@ -131,9 +143,11 @@ export class Store extends Emitter<Events> {
     for (const { robot, belief } of frame.rest.annotations)
       if (belief && saysSomething(belief)) this.beliefs.set(robot, belief);
       else this.beliefs.delete(robot);
-    const { longest } = this;
+    const { longest, near_s } = this;
+    if (!this.status?.replay) this.record?.series.forgetLater();
     this.trails.take(frame.poses, (i) => this.description?.robots[i]?.radiusM ?? 0, Number(frame.tick), longest);
-    this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first, longest);
+    this.record?.take(frame, this.record && this.beliefs.get(this.record.robot), first, longest, near_s);
+    if (!first) this.formerStride = this.stride;
     this.noteBumps(frame);
     this.emit("frame", frame);
   }

@@ -1,6 +1,9 @@
 /**
- * Drives the chosen robot: this page is its brain, at the end of its cable like any other. Each Turn is answered at
- * once with what keys, gamepad or pad say at that moment, so that a world in lockstep is not held up.
+ * Drives the chosen robot: this page is its brain, at the end of its cable like any other. A Turn is answered at once
+ * with what keys, gamepad or pad say at that moment, so that a world in lockstep is not held up. But one Step at most is
+ * on its way: of the Turns that come before the server has it, the newest waits, and the others are void.
+ *
+ * That the robot stands when the page is gone the server sees to (`Hello.stop_when_gone`): a page cannot.
  */
 import { create } from "@bufbuild/protobuf";
 import {
@@ -27,11 +30,9 @@ const ASK_AGAIN_NS = 50_000_000n;
 const REPEAT_NS = 200_000_000n;
 /** Bytes of a command with all that is around it, at most; commands must not queue on a slow cable. */
 const COMMAND_BYTES = 16;
-/** How long a world that stands may take to ask for the last command. */
-const LAST_TURN_MS = 400;
 
-export class Drive extends Emitter<{ changed: void }> {
-  state: "off" | "asking" | "driving" | "stopping" = "off";
+export class Drive extends Emitter<{ changed: void; rest: void }> {
+  state: "off" | "asking" | "driving" = "off";
   /** Share of the largest signal that full stick means. */
   gain = 0.6;
   /** What the pad on the page says. */
@@ -41,6 +42,12 @@ export class Drive extends Emitter<{ changed: void }> {
   private driven = { world: "", robot: "" };
   private description: RobotDescription | undefined;
   private last = { left: NaN, right: NaN, at_ns: 0n };
+  /** The server does not have the last Step yet. */
+  private isUnderWay = false;
+  /** The newest Turn that came meanwhile. */
+  private waiting: Turn | undefined;
+  /** Nobody looks at the page; a gamepad may lie on the floor. */
+  private isAway = false;
 
   constructor(
     private readonly connection: Connection,
@@ -63,7 +70,9 @@ export class Drive extends Emitter<{ changed: void }> {
     if (this.state !== "off" || robot === "") return;
     this.driven = { world, robot };
     this.last = { left: NaN, right: NaN, at_ns: 0n };
-    const hello = create(HelloSchema, { world, robots: [robot], mode: PortMode.MESSAGES, brain: "page" });
+    [this.isUnderWay, this.waiting, this.isAway] = [false, undefined, false];
+    const mode = PortMode.MESSAGES;
+    const hello = create(HelloSchema, { world, robots: [robot], mode, brain: "page", stopWhenGone: true });
     const call = this.connection.begin(
       { case: "attach", value: create(AttachRequestSchema, { request: { case: "hello", value: hello } }) },
       { response: (response) => this.hear(response), over: (error) => call === this.call && this.over(error) },
@@ -72,22 +81,25 @@ export class Drive extends Emitter<{ changed: void }> {
     this.set("asking");
   }
 
-  /** Stops the motors, and lets the robot go. */
+  /** Lets the robot go, and the server stops it. */
   stop(): void {
-    if (this.state === "off" || this.state === "stopping") return;
-    const wasDriving = this.state === "driving";
-    this.set("stopping");
+    if (this.state === "off") return;
     this.tellWaiting();
-    const kind = this.store.status?.pace?.kind.case;
-    if (!wasDriving) return this.end();
-    if (kind === "lockstep" || kind === "stepped") {
-      // There a Step may only answer a Turn: the next one gets the zeros.
-      const call = this.call;
-      setTimeout(() => call === this.call && this.end(), LAST_TURN_MS);
-      return;
-    }
-    this.send(0n, [this.part(true)]);
-    this.end();
+    this.connection.end(this.call);
+    this.over();
+  }
+
+  /** Nobody is at the keys any more, nor at the pad: the robot is told to stand until somebody is. */
+  rest(): void {
+    this.isAway = true;
+    this.keys.clear();
+    this.pad = CENTRED;
+    this.emit("rest", undefined);
+  }
+
+  /** Somebody is back. */
+  wake(): void {
+    this.isAway = false;
   }
 
   /** In lockstep the world waits for a brain that has gone. */
@@ -98,42 +110,50 @@ export class Drive extends Emitter<{ changed: void }> {
 
   /** What is wanted now: the first of pad, keys and gamepad that is not at rest. */
   stick(): Stick {
-    const pads = navigator.getGamepads?.() ?? [];
+    const pads = this.isAway ? [] : (globalThis.navigator?.getGamepads?.() ?? []);
     const axes = pads.find((pad) => pad?.connected)?.axes ?? [];
     const all = [this.pad, stickOfKeys(this.keys), stickOfAxes(axes)];
     return all.find((stick) => stick.forward !== 0 || stick.left !== 0) ?? CENTRED;
   }
 
   private hear(response: Response): void {
+    if (response.case === "taken") return this.goOn();
     if (response.case !== "attach") return;
     const inner: AttachResponse["response"] = response.value.response;
     if (inner.case === "welcome") {
       this.description = inner.value.robots[0];
       if (this.state === "asking") this.set("driving");
     } else if (inner.case === "turn") {
-      this.answer(inner.value);
+      this.waiting = inner.value;
+      if (!this.isUnderWay) this.answer();
     } else if (inner.case === "ended") {
       this.store.note("The run is over; Reset brings the world back.");
     }
   }
 
-  private answer(turn: Turn): void {
+  /** The server has the last Step. */
+  private goOn(): void {
+    this.isUnderWay = false;
+    this.answer();
+  }
+
+  private answer(): void {
+    const turn = this.waiting;
+    if (!turn) return;
+    this.waiting = undefined;
     const own = turn.robots.find((robot) => robot.robot === 0);
-    if (this.state === "stopping") {
-      this.send(turn.turn, own ? [this.part(true)] : []);
-      return this.end();
-    }
-    this.send(turn.turn, own ? [this.part(false, own)] : []);
+    const step = create(StepSchema, { turn: turn.turn, robots: own ? [this.part(own)] : [] });
+    const request = create(AttachRequestSchema, { request: { case: "step", value: step } });
+    this.isUnderWay = this.connection.send(this.call, { case: "attach", value: request });
   }
 
   /** The robot's part of a Step: a command if there is something to say, and the wish to be asked at news. */
-  private part(isLast: boolean, turn?: RobotTurn) {
-    const at_ns = turn?.atNs ?? 0n;
-    const untilMessage = create(UntilMessageSchema, { atLatestNs: at_ns + ASK_AGAIN_NS });
+  private part(turn: RobotTurn) {
+    const untilMessage = create(UntilMessageSchema, { atLatestNs: turn.atNs + ASK_AGAIN_NS });
     const limit = this.description?.signalLimit ?? 1;
-    const wanted = isLast ? { left: 0, right: 0 } : signals(this.stick(), this.gain, limit);
-    if (!isLast && turn && !this.isDue(turn, wanted)) return create(RobotStepSchema, { robot: 0, untilMessage });
-    this.last = { ...wanted, at_ns };
+    const wanted = signals(this.stick(), this.gain, limit);
+    if (!this.isDue(turn, wanted)) return create(RobotStepSchema, { robot: 0, untilMessage });
+    this.last = { ...wanted, at_ns: turn.atNs };
     const command = create(CommandSchema, { leftSignal: wanted.left, rightSignal: wanted.right });
     return create(RobotStepSchema, { robot: 0, output: { case: "command", value: command }, untilMessage });
   }
@@ -148,17 +168,6 @@ export class Drive extends Emitter<{ changed: void }> {
     if (since_ns < wire_ns) return false;
     const isChanged = wanted.left !== this.last.left || wanted.right !== this.last.right;
     return isChanged || since_ns >= REPEAT_NS || turn.readings.some((reading) => reading.readable);
-  }
-
-  private send(turn: bigint, robots: ReturnType<Drive["part"]>[]): void {
-    const step = create(StepSchema, { turn, robots });
-    const request = create(AttachRequestSchema, { request: { case: "step", value: step } });
-    this.connection.send(this.call, { case: "attach", value: request });
-  }
-
-  private end(): void {
-    this.connection.end(this.call);
-    this.over();
   }
 
   private over(error?: CallError): void {

@@ -69,7 +69,7 @@ export class Watcher {
     this.stop();
     const { world, robot } = this.store;
     this.isFirst = this.isSettling = true;
-    this.store.stride = this.every;
+    this.store.setStride(this.every);
     const details = robot === "" ? [] : [robot];
     const request = create(WatchRequestSchema, { world, everyTicks: BigInt(this.every), details });
     const call = this.connection.begin(

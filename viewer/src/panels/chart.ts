@@ -4,7 +4,8 @@ import type { Theme } from "../arena/palette";
 import { button, el, setText, Throttle } from "../dom";
 import { labelOf, unitOf } from "../model/quantities";
 import type { Store } from "../model/store";
-import { fixed, secondsOf, short } from "../model/units";
+import { shownRange, shownSpan, ticks } from "../model/ticks";
+import { secondsOf, short } from "../model/units";
 
 /** Colours of lines, of Okabe's and Ito's set, in a light and in a dark theme. */
 const LINES = {
@@ -15,6 +16,9 @@ const RATE_HZ = 8;
 const MOST = LINES.light.length;
 /** Spans that can be chosen, in seconds. */
 const SPANS = [5, 15, 60, 0];
+const FONT = "11px system-ui, sans-serif";
+/** Pixels between two ticks, at least: of time, and of values. */
+const APART = [78, 26] as const;
 
 export class ChartPanel {
   readonly element: HTMLElement;
@@ -107,57 +111,55 @@ export class ChartPanel {
 
   private options(): uPlot.Options {
     const units = [...new Set(this.keys.map((key) => this.unit(key)))];
+    const values = { range: (_: uPlot, min: number | null, max: number | null) => shownRange(min, max) };
     return {
       width: this.holder.clientWidth,
       height: Math.max(90, this.holder.clientHeight),
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
-      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit, { range }])) },
+      scales: {
+        x: { time: false, range: () => this.shown },
+        ...Object.fromEntries(units.map((unit) => [unit, values])),
+      },
       series: [{}, ...this.keys.map((key, i) => this.line(key, i))],
       axes: this.axes(units),
+      padding: [8, units.length > 1 ? 0 : 16, 0, 0],
     };
   }
 
+  /** A line has gaps where nothing was seen; what was seen between two gaps is a dot. */
   private line(key: string, i: number): uPlot.Series {
-    const gaps = (plot: uPlot, _: number, from: number, until: number) => this.gaps(plot, from, until);
-    return { scale: this.unit(key), stroke: this.color(i), width: 1.5, gaps, points: { show: false } };
-  }
-
-  /** A line goes over values that were not there, but not over time that a replay has leapt over. */
-  private gaps(plot: uPlot, from: number, until: number): uPlot.Series.Gaps {
-    const times = plot.data[0];
-    const longest_s = this.store.longest * secondsOf(this.store.description?.stepNs ?? 0n);
-    const gaps: uPlot.Series.Gaps = [];
-    for (let i = from + 1; i <= until; i++) {
-      const [before, now] = [times[i - 1] ?? 0, times[i] ?? 0];
-      if (now - before > longest_s) gaps.push([plot.valToPos(before, "x", true), plot.valToPos(now, "x", true)]);
-    }
-    return gaps;
+    const points = { show: true, filter: lonely, size: 5, fill: this.color(i) };
+    return { scale: this.unit(key), stroke: this.color(i), width: 1.5, points };
   }
 
   /** Time below; the first two units on the left and on the right. */
   private axes(units: string[]): uPlot.Axis[] {
-    const font = "11px system-ui, sans-serif";
     const grid = { stroke: this.theme.gridStrong, width: 1 };
-    const values = (_: uPlot, values: number[]) =>
-      values.map((value) => (value === null ? "" : axisText(value, values)));
-    const axis = { stroke: this.theme.paleInk, font, ticks: { stroke: this.theme.gridStrong, size: 4 }, values };
+    const axis = { stroke: this.theme.paleInk, font: FONT, ticks: { stroke: this.theme.gridStrong, size: 4 } };
     const ofUnit = (unit: string, i: number): uPlot.Axis => {
       const label = unit === "1" ? "" : unit;
       const [side, own] = i === 0 ? [3 as const, grid] : [1 as const, { show: false }];
       return {
         ...axis,
+        ...round(1, ""),
+        size: roomFor,
         scale: unit,
         side,
         grid: own,
-        size: 48,
         label,
         labelSize: label === "" ? 0 : 14,
-        labelFont: font,
+        labelFont: FONT,
         labelGap: 0,
       };
     };
-    return [{ ...axis, grid, size: 24 }, ...units.slice(0, 2).map(ofUnit)];
+    return [{ ...axis, ...round(0, " s"), grid, size: 24 }, ...units.slice(0, 2).map(ofUnit)];
+  }
+
+  /** The part of time that is shown, in seconds. */
+  private get shown(): [number, number] {
+    const { record, frame } = this.store;
+    return shownSpan(record?.series.first ?? 0, secondsOf(frame?.timeNs ?? 0n), this.span_s);
   }
 
   private data(): uPlot.AlignedData {
@@ -166,10 +168,10 @@ export class ChartPanel {
       new Float64Array(0),
       ...this.keys.map(() => new Float64Array(0)),
     ];
-    const times = rows[0] ?? new Float64Array(0);
-    const last = times[times.length - 1] ?? 0;
-    const first = this.span_s === 0 ? 0 : times.findIndex((time) => time >= last - this.span_s);
-    // A value that was not there is null to uPlot, which draws on to the next.
+    const from_s = this.shown[0];
+    // The line comes in from what was before.
+    const first = (rows[0] ?? new Float64Array(0)).findIndex((time_s) => time_s >= from_s) - 1;
+    // A value that was not there is null to uPlot.
     return rows.map((row, i) => {
       const part = row.subarray(Math.max(0, first));
       return i === 0 ? part : Array.from(part, (value) => (Number.isNaN(value) ? null : value));
@@ -191,15 +193,34 @@ export class ChartPanel {
   }
 }
 
-/** Values that hardly change are not blown up to the height of the chart. */
-function range(_: uPlot, min: number | null, max: number | null): [number, number] {
-  if (min === null || max === null || !Number.isFinite(min) || !Number.isFinite(max)) return [0, 1];
-  const room = Math.max(0.08 * (max - min), 0.02 * Math.max(Math.abs(min), Math.abs(max)), 1e-6);
-  return [min === 0 ? 0 : min - room, max + room];
+/** An axis of ticks at round numbers, in the direction of the width (0) or of the height (1). */
+function round(direction: 0 | 1, unit: string): Pick<uPlot.Axis, "splits" | "values"> {
+  const most = (plot: uPlot) => {
+    const length = direction === 0 ? plot.bbox.width : plot.bbox.height;
+    return Math.max(2, length / window.devicePixelRatio / APART[direction]);
+  };
+  const made = (plot: uPlot, axis: number) => {
+    const { min, max } = plot.scales[plot.axes[axis]?.scale ?? "x"] ?? {};
+    return ticks(min ?? 0, max ?? 1, most(plot));
+  };
+  return {
+    splits: (plot, axis) => made(plot, axis).values,
+    values: (plot, _, axis) => made(plot, axis).labels.map((label) => label + unit),
+  };
 }
 
-function axisText(value: number, all: number[]): string {
-  const step = all.length > 1 ? Math.abs((all[1] ?? 0) - (all[0] ?? 0)) : 1;
-  const decimals = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step || 1) - 1e-9)));
-  return Math.abs(value) >= 1e5 ? short(value, 2) : fixed(value, decimals);
+/** How wide an axis is so that its labels are whole. It does not change with each digit. */
+function roomFor(plot: uPlot, labels: string[] | null): number {
+  plot.ctx.save();
+  plot.ctx.font = FONT;
+  const widest = Math.max(20, ...(labels ?? []).map((label) => plot.ctx.measureText(label).width));
+  plot.ctx.restore();
+  return 12 + 8 * Math.ceil(widest / 8);
+}
+
+/** The places of values without neighbours: no line shows them. */
+function lonely(plot: uPlot, series: number): number[] {
+  const values = plot.data[series] ?? [];
+  const isThere = (i: number) => values[i] !== null && values[i] !== undefined;
+  return Array.from(values.keys()).filter((i) => isThere(i) && !isThere(i - 1) && !isThere(i + 1));
 }

@@ -10,6 +10,8 @@ export class Pad {
   readonly element: HTMLElement;
   private readonly knob = el("div", { class: "knob" });
   private readonly text = el("p", { class: "small" });
+  /** The last pointer that took the knob. */
+  private finger = -1;
 
   constructor(private readonly drive: Drive) {
     const ring = el(
@@ -35,12 +37,18 @@ export class Pad {
       el("div", { class: "pad-side" }, this.text, gain, stop),
     );
     ring.addEventListener("pointerdown", (event) => {
+      drive.wake();
       ring.setPointerCapture(event.pointerId);
+      this.finger = event.pointerId;
       this.push(ring, event);
     });
     ring.addEventListener("pointermove", (event) => ring.hasPointerCapture(event.pointerId) && this.push(ring, event));
     for (const kind of ["pointerup", "pointercancel"] as const) ring.addEventListener(kind, () => this.centre());
     drive.on("changed", () => this.refresh());
+    drive.on("rest", () => {
+      if (ring.hasPointerCapture(this.finger)) ring.releasePointerCapture(this.finger);
+      this.centre();
+    });
   }
 
   private push(ring: HTMLElement, event: PointerEvent): void {
@@ -64,7 +72,6 @@ export class Pad {
       off: "",
       asking: "asking for the robot…",
       driving: "WASD, arrows, gamepad, or drag",
-      stopping: "stopping…",
     };
     setText(this.text, words[state]);
   }

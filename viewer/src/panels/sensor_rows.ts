@@ -15,7 +15,10 @@ export class SensorRows {
   readonly rows: ValueRow[] = [];
   private readonly age: HTMLElement;
   private readonly strip = el("canvas", { class: "strip", attributes: { "aria-hidden": "true" } });
-  private readonly missed = el("span", { class: "missed" });
+  private readonly missed = el("span", {
+    class: "missed",
+    title: "Reads that were left out, because the one before was still waiting",
+  });
   private readonly scans: { part: Part; canvas: HTMLCanvasElement }[] = [];
   private readonly parts: Part[];
   private readonly ageButton: HTMLButtonElement;
@@ -48,10 +51,10 @@ export class SensorRows {
     this.element = el(
       "div",
       { class: "sensor" },
-      el("div", { class: "sensor-head" }, swatch, ...head, this.missed, this.ageButton),
+      el("div", { class: "sensor-head" }, swatch, ...head, this.ageButton),
       ...(isSingle ? [] : values),
+      el("div", { class: "sensor-foot" }, ...(record.strips[index] ? [this.strip] : []), this.missed),
     );
-    if (record.strips[index]) this.element.append(this.strip);
   }
 
   /** Whether a value is on the chart. */

@@ -5,7 +5,7 @@ import type { Store } from "../model/store";
 import { duration, exactMs, numberOf } from "../model/units";
 import { lastCycle, type Cycle } from "../timing/cycle";
 import { draw, heightOf, rowFor, type Spot } from "../timing/draw";
-import { lanes, what, windowFor } from "../timing/layout";
+import { lanes, MOST_STEPS, what, windowFor } from "../timing/layout";
 
 /** Pictures a second: more could not be read. */
 const RATE_HZ = 4;
@@ -39,9 +39,9 @@ export class TimingPanel {
       this.setHeld(!this.isHeld),
     );
     const tools = [
-      button("−", "Longer: one Δt more", () => this.setSteps(1), { label: "Longer" }),
+      button("−", "Longer: more Δt", () => this.setSteps(1), { label: "Longer" }),
       this.span,
-      button("+", "Shorter: one Δt less", () => this.setSteps(-1), { label: "Shorter" }),
+      button("+", "Shorter: fewer Δt", () => this.setSteps(-1), { label: "Shorter" }),
       button("Auto", "As long as the cycle", () => this.setSteps(0)),
       this.hold,
     ];
@@ -69,7 +69,8 @@ export class TimingPanel {
 
   private setSteps(change: number): void {
     const shown = this.steps || Number(this.span.dataset.steps ?? 3);
-    this.steps = change === 0 ? 0 : Math.min(10, Math.max(1, shown + change));
+    const by = change * Math.max(1, Math.round(shown / 8));
+    this.steps = change === 0 ? 0 : Math.min(MOST_STEPS, Math.max(1, shown + by));
     this.refresh(true);
   }
 
@@ -111,7 +112,7 @@ export class TimingPanel {
     const context = surface(this.canvas, width, height);
     this.spots = draw({ context, width, height, theme, window, lanes: shown, cycle, step_ns, deadline_ns, row });
     const steps = Math.round((window.until_ns - window.from_ns) / 1.1 / step_ns) || 1;
-    this.span.dataset.steps = String(Math.min(10, steps));
+    this.span.dataset.steps = String(Math.min(MOST_STEPS, steps));
     setText(this.span, `${steps} Δt`);
     this.judge(cycle, deadline_ns);
   }
@@ -127,7 +128,7 @@ export class TimingPanel {
     }
     const took_ns = cycle.obeyed_ns - cycle.begun_ns;
     const isLate = took_ns > deadline_ns;
-    const words = `last cycle ${duration(took_ns)}, ${isLate ? "late" : "in time"}`;
+    const words = `cycle ${duration(took_ns)}, ${isLate ? "late" : "in time"}`;
     this.verdict.title = `The last answered cycle took ${duration(took_ns)}; its deadline is ${duration(deadline_ns)}`;
     setText(this.verdict, words);
     this.verdict.className = isLate ? "verdict bad" : "verdict good";

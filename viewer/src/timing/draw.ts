@@ -3,7 +3,7 @@ import type { Theme } from "../arena/palette";
 import { withAlpha } from "../arena/palette";
 import { duration, roundStep } from "../model/units";
 import type { Cycle } from "./cycle";
-import { kindOf } from "./kinds";
+import { isIdle, kindOf } from "./kinds";
 import type { Bar, Lane, Window } from "./layout";
 
 export interface Picture {
@@ -18,6 +18,12 @@ export interface Picture {
   deadline_ns: number;
   /** Height of a row of bars. */
   row: number;
+}
+
+/** A picture that is being drawn. */
+interface Sheet extends Picture {
+  /** Where bars begin. */
+  left: number;
 }
 
 /** Where a bar is, for the mouse. */
@@ -36,7 +42,14 @@ const LOWEST = 14;
 const HIGHEST = 20;
 const GAP = 3;
 const GROUP_GAP = 5;
+/** Half of a diamond, and how far from its middle its label begins. */
+const MARK = 5;
+const BESIDE = 8;
+/** Steps are drawn no closer than this. */
+const APART = 26;
 const FONT = "11px system-ui, sans-serif";
+/** How strong what is not of the cycle is. */
+const PALE = 0.32;
 
 /** How high a picture of these lanes is, with rows of this height. */
 export function heightOf(lanes: Lane[], row = LOWEST): number {
@@ -57,23 +70,26 @@ function gapsOf(lanes: Lane[]): number {
   return lanes.length * GAP + new Set(lanes.map((lane) => lane.group)).size * GROUP_GAP;
 }
 
-function leftOf(picture: Picture): number {
-  return picture.width < 480 ? 78 : 104;
+/** Behind the longest label, unless that leaves bars too little. */
+function leftOf({ context, lanes, width }: Picture): number {
+  const widest = Math.max(0, ...lanes.map((lane) => context.measureText(lane.label).width));
+  return Math.min(Math.max(64, Math.ceil(widest) + 18), Math.round(0.36 * width));
 }
 
 /** Where an instant is. */
-function xOf(picture: Picture, at_ns: number): number {
+function xOf(picture: Sheet, at_ns: number): number {
   const { from_ns, until_ns } = picture.window;
-  const left = leftOf(picture);
+  const { left } = picture;
   return left + ((at_ns - from_ns) / (until_ns - from_ns)) * (picture.width - left - RIGHT);
 }
 
 /** Draws it; returns where its bars are. */
-export function draw(picture: Picture): Spot[] {
-  const { context, width, height, theme } = picture;
+export function draw(wanted: Picture): Spot[] {
+  const { context, width, height, theme } = wanted;
   context.fillStyle = theme.ground;
   context.fillRect(0, 0, width, height);
   context.font = FONT;
+  const picture = { ...wanted, left: leftOf(wanted) };
   drawGroups(picture);
   drawLateTime(picture);
   drawSteps(picture);
@@ -83,7 +99,7 @@ export function draw(picture: Picture): Spot[] {
 }
 
 /** Where each lane begins. */
-function tops({ lanes, row }: Picture): number[] {
+function tops({ lanes, row }: Sheet): number[] {
   let y = TOP;
   return lanes.map((lane, i) => {
     if (i > 0 && lanes[i - 1]?.group !== lane.group) y += GROUP_GAP;
@@ -93,7 +109,7 @@ function tops({ lanes, row }: Picture): number[] {
   });
 }
 
-function drawGroups(picture: Picture): void {
+function drawGroups(picture: Sheet): void {
   const { context, lanes, theme, width } = picture;
   const starts = tops(picture);
   lanes.forEach((lane, i) => {
@@ -103,13 +119,13 @@ function drawGroups(picture: Picture): void {
     context.fillStyle = theme.ink;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    context.fillText(clipped(context, lane.label, leftOf(picture) - 12), leftOf(picture) - 8, top + high / 2);
+    context.fillText(clipped(context, lane.label, picture.left - 12), picture.left - 8, top + high / 2);
   });
   context.textBaseline = "alphabetic";
 }
 
 /** What is later than the deadline after the cycle began is on red ground. */
-function drawLateTime(picture: Picture): void {
+function drawLateTime(picture: Sheet): void {
   const { context, cycle, deadline_ns, theme, width, height } = picture;
   if (!cycle) return;
   const late_ns = cycle.begun_ns + deadline_ns;
@@ -138,22 +154,23 @@ function drawLateTime(picture: Picture): void {
 }
 
 /** Steps: from the cycle's beginning if there is one, or else multiples of Δt. */
-function drawSteps(picture: Picture): void {
+function drawSteps(picture: Sheet): void {
   const { context, window, cycle, step_ns, theme, height } = picture;
   const origin = cycle?.begun_ns ?? 0;
-  const first = Math.ceil((window.from_ns - origin) / step_ns);
-  const count = Math.floor((window.until_ns - origin) / step_ns) - first;
-  if (count > 40) return;
+  const together = Math.max(1, roundStep(APART / (xOf(picture, origin + step_ns) - xOf(picture, origin))));
+  const span_ns = together * step_ns;
+  const first = Math.ceil((window.from_ns - origin) / span_ns);
+  const count = Math.floor((window.until_ns - origin) / span_ns) - first;
   context.textAlign = "center";
+  const unit = together > 1 ? `${together} Δt` : "Δt";
   for (let i = first; i <= first + count; i++) {
-    const at_ns = origin + i * step_ns;
+    const at_ns = origin + i * span_ns;
     const x = xOf(picture, at_ns);
     dashed(context, x, TOP - 10, height - BOTTOM, theme.frame, [5, 4]);
-    const wide = xOf(picture, at_ns + step_ns) - x;
-    if (i === first + count || wide < 26) continue;
+    const wide = xOf(picture, at_ns + span_ns) - x;
     context.fillStyle = theme.paleInk;
-    const text = i === Math.max(0, first) && wide > 80 ? `Δt = ${duration(step_ns)}` : "Δt";
-    context.fillText(text, x + wide / 2, TOP - 3);
+    const text = i === Math.max(0, first) && wide > 80 ? `${unit} = ${duration(span_ns)}` : unit;
+    if (i < first + count && context.measureText(text).width + 4 < wide) context.fillText(text, x + wide / 2, TOP - 3);
   }
 }
 
@@ -175,9 +192,9 @@ function dashed(
   context.setLineDash([]);
 }
 
-function drawLanes(picture: Picture): Spot[] {
+function drawLanes(picture: Sheet): Spot[] {
   const { context, lanes, width } = picture;
-  const left = leftOf(picture);
+  const { left } = picture;
   const starts = tops(picture);
   const spots: Spot[] = [];
   context.save();
@@ -185,24 +202,55 @@ function drawLanes(picture: Picture): Spot[] {
   context.rect(left, 0, width - left - RIGHT + 6, picture.height);
   context.clip();
   lanes.forEach((lane, i) => {
-    const reach = lane.bars.map((bar) => drawBar(picture, bar, (starts[i] ?? 0) + GAP / 2 + bar.row * picture.row));
-    spots.push(...reach);
+    const topOf = (row: number) => (starts[i] ?? 0) + GAP / 2 + row * picture.row;
+    spots.push(...lane.bars.map((bar) => drawBar(picture, bar, topOf(bar.row))));
+    for (let row = 0; row < lane.rows; row++) nameMarks(picture, lane, row, topOf(row));
   });
   context.restore();
   return spots;
 }
 
-function drawBar(picture: Picture, bar: Bar, top: number): Spot {
+/** The labels of a row's marks: beside them, where there is room before what comes next. A crowd has one. */
+function nameMarks(picture: Sheet, lane: Lane, row: number, top: number): void {
+  const { context } = picture;
+  const bars = lane.bars.filter((bar) => bar.row === row);
+  bars.forEach((bar, i) => {
+    const next = bars[i + 1];
+    if (!isMark(bar) || bar.label === "" || (next && isOneCrowd(picture, bar, next))) return;
+    let first = i;
+    while (first > 0 && isOneCrowd(picture, bars[first - 1] as Bar, bars[first] as Bar)) first--;
+    const text = first < i ? `${i - first + 1} × ${bar.label}` : bar.label;
+    const from = xOf(picture, bar.event.start_ns) + BESIDE;
+    const until = next ? xOf(picture, next.event.start_ns) - (isMark(next) ? MARK : 0) : picture.width - RIGHT + 6;
+    if (from + context.measureText(text).width + 3 > until) return;
+    context.globalAlpha = bar.pale ? PALE : 1;
+    context.textAlign = "left";
+    context.fillStyle = picture.theme.ink;
+    context.fillText(text, from, top + picture.row / 2 + 4);
+    context.globalAlpha = 1;
+  });
+}
+
+function isMark({ event }: Bar): boolean {
+  return event.end_ns === event.start_ns;
+}
+
+/** Whether two marks that follow on each other say the same at the same place, as far as eyes can tell. */
+function isOneCrowd(picture: Sheet, bar: Bar, next: Bar): boolean {
+  const apart = xOf(picture, next.event.start_ns) - xOf(picture, bar.event.start_ns);
+  return isMark(bar) && isMark(next) && bar.label === next.label && apart < 2 * MARK;
+}
+
+function drawBar(picture: Sheet, bar: Bar, top: number): Spot {
   const { context, row } = picture;
   const { event } = bar;
   const kind = kindOf(event.kind);
   const [from, until] = [xOf(picture, event.start_ns), xOf(picture, event.end_ns)];
-  context.globalAlpha = bar.pale ? 0.32 : 1;
-  if (event.end_ns === event.start_ns) {
-    mark(picture, from, top + row / 2, colorOf(picture, bar, event.start_ns));
-    write(picture, bar, from + 8, picture.width, top, false);
+  context.globalAlpha = bar.pale ? PALE : 1;
+  if (isMark(bar)) {
+    mark(picture, from, top + row / 2, colorOf(picture, bar, event.start_ns), isIdle(event));
     context.globalAlpha = 1;
-    return { x: from - 6, y: top, width: 12, height: row, bar };
+    return { x: from - MARK - 1, y: top, width: 2 * MARK + 2, height: row, bar };
   }
   const wide = Math.max(1.5, until - from);
   const late_ns = lateFrom(picture, bar);
@@ -213,48 +261,53 @@ function drawBar(picture: Picture, bar: Bar, top: number): Spot {
     context.fillStyle = picture.theme.late;
     context.fillRect(split, top + 1.5, Math.max(1.5, until - split), row - 3);
   }
-  write(picture, bar, from, until, top, true);
+  write(picture, bar, from, until, top);
   context.globalAlpha = 1;
   return { x: from - 2, y: top, width: wide + 4, height: row, bar };
 }
 
 /** From when on a bar is red: its cycle's deadline. */
-function lateFrom(picture: Picture, bar: Bar): number | undefined {
+function lateFrom(picture: Sheet, bar: Bar): number | undefined {
   const { cycle, deadline_ns } = picture;
   return cycle && cycle.events.has(bar.event) ? cycle.begun_ns + deadline_ns : undefined;
 }
 
-function colorOf(picture: Picture, bar: Bar, at_ns: number): string {
+function colorOf(picture: Sheet, bar: Bar, at_ns: number): string {
   const late_ns = lateFrom(picture, bar);
   return late_ns !== undefined && at_ns > late_ns ? picture.theme.late : kindOf(bar.event.kind).color;
 }
 
-/** What takes no time is a diamond. */
-function mark({ context }: Picture, x: number, y: number, color: string): void {
+/** What takes no time is a diamond, and one that is hollow is without news. */
+function mark({ context }: Sheet, x: number, y: number, color: string, isHollow: boolean): void {
+  const size = isHollow ? MARK - 1 : MARK;
   context.beginPath();
-  context.moveTo(x, y - 5);
-  context.lineTo(x + 5, y);
-  context.lineTo(x, y + 5);
-  context.lineTo(x - 5, y);
+  context.moveTo(x, y - size);
+  context.lineTo(x + size, y);
+  context.lineTo(x, y + size);
+  context.lineTo(x - size, y);
   context.closePath();
-  context.fillStyle = color;
-  context.fill();
+  if (isHollow) {
+    context.lineWidth = 1.5;
+    context.strokeStyle = color;
+    context.stroke();
+  } else {
+    context.fillStyle = color;
+    context.fill();
+  }
 }
 
-/** A bar's label: on it if there is room, and beside a mark. */
-function write(picture: Picture, bar: Bar, from: number, until: number, top: number, isOn: boolean): void {
-  const { context, theme } = picture;
-  if (bar.label === "") return;
-  const [left, right] = [Math.max(from, leftOf(picture)), Math.min(until, picture.width - RIGHT)];
-  if (isOn && context.measureText(bar.label).width + 6 > right - left) return;
-  const y = top + picture.row / 2 + 4;
-  context.textAlign = isOn ? "center" : "left";
-  context.fillStyle = isOn ? inkOf(picture, bar) : theme.ink;
-  context.fillText(bar.label, isOn ? (left + right) / 2 : from, y);
+/** A bar's label: on it, if there is room. */
+function write(picture: Sheet, bar: Bar, from: number, until: number, top: number): void {
+  const { context } = picture;
+  const [left, right] = [Math.max(from, picture.left), Math.min(until, picture.width - RIGHT)];
+  if (bar.label === "" || context.measureText(bar.label).width + 6 > right - left) return;
+  context.textAlign = "center";
+  context.fillStyle = inkOf(picture, bar);
+  context.fillText(bar.label, (left + right) / 2, top + picture.row / 2 + 4);
 }
 
 /** The colour of text on a bar. */
-function inkOf(picture: Picture, bar: Bar): string {
+function inkOf(picture: Sheet, bar: Bar): string {
   const { theme } = picture;
   if (bar.pale && theme.dark) return theme.ink;
   const late_ns = lateFrom(picture, bar) ?? Infinity;
@@ -262,9 +315,9 @@ function inkOf(picture: Picture, bar: Bar): string {
   return isRed ? (theme.dark ? "#10151f" : "#ffffff") : kindOf(bar.event.kind).ink;
 }
 
-function drawAxis(picture: Picture): void {
+function drawAxis(picture: Sheet): void {
   const { context, window, theme, width, height } = picture;
-  const left = leftOf(picture);
+  const { left } = picture;
   const y = height - BOTTOM + 0.5;
   context.beginPath();
   context.moveTo(left, y);

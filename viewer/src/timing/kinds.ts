@@ -1,5 +1,6 @@
 /** What a bar stands for, and its colours: those of `baudbot diagram` (cli/src/diagram/class.rs). */
 import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
+import type { Happening } from "../model/timeline";
 
 export interface Kind {
   color: string;
@@ -31,6 +32,11 @@ const KINDS: Record<TimelineKind, Kind> = {
   [TimelineKind.LOST]: { color: "#b5651d", ink: WHITE, words: "bytes lost", trouble: true },
   [TimelineKind.FAULT]: { color: "#999933", ink: WHITE, words: "a fault", trouble: true },
 };
+
+/** Whether the brain had no news, so that nothing came of it. */
+export function isIdle(event: Happening): boolean {
+  return event.kind === TimelineKind.THINK && event.part !== 1;
+}
 
 export function kindOf(kind: TimelineKind): Kind {
   return KINDS[kind] ?? KINDS[TimelineKind.UNSPECIFIED];

@@ -3,7 +3,7 @@ import type { RobotDescription } from "../gen/baudbot/v1/brain_link_pb";
 import { TimelineKind } from "../gen/baudbot/v1/observe_pb";
 import type { Happening } from "../model/timeline";
 import type { Cycle } from "./cycle";
-import { kindOf } from "./kinds";
+import { isIdle, kindOf } from "./kinds";
 
 export interface Bar {
   event: Happening;
@@ -31,6 +31,8 @@ export interface Window {
 
 /** A robot with more sensors than this has one lane for all; so has one whose lanes do not fit into the page. */
 const MOST_SENSOR_LANES = 6;
+/** Δt that are shown at most. */
+export const MOST_STEPS = 200;
 /** More rows than this are no help. */
 const MOST_ROWS = 4;
 
@@ -113,7 +115,7 @@ function barLabel(robot: RobotDescription, event: Happening): string {
     case K.PORT:
       return bytes;
     case K.THINK:
-      return event.part === 1 ? "think" : "no news";
+      return isIdle(event) ? "no news" : "think";
     case K.BLOCK:
       return "wait";
     case K.LATE:
@@ -133,7 +135,7 @@ export function what(robot: RobotDescription, event: Happening): string {
   const K = TimelineKind;
   const named = [K.ACQUIRE, K.MEASURE, K.PORT, K.MISSED].includes(event.kind) && sensor ? `${sensor}: ` : "";
   const bytes = event.bytes > 0 ? `, ${event.bytes} bytes` : "";
-  const news = event.kind === K.THINK && event.part !== 1 ? ", without news" : "";
+  const news = isIdle(event) ? ", without news" : "";
   return `${named}${kindOf(event.kind).words}${bytes}${news}`;
 }
 
@@ -148,7 +150,7 @@ export function windowFor(cycle: Cycle | undefined, now_ns: number, step_ns: num
     return { from_ns: until_ns - count * step_ns, until_ns };
   }
   const needed = Math.ceil((cycle.end_ns - cycle.begun_ns) / step_ns + 0.1);
-  const count = steps || Math.min(10, Math.max(1, needed));
+  const count = steps || Math.min(MOST_STEPS, Math.max(1, needed));
   const from_ns = cycle.begun_ns - 0.06 * count * step_ns;
   return { from_ns, until_ns: cycle.begun_ns + 1.04 * count * step_ns };
 }

@@ -28,6 +28,11 @@ impl Lines {
         Self { ends: Ends::Feed, collected: Buffer::new(), dropped: 0 }
     }
 
+    /// Whether this reader may have become what `other` is: of lines that end alike.
+    pub fn may_become(&self, other: &Self) -> bool {
+        self.ends == other.ends
+    }
+
     /// Takes the next byte from the wire. Gives the line that the byte ends, without its end, if there is anything in it.
     ///
     /// # Errors

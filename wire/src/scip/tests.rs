@@ -220,6 +220,16 @@ fn errors_carry_what_disagrees() {
     assert_eq!(text, "the status is 0A, not 99 as of a scan");
 }
 
+/// 40 values of two characters are a block of 64 characters from byte 26 on, and one of 16 from byte 26 + 64 + 2 on.
+#[test]
+fn an_error_in_a_later_block_says_at_which_byte_of_the_message_it_is() {
+    let mut wire = encoded(&format(Characters::Two, 44, 83, 1), 0, &[1234; 40]);
+    assert!(parse(&wire).is_ok());
+    wire[92 + 3] = b' ';
+    let error = ParseError::Byte { at: 95, expected: "a character from 0 to o", found: b' ' };
+    assert_eq!(parse(&wire), Err(error));
+}
+
 #[test]
 fn the_end_of_a_message_is_found_in_a_stream() {
     let stream = b"h0\n\nMS0044004500000\n99b\nm2@0?\nCBooS\n\nMS00";

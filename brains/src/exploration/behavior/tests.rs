@@ -65,7 +65,7 @@ fn it_stands_while_nobody_says_where_it_is() {
     let mut explore = made("").unwrap();
     let lost = (Some(Signals::default()), "does not know where it is".to_owned());
     let mut said = |at_ns, known_ns| {
-        let (signals, beliefs) = step(&mut explore, at_ns, known_ns, true);
+        let (signals, beliefs) = step(&mut explore, at_ns, known_ns, false);
         (signals, beliefs.intention)
     };
     assert_eq!(said(10 * MS, None), lost);

@@ -79,6 +79,22 @@ fn it_stands_still_when_the_odometer_is_silent() {
     robot.at_ns += 1_000_000_000;
     let action = robot.brain.step(&turn(&robot.body, robot.at_ns, &[None, None, None]));
     assert_eq!(action.signals, Some(Signals { left: 0.0, right: 0.0 }));
+    assert_eq!(robot.brain.belief().unwrap().state, "waits for `odometer` since 0.10 s");
+}
+
+#[test]
+fn it_says_which_sensor_it_waits_for() {
+    let mut robot = Robot::new(0.0);
+    let says = |robot: &mut Robot| robot.brain.belief().unwrap().state;
+    assert_eq!(says(&mut robot), "waits for `odometer` since 0.00 s");
+    robot.step([0.0, 0.0, 0.0], None, 1.0);
+    assert_eq!(says(&mut robot), "waits for `laser` since 0.00 s");
+    robot.step([0.0, 0.0, 0.0], Some(0.9), 1.0);
+    assert_eq!(
+        says(&mut robot),
+        "waits for `odometer` since 0.20 s",
+        "until it knows where the scan was taken"
+    );
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Charts over time, one below the other: panels of lines, and strips that say from when to when something was so.
 
 use crate::drawing::xml::{Canvas, Element, px};
-use crate::drawing::{FRAME, INK, PALE_INK, PAPER, Place, TRAILS, drawn, path, rectangle, simplified};
+use crate::drawing::{
+    FRAME, INK, PALE_INK, PAPER, Place, TRAILS, drawn, path, rectangle, shortened, simplified,
+};
 
 /// What is drawn of a robot.
 pub(super) struct Chart {
@@ -36,10 +38,14 @@ pub(super) struct Strip {
     pub(super) spans: Vec<(f64, f64)>,
 }
 
-/// The whole file.
-pub(super) fn draw(charts: &[Chart]) -> String {
+/// The whole file, with the scenario's name and what ran above all charts.
+pub(super) fn draw(scenario: &str, ran: &str, charts: &[Chart]) -> String {
     let mut inside = Canvas::default();
-    let mut y = TOP;
+    let title = text((LEFT, 34.0), "start", &shortened(scenario, 20.0, WIDTH), INK);
+    inside.put(title.set("font-size", "20").set("font-weight", "600"));
+    let ran = text((LEFT, 56.0), "start", &shortened(ran, 13.0, WIDTH), PALE_INK);
+    inside.put(ran.set("font-size", "13"));
+    let mut y = HEAD + TOP;
     for chart in charts {
         y = chart.draw(&mut inside, y);
     }
@@ -48,7 +54,7 @@ pub(super) fn draw(charts: &[Chart]) -> String {
     let root = Element::new("svg").set("xmlns", "http://www.w3.org/2000/svg").number("width", width);
     let root = root.number("height", height).set("viewBox", &format!("0 0 {} {}", px(width), px(height)));
     let root = root.set("role", "img").set("font-family", "system-ui, Helvetica, Arial, sans-serif");
-    canvas.open(root.set("font-size", "11").titled("Utilities over time"));
+    canvas.open(root.set("font-size", "11").titled(&format!("Utilities over time in {scenario}")));
     let paper = rectangle((0.5, 0.5), (width - 1.0, height - 1.0)).set("rx", "10");
     canvas.put(paper.set("fill", PAPER).set("stroke", FRAME));
     canvas.append(&inside);
@@ -199,6 +205,8 @@ const WIDTH: f64 = 760.0;
 /// Room for names.
 const RIGHT: f64 = 150.0;
 const TOP: f64 = 28.0;
+/// What is above all charts.
+const HEAD: f64 = 60.0;
 /// Between two panels.
 const GAP: f64 = 16.0;
 const STRIP_PX: f64 = 15.0;

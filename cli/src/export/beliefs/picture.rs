@@ -2,10 +2,12 @@
 
 use std::io::{self, Write};
 
+use baudbot_recording::Tape;
 use baudbot_sim::{RobotView, World};
 
 use super::super::Out;
 use super::super::pass::Sink;
+use super::super::ran::Ran;
 use super::chart::{Chart, Line, Panel, Strip};
 use super::{Beliefs, Column, Robot};
 use crate::csv::collect;
@@ -13,6 +15,9 @@ use crate::csv::collect;
 /// A picture that is drawn at the end.
 pub(in super::super) struct Picture {
     out: Out,
+    /// The scenario's name, or the world's.
+    name: String,
+    ran: Ran,
     beliefs: Beliefs,
     columns: Vec<Column>,
     /// For each robot and each column, instants in seconds and readings.
@@ -23,10 +28,14 @@ pub(in super::super) struct Picture {
 }
 
 impl Picture {
-    pub(in super::super) fn new(out: Out, beliefs: &Beliefs, columns: &[Column]) -> Self {
+    pub(in super::super) fn new(out: Out, tape: &Tape, beliefs: &Beliefs, columns: &[Column]) -> Self {
+        let scenario = tape.scenario().name();
+        let name = if scenario.is_empty() { &tape.header().world } else { scenario };
         let readings = vec![vec![Vec::new(); columns.len()]; beliefs.robots.len()];
         Self {
             out,
+            name: name.to_owned(),
+            ran: Ran::of(tape),
             beliefs: beliefs.clone(),
             columns: columns.to_vec(),
             readings,
@@ -110,6 +119,7 @@ impl Sink for Picture {
     fn tick(&mut self, world: &World) -> io::Result<()> {
         let now_s = world.time().as_seconds();
         self.span = Some((self.span.map_or(now_s, |(from_s, _)| from_s), now_s));
+        self.ran.see(world);
         if !self.columns.is_empty() {
             for (i, robot) in world.robots().enumerate() {
                 self.read(i, &robot, now_s);
@@ -119,7 +129,7 @@ impl Sink for Picture {
     }
 
     fn finish(mut self: Box<Self>) -> io::Result<()> {
-        let picture = super::chart::draw(&self.charts());
+        let picture = super::chart::draw(&self.name, &self.ran.facts(), &self.charts());
         self.out.write_all(picture.as_bytes())?;
         self.out.flush()
     }

@@ -1,0 +1,66 @@
+//! The way round what a field locks at.
+
+use baudbot_geometry::Point;
+
+use super::behavior::distance;
+use super::terrain::{Terrain, Way};
+
+/// A way that is driven.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Detour {
+    way: Way,
+    /// The point of the way at which the robot is.
+    reached: usize,
+    look_ahead_m: f64,
+}
+
+impl Detour {
+    /// At the start of a way, for a body of this radius.
+    pub(super) fn new(way: Way, radius_m: f64) -> Self {
+        Self { way, reached: 0, look_ahead_m: LOOK_AHEAD * radius_m }
+    }
+
+    /// All other ways are closed, as far as anybody knows.
+    pub(super) fn is_forced(&self) -> bool {
+        self.way.is_forced
+    }
+
+    /// The point to drive at, a little farther along the way than the robot is.
+    pub(super) fn next(&mut self, here: Point) -> Point {
+        let points = &self.way.points;
+        let near = |i: &usize| distance(points[*i], here);
+        // It may not skip to a later part of the way that passes near by.
+        let window = self.reached..points.len().min(self.reached + WINDOW);
+        self.reached = window.min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(self.reached);
+        let later = points[self.reached..].iter().find(|at| distance(**at, here) >= self.look_ahead_m);
+        later.or_else(|| points.last()).copied().unwrap_or(here)
+    }
+
+    /// What is left of the way.
+    pub(super) fn left(&self) -> &[Point] {
+        &self.way.points[self.reached..]
+    }
+
+    /// How far the robot is beside its way, in metres.
+    pub(super) fn strayed_m(&self, here: Point) -> f64 {
+        self.left().first().map_or(f64::INFINITY, |at| distance(*at, here))
+    }
+
+    /// Another way instead, if that is much better by what is known now.
+    pub(super) fn reconsider(&mut self, way: Way, terrain: &Terrain) {
+        let mut old = terrain.price(self.left());
+        if self.left().iter().any(|at| terrain.is_closed(*at)) {
+            old *= 2.0;
+        }
+        if terrain.price(&way.points) < BETTER * old {
+            *self = Self { way, reached: 0, look_ahead_m: self.look_ahead_m };
+        }
+    }
+}
+
+/// How far ahead on the way it looks, in radii of the body.
+const LOOK_AHEAD: f64 = 0.75;
+/// Points of the way among which the nearest is looked for.
+const WINDOW: usize = 12;
+/// A new way must cost less than this part of the old one.
+const BETTER: f64 = 0.8;

@@ -1,0 +1,76 @@
+//! What ran in a recording, as pictures of it tell: taken from the run itself, and not from what its scenario's file says.
+
+use std::collections::BTreeSet;
+
+use baudbot_experiment::ran;
+use baudbot_proto::v1::ReplayEventKind;
+use baudbot_recording::Tape;
+use baudbot_sim::{Scenario, World};
+
+/// What is known of a run, and seen while it is simulated once more.
+pub(super) struct Ran {
+    about: String,
+    brains: Vec<String>,
+    links: Vec<String>,
+    seed: u64,
+    /// Ticks before which somebody changed something by hand.
+    changed: BTreeSet<u64>,
+}
+
+impl Ran {
+    pub(super) fn of(tape: &Tape) -> Self {
+        let of_kind = |kind| tape.events().iter().filter(move |event| event.kind() == kind);
+        let changed: BTreeSet<_> = of_kind(ReplayEventKind::Change).map(|event| event.tick).collect();
+        let mut brains: Vec<_> = of_kind(ReplayEventKind::Brain)
+            .filter_map(|event| brain(&event.text))
+            .map(str::to_owned)
+            .collect();
+        if brains.is_empty() && tape.inputs() > 0 {
+            brains.push("a brain from before the recording".to_owned());
+        }
+        let scenario: &Scenario = tape.scenario();
+        let about = ran::about(scenario, !changed.is_empty());
+        Self { about, brains, links: Vec::new(), seed: scenario.seed(), changed }
+    }
+
+    /// Whether somebody changed something by hand before this tick.
+    pub(super) fn is_changed(&self, tick: u64) -> bool {
+        self.changed.contains(&tick)
+    }
+
+    /// Sees what the run's cables are; they may be changed by hand.
+    pub(super) fn see(&mut self, world: &World) {
+        if self.links.is_empty() || self.is_changed(world.tick()) {
+            self.links.extend(world.robots().map(|robot| ran::link(&robot.spec().link)));
+            self.links.sort_unstable();
+            self.links.dedup();
+        }
+    }
+
+    /// What the scenario is about, or that it was changed.
+    pub(super) fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// Which brains drove, over which links, with which seed.
+    pub(super) fn facts(&self) -> String {
+        ran::facts(&self.brains, &self.links, self.seed)
+    }
+}
+
+/// The brain that came, if an event tells of that: names of robots have no backticks.
+fn brain(event: &str) -> Option<&str> {
+    event.strip_prefix('`')?.rsplit_once("` drives `").map(|(brain, _)| brain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_brain_is_what_drives() {
+        assert_eq!(brain("`avoid:forward=0.3` drives `alice`, `bob`"), Some("avoid:forward=0.3"));
+        assert_eq!(brain("`a` drives `b` drives `alice`"), Some("a` drives `b"));
+        assert_eq!(brain("the brain of `alice` is gone: its stream ended"), None);
+    }
+}

@@ -1,0 +1,50 @@
+//! Files that people name are opened so that nothing waits for ever: a pipe may have nobody at its other end.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Cursor, Read};
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+
+/// Opens a plain file. What is something else is an error.
+pub(crate) fn plain(path: &Path) -> io::Result<File> {
+    let file = at_once(path)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("is not a file")) }
+}
+
+/// Opens a file, a pipe or a device. A pipe that nobody writes into is an error, if it stays so for two seconds.
+pub(crate) fn any(path: &Path) -> io::Result<impl Read> {
+    let mut file = at_once(path)?;
+    let first = if file.metadata()?.file_type().is_fifo() { first_byte(&mut file)? } else { Vec::new() };
+    fcntl_setfl(&file, fcntl_getfl(&file)? - OFlags::NONBLOCK)?;
+    Ok(Cursor::new(first).chain(file))
+}
+
+/// Opens it without waiting, and so that nobody waits who reads it.
+fn at_once(path: &Path) -> io::Result<File> {
+    OpenOptions::new().read(true).custom_flags(OFlags::NONBLOCK.bits().cast_signed()).open(path)
+}
+
+/// The first byte of a pipe; none if there is somebody at its other end who has yet to write one.
+fn first_byte(pipe: &mut File) -> io::Result<Vec<u8>> {
+    let deadline = Instant::now() + PATIENCE;
+    let mut byte = [0];
+    loop {
+        match pipe.read(&mut byte) {
+            // A pipe without a writer is at its end.
+            Ok(0) if Instant::now() < deadline => thread::sleep(INTERVAL),
+            Ok(0) => return Err(io::Error::other("is a pipe into which nobody writes")),
+            Ok(_) => return Ok(byte.to_vec()),
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(Vec::new()),
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// How long a pipe may have no writer: a program that was started beside this one may take a moment.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+const INTERVAL: Duration = Duration::from_millis(10);

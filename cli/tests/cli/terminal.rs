@@ -1,0 +1,92 @@
+//! What others wrote is shown on a terminal, and never obeyed by it.
+
+use crate::{baudbot, good, place};
+
+const WANDER: &str = include_str!("../../../scenarios/wander.toml");
+
+/// What clears a screen, names a window, turns writing around and goes back in a line, as TOML writes it.
+const HOSTILE: &str = r"\u001b[2J\u001b]0;owned\u0007\u009b31m\u202egnp\u2066\r\b";
+
+/// Whether a terminal only shows it.
+fn is_shown(text: &str) -> bool {
+    text.chars().all(|c| c == '\n' || baudbot_sim::printable::is_printable(c))
+}
+
+fn scenario(name: &str, toml: &str) -> String {
+    let path = place(name);
+    std::fs::write(&path, toml).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_description_is_shown_on_one_line_and_escaped() {
+    let (head, rest) = WANDER.split_once("description = ").unwrap();
+    let (_, rest) = rest.split_once('\n').unwrap();
+    let toml = format!("{head}description = \"two\\nlines{HOSTILE}\"\n{rest}");
+    let path = scenario("described.toml", &toml);
+    let told = good(&["check", &path]);
+    assert!(is_shown(&told), "{told:?}");
+    assert!(
+        told.contains(r"  description  two lines\u{1b}[2J\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}gnp"),
+        "{told}"
+    );
+    for command in [&["run", &path, "--seconds", "0.1"][..], &["budget", &path], &["diagram", &path]] {
+        let (code, out, err) = baudbot(command);
+        assert_eq!(code, 0, "{err}");
+        assert!(is_shown(&out) && is_shown(&err), "{out:?} {err:?}");
+    }
+    let picture = good(&["check", &path, "--svg", "-"]);
+    assert!(is_shown(&picture) && roxmltree::Document::parse(&picture).is_ok(), "{picture:?}");
+}
+
+#[test]
+fn what_an_error_quotes_of_a_file_is_shown() {
+    let raw = HOSTILE.replace(r"\u001b", "\u{1b}").replace(r"\u202e", "\u{202e}");
+    for (i, toml) in [
+        format!("name = \"{HOSTILE}\""),
+        format!("\"{HOSTILE}\" = 1"),
+        format!("[[robots]]\nname = \"{HOSTILE}\""),
+        format!("[[robots]]\nname = \"r\"\npreset = \"{HOSTILE}\""),
+        format!("[[robots]]\nname = \"r\"\nlink.kind = \"{HOSTILE}\""),
+        format!("[[arena.maps]]\nname = \"m\"\nros = \"{HOSTILE}\""),
+        // No TOML: the error shows the line.
+        format!("step_ms = {raw}"),
+    ]
+    .iter()
+    .enumerate()
+    {
+        let path = scenario(&format!("hostile-{i}.toml"), toml);
+        for command in ["check", "run", "budget"] {
+            let (code, _, err) = baudbot(&[command, &path]);
+            assert_eq!(code, 2, "{err}");
+            assert!(is_shown(&err) && err.starts_with("error: "), "{toml}: {err:?}");
+        }
+    }
+    // An experiment, and the name of a file.
+    let experiment = scenario(
+        "hostile.toml",
+        &format!(
+            "scenario = \"wander\"\nbrain = \"{HOSTILE}\"\nseconds = 1.0\n[[fields]]\nfield = \"{HOSTILE}\"\nvalues = [1]"
+        ),
+    );
+    for command in [&["sweep", &experiment][..], &["check", "\u{1b}[31m\u{202e}.toml"]] {
+        let (code, _, err) = baudbot(command);
+        assert_eq!(code, 2, "{err}");
+        assert!(is_shown(&err), "{err:?}");
+    }
+}
+
+#[test]
+fn a_brain_with_a_name_that_a_terminal_obeys_does_not_attach() {
+    let (_server, tcp, _) = crate::processes::serve("hostile.sock", &["wander"]);
+    let brain = "[motor.stroll]\nkind = \"wander\"\nutility = { bias = 0.3 }\n";
+    let path = scenario("b\u{1b}[2J\u{202e}.toml", brain);
+    let (code, _, err) = baudbot(&["brain", &path, "--connect", &tcp]);
+    assert_eq!(code, 1, "{err}");
+    assert!(
+        err.contains("hello.brain: must be on one line and without control characters, is `")
+            && err.contains(r"b\u{1b}[2J\u{202e}.toml"),
+        "{err:?}"
+    );
+    assert!(is_shown(&err), "{err:?}");
+}

@@ -1,0 +1,52 @@
+//! The checksum at the end of each line: a CRC-64 of what the line says, and of what the journal is of. So no line of
+//! another journal passes for one of this.
+
+use crc::{CRC_64_XZ, Crc};
+use serde::Serialize;
+
+/// What the lines of a journal are checked with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seal {
+    /// What each checksum begins with.
+    of: String,
+}
+
+impl Seal {
+    /// For lines of a journal of this.
+    pub(super) fn new(of: String) -> Self {
+        Self { of }
+    }
+
+    /// An object as a line of JSON, whose last member is the checksum.
+    pub(super) fn line(&self, object: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+        let mut line = serde_json::to_vec(object)?;
+        // All that is written has members.
+        line.pop();
+        let sum = self.sum(&line);
+        line.extend(format!("{BEFORE}{sum:0DIGITS$x}{BEHIND}").bytes());
+        Ok(line)
+    }
+
+    /// The object of a line as JSON without its checksum, and that; `None` if they do not match.
+    pub(super) fn open(&self, line: &[u8]) -> Option<(Vec<u8>, u64)> {
+        let (object, end) = line.split_at_checked(line.len().checked_sub(END)?)?;
+        let sum = self.sum(object);
+        let matches = end == format!("{BEFORE}{sum:0DIGITS$x}{BEHIND}").as_bytes();
+        matches.then(|| ([object, b"}"].concat(), sum))
+    }
+
+    fn sum(&self, object: &[u8]) -> u64 {
+        let mut digest = CRC.digest();
+        digest.update(self.of.as_bytes());
+        digest.update(object);
+        digest.finalize()
+    }
+}
+
+const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
+/// What stands before and behind the digits.
+const BEFORE: &str = ",\"crc64\":\"";
+const BEHIND: &str = "\"}\n";
+const DIGITS: usize = 16;
+const END: usize = BEFORE.len() + DIGITS + BEHIND.len();

@@ -1,0 +1,249 @@
+//! Journals on the disk and in memory.
+
+use super::*;
+use crate::figures::Figures;
+use crate::row::Ran;
+
+fn header() -> Header {
+    Header::new("test", "0123456789abcdef".to_owned(), "0.1.0 0".to_owned(), 5)
+}
+
+fn seal() -> Seal {
+    header().seal()
+}
+
+/// What came of a run.
+fn row(run: u64) -> Row {
+    let mut figures = Figures::default();
+    figures.0[2] = Some(0.1 + run as f64);
+    let ran = Ran { ending: "time is over".to_owned(), figures, hash: 7 + run };
+    Row { run, outcome: if run == 3 { Err("robots[0]: is too large".to_owned()) } else { Ok(ran) } }
+}
+
+/// A journal of five runs, line by line.
+fn lines() -> Vec<Vec<u8>> {
+    let rows = [2, 0, 1, 4, 3].map(|run| seal().line(&Written::from(&row(run))).unwrap());
+    std::iter::once(header().line().unwrap()).chain(rows).collect()
+}
+
+/// What is found in a journal must be true, and all of it found but for what is told. Gives what is told.
+fn honest(bytes: &[u8]) -> Vec<String> {
+    let found = match reader::read(bytes, &header()) {
+        Ok(found) => found,
+        Err(Refusal::Foreign) => return vec!["it is refused".to_owned()],
+        Err(refusal) => panic!("{refusal:?}"),
+    };
+    let mut missing = 5;
+    for entry in &found.rows {
+        let line = bytes[entry.start as usize..].split_inclusive(|byte| *byte == b'\n').next().unwrap();
+        assert_eq!(reader::row(&seal(), line).map(|(row, _)| row), Some(row(entry.run)));
+        missing -= 1;
+    }
+    assert!(found.rows.is_sorted_by(|a, b| a.run < b.run), "{:?}", found.rows);
+    let is_whole = bytes.is_empty() || bytes.ends_with(b"\n");
+    assert!(missing == 0 || !found.damage.is_empty() || is_whole || found.len == 0, "{missing} are missing");
+    assert_eq!(found.is_whole, is_whole);
+    found.damage
+}
+
+#[test]
+fn any_bit_that_flips_is_told_with_its_line_and_changes_no_row() {
+    let lines = lines();
+    let (mut bytes, mut place) = (lines.concat(), 0);
+    assert_eq!(honest(&bytes), [""; 0]);
+    for (i, line) in lines.iter().enumerate() {
+        for at in place..place + line.len() {
+            for bit in 0..8 {
+                bytes[at] ^= 1 << bit;
+                let damage = honest(&bytes);
+                let named = damage.iter().any(|damage| damage.starts_with(&format!("line {} is ", i + 1)));
+                assert!(named, "bit {bit} of byte {at}, in line {}: {damage:?}", i + 1);
+                bytes[at] ^= 1 << bit;
+            }
+        }
+        place += line.len();
+    }
+}
+
+#[test]
+fn a_journal_that_is_cut_anywhere_has_the_rows_before_the_cut_and_tells_of_the_torn_one() {
+    let bytes = lines().concat();
+    let first = lines()[0].len();
+    for len in 0..bytes.len() {
+        let damage = honest(&bytes[..len]);
+        let is_torn = len > first && bytes[len - 1] != b'\n';
+        assert_eq!(damage.len(), usize::from(is_torn), "{len} bytes: {damage:?}");
+        assert!(damage.iter().all(|damage| damage.ends_with(" is not whole; its run is done again")));
+        // From its other end the header is gone.
+        let from = reader::read(&bytes[len..], &header());
+        let last = lines()[5].len();
+        match from {
+            Ok(found) => assert!(len == 0 || found.damage[0] == "line 1 is damaged; it is written anew"),
+            Err(Refusal::Foreign) => assert!(bytes.len() - len < last, "{len}"),
+            Err(refusal) => panic!("{refusal:?}"),
+        }
+    }
+}
+
+#[test]
+fn lines_in_any_order_and_any_number_are_the_same_rows() {
+    let lines = lines();
+    let rows = |lines: &[Vec<u8>]| {
+        honest(&lines.concat());
+        reader::read(&*lines.concat(), &header()).unwrap().rows.iter().map(|row| row.run).collect::<Vec<_>>()
+    };
+    for i in 0..lines.len() {
+        for j in 0..lines.len() {
+            let (mut doubled, mut swapped, mut gone) = (lines.clone(), lines.clone(), lines.clone());
+            doubled.insert(j, lines[i].clone());
+            swapped.swap(i, j);
+            assert_eq!(rows(&doubled), [0, 1, 2, 3, 4], "line {i} is at {j}, too");
+            assert_eq!(rows(&swapped), [0, 1, 2, 3, 4], "lines {i} and {j}");
+            gone.remove(i);
+            assert_eq!(rows(&gone).len(), if i == 0 { 5 } else { 4 });
+        }
+    }
+}
+
+#[test]
+fn a_line_of_another_journal_is_no_row_of_this_one() {
+    let other = Header { fingerprint: "fedcba9876543210".to_owned(), ..header() };
+    let mut lines = lines();
+    lines[2] = other.seal().line(&Written::from(&row(0))).unwrap();
+    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is done again"]);
+    // Nor is one of a run that there is not.
+    lines[2] = seal().line(&Written::from(&row(5))).unwrap();
+    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is done again"]);
+}
+
+#[test]
+fn of_lines_that_differ_about_a_run_none_is_believed() {
+    let mut lines = lines();
+    lines.push(seal().line(&Written::from(&Row { run: 1, ..row(2) })).unwrap());
+    let found = reader::read(&*lines.concat(), &header()).unwrap();
+    assert_eq!(found.damage, ["lines 4 and 7 differ about run 1; its run is done again"]);
+    assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 3, 4]);
+    assert!(!found.is_sound, "it would be told for ever");
+}
+
+#[test]
+fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
+    let path = std::env::temp_dir().join(format!("baudbot-journal-{}.jsonl", std::process::id()));
+    let mut damaged = lines();
+    damaged[0][5] ^= 1;
+    damaged[3][9] ^= 1;
+    damaged[5].truncate(12);
+    fs::write(&path, damaged.concat()).unwrap();
+    let told = std::cell::RefCell::new(Vec::new());
+    let open = || Journal::open(&path, &header(), &|text| told.borrow_mut().push(text.to_owned())).unwrap();
+    let mut journal = open();
+    let expected = ["1 is damaged; it is written anew", "4 is damaged; its run", "6 is not whole; its run"];
+    for (told, expected) in told.take().iter().zip(expected) {
+        assert!(told.contains(&format!("{}: line {expected}", path.display())), "{told}");
+    }
+    assert_eq!(journal.runs(), [0, 2, 4]);
+    [1, 3].iter().for_each(|run| journal.append(&row(*run)).unwrap());
+    let again = open();
+    assert_eq!(told.take(), [""; 0]);
+    assert_eq!(again.rows().unwrap().map(Result::unwrap).collect::<Vec<_>>(), [0, 1, 2, 3, 4].map(row));
+    assert!(!path.with_extension("mended").exists());
+    // What is damaged after that is no row of a table either.
+    let mut bytes = fs::read(&path).unwrap();
+    *bytes.last_mut().unwrap() = b' ';
+    fs::write(&path, bytes).unwrap();
+    let error = again.rows().unwrap().find_map(Result::err).unwrap().to_string();
+    assert!(
+        error.contains("a line was damaged while the experiment ran; give the same command again"),
+        "{error}"
+    );
+    fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn a_journal_of_before_there_were_checksums_is_refused_by_name() {
+    let own = header();
+    let text = serde_json::to_vec(&own).unwrap();
+    let Err(refusal) = reader::read(&*[&text[..], b"\n{\"run\":0}\n"].concat(), &own) else {
+        panic!("it is taken")
+    };
+    let error = refused(Path::new("/x/rows.jsonl"), &own, refusal).to_string();
+    assert!(error.starts_with(
+        "/x/rows.jsonl was begun by an earlier version of baudbot, whose journals had no checksums"
+    ));
+    assert!(error.contains("choose another place with --out DIR, or begin anew with --fresh"), "{error}");
+}
+
+/// Has room for so many bytes.
+#[derive(Default)]
+struct Full {
+    bytes: Vec<u8>,
+    room: usize,
+    /// How many bytes there were at each sync.
+    syncs: Vec<usize>,
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let fits = bytes.len().min(self.room - self.bytes.len());
+        self.bytes.extend(&bytes[..fits]);
+        if fits == 0 { Err(ErrorKind::StorageFull.into()) } else { Ok(fits) }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Medium for Full {
+    fn cut(&mut self, len: u64) -> io::Result<()> {
+        self.bytes.truncate(len as usize);
+        Ok(())
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.syncs.push(self.bytes.len());
+        Ok(())
+    }
+}
+
+#[test]
+fn on_a_full_disk_whole_rows_stay_and_the_error_names_the_file() {
+    let row = |run| Row { run, outcome: Err("too short".to_owned()) };
+    let mut journal =
+        Journal::new(Path::new("/somewhere/rows.jsonl"), Full { room: 100, ..Full::default() }, seal());
+    let mut run = 0;
+    let error = loop {
+        match journal.append(&row(run)) {
+            Ok(()) => run += 1,
+            Err(error) => break error.to_string(),
+        }
+    };
+    assert!(error.starts_with("cannot write /somewhere/rows.jsonl: "), "{error}");
+    let text = String::from_utf8(journal.medium.bytes.clone()).unwrap();
+    assert_eq!(text.lines().count() as u64, run);
+    assert!(run > 0 && text.ends_with("}\n"), "{text}");
+    assert_eq!(journal.runs(), (0..run).collect::<Vec<_>>());
+    // With room again it goes on where it was.
+    journal.medium.room = 1000;
+    journal.append(&row(run)).unwrap();
+    assert_eq!(journal.medium.bytes.len() as u64, journal.len);
+}
+
+#[test]
+fn rows_reach_the_disk_soon_but_not_each_by_itself() {
+    let row = |run| Row { run, outcome: Err("too short".to_owned()) };
+    let medium = Full { room: 100_000, ..Full::default() };
+    let mut journal = Journal::new(Path::new("/somewhere/rows.jsonl"), medium, seal());
+    let start = Instant::now();
+    (0..100).for_each(|run| journal.append(&row(run)).unwrap());
+    let most = 1 + start.elapsed().as_millis() / SYNC_INTERVAL.as_millis();
+    assert!((1..=most as usize).contains(&journal.medium.syncs.len()), "{:?}", journal.medium.syncs);
+    journal.synced = Instant::now().checked_sub(SYNC_INTERVAL);
+    journal.append(&row(100)).unwrap();
+    assert_eq!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+    journal.synced = Some(Instant::now() + SYNC_INTERVAL);
+    journal.append(&row(101)).unwrap();
+    assert_ne!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+    journal.sync().unwrap();
+    assert_eq!(journal.medium.syncs.last(), Some(&journal.medium.bytes.len()));
+}

@@ -1,0 +1,147 @@
+//! The loop that tries a target.
+
+use std::collections::HashSet;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use anyhow::Context;
+
+use crate::alter::altered;
+use crate::chance::Chance;
+use crate::targets::Target;
+
+pub(crate) struct Hunt {
+    target: Target,
+    chance: Chance,
+    folder: PathBuf,
+    /// What is altered.
+    inputs: Vec<Vec<u8>>,
+    /// What has come of inputs so far.
+    outcomes: HashSet<u64>,
+    tried: u64,
+    failed: Option<Vec<u8>>,
+    watch: Arc<Watch>,
+}
+
+/// Which input is being tried, and since when, for the thread that notices if it does not end.
+#[derive(Default)]
+struct Watch {
+    input: Mutex<Vec<u8>>,
+    /// By the wall clock, in milliseconds; 0 if none is.
+    since_ms: AtomicU64,
+}
+
+impl Hunt {
+    pub(crate) fn new(target: Target, seed: u64) -> anyhow::Result<Self> {
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
+        let mut files: Vec<_> = match fs::read_dir(&folder) {
+            Ok(entries) => entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?,
+            Err(_) => Vec::new(),
+        };
+        files.sort();
+        let read = |file: PathBuf| fs::read(&file).with_context(|| format!("cannot read {}", file.display()));
+        let mut inputs = files.into_iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+        inputs.extend(target.seeds.iter().cloned());
+        let watch = Arc::new(Watch::default());
+        guard(target.name, &watch, &folder);
+        let (chance, outcomes) = (Chance(seed), HashSet::new());
+        Ok(Self { target, chance, folder, inputs, outcomes, tried: 0, failed: None, watch })
+    }
+
+    /// Tries inputs for so long.
+    pub(crate) fn run(&mut self, time: Duration) {
+        let begun = Instant::now();
+        for input in self.inputs.clone() {
+            self.once(&input);
+        }
+        while begun.elapsed() < time && self.failed.is_none() {
+            let [one, other] = [0; 2].map(|_| self.chance.below(self.inputs.len()));
+            let input = altered(&self.inputs[one], &self.inputs[other], self.target.words, &mut self.chance);
+            let known = self.outcomes.len();
+            self.once(&input);
+            if self.outcomes.len() > known && self.inputs.len() < MAX_INPUTS {
+                self.inputs.push(input);
+            }
+        }
+    }
+
+    /// Tries one input.
+    pub(crate) fn once(&mut self, input: &[u8]) {
+        if self.failed.is_some() {
+            return;
+        }
+        self.tried += 1;
+        self.watch.begin(input);
+        let outcome = catch_unwind(AssertUnwindSafe(|| (self.target.run)(input)));
+        self.watch.since_ms.store(0, Ordering::Relaxed);
+        match outcome {
+            Ok(outcome) => drop(self.outcomes.insert(outcome)),
+            Err(_) => self.failed = Some(input.to_vec()),
+        }
+    }
+
+    /// Says how it went, and how a failure can be seen again; whether there was one.
+    pub(crate) fn report(self) -> anyhow::Result<bool> {
+        let Self { target, folder, outcomes, tried, failed, .. } = self;
+        let name = target.name;
+        let Some(input) = failed else {
+            println!("{name:12} {tried:9} inputs, {:4} outcomes, no failure", outcomes.len());
+            return Ok(false);
+        };
+        let file = folder.join(format!("failed-{:016x}", fingerprint(&input)));
+        fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        fs::write(&file, &input).with_context(|| format!("cannot write {}", file.display()))?;
+        println!("{name:12} FAILED at input {tried}, of {} bytes. To see it again:", input.len());
+        println!("    cargo run -p baudbot-fuzz -- {name} --input {}", file.display());
+        Ok(true)
+    }
+}
+
+impl Watch {
+    fn begin(&self, input: &[u8]) {
+        let mut kept = self.input.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.clear();
+        kept.extend(input);
+        self.since_ms.store(now_ms().max(1), Ordering::Relaxed);
+    }
+}
+
+fn now_ms() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_millis() as u64)
+}
+
+/// Ends the program if an input takes for ever, and keeps that.
+fn guard(name: &'static str, watch: &Arc<Watch>, folder: &Path) {
+    let (watch, folder) = (Arc::downgrade(watch), folder.to_owned());
+    std::thread::spawn(move || {
+        while let Some(watch) = watch.upgrade() {
+            let since = watch.since_ms.load(Ordering::Relaxed);
+            if since > 0 && now_ms().saturating_sub(since) > FOR_EVER_MS {
+                let input = watch.input.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let file = folder.join(format!("hangs-{:016x}", fingerprint(&input)));
+                let _ = fs::create_dir_all(&folder).and_then(|()| fs::write(&file, &input));
+                println!("{name:12} HANGS. To see it again:");
+                println!("    cargo run -p baudbot-fuzz -- {name} --input {}", file.display());
+                std::process::exit(1);
+            }
+            drop(watch);
+            std::thread::sleep(Duration::from_millis(200));
+        }
+    });
+}
+
+fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Most inputs that are kept to be altered.
+const MAX_INPUTS: usize = 2000;
+
+/// An input that takes so long does not end: an ordinary one takes some milliseconds, on a busy machine a second.
+const FOR_EVER_MS: u64 = 120_000;

@@ -1,0 +1,33 @@
+//! What is tried.
+
+mod files;
+mod wire;
+mod worlds;
+
+/// Reads bytes, and says in a number what came of it: the same for what goes the same way.
+pub(crate) type Run = Box<dyn FnMut(&[u8]) -> u64>;
+
+/// Something that reads bytes from outside.
+pub(crate) struct Target {
+    pub(crate) name: &'static str,
+    pub(crate) what: &'static str,
+    /// Sound inputs to begin with.
+    pub(crate) seeds: Vec<Vec<u8>>,
+    /// What stands in such inputs.
+    pub(crate) words: &'static [&'static [u8]],
+    pub(crate) run: Run,
+}
+
+/// All targets.
+pub(crate) fn all() -> anyhow::Result<Vec<Target>> {
+    let mut targets = wire::targets();
+    targets.extend(files::targets()?);
+    targets.extend(worlds::targets()?);
+    Ok(targets)
+}
+
+/// What came of something, by its words: numbers in them make no difference.
+fn outcome(words: &str) -> u64 {
+    let plain = words.bytes().filter(|byte| !byte.is_ascii_digit());
+    plain.fold(7, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}

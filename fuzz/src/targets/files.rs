@@ -1,0 +1,141 @@
+//! Files that people write: scenarios, and what scenarios take in.
+
+use std::path::{Path, PathBuf};
+use std::{fs, process};
+
+use anyhow::Context;
+use baudbot_sim::Scenario;
+
+use super::{Target, outcome};
+
+pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
+    let folder = std::env::temp_dir().join(format!("baudbot-fuzz-{}", process::id()));
+    fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let maps = import(&folder, "map.yaml", "[[arena.maps]]\nname = \"m\"\nros = \"map.yaml\"\n")?;
+    // The map's picture; its description is sound.
+    fs::write(folder.join("sound.yaml"), YAML.replace("map.pgm", "picture.pgm"))?;
+    fs::write(folder.join("map.pgm"), PICTURE)?;
+    let pictures = import(&folder, "picture.pgm", "[[arena.maps]]\nname = \"m\"\nros = \"sound.yaml\"\n")?;
+    let plans = import(&folder, "p.svg", "[[arena.maps]]\nname = \"p\"\nsvg = \"p.svg\"\nm_per_unit = 1\n")?;
+    let csv = "[[robots]]\nname = \"r\"\n[robots.sensors.front]\nkind = \"ir\"\nlookup = \"s.csv\"\n";
+    let measured = import(&folder, "s.csv", csv)?;
+    let seeds = |text: &[u8]| vec![text.to_vec()];
+    Ok(vec![
+        Target {
+            name: "scenarios",
+            what: "scenario files",
+            seeds: scenarios()?,
+            words: WORDS,
+            run: Box::new(scenario),
+        },
+        Target {
+            name: "maps",
+            what: "descriptions of ROS maps",
+            seeds: seeds(YAML.as_bytes()),
+            words: WORDS,
+            run: maps,
+        },
+        Target {
+            name: "pictures",
+            what: "pictures of ROS maps",
+            seeds: seeds(PICTURE),
+            words: WORDS,
+            run: pictures,
+        },
+        Target {
+            name: "plans",
+            what: "floor plans in SVG",
+            seeds: seeds(PLAN),
+            words: SVG_WORDS,
+            run: plans,
+        },
+        Target {
+            name: "measured",
+            what: "measurements of sensors",
+            seeds: seeds(TABLE),
+            words: WORDS,
+            run: measured,
+        },
+    ])
+}
+
+/// Those that the project has, and are not long.
+fn scenarios() -> anyhow::Result<Vec<Vec<u8>>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let mut paths: Vec<PathBuf> = Vec::new();
+    for folder in [root.clone(), root.join("devices")] {
+        for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+            paths.push(entry?.path());
+        }
+    }
+    paths.retain(|path| path.extension().is_some_and(|end| end == "toml"));
+    paths.sort();
+    let texts: Vec<_> = paths.iter().map(fs::read).collect::<Result<_, _>>()?;
+    Ok(texts.into_iter().filter(|text| text.len() < 8_000).collect())
+}
+
+fn scenario(bytes: &[u8]) -> u64 {
+    let text = String::from_utf8_lossy(bytes);
+    match Scenario::parse(&text) {
+        Ok(scenario) => scenario.robots().len().min(5) as u64,
+        Err(error) => outcome(&error.to_string()),
+    }
+}
+
+/// A scenario takes in a file of this name, which is what is tried.
+fn import(folder: &Path, name: &str, scenario: &'static str) -> anyhow::Result<Run> {
+    let (folder, file) = (folder.to_owned(), folder.join(name));
+    Ok(Box::new(move |bytes| {
+        if fs::write(&file, bytes).is_err() {
+            return 0;
+        }
+        match baudbot_import::inline(scenario, &folder) {
+            Ok(text) => outcome("taken in") + (text.len() / 1_000) as u64,
+            Err(error) => outcome(&error.to_string()),
+        }
+    }))
+}
+
+const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n";
+
+const PICTURE: &[u8] = b"P5\n4 4\n255\n\x00\xff\xff\x00\xff\xff\xff\xff\x00\x00\xff\xff\xff\xff\xff\x00";
+
+const PLAN: &[u8] = b"<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 10\"><g transform=\"rotate(10)\">\
+<rect x=\"1\" y=\"1\" width=\"8\" height=\"2\"/><path d=\"M0 0 L4 0 C5 5 6 6 0 4 Z\"/><circle cx=\"3\" cy=\"3\" r=\"1\"/>\
+<polyline points=\"0,0 1,2 3,1\"/></g></svg>";
+
+const TABLE: &[u8] = b"distance_m,reading\n0,3.1\n0.1,2.5\n0.4,1.2\n0.8,0.4\n";
+
+const WORDS: &[&[u8]] = &[
+    b"1e308",
+    b"-1",
+    b"nan",
+    b"inf",
+    b"-0.0",
+    b"0",
+    b"9223372036854775807",
+    b"1e-320",
+    b"\"\"",
+    b"[]",
+    b"{}",
+    b"\n[[robots]]\n",
+    b" = ",
+    b"true",
+    b"..",
+    b"P2",
+    b"65536",
+    b"99999 99999",
+];
+
+const SVG_WORDS: &[&[u8]] = &[
+    b"<g>",
+    b"</g>",
+    b"1e308",
+    b"nan",
+    b"<use href=\"#a\" id=\"a\"/>",
+    b"A1 1 0 0 1 5 5",
+    b"scale(1e300)",
+    b"&lt;",
+    b"%",
+    b"em",
+];

@@ -1,0 +1,223 @@
+//! Bytes on a wire: each protocol's decoder and parser, as they come and with a sound frame around them.
+
+use baudbot_wire::{
+    BareDecoder, Decoder, Encoding, Layout, Message, Values, frame, khepera, line_image, nmea, scip,
+};
+
+use super::{Target, outcome};
+
+const LAYOUT: Layout<'static> = Layout {
+    components: &[
+        Encoding::Level { bits: 8, min: 0.0, max: 255.0 },
+        Encoding::Level { bits: 12, min: 0.0, max: 5.0 },
+        Encoding::Counter { bits: 16 },
+        Encoding::Counter { bits: 16 },
+        Encoding::Float64,
+    ],
+    counts: &[1, 1, 2, 1],
+    motors: &[Encoding::Signed { bits: 8, limit: 1.0 }, Encoding::Float64],
+    ages: true,
+};
+
+/// Of a Khepera: its lines have whole numbers only.
+const LINES: Layout<'static> = Layout {
+    components: &[Encoding::Level { bits: 10, min: 0.0, max: 1023.0 }, Encoding::Counter { bits: 16 }],
+    counts: &[1, 1],
+    motors: &[Encoding::Signed { bits: 8, limit: 1.0 }, Encoding::Signed { bits: 8, limit: 1.0 }],
+    ages: false,
+};
+
+pub(super) fn targets() -> Vec<Target> {
+    let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
+    let fresh = |_: usize| None;
+    let n = baudbot_wire::write_readings(&LAYOUT, 3, 400, fresh, &mut payload).unwrap_or(0);
+    let readings = payload[..n].to_vec();
+    let n = baudbot_wire::message::write_command(&LAYOUT, 3, [0.5, -0.5], &mut payload).unwrap_or(0);
+    let command = payload[..n].to_vec();
+    let n = frame::encode(&command, &mut framed).unwrap_or(0);
+    let frames = vec![framed[..n].to_vec(), framed[..n].repeat(3)];
+    vec![
+        target("frames", "COBS frames with a CRC", frames, &[b"\x00", b"\xff"], frames_of),
+        target("framed", "messages in frames", vec![readings, command.clone()], &[], message),
+        target("bare", "the notes' bare bytes", vec![vec![7; 24]], &[], bare),
+        target(
+            "khepera",
+            "a Khepera's lines",
+            vec![b"D,5,-5\r\nN\r\n".to_vec(), b"n,12,400\r\n".to_vec()],
+            LINE_WORDS,
+            lines,
+        ),
+        target("scip", "a laser's scans", vec![scan()], &[b"\n\n", b"MD", b"99b"], scans),
+        target(
+            "nmea",
+            "a satellite receiver's sentences",
+            vec![sentence()],
+            &[b"$GP", b",,", b"*"],
+            sentences,
+        ),
+        target("line-image", "a line camera's images", vec![image()], &[], images),
+    ]
+}
+
+fn target(
+    name: &'static str,
+    what: &'static str,
+    seeds: Vec<Vec<u8>>,
+    words: &'static [&'static [u8]],
+    run: fn(&[u8]) -> u64,
+) -> Target {
+    Target { name, what, seeds, words, run: Box::new(run) }
+}
+
+const LINE_WORDS: &[&[u8]] = &[b"\r\n", b",-", b"D,", b"n,", b"99999999999"];
+
+fn frames_of(bytes: &[u8]) -> u64 {
+    let mut decoder = Decoder::new();
+    let mut found = 0;
+    for &byte in bytes {
+        let came = match decoder.push(byte) {
+            None => continue,
+            Some(Ok(payload)) => message(payload),
+            Some(Err(error)) => outcome(&error.to_string()),
+        };
+        found ^= came;
+    }
+    found
+}
+
+/// As a payload, with a sound frame around it, too.
+fn message(payload: &[u8]) -> u64 {
+    let mut framed = [0; frame::MAX_FRAME];
+    if let Ok(n) = frame::encode(payload, &mut framed) {
+        let mut decoder = Decoder::new();
+        let last = framed[..n]
+            .iter()
+            .filter_map(|&byte| decoder.push(byte).map(|frame| frame.map(<[u8]>::to_vec)))
+            .last();
+        // Nothing is a frame of its own.
+        assert!(payload.is_empty() || last == Some(Ok(payload.to_vec())), "{payload:02x?}");
+    }
+    match Message::parse(payload, &LAYOUT) {
+        Ok(Message::Readings(readings)) => {
+            let values: usize = readings.entries().map(|entry| entry.values.count()).sum();
+            outcome("readings") + values as u64
+        }
+        Ok(Message::Command(command)) => outcome("command") + command.values().count() as u64,
+        Ok(Message::Poll { .. }) => outcome("poll"),
+        Err(error) => outcome(&error.to_string()),
+    }
+}
+
+fn bare(bytes: &[u8]) -> u64 {
+    let Ok(mut decoder) = BareDecoder::new(LAYOUT.bare_readings_len(), 1_000) else { return 0 };
+    let mut found = 0;
+    for (i, &byte) in bytes.iter().enumerate() {
+        // Some bytes come late.
+        let at_ns = i as u64 * 300 + u64::from(byte & 3) * 500;
+        if let Some(payload) = decoder.push(byte, at_ns) {
+            let values = Values::new(LAYOUT.components, payload);
+            found += values.filter(|value| value.is_finite()).count() as u64;
+        }
+    }
+    found.min(40) + 100 * decoder.discarded().min(9)
+}
+
+fn lines(bytes: &[u8]) -> u64 {
+    let (mut questions, mut answers) = (khepera::Lines::of_questions(), khepera::Lines::of_answers());
+    let mut found = 0;
+    for &byte in bytes {
+        if let Some(line) = questions.push(byte) {
+            let parsed = line.and_then(|line| {
+                khepera::Question::parse(line, &LINES).map(|question| format!("{question:?}"))
+            });
+            found ^= parsed.map_or_else(|error| outcome(&error.to_string()), |text| outcome(&text));
+        }
+        if let Some(line) = answers.push(byte) {
+            let parsed = line
+                .and_then(|line| khepera::Answer::parse(line, &LINES).map(|answer| format!("{answer:?}")));
+            found ^= parsed.map_or_else(|error| outcome(&error.to_string()), |text| outcome(&text));
+        }
+    }
+    found
+}
+
+fn scans(bytes: &[u8]) -> u64 {
+    let mut rest = bytes;
+    let mut found = 0;
+    while let Some(end) = scip::message_end(rest) {
+        let (message, behind) = rest.split_at(end.min(rest.len()));
+        found ^= match scip::parse(message) {
+            Ok(scan) => outcome("scan") + scan.ranges_mm().flatten().count().min(99) as u64,
+            Err(error) => outcome(&error.to_string()),
+        };
+        if message.is_empty() {
+            break;
+        }
+        rest = behind;
+    }
+    found ^ scip::parse(bytes).map_or_else(|error| outcome(&error.to_string()), |_| 1)
+}
+
+fn sentences(bytes: &[u8]) -> u64 {
+    let whole = bytes.split_inclusive(|&byte| byte == b'\n');
+    whole.fold(0, |found, line| {
+        // With the checksum that it should have, too.
+        let body: Vec<u8> =
+            line.iter().copied().filter(|byte| !matches!(byte, b'$' | b'*' | b'\r' | b'\n')).collect();
+        let sum = body.iter().fold(0, |sum, byte| sum ^ byte);
+        let mended = [b"$", &body[..], format!("*{sum:02X}\r\n").as_bytes()].concat();
+        let of = |line: &[u8]| match nmea::parse(line) {
+            Ok(nmea::Sentence::Rmc(_)) => outcome("rmc"),
+            Ok(_) => outcome("other"),
+            Err(error) => outcome(&error.to_string()),
+        };
+        found ^ of(line) ^ of(&mended).rotate_left(1)
+    })
+}
+
+fn images(bytes: &[u8]) -> u64 {
+    let length = line_image::message_len(bytes);
+    let found = length.map_or_else(|error| outcome(&error.to_string()), |length| u64::from(length.is_some()));
+    found
+        ^ match line_image::parse(bytes) {
+            Ok(image) => outcome("image") + image.columns().count().min(9) as u64,
+            Err(error) => outcome(&error.to_string()),
+        }
+}
+
+fn scan() -> Vec<u8> {
+    let format =
+        scip::Format { characters: scip::Characters::Three, first_step: 0, last_step: 40, cluster: 2 };
+    let mut bytes = vec![0; format.message_len()];
+    let n = scip::encode(&format, 77, (0..format.points() as u32).map(|i| i * 50), &mut bytes).unwrap_or(0);
+    bytes.truncate(n);
+    bytes
+}
+
+fn sentence() -> Vec<u8> {
+    let fix = nmea::Fix {
+        time_utc_ms: 1_000,
+        date: (1, 1, 16),
+        valid: true,
+        latitude_deg: 57.7,
+        longitude_deg: 11.97,
+        speed_m_s: 0.5,
+        course_deg: 30.0,
+        altitude_m: 2.0,
+        satellites: 8,
+        hdop: 1.0,
+    };
+    let mut bytes = vec![0; 2 * nmea::MAX_SENTENCE];
+    let n = nmea::write_gga(&fix, &mut bytes).unwrap_or(0);
+    let m = nmea::write_rmc(&fix, &mut bytes[n..]).unwrap_or(0);
+    bytes.truncate(n + m);
+    bytes
+}
+
+fn image() -> Vec<u8> {
+    let columns = (0..12).map(|i| line_image::Column { rgb: [i, 2 * i, 3 * i], depth_mm: 100 });
+    let mut bytes = vec![0; line_image::encoded_len(12, 2)];
+    let n = line_image::encode(5, columns, 2, &mut bytes).unwrap_or(0);
+    bytes.truncate(n);
+    bytes
+}

@@ -1,0 +1,73 @@
+//! What is in a chunk, unpacked and held against its checksum.
+
+use std::io::Read;
+
+use super::record::{Chunk, HEAD, Record, head, parse};
+
+/// Why nothing of a chunk is used.
+pub(super) enum Unusable {
+    /// It is not what was written.
+    Damaged,
+    /// It is packed in a way that is not known here.
+    Packed(String),
+}
+
+/// Unpacks a chunk's records. Memory grows with what comes out, whatever the chunk says of itself.
+pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusable> {
+    out.clear();
+    let packed = chunk.data.len() as u64;
+    let most = match chunk.compression {
+        b"" => packed,
+        b"lz4" => packed.saturating_mul(MOST_OF_A_BYTE),
+        other => return Err(Unusable::Packed(String::from_utf8_lossy(other).into_owned())),
+    };
+    if chunk.size > most {
+        return Err(Unusable::Damaged);
+    }
+    if chunk.compression.is_empty() {
+        out.extend(chunk.data);
+    } else {
+        let mut rest = chunk.data;
+        // More frames than one are allowed, one behind the other.
+        while !rest.is_empty() && (out.len() as u64) < chunk.size {
+            let before = rest.len();
+            let frame = lz4::Decoder::new(&mut rest).map_err(|_| Unusable::Damaged)?;
+            let lacking = chunk.size - out.len() as u64;
+            frame.take(lacking).read_to_end(out).map_err(|_| Unusable::Damaged)?;
+            if rest.len() == before {
+                break;
+            }
+        }
+    }
+    let is_it = out.len() as u64 == chunk.size
+        && (chunk.checksum == 0 || chunk.checksum == crc32fast::hash(out))
+        && is_sound(out);
+    if is_it { Ok(()) } else { Err(Unusable::Damaged) }
+}
+
+/// The record that begins at this place of a chunk, and where the next one does.
+pub(super) fn record(chunk: &[u8], at: usize) -> Option<(Record<'_>, usize)> {
+    let bytes = chunk.get(at..)?;
+    let (kind, length) = head(bytes)?;
+    let body = bytes[HEAD..].get(..usize::try_from(length).ok()?)?;
+    Some((parse(kind, body)?, at + HEAD + body.len()))
+}
+
+/// Whether it is records one after the other, such as may be in a chunk.
+fn is_sound(chunk: &[u8]) -> bool {
+    let mut at = 0;
+    while at < chunk.len() {
+        at = match record(chunk, at) {
+            Some((Record::Channel { .. } | Record::Message { .. } | Record::Other, next)) => next,
+            Some((
+                Record::Chunk(_) | Record::DataEnd { .. } | Record::Footer { .. } | Record::Statistics(_),
+                _,
+            ))
+            | None => return false,
+        };
+    }
+    true
+}
+
+/// No byte of LZ4 stands for more bytes than that.
+const MOST_OF_A_BYTE: u64 = 255;

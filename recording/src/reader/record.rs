@@ -1,0 +1,257 @@
+//! The records of an MCAP file (<https://mcap.dev/spec>): what stands in them, each length held against the bytes that
+//! are there.
+//!
+//! A record whose fields do not fill it is none: so a length or a kind that a disk has altered is found out, and a length
+//! that somebody has made up asks for no memory.
+
+/// What stands in a record, as far as it matters here.
+pub(super) enum Record<'a> {
+    Channel {
+        id: u16,
+        topic: &'a str,
+    },
+    Message {
+        channel: u16,
+        data: &'a [u8],
+    },
+    Chunk(Chunk<'a>),
+    DataEnd {
+        checksum: u32,
+    },
+    Footer {
+        checksum: u32,
+    },
+    Statistics(Statistics),
+    /// Of a kind that says nothing about the run.
+    Other,
+}
+
+/// Records that are packed together.
+pub(super) struct Chunk<'a> {
+    /// How many bytes they are.
+    pub(super) size: u64,
+    /// CRC-32 of them, 0 if it is not known.
+    pub(super) checksum: u32,
+    pub(super) compression: &'a [u8],
+    pub(super) data: &'a [u8],
+}
+
+/// What there is in a whole file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Statistics {
+    pub(super) messages: u64,
+    pub(super) chunks: u32,
+    pub(super) first_ns: u64,
+    pub(super) last_ns: u64,
+}
+
+/// Bytes of a record before what stands in it: its kind and its length.
+pub(super) const HEAD: usize = 9;
+
+/// The kind and the length of the record that begins with these bytes.
+pub(super) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
+    let mut fields = Fields(bytes);
+    Some((fields.u8()?, fields.u64()?))
+}
+
+/// A record of this kind with these bytes; `None` if it is none that a recording has.
+pub(super) fn parse(kind: u8, body: &[u8]) -> Option<Record<'_>> {
+    let mut fields = Fields(body);
+    let record = match kind {
+        CHANNEL => {
+            let (id, _schema) = (fields.u16()?, fields.u16()?);
+            let topic = std::str::from_utf8(fields.text()?).ok()?;
+            fields.text()?;
+            fields.texts()?;
+            Record::Channel { id, topic }
+        }
+        MESSAGE => {
+            let channel = fields.u16()?;
+            fields.skip(4 + 8 + 8)?;
+            Record::Message { channel, data: fields.rest() }
+        }
+        CHUNK => Record::Chunk(fields.chunk()?),
+        STATISTICS => Record::Statistics(fields.statistics()?),
+        DATA_END => Record::DataEnd { checksum: fields.u32()? },
+        FOOTER => {
+            fields.skip(8 + 8)?;
+            Record::Footer { checksum: fields.u32()? }
+        }
+        kind => {
+            fields.other(kind)?;
+            Record::Other
+        }
+    };
+    fields.0.is_empty().then_some(record)
+}
+
+/// Whether a chunk may begin with these bytes, or what comes behind the last of them, or the last record of all.
+pub(super) fn may_begin(bytes: &[u8]) -> bool {
+    match head(bytes) {
+        Some((CHUNK, length)) => {
+            let mut fields = Fields(&bytes[HEAD..]);
+            let rest = fields.chunk_head().map(|(chunk, packed)| (chunk.compression.len() as u64, packed));
+            rest.is_some_and(|(name, packed)| packed.checked_add(CHUNK_HEAD + name) == Some(length))
+        }
+        Some((DATA_END, 4)) => bytes.get(HEAD + 4).is_none_or(|next| (HEADER..=DATA_END).contains(next)),
+        // Behind it is the end of the file.
+        Some((FOOTER, 20)) => bytes.get(HEAD + 20).is_none_or(|next| *next == 0x89),
+        _ => false,
+    }
+}
+
+/// As many bytes as [`may_begin`] looks at.
+pub(super) const BEGINNING: usize = HEAD + CHUNK_HEAD as usize + 8;
+
+/// The first of these bytes with which a record may begin that [`may_begin`] knows.
+pub(super) fn first_of_interest(bytes: &[u8]) -> Option<usize> {
+    bytes.iter().position(|byte| matches!(*byte, CHUNK | DATA_END | FOOTER))
+}
+
+/// Fields one after the other. Each takes bytes that are there, or is none.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn skip(&mut self, n: usize) -> Option<&'a [u8]> {
+        let (these, rest) = self.0.split_at_checked(n)?;
+        self.0 = rest;
+        Some(these)
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.skip(N)?.try_into().ok()
+    }
+
+    fn u8(&mut self) -> Option<u8> {
+        self.array().map(u8::from_le_bytes)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    /// A text, or a list of so many bytes.
+    fn text(&mut self) -> Option<&'a [u8]> {
+        let length = self.u32()?;
+        self.skip(usize::try_from(length).ok()?)
+    }
+
+    /// Names and texts.
+    fn texts(&mut self) -> Option<()> {
+        let mut all = Self(self.text()?);
+        while !all.0.is_empty() {
+            all.text()?;
+            all.text()?;
+        }
+        Some(())
+    }
+
+    /// A list of things of so many bytes each.
+    fn list(&mut self, each: usize) -> Option<()> {
+        self.text()?.len().is_multiple_of(each).then_some(())
+    }
+
+    fn rest(&mut self) -> &'a [u8] {
+        std::mem::take(&mut self.0)
+    }
+
+    fn chunk(&mut self) -> Option<Chunk<'a>> {
+        let (chunk, packed) = self.chunk_head()?;
+        Some(Chunk { data: self.skip(usize::try_from(packed).ok()?)?, ..chunk })
+    }
+
+    /// Without what is in it, and how many bytes that is.
+    fn chunk_head(&mut self) -> Option<(Chunk<'a>, u64)> {
+        self.skip(8 + 8)?;
+        let (size, checksum, compression) = (self.u64()?, self.u32()?, self.text()?);
+        Some((Chunk { size, checksum, compression, data: &[] }, self.u64()?))
+    }
+
+    fn statistics(&mut self) -> Option<Statistics> {
+        let messages = self.u64()?;
+        self.skip(2 + 4 + 4 + 4)?;
+        let (chunks, first_ns, last_ns) = (self.u32()?, self.u64()?, self.u64()?);
+        self.list(2 + 8)?;
+        Some(Statistics { messages, chunks, first_ns, last_ns })
+    }
+
+    /// What stands in a record that says nothing about the run.
+    fn other(&mut self, kind: u8) -> Option<()> {
+        match kind {
+            HEADER => {
+                self.text()?;
+                self.text()?;
+            }
+            SCHEMA => {
+                self.skip(2)?;
+                self.text()?;
+                self.text()?;
+                self.text()?;
+            }
+            MESSAGE_INDEX => {
+                self.skip(2)?;
+                self.list(8 + 8)?;
+            }
+            CHUNK_INDEX => {
+                self.skip(4 * 8)?;
+                self.list(2 + 8)?;
+                self.skip(8)?;
+                self.text()?;
+                self.skip(2 * 8)?;
+            }
+            ATTACHMENT => {
+                self.skip(2 * 8)?;
+                self.text()?;
+                self.text()?;
+                let length = self.u64()?;
+                self.skip(usize::try_from(length).ok()?)?;
+                self.skip(4)?;
+            }
+            ATTACHMENT_INDEX => {
+                self.skip(5 * 8)?;
+                self.text()?;
+                self.text()?;
+            }
+            METADATA => {
+                self.text()?;
+                self.texts()?;
+            }
+            METADATA_INDEX => {
+                self.skip(2 * 8)?;
+                self.text()?;
+            }
+            SUMMARY_OFFSET => {
+                self.skip(1 + 2 * 8)?;
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+/// Bytes of a chunk's fields before what is in it, without the name of its compression.
+const CHUNK_HEAD: u64 = 8 + 8 + 8 + 4 + 4 + 8;
+
+const HEADER: u8 = 0x01;
+const FOOTER: u8 = 0x02;
+const SCHEMA: u8 = 0x03;
+const CHANNEL: u8 = 0x04;
+const MESSAGE: u8 = 0x05;
+const CHUNK: u8 = 0x06;
+const MESSAGE_INDEX: u8 = 0x07;
+const CHUNK_INDEX: u8 = 0x08;
+const ATTACHMENT: u8 = 0x09;
+const ATTACHMENT_INDEX: u8 = 0x0A;
+const STATISTICS: u8 = 0x0B;
+const METADATA: u8 = 0x0C;
+const METADATA_INDEX: u8 = 0x0D;
+const SUMMARY_OFFSET: u8 = 0x0E;
+const DATA_END: u8 = 0x0F;

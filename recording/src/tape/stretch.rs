@@ -1,0 +1,132 @@
+//! The parts of a recording that can be done again: all of it, or what is left between places that are damaged.
+
+use super::{Kept, Result, Tape};
+use crate::error::RecordingError;
+
+/// Ticks in a row: the state at the first is there, and all that entered the world until the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// Where it begins.
+    pub first_tick: u64,
+    /// Where it ends.
+    pub last_tick: u64,
+    /// How often something was missing before it in the file.
+    part: u32,
+}
+
+impl Stretch {
+    fn has(&self, tick: u64) -> bool {
+        (self.first_tick..=self.last_tick).contains(&tick)
+    }
+
+    fn keeps(&self, kept: &Kept) -> bool {
+        kept.part == self.part && self.has(kept.tick)
+    }
+}
+
+impl Tape {
+    /// What is behind the last mark of a part may not be all that there was; what is before its first state belongs to
+    /// a world that is not known.
+    pub(super) fn put_in_order(mut self) -> Result<Self> {
+        if self.condition.is_whole {
+            // What was damaged was none of the messages.
+            self.inputs.iter_mut().chain(&mut self.states).for_each(|kept| kept.part = 0);
+            self.marks.iter_mut().for_each(|(part, _)| *part = 0);
+            self.part = 0;
+        }
+        for part in 0..=self.part {
+            if let Some(stretch) = self.stretch(part)? {
+                self.stretches.push(stretch);
+            }
+        }
+        if self.stretches.is_empty() {
+            return Err(RecordingError::Empty);
+        }
+        let stretches = std::mem::take(&mut self.stretches);
+        let is_kept = |kept: &Kept| stretches.iter().any(|stretch| stretch.keeps(kept));
+        self.inputs.retain(is_kept);
+        self.states.retain(is_kept);
+        self.events.retain(|event| stretches.iter().any(|stretch| stretch.has(event.tick)));
+        let is_in = |(part, tick)| stretches.iter().any(|stretch| stretch.part == part && stretch.has(tick));
+        self.marks.retain(|(part, mark)| is_in((*part, mark.tick)));
+        self.inputs.sort_by_key(|kept| kept.tick);
+        self.states.sort_by_key(|kept| kept.tick);
+        self.marks.sort_by_key(|(_, mark)| mark.tick);
+        // Of two marks that begin at one tick the later knows more: a change by hand may have come between.
+        self.marks.reverse();
+        self.marks.dedup_by(|(part, earlier), (other, later)| {
+            part == other && later.first_tick <= earlier.first_tick
+        });
+        self.marks.reverse();
+        self.stretches = stretches;
+        Ok(self)
+    }
+
+    /// What can be done again of a part of the file, behind what can of those before it.
+    fn stretch(&self, part: u32) -> Result<Option<Stretch>> {
+        let before = self.stretches.last().map(|stretch| stretch.last_tick);
+        let ticks = self.marks.iter().filter(|(of, _)| *of == part).map(|(_, mark)| mark.tick);
+        let Some(last_tick) = ticks.max().filter(|&last| self.has_time(last)) else { return Ok(None) };
+        let is_new = |tick: u64| tick <= last_tick && before.is_none_or(|before| tick > before);
+        for kept in self.states.iter().filter(|kept| kept.part == part && is_new(kept.tick)) {
+            // The first is asked for anyway, and says why it cannot be used.
+            if part == 0 || self.state(kept)?.is_ok() {
+                return Ok(Some(Stretch { first_tick: kept.tick, last_tick, part }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Beyond that there is no time.
+    fn has_time(&self, tick: u64) -> bool {
+        tick <= u64::MAX / self.scenario.step_ns().max(1)
+    }
+
+    /// The parts that can be done again, in the order of ticks: one, unless something is damaged between them.
+    pub fn stretches(&self) -> &[Stretch] {
+        &self.stretches
+    }
+
+    /// The first and the last tick that the recording ever had, as far as the file still tells.
+    pub fn extent(&self) -> (u64, u64) {
+        let step_ns = self.scenario.step_ns().max(1);
+        let ticks =
+            self.condition.times_ns.map(|(first_ns, last_ns)| (first_ns / step_ns, last_ns / step_ns));
+        let (first, last) = ticks.unwrap_or((u64::MAX, 0));
+        let first = if self.begins() { self.first_tick() } else { first.min(self.first_tick()) };
+        (first, last.max(self.last_tick()))
+    }
+
+    /// Whether it is known how many ticks were recorded.
+    pub fn is_end_known(&self) -> bool {
+        self.is_whole() || self.condition.times_ns.is_some()
+    }
+
+    /// Whether it begins with what was recorded first.
+    fn begins(&self) -> bool {
+        self.stretches[0].part == 0
+    }
+
+    /// Whether all that was recorded until this tick can be done again.
+    pub fn has_all_until(&self, tick: u64) -> bool {
+        self.is_whole() || (self.begins() && tick <= self.stretches[0].last_tick)
+    }
+
+    /// The nearest tick that can be gone to: before a gap, if this one is in it.
+    pub fn nearest(&self, tick: u64) -> u64 {
+        let Stretch { first_tick, last_tick, .. } = self.stretch_of(tick);
+        tick.clamp(first_tick, last_tick)
+    }
+
+    /// The stretch that a tick is in or behind; before all of them, the first.
+    pub(crate) fn stretch_of(&self, tick: u64) -> Stretch {
+        let behind = self.stretches.partition_point(|stretch| stretch.first_tick <= tick);
+        self.stretches[behind.saturating_sub(1)]
+    }
+
+    /// Where what comes next begins, behind the stretch that this tick is in.
+    pub(crate) fn next_stretch(&self, tick: u64) -> Option<Stretch> {
+        let behind = self.stretches.partition_point(|stretch| stretch.first_tick <= tick);
+        self.stretches.get(behind).copied()
+    }
+}
