@@ -9,26 +9,6 @@ use crate::Chance;
 #[cfg(test)]
 mod tests;
 
-/// A corridor's course.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Course {
-    /// Straight on, 8 m long.
-    Straight,
-    /// 8 m, round a corner, and 6 m.
-    Bent,
-    /// A spine with four teeth of 3 m.
-    Comb,
-    /// Inwards, round eight corners.
-    Spiral,
-    /// 8 m, and 5 m from its middle.
-    Branching,
-}
-
-impl Course {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Straight, Self::Bent, Self::Comb, Self::Spiral, Self::Branching];
-}
-
 /// Walls, and what stands between them.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -53,53 +33,6 @@ impl Plan {
         }
         plan.furnish();
         plan
-    }
-
-    /// A corridor of this width, in metres, with nothing in it.
-    #[must_use]
-    pub fn corridor_of(course: Course, width_m: f64) -> Self {
-        let w = width_m;
-        let plan =
-            |size_m, boxes: Vec<Vec<Point>>, walls| Self { size_m, walls, boxes, chance: Chance::new(0, "") };
-        match course {
-            Course::Straight => plan((8.0, w), vec![], vec![]),
-            Course::Bent => plan((8.0, 6.0), vec![rectangle(0.0, w, 8.0 - w, 6.0)], vec![]),
-            Course::Comb => {
-                let between = |tooth: i32| {
-                    let x = f64::from(tooth) * (w + TOOTH_GAP_M);
-                    rectangle(x + w, w, x + w + TOOTH_GAP_M, w + 3.0)
-                };
-                plan((4.0 * w + 3.0 * TOOTH_GAP_M, w + 3.0), (0..3).map(between).collect(), vec![])
-            }
-            Course::Spiral => {
-                let turns = [
-                    (0.0, 1.0),
-                    (5.0, 1.0),
-                    (5.0, 5.0),
-                    (1.0, 5.0),
-                    (1.0, 2.0),
-                    (4.0, 2.0),
-                    (4.0, 4.0),
-                    (2.0, 4.0),
-                    (2.0, 3.0),
-                    (3.0, 3.0),
-                ];
-                let wall = |pair: &[(f64, f64)]| [pair[0].0 * w, pair[0].1 * w, pair[1].0 * w, pair[1].1 * w];
-                plan((6.0 * w, 6.0 * w), vec![], turns.windows(2).map(wall).collect())
-            }
-            Course::Branching => {
-                let (left, right) = (4.0 - 0.5 * w, 4.0 + 0.5 * w);
-                let top = w + 5.0;
-                plan((8.0, top), vec![rectangle(0.0, w, left, top), rectangle(right, w, 8.0, top)], vec![])
-            }
-        }
-    }
-
-    /// Two rooms of 4 m by 4 m, and a door of this width in metres between them.
-    #[must_use]
-    pub fn rooms_with(door_m: f64) -> Self {
-        let walls = vec![[4.0, 0.0, 4.0, 1.3], [4.0, 1.3 + door_m, 4.0, 4.0]];
-        Self { size_m: (8.0, 4.0), walls, boxes: vec![], chance: Chance::new(0, "") }
     }
 
     fn empty(number: u64) -> Self {
@@ -180,7 +113,5 @@ fn between(chance: &mut Chance, least: f64, most: f64) -> f64 {
 }
 
 const DOOR_M: f64 = 1.2;
-/// What is solid between two teeth of a comb.
-const TOOTH_GAP_M: f64 = 0.5;
 /// Room that there is at least between things.
 const PASSAGE_M: f64 = 0.9;
