@@ -15,7 +15,7 @@ export class StatusBar {
   readonly notes = el("div", { class: "notes", role: "status", attributes: { "aria-live": "polite" } });
   readonly banner = el("div", { class: "banner", hidden: true, role: "alert", test: "banner" });
   private readonly link = el("span", { class: "link", test: "connection" });
-  private readonly parts = ["frames", "missed", "speed", "robots"].map((name) =>
+  private readonly parts = ["frames", "missed", "speed", "robots", "let-go"].map((name) =>
     el("span", { class: `part ${name}`, test: `status-${name}` }),
   );
 
@@ -41,13 +41,15 @@ export class StatusBar {
       this.banner,
       wait_s > 0 ? `No connection to the server. Trying again in ${wait_s} s.` : "Connecting to the server…",
     );
-    const { frame, description } = this.store;
+    const { frame, description, status } = this.store;
+    const letGo_s = Number(status?.pacing?.letGoWallNs ?? 0n) / 1e9;
     const missed = frame?.rest.missedFrames ?? 0n;
     const texts = [
       `${fixed(this.watcher.frames_per_s, 0)} frames/s`,
       `${count(missed)} missed`,
       `${fixed(this.watcher.speed, 2)} × real time`,
       description ? `${count(description.robots.length)} ${description.robots.length === 1 ? "robot" : "robots"}` : "",
+      letGo_s > 0 ? `${fixed(letGo_s, 1)} s let go` : "",
     ];
     this.parts.forEach((part, i) => setText(part, texts[i] ?? ""));
   }
