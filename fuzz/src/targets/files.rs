@@ -6,7 +6,7 @@ use std::{fs, process};
 use anyhow::Context;
 use baudbot_sim::Scenario;
 
-use super::{Target, outcome};
+use super::{Run, Target, outcome};
 
 pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     let folder = std::env::temp_dir().join(format!("baudbot-fuzz-{}", process::id()));
