@@ -21,8 +21,8 @@ pub(crate) struct ListenArgs {
     /// Take at most so many connections at a time, pages included
     ///
     /// When there are as many, a new one gets the place of whoever has asked for nothing since it came; if nobody has, it is
-    /// refused. The default is three quarters of the files that the program may have open (`ulimit -Hn`), with 32 left at least, and 16,384 at
-    /// most.
+    /// refused. The default is three quarters of the files that the program may have open (`ulimit -Hn`), with 32 left at
+    /// least, and 16,384 at most.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_connections: Option<u32>,
 }
