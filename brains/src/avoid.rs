@@ -18,7 +18,7 @@
 //!
 //! It sends a command only when it has decided something, and not before the last one is off the cable. So
 //! commands never queue, and a firmware that answers only when asked is asked once for each answer. News that came while the
-//! cable was taken are answered with the [next](crate::beat), if those are due soon.
+//! cable was taken are answered with the next (`beat`), if those are due soon.
 
 use baudbot_client::{Action, Body, Brain, Turn};
 
