@@ -65,7 +65,7 @@ fn moved(pose: &Pose, command: Command) -> Pose {
             let step_m = way.norm().min(0.03);
             Pose { position: pose.position + Direction::from_angle(heading).vector() * step_m, heading }
         }
-        Command::Wait | Command::Done | Command::Failed(_) => *pose,
+        Command::Wait | Command::Done(_) | Command::Failed(_) => *pose,
     }
 }
 
@@ -82,7 +82,7 @@ fn last_steps<E: Explorer + Clone>(mut explorer: E, count: usize) -> Vec<(E, Pla
         }
         steps.push_back((explorer.clone(), placed.clone()));
         let command = explorer.step(&Input { world_from_robot: pose, scan: Some(&placed), near: false });
-        if command == Command::Done {
+        if matches!(command, Command::Done(_)) {
             break;
         }
         pose = moved(&pose, command);

@@ -26,7 +26,22 @@ struct Feeler {
     sensor: usize,
     robot_from_sensor: Pose,
     is_sonar: bool,
+    /// Half the opening angle of its cone, in radians.
+    half_rad: f64,
     is_near: bool,
+    /// What it read last.
+    value: f64,
+}
+
+/// What a sonar heard: something is somewhere in its cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Echo {
+    /// Where the sonar sits.
+    pub(crate) robot_from_sensor: Pose,
+    /// Half the opening angle of its cone, in radians.
+    pub(crate) half_rad: f64,
+    /// How far away it is, in metres.
+    pub(crate) distance_m: f64,
 }
 
 impl Feelers {
@@ -36,7 +51,9 @@ impl Feelers {
             sensor,
             robot_from_sensor: mount(described),
             is_sonar: described.kind == "sonar",
+            half_rad: 0.5 * described.opening_rad.unwrap_or(0.0),
             is_near: false,
+            value: 0.0,
         };
         let sensors = body.sensors.iter().enumerate();
         let feelers = sensors
@@ -58,6 +75,7 @@ impl Feelers {
             let value = reading.filter(|reading| reading.readable).and_then(|new| new.values.first());
             if let Some(&value) = value {
                 feeler.is_near = feeler.feels(value, self.radius_m, self.near);
+                feeler.value = value;
             }
         }
     }
@@ -69,7 +87,16 @@ impl Feelers {
 
     /// Whether something is near, by the newest readings.
     pub(crate) fn is_near(&self) -> bool {
-        self.feelers.iter().any(|feeler| feeler.is_near)
+        self.is_near_but(|_| false)
+    }
+
+    /// The same, without what a sonar heard of things that are known, by whoever knows better where they are.
+    pub(crate) fn is_near_but(&self, is_known: impl Fn(&Echo) -> bool) -> bool {
+        let is_known = |feeler: &Feeler| {
+            let Feeler { robot_from_sensor, half_rad, value: distance_m, .. } = *feeler;
+            feeler.is_sonar && is_known(&Echo { robot_from_sensor, half_rad, distance_m })
+        };
+        self.feelers.iter().any(|feeler| feeler.is_near && !is_known(feeler))
     }
 }
 
@@ -120,7 +147,14 @@ mod tests {
         let near = Near { near_m: 0.15, near_reading: 0.4 };
         let feels = |heading: f64, distance_m: f64| {
             let robot_from_sensor = Pose::new(0.2 * heading.cos(), 0.2 * heading.sin(), heading);
-            let feeler = Feeler { sensor: 0, robot_from_sensor, is_sonar: true, is_near: false };
+            let feeler = Feeler {
+                sensor: 0,
+                robot_from_sensor,
+                is_sonar: true,
+                half_rad: 0.0,
+                is_near: false,
+                value: 0.0,
+            };
             feeler.feels(distance_m, 0.2, near)
         };
         assert!(feels(0.0, 0.16) && !feels(0.0, 0.19));

@@ -13,6 +13,9 @@ use baudbot_tests::Pair;
 
 use super::localization::witnessed;
 
+mod passages;
+mod truth;
+
 const ROOM: &str = include_str!("../../scenarios/explore-room.toml");
 const OFFICE: &str = include_str!("../../scenarios/explore-office.toml");
 const NODES: &str = "explore";
@@ -200,23 +203,28 @@ fn polygon(toml: &mut String, name: &str, is_box: bool, points_m: &[[f64; 2]]) {
     .expect("a text takes all");
 }
 
-/// The generated arena of this number, with the robot of the office at a random start.
-fn generated(number: u64) -> Scenario {
-    let Plan { size_m: (width_m, height_m), walls, boxes, .. } = Plan::generate(number);
+/// The robot of the office in another arena.
+fn toml_of(plan: &Plan) -> String {
+    let Plan { size_m: (width_m, height_m), walls, boxes, .. } = plan;
     let (head, _) = OFFICE.split_once("[[arena.polygons]]").expect("an arena");
     let (_, robot) = OFFICE.split_once("[[robots]]").expect("a robot");
     let mut toml = head.to_owned();
-    let border = [[0.0, 0.0], [width_m, 0.0], [width_m, height_m], [0.0, height_m]];
+    let border = [[0.0, 0.0], [*width_m, 0.0], [*width_m, *height_m], [0.0, *height_m]];
     polygon(&mut toml, "border", false, &border);
-    for (i, [x0, y0, x1, y1]) in walls.into_iter().enumerate() {
-        polygon(&mut toml, &format!("wall_{i}"), false, &[[x0, y0], [x1, y1]]);
+    for (i, [x0, y0, x1, y1]) in walls.iter().enumerate() {
+        polygon(&mut toml, &format!("wall_{i}"), false, &[[*x0, *y0], [*x1, *y1]]);
     }
     for (i, points) in boxes.iter().enumerate() {
         let points: Vec<_> = points.iter().map(|point| [point.x, point.y]).collect();
         polygon(&mut toml, &format!("box_{i}"), true, &points);
     }
-    toml += "[[robots]]";
-    toml += robot;
+    toml + "[[robots]]" + robot
+}
+
+/// The generated arena of this number, with the robot of the office at a random start.
+fn generated(number: u64) -> Scenario {
+    let plan = Plan::generate(number);
+    let (toml, (width_m, height_m)) = (toml_of(&plan), plan.size_m);
     let mut chance = Chance::new(number, "start");
     let mut any = || [width_m * chance.uniform(), height_m * chance.uniform(), chance.uniform() * 6.0 - 3.0];
     std::iter::repeat_with(|| started(&toml, &[], any())).flatten().next().expect("never ends")

@@ -32,6 +32,13 @@ pub(crate) struct Run {
     pub(crate) least_room_m: f64,
 }
 
+impl Run {
+    /// Whether it is over, and nothing was left out.
+    pub(crate) fn has_seen_all(&self) -> bool {
+        matches!(self.end, Command::Done(left_out) if left_out.is_nothing())
+    }
+}
+
 impl Arena {
     pub(crate) fn new(
         size_m: (f64, f64),
@@ -185,7 +192,7 @@ impl Arena {
             let input = Input { world_from_robot: pose, scan: Some(&scan), near: self.is_near(&pose) };
             run.end = explorer.step(&input);
             look(explorer);
-            if matches!(run.end, Command::Done | Command::Failed(_)) {
+            if matches!(run.end, Command::Done(_) | Command::Failed(_)) {
                 break;
             }
             let next = moved(&pose, run.end);
@@ -213,7 +220,7 @@ fn moved(pose: &Pose, command: Command) -> Pose {
             let step_m = (SPEED_M_S * STEP_S).min(way.norm());
             Pose { position: pose.position + Direction::from_angle(heading).vector() * step_m, heading }
         }
-        Command::Wait | Command::Done | Command::Failed(_) => *pose,
+        Command::Wait | Command::Done(_) | Command::Failed(_) => *pose,
     }
 }
 

@@ -1,52 +1,72 @@
 //! Exploration by frontiers: B. Yamauchi, *A frontier-based approach for autonomous exploration*, CIRA 1997.
 //!
 //! The robot keeps an occupancy grid of all scans. It goes to the nearest place, by the length of the way, from which a
-//! frontier is in sight within `view_m`, and faces it. As soon as the frontier that it is on its way to is none any
-//! more it chooses another. It is done when there is none that it can get to.
+//! cell at the edge of the [dark](crate::mapping::frontier) is in sight within `view_m`, and faces it. As soon as that is dark no
+//! more it chooses another. When there is none, it looks from farther away: through what is too narrow for it one sees more
+//! than a metre. It is done when there is none that it can see from where it can get to, and says
+//! [what it leaves out](super::LeftOut).
 //!
 //! Where proximity stops it, which the laser did not see coming, it remembers something in the way and plans again.
+//!
+//! *The least width* of a passage is 2 `half_width_m` + `cell_m`, see [`Floor`](crate::mapping::Floor).
 //!
 //! *Deviations.*
 //!
 //! - Yamauchi's robot drives to the middle of a group of frontier cells, and sweeps its sensors all around there.
-//! - A frontier that is still one after it was looked at from near is given up, as is a group of fewer than
-//!   `least_cells` cells: what is behind it is narrower than the laser's rays are apart. So is one that was none any more on
-//!   the way there, and came back, too often: beside an edge that lies on the border of two cells, frontiers come and go by
-//!   the laser's noise.
+//! - What is still dark after it was looked at from near is given up: the laser does not show it. So is what was none of the edge
+//!   any more on the way there, and came back, too often: beside an edge that lies on the border of two cells, what is free
+//!   comes and goes by the laser's noise.
 //! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
 //!   room for ever; but not more often than `attempts` times.
 
-use std::cell::Cell as Shared;
 use std::collections::{BTreeMap, BTreeSet};
 
 use baudbot_geometry::{Point, Pose};
 
 use super::approach::{Approach, heading_to, turn};
+use super::left_out::{LeftOut, Rest, least_width_m};
+use super::outlook::{Outlook, sparse};
 use super::{Command, Explorer, Failure, Input};
 use crate::mapping::disc::Disc;
-use crate::mapping::frontier::{frontiers, groups, is_frontier};
-use crate::mapping::{Cell, Floor, Occupancy, Occupied, PlacedScan};
+use crate::mapping::floor::is_clear;
+use crate::mapping::frontier::{Dark, is_edge};
+use crate::mapping::{Cell, Floor, Occupancy, PlacedScan};
 
 /// The lengths of the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Side of a cell, in metres.
     pub cell_m: f64,
+    /// The robot's radius, in metres.
+    pub radius_m: f64,
     /// Half the width that a way must have, in metres: the robot's radius and a little more.
     pub half_width_m: f64,
     /// A point on the way is reached within this distance, in metres.
     pub reach_m: f64,
-    /// A frontier can be looked at from so far away, in metres.
+    /// What is dark is looked at from so far away, in metres, as long as that can be done.
     pub view_m: f64,
-    /// Groups of fewer frontier cells do not count.
-    pub least_cells: usize,
     /// How often all that proximity found is forgotten.
     pub attempts: usize,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { cell_m: 0.1, half_width_m: 0.25, reach_m: 0.1, view_m: 1.0, least_cells: 2, attempts: 1 }
+        Self {
+            cell_m: 0.025,
+            radius_m: 0.2,
+            half_width_m: 0.2 + ROOM_M,
+            reach_m: 0.03,
+            view_m: 1.0,
+            attempts: 2,
+        }
+    }
+}
+
+impl Parameters {
+    /// The least width of a passage that such a robot takes for sure, in metres.
+    #[must_use]
+    pub fn least_width_m(&self) -> f64 {
+        least_width_m(self.half_width_m, self.cell_m)
     }
 }
 
@@ -61,8 +81,10 @@ pub struct Frontiers {
     /// How often the bumps were forgotten.
     forgotten: usize,
     given_up: BTreeSet<Cell>,
-    /// How often each frontier to which a plan led was none any more.
+    /// How often each cell to which a plan led was of the edge no more.
     resolved: BTreeMap<Cell, usize>,
+    /// How many plans have come to an end.
+    ended: usize,
     state: State,
 }
 
@@ -73,26 +95,26 @@ enum State {
         plan: Plan,
         approach: Approach,
     },
-    /// Faces the frontier.
+    /// Faces what is dark.
     Look {
-        frontier: Cell,
+        at: Cell,
     },
     Ended(Command),
 }
 
-/// A way to a place from which a frontier cell can be seen.
+/// A way to a place from which a cell of the edge can be seen.
 #[derive(Clone, Debug, PartialEq)]
 struct Plan {
     /// Points that are left, the last one first.
     turns: Vec<Point>,
-    frontier: Cell,
+    look_at: Cell,
 }
 
 impl Explorer for Frontiers {
     fn step(&mut self, input: &Input<'_>) -> Command {
         self.remember(input);
         loop {
-            // Each turn of the loop follows a plan or gives up a frontier.
+            // Each turn of the loop follows a plan or gives up a cell of the edge.
             if let Some(command) = self.advance(input) {
                 return command;
             }
@@ -122,6 +144,7 @@ impl Frontiers {
             forgotten: 0,
             given_up: BTreeSet::new(),
             resolved: BTreeMap::new(),
+            ended: 0,
             state: State::Plan,
         }
     }
@@ -132,8 +155,21 @@ impl Frontiers {
         &self.grid
     }
 
+    /// How many of its plans have come to an end.
+    pub(super) const fn ended(&self) -> usize {
+        self.ended
+    }
+
+    /// The end of the straight way on which it is.
+    pub(super) const fn leg(&self) -> Option<Point> {
+        match &self.state {
+            State::Go { approach, .. } => Some(approach.to),
+            State::Plan | State::Look { .. } | State::Ended(_) => None,
+        }
+    }
+
     /// Puts a new scan into the grid, and gives up a plan that is no good after it.
-    fn remember(&mut self, input: &Input<'_>) {
+    pub(super) fn remember(&mut self, input: &Input<'_>) {
         let Some(scan) = input.scan.filter(|scan| self.last_scan.as_ref() != Some(scan)) else {
             return;
         };
@@ -141,18 +177,19 @@ impl Frontiers {
         if !self.grid.add(scan) {
             self.state = State::Ended(Command::Failed(Failure::TooLarge));
         }
-        self.grid.free_disc(scan.world_from_robot.position, self.parameters.half_width_m);
+        let Parameters { radius_m, cell_m, .. } = self.parameters;
+        self.grid.free_disc(scan.world_from_robot.position, radius_m - cell_m);
         match &self.state {
-            State::Go { plan: Plan { frontier, .. }, .. } | State::Look { frontier }
-                if !is_frontier(&self.grid, *frontier) =>
+            State::Go { plan: Plan { look_at, .. }, .. } | State::Look { at: look_at }
+                if !is_edge(&self.grid, *look_at) =>
             {
-                self.resolve(*frontier);
+                self.resolve(*look_at);
                 self.state = State::Plan;
             }
             State::Go { plan, approach } if !self.is_open(&input.world_from_robot, plan, approach) => {
                 self.state = State::Plan;
             }
-            _ => {}
+            State::Go { .. } | State::Look { .. } | State::Plan | State::Ended(_) => {}
         }
     }
 
@@ -163,14 +200,15 @@ impl Frontiers {
             State::Plan if self.last_scan.is_none() => return Some(Command::Wait),
             State::Plan => self.state = self.plan(here),
             State::Go { plan, approach } => return self.go(input, plan, approach),
-            State::Look { frontier } => {
+            State::Look { at } => {
                 let is_here = input.scan.is_some_and(|scan| scan.is_from(here));
-                let turn = turn(here, heading_to(here, self.grid.center(frontier)));
+                let turn = turn(here, heading_to(here, self.grid.center(at)));
                 if let Some(command) = turn.or(if is_here { None } else { Some(Command::Wait) }) {
-                    self.state = State::Look { frontier };
+                    self.state = State::Look { at };
                     return Some(command);
                 }
-                self.give_up(frontier);
+                self.give_up(at);
+                self.ended += 1;
             }
             State::Ended(command) => {
                 self.state = State::Ended(command);
@@ -184,31 +222,47 @@ impl Frontiers {
         if self.bumps.len() > MOST_BUMPS {
             return State::Ended(Command::Failed(Failure::Stuck));
         }
-        let floor = self.floor(here);
-        let frontiers = self.frontiers();
-        let view = Disc::new(self.parameters.view_m / self.grid.cell_m());
-        let is_in_view = self.cells_in_view(frontiers.clone(), &view);
-        let seen = Shared::new(None);
-        let is_goal = |cell: Cell| {
-            let is_near = self.grid.place(cell).is_some_and(|place| is_in_view[place]);
-            seen.set(if is_near { self.seen_from(cell, &frontiers, &view) } else { None });
-            seen.get().is_some()
-        };
-        let way = floor.way(here.position, is_goal);
-        let found = way.map(|way| floor.straighten(here.position, &way)).zip(seen.get());
-        match found {
-            Some((mut turns, frontier)) => {
-                turns.reverse();
-                let to = turns.pop().unwrap_or(here.position);
-                State::Go { plan: Plan { turns, frontier }, approach: Approach::new(to) }
-            }
-            None if !self.bumps.is_empty() && self.forgotten < self.parameters.attempts => {
-                self.forgotten += 1;
-                self.bumps.clear();
-                State::Plan
-            }
-            None => State::Ended(Command::Done),
+        let dark = Dark::new(&self.grid);
+        let floor = Floor::new(&dark, self.parameters.half_width_m, here.position, &self.bumps);
+        let wanted = dark.edge(|cell| self.given_up.contains(cell));
+        let mut search = floor.search(here.position);
+        let mut reached = Vec::new();
+        for (view_m, wanted) in self.views(&wanted) {
+            let outlook = Outlook::new(&self.grid, &dark, wanted, view_m);
+            let known = reached.iter().copied().find(|cell| outlook.from(*cell).is_some());
+            let mut on = search.by_ref().inspect(|cell| reached.push(*cell));
+            let Some(place) = known.or_else(|| on.find(|cell| outlook.from(*cell).is_some())) else {
+                continue;
+            };
+            let mut turns = floor.straighten(here.position, &search.way(place));
+            turns.reverse();
+            let approach = Approach::new(turns.pop().unwrap_or(here.position));
+            let Some(look_at) = outlook.from(place) else { continue };
+            return State::Go { plan: Plan { turns, look_at }, approach };
         }
+        if !self.bumps.is_empty() && self.forgotten < self.parameters.attempts {
+            self.forgotten += 1;
+            self.bumps.clear();
+            return State::Plan;
+        }
+        State::Ended(Command::Done(self.left_out(here, &dark, &wanted, &reached)))
+    }
+
+    /// What is left out by who can get to these cells.
+    fn left_out(&self, here: &Pose, dark: &Dark<'_>, wanted: &[Cell], reached: &[Cell]) -> LeftOut {
+        let half_width_m = self.parameters.half_width_m;
+        let reached_but: Vec<_> =
+            Floor::new(dark, half_width_m, here.position, &[]).search(here.position).collect();
+        let (grid, given_up) = (&self.grid, &self.given_up);
+        Rest { grid, dark, reached, reached_but: &reached_but, wanted, given_up, half_width_m }.left_out()
+    }
+
+    /// How far to look, and for what, one after the other. Cells side by side are mostly seen from the same places.
+    fn views(&self, wanted: &[Cell]) -> [(f64, Vec<Cell>); 3] {
+        let Parameters { view_m, cell_m, .. } = self.parameters;
+        let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan.range_m);
+        let few = sparse(wanted, (SPARSE_M / cell_m) as i32 + 1);
+        [(view_m, few.clone()), (view_m, wanted.to_vec()), (view_m.max(range_m), few)]
     }
 
     fn go(&mut self, input: &Input<'_>, mut plan: Plan, mut approach: Approach) -> Option<Command> {
@@ -216,12 +270,13 @@ impl Frontiers {
         let Some(command) = approach.step(here, self.parameters.reach_m) else {
             self.state = match plan.turns.pop() {
                 Some(to) => State::Go { plan, approach: Approach::new(to) },
-                None => State::Look { frontier: plan.frontier },
+                None => State::Look { at: plan.look_at },
             };
             return None;
         };
         if input.near && matches!(command, Command::Drive { .. }) {
-            let ahead_m = self.parameters.half_width_m + BUMP_M;
+            // So near that no way leads any farther ahead.
+            let ahead_m = self.parameters.half_width_m - 0.5 * self.parameters.cell_m;
             self.bumps.push(here.position + here.direction().vector() * ahead_m);
             return None;
         }
@@ -229,72 +284,50 @@ impl Frontiers {
         Some(command)
     }
 
-    /// Whether there is still an open way to the frontier.
+    /// Whether there is still an open way to the place, or one that is narrower by no more than the laser's noise.
     fn is_open(&self, here: &Pose, plan: &Plan, approach: &Approach) -> bool {
-        let floor = self.floor(here);
+        let radius_m = self.parameters.half_width_m - NOISE_M;
         let mut from = here.position;
-        let mut is_open = |to: Point| floor.is_line_open(std::mem::replace(&mut from, to), to);
+        let mut is_open = |to: Point| {
+            let way = (std::mem::replace(&mut from, to), to);
+            is_clear(&self.grid, way, radius_m, &self.bumps)
+        };
         is_open(approach.to) && plan.turns.iter().rev().all(|turn| is_open(*turn))
     }
 
-    fn floor(&self, here: &Pose) -> Floor<'_> {
-        Floor::new(&self.grid, self.parameters.half_width_m, here.position, &self.bumps)
-    }
-
-    /// For each cell of the grid whether it is on a frontier that was not given up.
-    fn frontiers(&self) -> Vec<bool> {
-        let mut frontiers = frontiers(&self.grid);
-        for place in self.given_up.iter().filter_map(|cell| self.grid.place(*cell)) {
-            frontiers[place] = false;
-        }
-        frontiers
-    }
-
-    /// For each cell of the grid whether it is near enough to a frontier that counts.
-    fn cells_in_view(&self, frontiers: Vec<bool>, view: &Disc) -> Vec<bool> {
-        let mut is_in_view = vec![false; frontiers.len()];
-        let groups = groups(&self.grid, frontiers).into_iter();
-        for cell in groups.filter(|group| group.len() >= self.parameters.least_cells).flatten() {
-            for places in self.grid.places(cell, view) {
-                is_in_view[places].fill(true);
-            }
-        }
-        is_in_view
-    }
-
-    /// The nearest frontier cell that can be seen from a cell. What is too small to count does so here: who is near it
-    /// anyway may look.
-    fn seen_from(&self, cell: Cell, frontiers: &[bool], view: &Disc) -> Option<Cell> {
-        let is_clear = |other: &Cell| {
-            let mut line = self.grid.line(self.grid.center(cell), self.grid.center(*other));
-            line.all(|cell| self.grid.state(cell) == Occupied::Free)
-        };
-        let near = self.grid.places(cell, view).flatten().filter(|place| frontiers[*place]);
-        let seen = near.map(|place| self.grid.cell_of(place)).filter(is_clear);
-        seen.min_by_key(|other| cell.distance_squared(*other))
-    }
-
-    /// The frontier is none any more. One that was so too often is given up: it will be back. That the way there was closed does
+    /// The cell is of the edge no more. One that was so too often is given up: it will be back. That the way there was closed does
     /// not count: one that is only just wide enough is so by every other scan.
-    fn resolve(&mut self, frontier: Cell) {
-        let times = self.resolved.entry(frontier).or_default();
+    fn resolve(&mut self, cell: Cell) {
+        self.ended += 1;
+        let times = self.resolved.entry(cell).or_default();
         *times += 1;
         if *times == MOST_TIMES {
-            self.give_up(frontier);
+            self.give_up(cell);
         }
     }
 
-    /// A frontier that was looked at from near in vain, with what is beside it.
-    fn give_up(&mut self, frontier: Cell) {
-        let beside = |row| (-1..=1).map(move |column| frontier.offset(column, row));
-        self.given_up.extend((-1..=1).flat_map(beside));
+    /// A cell that was looked at from near in vain, with what is beside it.
+    fn give_up(&mut self, cell: Cell) {
+        for (row, half) in Disc::new(BESIDE_M / self.parameters.cell_m).rows {
+            self.given_up.extend((-half..=half).map(|column| cell.offset(column, row)));
+        }
     }
 }
 
-/// How far beyond half the width of a way something is taken to be that proximity found, in metres.
-const BUMP_M: f64 = 0.05;
+/// Room beside the robot on its way, in metres: what it drives beside the straight line, 1 cm, and what the end of a wall may
+/// reach beyond where its last cell was met, half a cell.
+pub(super) const ROOM_M: f64 = 0.025;
 
-/// A frontier that was none any more so often is noise.
+/// By so much less room a way is not closed that was open, in metres.
+const NOISE_M: f64 = 0.01;
+
+/// What is given up with a cell is so near to it, in metres.
+const BESIDE_M: f64 = 0.05;
+
+/// One cell of the edge in a square of this side stands for the others, in metres.
+const SPARSE_M: f64 = 0.1;
+
+/// What was of the edge no more so often is noise.
 const MOST_TIMES: usize = 5;
 
 /// A robot that was stopped so often is in a place where it cannot move.

@@ -3,9 +3,8 @@
 //! *Deviation.* The notes speak of paths from node to node as the robot has placed them, which is a tree. Ways that
 //! the robot has driven directly are added here, and the path is the shortest.
 
-use baudbot_geometry::{Direction, Point, math};
+use baudbot_geometry::Point;
 
-use super::placement::{Aside, Placement};
 use crate::mapping::{PlacedScan, View};
 
 /// What has become of a node.
@@ -26,14 +25,20 @@ pub struct Node {
     pub place: Point,
     /// What has become of it.
     pub status: Status,
-    /// The way to it was not seen whole.
-    is_guess: bool,
-    /// What was seen from it: once it is completed, the scans by which nodes were placed around it.
-    scans: Vec<PlacedScan>,
-    /// Nodes from which the robot has tried in vain to get there.
-    tried_from: Vec<usize>,
+    /// It was not placed: the robot has come there otherwise.
+    is_passed: bool,
+    /// What was last seen from it.
+    scan: Option<PlacedScan>,
     /// Nodes with a way to and from here.
     joined: Vec<usize>,
+}
+
+impl Node {
+    /// Whether it was not placed: the robot has come there otherwise, however near to other nodes.
+    #[must_use]
+    pub const fn is_passed(&self) -> bool {
+        self.is_passed
+    }
 }
 
 /// Nodes, each known by the number of nodes before it, and ways between them.
@@ -68,15 +73,15 @@ impl Graph {
     }
 
     pub(super) fn add(&mut self, place: Point, status: Status) -> usize {
-        self.nodes.push(Node {
-            place,
-            status,
-            is_guess: false,
-            scans: Vec::new(),
-            tried_from: Vec::new(),
-            joined: Vec::new(),
-        });
+        self.nodes.push(Node { place, status, is_passed: false, scan: None, joined: Vec::new() });
         self.nodes.len() - 1
+    }
+
+    /// Where the robot is though no node was placed there.
+    pub(super) fn add_passed(&mut self, place: Point, status: Status) -> usize {
+        let node = self.add(place, status);
+        self.nodes[node].is_passed = true;
+        node
     }
 
     /// Whether a node at this place is as far as it must be from all that are not unreachable.
@@ -98,7 +103,7 @@ impl Graph {
     /// Joins a node with all that its last scan shows a clear way to, within `sight_m`. A way that could not be gone stays
     /// what it is: what stopped the robot may be too low for the laser.
     pub(super) fn join_seen(&mut self, from: usize, sight_m: f64, half_width_m: f64) {
-        let Some(scan) = self.nodes[from].scans.last() else { return };
+        let Some(scan) = &self.nodes[from].scan else { return };
         let is_seen = |to: &usize| {
             let Node { place, status, .. } = &self.nodes[*to];
             let is_open = *status != Status::Unreachable && !self.blocked.contains(&(from, *to));
@@ -116,17 +121,13 @@ impl Graph {
 
     /// The robot is there and has seen this.
     pub(super) fn complete(&mut self, node: usize, scan: PlacedScan) {
-        let Node { status, scans, .. } = &mut self.nodes[node];
-        *status = Status::Completed;
-        if scans.last() != Some(&scan) {
-            scans.push(scan);
-        }
+        self.nodes[node].status = Status::Completed;
+        self.nodes[node].scan = Some(scan);
     }
 
-    /// The robot could not get there from this node.
-    pub(super) fn give_up(&mut self, node: usize, from: usize) {
+    /// The robot could not get there.
+    pub(super) fn give_up(&mut self, node: usize) {
         self.nodes[node].status = Status::Unreachable;
-        self.nodes[node].tried_from.push(from);
     }
 
     /// The shortest ways from all nodes to this one.
@@ -163,136 +164,7 @@ impl Graph {
         }
         Ways { reached }
     }
-
-    /// Gives an unreachable node another chance: the one that is nearest, by the length of the path, from another side.
-    /// There must be nothing but unreachable nodes within `separation_m` of it, and a completed node within `sight_m`
-    /// from which nobody has tried, and from which there was nothing in the way. Says which node it is.
-    pub(super) fn retry(&mut self, from: usize, retry: &Retry) -> Option<usize> {
-        let mut best: Option<(f64, usize, usize)> = None;
-        let ways = self.ways_from(from);
-        for node in self.having(Status::Unreachable) {
-            let Node { place, tried_from, .. } = &self.nodes[node];
-            if tried_from.len() >= retry.attempts || !self.has_room(*place, retry.separation_m) {
-                continue;
-            }
-            for side in self.having(Status::Completed).filter(|side| !tried_from.contains(side)) {
-                let length = (self.place(side) - place).norm();
-                let cost = length + ways.length(side);
-                let is_better = cost.is_finite() && best.is_none_or(|(least, ..)| cost < least);
-                if is_better && length <= retry.sight_m && self.saw(side, *place, retry.half_width_m) {
-                    best = Some((cost, node, side));
-                }
-            }
-        }
-        let (_, node, side) = best?;
-        self.nodes[node].status = Status::Pending;
-        self.join(side, node);
-        Some(node)
-    }
-
-    /// Places nodes where scans from completed nodes showed a clear way and there is none far and wide. Says whether it did.
-    pub(super) fn look_again(&mut self, again: &Again) -> bool {
-        let count = self.nodes.len();
-        for from in self.having(Status::Completed).collect::<Vec<_>>() {
-            for scan in 0..self.nodes[from].scans.len() {
-                for place in again.places(&self.nodes[from].scans[scan]) {
-                    let is_clear =
-                        || self.nodes[from].scans[scan].view(place, again.half_width_m) == View::Clear;
-                    if self.is_lonely(place, from, again) && is_clear() {
-                        let node = self.add(place, Status::Pending);
-                        self.join(from, node);
-                    }
-                }
-            }
-        }
-        self.nodes.len() > count
-    }
-
-    /// Places nodes beside the ends of scans, if their last rays lead to what no other scan has seen. Says whether it did.
-    pub(super) fn look_aside(&mut self, placement: &Placement, half_width_m: f64) -> bool {
-        let count = self.nodes.len();
-        for from in self.having(Status::Completed).collect::<Vec<_>>() {
-            let scans = self.nodes[from].scans.iter().enumerate();
-            let asides = scans
-                .flat_map(|(i, scan)| placement.places_aside(scan).into_iter().map(move |aside| (i, aside)));
-            for (scan, Aside { place, beyond }) in asides.collect::<Vec<_>>() {
-                let was_tried = self.nodes.iter().any(|node| (node.place - place).norm() < half_width_m);
-                let has_room = self.has_room(place, placement.separation_m);
-                if has_room && !was_tried && !self.is_seen(beyond, (from, scan)) {
-                    let node = self.add(place, Status::Pending);
-                    self.nodes[node].is_guess = true;
-                    self.join(from, node);
-                }
-            }
-        }
-        self.nodes.len() > count
-    }
-
-    /// Whether another scan than this one of this node has seen the place.
-    fn is_seen(&self, place: Point, but: (usize, usize)) -> bool {
-        let nodes = self.nodes.iter().enumerate();
-        let mut scans =
-            nodes.flat_map(|(i, node)| node.scans.iter().enumerate().map(move |(j, scan)| ((i, j), scan)));
-        scans.any(|(which, scan)| which != but && scan.sees(place))
-    }
-
-    /// Whether the way to a node has to be looked at before it is gone.
-    pub(super) fn is_guess(&self, node: usize) -> bool {
-        self.nodes[node].is_guess && self.nodes[node].status == Status::Pending
-    }
-
-    /// Whether a place is far from all nodes but the one that it was seen from, and not one that was tried.
-    fn is_lonely(&self, place: Point, from: usize, again: &Again) -> bool {
-        let mut others = self.nodes.iter().enumerate().filter(|(node, _)| *node != from);
-        others.all(|(_, node)| {
-            let least_m = match node.status {
-                Status::Unreachable => again.half_width_m,
-                Status::Pending | Status::Completed => LONELY * again.distance_m,
-            };
-            (node.place - place).norm() >= least_m
-        })
-    }
-
-    /// Whether a scan from this node showed a clear way to the place.
-    fn saw(&self, node: usize, place: Point, half_width_m: f64) -> bool {
-        self.nodes[node].scans.iter().any(|scan| scan.view(place, half_width_m) == View::Clear)
-    }
 }
-
-/// When an unreachable node may be tried again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Retry {
-    /// So often it is tried at most.
-    pub(super) attempts: usize,
-    pub(super) separation_m: f64,
-    pub(super) sight_m: f64,
-    pub(super) half_width_m: f64,
-}
-
-/// Where nodes are placed when nothing else is left.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Again {
-    /// So far from a completed node, D, in metres.
-    pub(super) distance_m: f64,
-    pub(super) half_width_m: f64,
-}
-
-impl Again {
-    /// Places at the distance from where this scan was taken, half a robot apart, that it could show.
-    fn places(&self, scan: &PlacedScan) -> Vec<Point> {
-        let step_rad = self.half_width_m / self.distance_m;
-        let most = math::floor(0.5 * scan.scan.opening_rad / step_rad) as i32;
-        let here = scan.world_from_robot;
-        let place = |i: i32| {
-            let direction = Direction::from_angle(here.heading + f64::from(i) * step_rad);
-            here.position + direction.vector() * self.distance_m
-        };
-        (-most..=most).map(place).collect()
-    }
-}
-
-/// Nodes of a second look are at least so many D from others: where there are some near, the laser has seen what there is.
-const LONELY: f64 = 2.0;
 
 impl Ways {
     /// Length of the way between the root and a node, in metres; infinite if there is none.
@@ -349,7 +221,7 @@ mod tests {
     fn unreachable_nodes_need_no_room() {
         let mut graph = graph();
         assert!(!graph.has_room(Point::new(2.0, 1.5), 0.75));
-        graph.give_up(3, 2);
+        graph.give_up(3);
         assert!(graph.has_room(Point::new(2.0, 1.5), 0.75));
     }
 
@@ -367,48 +239,6 @@ mod tests {
     }
 
     #[test]
-    fn a_way_that_the_scan_ended_in_is_looked_at_unless_another_has() {
-        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.8, separation_m: 0.75 };
-        // A gap of 20 degrees at the left end, of whose outermost rays nothing is known.
-        let gap = || {
-            scan(0.0, |ray| match ray {
-                ..20 => 1.2,
-                20..30 => 3.0,
-                _ => f64::NAN,
-            })
-        };
-        let mut graph = Graph::default();
-        let here = graph.add(Point::new(0.0, 0.0), Status::Pending);
-        graph.complete(here, scan(0.0, |_| 1.2));
-        assert!(!graph.look_aside(&placement, 0.25), "a wall all along");
-        let mut turned = graph.clone();
-        graph.complete(here, gap());
-        assert!(graph.look_aside(&placement, 0.25));
-        let angle = 10_f64.to_radians() + 0.4;
-        assert!((graph.place(1) - Point::new(angle.cos(), angle.sin())).norm() < 1e-12);
-        assert!(graph.is_guess(1) && graph.nodes()[here].joined == [1]);
-        assert!(!graph.look_aside(&placement, 0.25), "it is there");
-        graph.give_up(1, here);
-        assert!(!graph.look_aside(&placement, 0.25) && !graph.is_guess(1), "and was tried");
-        turned.complete(here, gap());
-        turned.complete(here, scan(0.6, |_| 3.0));
-        assert!(!turned.look_aside(&placement, 0.25), "it has looked there, too");
-        let mut graph = Graph::default();
-        graph.add(Point::new(0.0, 0.0), Status::Pending);
-        graph.complete(here, scan(0.0, |ray| if ray <= 10 { 3.0 } else { 1.2 }));
-        assert!(graph.look_aside(&placement, 0.25));
-        let angle = -angle;
-        assert!((graph.place(1) - Point::new(angle.cos(), angle.sin())).norm() < 1e-12, "at the right end");
-        let mut graph = Graph::default();
-        for place in [Point::new(0.0, 0.0), Point::new(-3.0, 0.0)] {
-            graph.add(place, Status::Pending);
-        }
-        graph.complete(here, gap());
-        graph.complete(1, scan(30_f64.to_radians(), |_| 4.0));
-        assert!(!graph.look_aside(&placement, 0.25), "the other has seen what is there");
-    }
-
-    #[test]
     fn what_is_seen_is_joined_but_not_what_stopped_somebody() {
         let mut graph = Graph::default();
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 0.4), (-1.0, 0.0), (3.5, 0.0), (1.5, -0.4)] {
@@ -416,36 +246,11 @@ mod tests {
         }
         graph.complete(0, scan(0.0, |_| f64::INFINITY));
         graph.block(0, 2);
-        graph.give_up(5, 1);
+        graph.give_up(5);
         graph.join_seen(0, 3.0, 0.1);
         assert_eq!(graph.nodes()[0].joined, [1], "2 is blocked, 3 behind, 4 far, 5 unreachable");
         graph.complete(1, scan(0.0, |_| 0.5));
         graph.join_seen(1, 3.0, 0.1);
         assert_eq!(graph.nodes()[1].joined, [0], "something is in the way");
-    }
-
-    #[test]
-    fn a_node_is_tried_again_only_from_another_side_that_saw_it() {
-        let mut graph = graph();
-        let retry = Retry { attempts: 2, separation_m: 0.5, sight_m: 3.0, half_width_m: 0.1 };
-        let scan = |x: f64, heading: f64| PlacedScan {
-            world_from_robot: baudbot_geometry::Pose::new(x, 0.0, heading),
-            scan: Scan {
-                robot_from_laser: baudbot_geometry::Pose::new(0.0, 0.0, 0.0),
-                opening_rad: 1.0,
-                range_m: 4.0,
-                distances_m: vec![f64::INFINITY; 3],
-            },
-        };
-        graph.complete(2, scan(2.0, 1.57));
-        graph.complete(1, scan(1.0, -1.57));
-        graph.give_up(3, 2);
-        assert_eq!(graph.retry(2, &retry), None, "2 was tried from, 1 looked away");
-        graph.complete(0, scan(0.0, 0.4));
-        assert_eq!(graph.retry(2, &retry), Some(3));
-        assert_eq!(graph.nodes()[3].status, Status::Pending);
-        graph.give_up(3, 0);
-        graph.complete(1, scan(1.0, 0.8));
-        assert_eq!(graph.retry(2, &retry), None, "two attempts were made");
     }
 }

@@ -18,7 +18,9 @@ pub mod behavior;
 pub mod brain;
 pub mod frontiers;
 pub mod graph;
+mod left_out;
 pub mod nodes;
+mod outlook;
 pub mod placement;
 mod scout;
 
@@ -34,6 +36,7 @@ use crate::mapping::PlacedScan;
 
 pub use brain::Explore;
 pub use frontiers::Frontiers;
+pub use left_out::LeftOut;
 pub use nodes::Nodes;
 
 /// What a robot knows in a step.
@@ -62,8 +65,8 @@ pub enum Command {
         /// In the world, in metres.
         to: Point,
     },
-    /// Stand still: nothing is left to be explored.
-    Done,
+    /// Stand still: nothing is left to be explored, but for this.
+    Done(LeftOut),
     /// Stand still: it cannot go on.
     Failed(Failure),
 }

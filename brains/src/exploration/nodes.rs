@@ -1,8 +1,8 @@
 //! Exploration by nodes: Wahde 2016, §6.1, after Wahde and Sandberg, AMiRE 2009.
 //!
 //! The robot places pending nodes around itself, goes to the one that is nearest by the length of the path, and
-//! places nodes again. What it reaches is completed, and what proximity keeps it from is unreachable. It is done when
-//! no node is pending. Since nodes that are not unreachable are at least d apart, that is at some time the case in
+//! places nodes again. What it reaches is completed, and what proximity keeps it from is unreachable. By the notes it is done
+//! when no node is pending. Since nodes that are not unreachable are at least d apart, that is at some time the case in
 //! any arena with walls.
 //!
 //! Between nodes it goes along the ways on which they were placed, but directly to a target within L if a scan shows
@@ -17,31 +17,29 @@
 //! - The notes do not say how they avoid the deadlock of Fig. 6.3. Here a robot that is stopped between two nodes takes
 //!   the way to be blocked in this direction only. It goes straight to that completed node in sight from which the
 //!   path to the target is the shortest, or back.
-//! - When none of this leaves a node to go to, the scans that were taken at completed nodes are looked at again. Where one
-//!   shows a clear way, as wide as the robot, to a place at the distance D, and all other nodes are 2 D from there, a node is
-//!   placed, however narrow the angular interval and however near what is behind. So a robot beside a table, in a
-//!   passage narrower than `γ_min`, gets out of it. The notes do not describe their method against deadlocks.
-//! - An unreachable node is tried again, when no node is pending, from another side: from a completed node that saw a
-//!   clear way to it, and only if nothing that was reached is within d of it. Otherwise one node that could not be reached
-//!   in a door costs a room.
+//! - `γ_min` is as wide as the robot needs to pass at the distance D; the notes give no number. An interval that is wide enough
+//!   in a room is not in a narrow corridor: there, and beside a table or a door's post, no node is placed though the robot fits.
+//!   Nor does an unreachable node get another chance. So the robot keeps a map, too. When no node is pending, it goes by that to where
+//!   it can see something [dark](super::frontiers), and places nodes there. It is done when there is no such place. Where it
+//!   turned on the way, and where it looked, are completed nodes, however near to others.
 //! - A robot between two nodes that can go to none from which there is a way to its target goes back to where it came from.
 //!   There it looks all round, places nodes, and joins the node with all to which a way is clear. Where the pose is not
 //!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
 //! - Where something else has driven the robot in between, a node is placed, however near to others, and the robot looks all
 //!   round. If it sees none of the old ones the way is taken to be straight, until that proves wrong.
-//! - Who looks past a door's post sees only a part of the door before the scan ends, too narrow for a node. Where the scan's
-//!   last ray leads to what no other node has seen, a node is placed as if the door went on. The robot faces it first, and goes
-//!   there if the way is clear.
 
 use std::f64::consts::PI;
 
 use baudbot_geometry::{Point, Pose, angle};
 
 use super::approach::{Approach, heading_to, turn};
-use super::graph::{Again, Graph, Retry, Status, Ways};
+use super::frontiers::{self, Frontiers};
+use super::graph::{Graph, Status, Ways};
 use super::placement::Placement;
 use super::{Command, Explorer, Failure, Input};
 use crate::mapping::View;
+
+mod led;
 
 /// The lengths of the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,14 +52,15 @@ pub struct Parameters {
     pub sight_m: f64,
     /// Half the width that a direct way must have, in metres: the robot's radius and a little more.
     pub half_width_m: f64,
-    /// How often an unreachable node is tried, from another side each time.
-    pub attempts: usize,
+    /// Those of the map.
+    pub map: frontiers::Parameters,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.8, separation_m: 0.75 };
-        Self { placement, reach_m: 0.1, sight_m: 3.0, half_width_m: 0.25, attempts: 3 }
+        let placement = Placement { distance_m: 1.0, margin_m: 0.6, width_rad: 0.5, separation_m: 0.95 };
+        let map = frontiers::Parameters::default();
+        Self { placement, reach_m: 0.1, sight_m: 3.0, half_width_m: 0.25, map }
     }
 }
 
@@ -70,6 +69,7 @@ impl Default for Parameters {
 pub struct Nodes {
     parameters: Parameters,
     graph: Graph,
+    map: Frontiers,
     /// Where it was last.
     active: usize,
     target: Option<usize>,
@@ -97,10 +97,14 @@ enum State {
     Place,
     /// At a node or on the way.
     Decide,
-    /// Looks whether the way to a node is clear, along a way of the graph or directly.
+    /// Looks whether the direct way to a node is clear.
     Look {
         node: usize,
-        is_edge: bool,
+    },
+    /// Goes by the map, after it has looked so often, to the end of a straight way.
+    Led {
+        ended: usize,
+        leg: Option<Point>,
     },
     /// Somewhere, after something else has driven the robot.
     Resume,
@@ -125,6 +129,7 @@ impl Explorer for Nodes {
         if self.graph.nodes().len() > MOST_NODES {
             self.state = State::Ended(Command::Failed(Failure::TooLarge));
         }
+        self.map.remember(input);
         loop {
             // Each turn of the loop reaches, blocks or gives up a node, so there are not many.
             if let Some(command) = self.advance(input) {
@@ -152,6 +157,7 @@ impl Nodes {
         Self {
             parameters,
             graph: Graph::default(),
+            map: Frontiers::new(parameters.map),
             active: 0,
             target: None,
             not_directly_from: Vec::new(),
@@ -187,7 +193,8 @@ impl Nodes {
                 self.state = State::Decide;
             }
             State::Decide => self.state = self.decide(here),
-            State::Look { node, is_edge } => return self.look(input, node, is_edge),
+            State::Look { node } => return self.look(input, node),
+            State::Led { ended, leg } => return self.follow(input, ended, leg),
             State::Resume => self.state = self.resume(here),
             State::Go(leg) => return self.go(input, leg),
             State::Ended(command) => return Some(command),
@@ -208,7 +215,8 @@ impl Nodes {
         if let Some(node) = nearest {
             self.active = node;
         } else {
-            let from = std::mem::replace(&mut self.active, self.graph.add(here.position, Status::Pending));
+            let new = self.graph.add_passed(here.position, Status::Pending);
+            let from = std::mem::replace(&mut self.active, new);
             self.graph.join(from, self.active);
             self.target = None;
         }
@@ -260,10 +268,14 @@ impl Nodes {
     /// Where to go next.
     fn decide(&mut self, here: &Pose) -> State {
         loop {
-            let Some(target) = self.choose(here) else { return State::Ended(Command::Done) };
+            let Some(target) = self.choose(here) else { return self.lead(here) };
             let ways = self.graph.ways_to(target);
             if self.distance(here, self.active) > self.parameters.reach_m {
-                return self.rejoin(here, target, &ways);
+                if let Some(state) = self.rejoin(here, target, &ways) {
+                    return state;
+                }
+                self.graph.give_up(target);
+                return self.lead(here);
             }
             if let Some(state) = self.leave(here, target, &ways) {
                 return state;
@@ -271,7 +283,7 @@ impl Nodes {
             if !self.looked_round.contains(&self.active) {
                 return State::LookRound { heading_rad: here.heading, more: true };
             }
-            self.graph.give_up(target, self.active);
+            self.graph.give_up(target);
         }
     }
 
@@ -282,14 +294,7 @@ impl Nodes {
         if let Some(target) = self.target.filter(is_pending) {
             return Some(target);
         }
-        let Parameters { placement, sight_m, half_width_m, attempts, .. } = self.parameters;
-        let retry = Retry { attempts, separation_m: placement.separation_m, sight_m, half_width_m };
-        let again = Again { distance_m: placement.distance_m, half_width_m };
-        self.target = self.nearest(here).or_else(|| self.graph.retry(self.active, &retry));
-        let graph = &mut self.graph;
-        if self.target.is_none() && (graph.look_again(&again) || graph.look_aside(&placement, half_width_m)) {
-            self.target = self.nearest(here);
-        }
+        self.target = self.nearest(here);
         self.not_directly_from.clear();
         self.target
     }
@@ -310,12 +315,9 @@ impl Nodes {
         let next = ways.next(self.active);
         let is_near = self.distance(here, target) <= self.parameters.sight_m;
         if next != Some(target) && is_near && !self.not_directly_from.contains(&self.active) {
-            return Some(State::Look { node: target, is_edge: false });
+            return Some(State::Look { node: target });
         }
         let next = next?;
-        if self.graph.is_guess(next) {
-            return Some(State::Look { node: next, is_edge: true });
-        }
         let to = self.graph.place(next);
         let leg =
             Leg { approach: Approach::new(to), node: Some(next), from: Some(self.active), is_edge: true };
@@ -323,8 +325,8 @@ impl Nodes {
     }
 
     /// From between two nodes on: to a node in sight from which there is a way to the target, or else back, since there
-    /// may be more to be seen.
-    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> State {
+    /// may be more to be seen; `None` if it can do neither.
+    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
         let in_sight = |node: &usize| self.distance(here, *node) <= self.parameters.sight_m;
         let nodes = self.graph.having(Status::Completed).chain([target]);
         let nodes = nodes.filter(|node| *node == self.active || in_sight(node));
@@ -332,9 +334,9 @@ impl Nodes {
         let ways = untried.map(|node| (self.distance(here, node) + ways.length(node), node));
         let best = ways.filter(|(length, _)| length.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
         match best {
-            Some((_, node)) if node != self.active => State::Look { node, is_edge: false },
-            _ if !self.tried.contains(&self.active) => State::Go(self.back()),
-            _ => State::Ended(Command::Failed(Failure::Stuck)),
+            Some((_, node)) if node != self.active => Some(State::Look { node }),
+            _ if !self.tried.contains(&self.active) => Some(State::Go(self.back())),
+            _ => None,
         }
     }
 
@@ -348,14 +350,14 @@ impl Nodes {
     }
 
     /// Faces a node, and goes there if the scan says that it can.
-    fn look(&mut self, input: &Input<'_>, node: usize, is_edge: bool) -> Option<Command> {
+    fn look(&mut self, input: &Input<'_>, node: usize) -> Option<Command> {
         let here = &input.world_from_robot;
         if let Some(turn) = turn(here, heading_to(here, self.graph.place(node))) {
             return Some(turn);
         }
         let Some(scan) = input.scan.filter(|scan| scan.is_from(here)) else { return Some(Command::Wait) };
         if scan.view(self.graph.place(node), self.parameters.half_width_m) != View::Clear {
-            self.fail(node, is_edge);
+            self.fail(node, false);
             return None;
         }
         let at_node = self.distance(here, self.active) <= self.parameters.reach_m;
@@ -363,7 +365,7 @@ impl Nodes {
             self.trail.push(here.position);
         }
         let (to, from) = (self.graph.place(node), at_node.then_some(self.active));
-        self.state = State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge });
+        self.state = State::Go(Leg { approach: Approach::new(to), node: Some(node), from, is_edge: false });
         None
     }
 
@@ -406,7 +408,7 @@ impl Nodes {
         if is_edge {
             self.graph.block(self.active, node);
             if self.target == Some(node) {
-                self.graph.give_up(node, self.active);
+                self.graph.give_up(node);
             }
         }
     }

@@ -41,13 +41,10 @@ pub struct Interval {
     pub to_rad: f64,
 }
 
-/// A place beside the end of a scan.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Aside {
-    /// At the distance D.
-    pub(super) place: Point,
-    /// On the scan's last ray there: as far as that runs, but at most 2 D.
-    pub(super) beyond: Point,
+/// The least `γ_min` with which a robot fits that takes passages of this width, at the distance D, in radians: that of a gap
+/// there.
+pub(super) fn width_rad(passage_m: f64, distance_m: f64) -> f64 {
+    2.0 * math::atan2(0.5 * passage_m, distance_m)
 }
 
 /// Where something is in the world that is there for the laser.
@@ -93,37 +90,6 @@ impl Placement {
         let intervals = self.intervals(&scan.scan);
         let bearings_rad = intervals.iter().flat_map(|interval| self.directions(interval));
         bearings_rad.map(|bearing_rad| place(scan, bearing_rad, self.distance_m)).collect()
-    }
-
-    /// Where a scan would allow nodes if the intervals in which it ended went on and were not too narrow.
-    pub(super) fn places_aside(&self, scan: &PlacedScan) -> Vec<Aside> {
-        // What the robot's motion has cut off at an end says nothing.
-        let is_known = |distance_m: &f64| !distance_m.is_nan();
-        let first = scan.scan.distances_m.iter().position(is_known);
-        let last = scan.scan.distances_m.iter().rposition(is_known);
-        let Some((first, last)) = first.zip(last) else { return Vec::new() };
-        let [right_rad, left_rad] = [first, last].map(|ray| scan.scan.bearing_rad(ray));
-        let aside = |middle_rad: f64, ray: usize| Aside {
-            place: place(scan, middle_rad, self.distance_m),
-            beyond: place(
-                scan,
-                scan.scan.bearing_rad(ray),
-                scan.scan.distances_m[ray].min(2.0 * self.distance_m),
-            ),
-        };
-        let half_rad = 0.5 * self.width_rad;
-        let mut places = Vec::new();
-        for Interval { from_rad, to_rad } in self.intervals(&scan.scan) {
-            if to_rad - from_rad >= self.width_rad {
-                continue;
-            }
-            if from_rad == right_rad {
-                places.push(aside(to_rad - half_rad, first));
-            } else if to_rad == left_rad {
-                places.push(aside(from_rad + half_rad, last));
-            }
-        }
-        places
     }
 
     /// Least angle between two nodes of an interval, in radians: max(2 asin(d / 2D), `γ_min`).

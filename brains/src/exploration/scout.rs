@@ -2,16 +2,22 @@
 //!
 //! Turns and ways become motor signals by proportional control of heading and speed, closed over the believed pose.
 //!
-//! *Deviation.* Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
+//! *Deviations.*
+//!
+//! - Something counts as near, too, if the robot ought to drive and has not moved for two seconds.
+//! - A sonar does not say where in its cone something is: the posts of a door that the robot fits through seem to be in its way. So
+//!   an echo of what the laser sees, too, does not count: the laser says where that is.
+//! - The robot stops as soon as something is near, and takes that for true if it is so for a while: single rays are
+//!   wrong by more than a door leaves room.
 
 use baudbot_client::{Body, Sensor, Signals, Turn};
 use baudbot_geometry::{Point, Pose, angle, math};
 
 use super::brain::Parameters;
-use super::placement::Placement;
+use super::placement::{self, Placement};
 use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
 use crate::courier::within;
-use crate::feelers::{Feelers, Near, is_in_way};
+use crate::feelers::{Echo, Feelers, Near, is_in_way};
 use crate::mapping::PlacedScan;
 
 /// An explorer with a body.
@@ -25,6 +31,8 @@ pub(super) struct Scout {
     feelers: Feelers,
     /// Since when, and where, the robot ought to have been driving.
     driving_since: Option<(u64, Point)>,
+    /// Since when something has been near.
+    near_since: Option<u64>,
     command: Command,
 }
 
@@ -39,6 +47,7 @@ impl Scout {
             signal_limit: body.signal_limit,
             feelers: Feelers::new(body, near),
             driving_since: None,
+            near_since: None,
             command: Command::Wait,
             parameters,
         }
@@ -52,9 +61,16 @@ impl Scout {
     /// One step from here, with the last scan. Signals are such that the motors take them.
     pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) -> Signals {
         let is_stalled = self.is_stalled(at_ns, here.position);
-        let near =
-            is_stalled || self.feelers.is_near() || scan.is_some_and(|scan| self.sees_near(here, scan));
-        self.command = self.explorer.step(&Input { world_from_robot: *here, scan, near });
+        let is_known = |echo: &Echo| scan.is_some_and(|scan| shows(scan, here, echo));
+        let near = self.feelers.is_near_but(is_known) || scan.is_some_and(|scan| self.sees_near(here, scan));
+        let since_ns = near.then(|| *self.near_since.get_or_insert(at_ns));
+        self.near_since = since_ns;
+        let is_sure = since_ns.is_some_and(|since_ns| at_ns.saturating_sub(since_ns) >= SURE_NS);
+        let input = Input { world_from_robot: *here, scan, near: is_stalled || is_sure };
+        self.command = self.explorer.step(&input);
+        if near && matches!(self.command, Command::Drive { .. }) {
+            return Signals::default();
+        }
         within(self.signal_limit, self.signals(here))
     }
 
@@ -81,7 +97,7 @@ impl Scout {
             Command::Wait => "waits for a scan".to_owned(),
             Command::Turn { .. } => "turns".to_owned(),
             Command::Drive { .. } => "drives".to_owned(),
-            Command::Done => "has seen all".to_owned(),
+            Command::Done(left_out) => left_out.to_string(),
             Command::Failed(failure) => format!("gave up: {failure:?}"),
         }
     }
@@ -120,7 +136,7 @@ impl Scout {
     fn signals(&self, here: &Pose) -> Signals {
         let p = &self.parameters;
         let (speed, turn_rate) = match self.command {
-            Command::Wait | Command::Done | Command::Failed(_) => (0.0, 0.0),
+            Command::Wait | Command::Done(_) | Command::Failed(_) => (0.0, 0.0),
             Command::Turn { heading_rad } => {
                 let aside = angle::difference(heading_rad, here.heading);
                 let rate = (TURN_GAIN_HZ * aside.abs())
@@ -140,6 +156,17 @@ impl Scout {
     }
 }
 
+/// Whether a scan shows what a sonar heard.
+fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
+    let world_from_sonar = here.compose(&echo.robot_from_sensor);
+    scan.ends().any(|(end, met)| {
+        let way = end - world_from_sonar.position;
+        let aside = angle::difference(math::atan2(way.y, way.x), world_from_sonar.heading);
+        let is_there = (way.norm() - echo.distance_m).abs() <= SAME_M;
+        met && is_there && aside.abs() <= echo.half_rad + SAME_RAD
+    })
+}
+
 /// The first laser that sits on the body itself.
 pub(super) fn laser(body: &Body) -> Option<&Sensor> {
     let is_fixed = |sensor: &&Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
@@ -148,23 +175,32 @@ pub(super) fn laser(body: &Body) -> Option<&Sensor> {
 
 fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {
     let Parameters { distance_m, margin_m, width_rad, separation_m, cell_m, .. } = *parameters;
-    let half_width_m = radius_m + ROOM_M;
+    let half_width_m = radius_m + frontiers::ROOM_M;
+    let map = frontiers::Parameters { cell_m, radius_m, half_width_m, ..frontiers::Parameters::default() };
     if parameters.method >= 0.5 {
-        let defaults = frontiers::Parameters::default();
-        return Box::new(Frontiers::new(frontiers::Parameters { cell_m, half_width_m, ..defaults }));
+        return Box::new(Frontiers::new(map));
     }
+    let width_rad =
+        if width_rad > 0.0 { width_rad } else { placement::width_rad(map.least_width_m(), distance_m) };
     Box::new(Nodes::new(nodes::Parameters {
         placement: Placement { distance_m, margin_m, width_rad, separation_m },
         sight_m: parameters.sight_m.min(range_m),
-        half_width_m,
+        half_width_m: radius_m + ROOM_M,
+        map,
         ..nodes::Parameters::default()
     }))
 }
 
 /// Room beside the robot on its way, in metres.
 const ROOM_M: f64 = 0.05;
-/// Room beside the robot for what the laser sees, which is where it is seen but for a centimetre, in metres.
-const BARELY_M: f64 = 0.01;
+/// Room beside the robot for what the laser sees, which from so near is where it is seen but for half a centimetre, in metres.
+const BARELY_M: f64 = 0.005;
+/// An echo and the end of a ray that are no farther apart than so, in metres, ...
+const SAME_M: f64 = 0.05;
+/// ... and so, in radians, are of the same thing: at 0.3 m/s the robot goes 3 cm between them.
+const SAME_RAD: f64 = 0.1;
+/// What has been near for so many nanoseconds is: two scans, and two readings of a sonar.
+const SURE_NS: u64 = 250_000_000;
 /// Turn rate for each radian to be turned.
 const TURN_GAIN_HZ: f64 = 2.0;
 /// Least rate of a turn, in rad/s: motors stand still below some signal.

@@ -145,6 +145,11 @@ impl Occupancy {
         (0..self.rows).flat_map(move |row| (0..columns).map(move |column| first.offset(column, row)))
     }
 
+    /// How many columns and rows it has.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.columns as usize, self.rows as usize]
+    }
+
     /// The place of a cell in the order of [`cells`](Self::cells); `None` if the grid has not grown so far.
     pub(crate) fn place(&self, cell: Cell) -> Option<usize> {
         let (column, row) =

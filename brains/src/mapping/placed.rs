@@ -55,19 +55,6 @@ impl PlacedScan {
         moved <= HERE_M && turned.abs() <= HERE_RAD
     }
 
-    /// Whether the ray nearest to a place is known to run that far.
-    pub(crate) fn sees(&self, place: Point) -> bool {
-        let world_from_laser = self.world_from_laser();
-        let to_place = place - world_from_laser.position;
-        let bearing_rad = angle::difference(math::atan2(to_place.y, to_place.x), world_from_laser.heading);
-        let Scan { opening_rad, distances_m, range_m, .. } = &self.scan;
-        let rays = distances_m.len().saturating_sub(1) as f64;
-        let ray = math::round((bearing_rad / opening_rad + 0.5) * rays);
-        let reach_m = (0.0..=rays).contains(&ray).then(|| distances_m.get(ray as usize)).flatten();
-        let to_place_m = to_place.norm();
-        to_place_m <= *range_m && reach_m.is_some_and(|reach_m| to_place_m <= *reach_m)
-    }
-
     /// Whether a disc of radius `half_width_m` can go from where the robot was straight to the point `to`, as far as
     /// the scan says. What is behind the robot is in no way.
     #[must_use]
@@ -135,16 +122,6 @@ mod tests {
         assert_eq!(scan.view(Point::new(1.0, 3.8), 0.25), View::Blocked, "too near to what is behind it");
         assert_eq!(scan.view(Point::new(1.0, 3.5), 0.6), View::Blocked, "too wide between the sides");
         assert_eq!(scan.view(Point::new(1.0, 1.0), 0.25), View::Unseen, "behind");
-    }
-
-    #[test]
-    fn a_place_is_seen_if_the_ray_there_runs_so_far() {
-        let scan = scan([0.5, f64::INFINITY, 2.0, f64::NAN, 0.5]);
-        assert!(scan.sees(Point::new(1.0, 3.9)) && !scan.sees(Point::new(1.0, 4.1)));
-        assert!(scan.sees(Point::new(3.0, 4.0)), "nothing is there");
-        assert!(!scan.sees(Point::new(4.0, 5.0)), "beyond the range");
-        assert!(!scan.sees(Point::new(0.5, 2.5)), "of this ray nothing is known");
-        assert!(!scan.sees(Point::new(1.0, 1.0)), "behind");
     }
 
     #[test]

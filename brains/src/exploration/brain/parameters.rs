@@ -19,13 +19,13 @@ pub struct Parameters {
     pub distance_m: f64,
     /// Room behind a node, Δ, in metres.
     pub margin_m: f64,
-    /// Width of a feasible angular interval, `γ_min`, in radians.
+    /// Width of a feasible angular interval, `γ_min`, in radians; 0: as wide as the robot needs at the distance D.
     pub width_rad: f64,
     /// How far apart nodes are, d, in metres.
     pub separation_m: f64,
     /// How far away a node may be that is gone to directly, L, in metres. If the laser's range is less, that counts.
     pub sight_m: f64,
-    /// Side of the cells in which frontiers are found, in metres.
+    /// Side of the cells of the map in which frontiers are found, in metres.
     pub cell_m: f64,
     /// Speed at which it drives, in m/s.
     pub speed_m_s: f64,
@@ -55,7 +55,7 @@ impl Default for Parameters {
             slam: 0.0,
             distance_m: nodes.placement.distance_m,
             margin_m: nodes.placement.margin_m,
-            width_rad: nodes.placement.width_rad,
+            width_rad: 0.0,
             separation_m: nodes.placement.separation_m,
             sight_m: nodes.sight_m,
             cell_m: frontiers::Parameters::default().cell_m,
@@ -96,7 +96,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "width_rad",
-        meaning: "width of a feasible angular interval, in radians",
+        meaning: "width of a feasible angular interval, in radians; 0: as the body needs",
         range: 0.0..=2.0 * PI,
         field: |p| &mut p.width_rad,
     },
@@ -114,7 +114,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "cell_m",
-        meaning: "side of the cells in which frontiers are found, in metres",
+        meaning: "side of the cells of the map, in metres",
         range: 0.02..=10.0,
         field: |p| &mut p.cell_m,
     },

@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::exploration::arena::{Arena, Run};
+use crate::exploration::{LeftOut, nodes};
 use crate::scan::Scan;
 
 /// Explores from a pose to the end, and sees all.
 fn explore(arena: &Arena, start: Pose) -> Run {
     let run = arena.run(&mut Frontiers::new(Parameters::default()), start, |_| {});
-    assert_eq!(run.end, Command::Done, "{start:?}: {run:?}");
+    assert!(run.has_seen_all(), "{start:?}: {run:?}");
     assert!(run.least_room_m > 0.0 && run.sensed >= 0.995, "{start:?}: {run:?}");
     run
 }
@@ -26,7 +27,7 @@ fn a_room_is_seen_from_30_random_starts_almost_without_driving() {
     assert!(most < 5.0, "mean {mean} m, most {most} m");
 }
 
-/// By nodes it takes 108 m on average.
+/// By nodes it takes 78 m on average, and so 35 m.
 #[test]
 fn an_office_is_seen_on_less_than_six_tenths_of_the_way_that_nodes_take() {
     let (x, y, heading) = FIXED;
@@ -76,47 +77,76 @@ fn it_waits_for_the_first_scan() {
     assert_eq!(Frontiers::new(Parameters::default()).step(&input), Command::Wait);
 }
 
-/// Beside an edge, a cell is a frontier after one scan and none after the next.
+/// Beside a wall, what is free comes and goes by the laser's noise, and so does the edge there.
 #[test]
-fn a_frontier_that_comes_and_goes_is_given_up_with_what_is_beside_it() {
-    let here = Pose::new(0.0, 0.0, 0.0);
-    let scan = |distance_m: f64| PlacedScan {
-        world_from_robot: here,
-        scan: Scan {
-            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
-            opening_rad: 1.0,
-            range_m: 4.0,
-            distances_m: vec![distance_m; 101],
-        },
-    };
+fn what_comes_and_goes_is_given_up_with_what_is_beside_it() {
     let mut explorer = Frontiers::new(Parameters::default());
     let cell = explorer.grid.cell(Point::new(1.0, 0.0));
-    let approach = Approach::new(Point::new(0.5, 0.0));
     for time in 1..=MOST_TIMES {
         assert!(explorer.given_up.is_empty(), "{time}");
-        // What it was on its way to is behind a wall, or was seen.
-        let plan = Plan { turns: Vec::new(), frontier: cell };
-        explorer.state = State::Go { plan, approach };
-        let seen = scan(0.8 + 0.01 * time as f64);
-        explorer.remember(&Input { world_from_robot: here, scan: Some(&seen), near: false });
-        assert_eq!(explorer.state, State::Plan);
+        explorer.resolve(cell);
+        assert_eq!(explorer.ended(), time);
     }
     assert!(
-        explorer.given_up.contains(&cell.offset(1, -1)) && !explorer.given_up.contains(&cell.offset(2, 0))
+        explorer.given_up.contains(&cell.offset(1, -1)) && !explorer.given_up.contains(&cell.offset(3, 0))
     );
+}
+
+/// A room of which a gap in the wall shows a little more.
+#[test]
+fn an_opening_that_is_too_narrow_is_named_and_one_that_is_not_is_taken() {
+    let ended = |gap_m: f64| {
+        let walls = [[3.0, 0.0, 3.0, 1.5], [3.0, 1.5 + gap_m, 3.0, 3.0]];
+        let arena = Arena::new((6.0, 3.0), &walls, vec![], vec![]);
+        arena.run(&mut Frontiers::new(Parameters::default()), Pose::new(1.0, 1.0, 0.5), |_| {})
+    };
+    let least_m = Parameters::default().least_width_m();
+    assert!((least_m - 0.475).abs() < 1e-9, "{least_m}");
+    let run = ended(0.39);
+    let Command::Done(left_out) = run.end else { panic!("{run:?}") };
+    assert_eq!(left_out.to_string(), "has seen all but 1 opening narrower than 0.48 m", "{run:?}");
+    assert!(run.sensed < 1.0 && run.least_room_m > 0.0, "{run:?}");
+    let run = ended(least_m + 0.005);
+    assert!(run.has_seen_all() && run.sensed >= 0.995 && run.least_room_m > 0.0, "{run:?}");
+}
+
+/// A doorway with a low box in it, over which the laser sees a part of what is behind.
+#[test]
+fn an_opening_that_something_low_bars_is_named() {
+    let walls = [[3.0, 0.0, 3.0, 1.0], [3.0, 2.0, 3.0, 3.0]];
+    let low = vec![crate::exploration::generated::rectangle(2.9, 0.9, 3.1, 2.1)];
+    let arena = Arena::new((6.0, 3.0), &walls, vec![], low);
+    for method in 0..2 {
+        let mut frontiers = Frontiers::new(Parameters::default());
+        let mut nodes = nodes::Nodes::new(nodes::Parameters::default());
+        let start = Pose::new(1.0, 1.0, 0.5);
+        let run = if method == 0 {
+            arena.run(&mut frontiers, start, |_| {})
+        } else {
+            arena.run(&mut nodes, start, |_| {})
+        };
+        let Command::Done(left_out) = run.end else { panic!("{run:?}") };
+        assert_eq!(
+            left_out.to_string(),
+            "has seen all but 1 opening with something low in the way",
+            "{run:?}"
+        );
+        assert!(run.sensed < 1.0 && run.least_room_m > 0.0, "{run:?}");
+    }
 }
 
 #[test]
 fn who_was_interrupted_plans_anew_but_not_what_is_over() {
     let mut explorer = Frontiers::new(Parameters::default());
-    explorer.state = State::Look { frontier: explorer.grid.cell(Point::new(1.0, 0.0)) };
+    explorer.state = State::Look { at: explorer.grid.cell(Point::new(1.0, 0.0)) };
     explorer.interrupt();
     assert_eq!(explorer.state, State::Plan);
     explorer.state = State::Ended(Command::Failed(Failure::Stuck));
     explorer.bumps = vec![Point::new(0.0, 0.0); MOST_BUMPS + 1];
     explorer.interrupt();
     assert!(explorer.state == State::Plan && explorer.bumps.is_empty(), "it may be free now");
-    explorer.state = State::Ended(Command::Done);
+    let done = State::Ended(Command::Done(LeftOut::default()));
+    explorer.state = done.clone();
     explorer.interrupt();
-    assert_eq!(explorer.state, State::Ended(Command::Done));
+    assert_eq!(explorer.state, done);
 }

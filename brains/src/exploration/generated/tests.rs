@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::exploration::arena::{Arena, Run};
-use crate::exploration::{Command, Explorer, Frontiers, Nodes, frontiers, nodes};
+use crate::exploration::{Explorer, Frontiers, Nodes, frontiers, nodes};
 
 fn arena(number: u64) -> Arena {
     let Plan { size_m, walls, boxes, .. } = Plan::generate(number);
@@ -21,7 +21,7 @@ fn explore<E: Explorer>(numbers: std::ops::Range<u64>, new: impl Fn() -> E) -> V
     let way: f64 = runs.iter().map(|(_, run)| run.path_m).sum();
     let least = runs.iter().map(|(_, run)| run.sensed).fold(1.0, f64::min);
     println!("{} arenas, {way} m, least sensed {least}", runs.len());
-    let is_bad = |run: &Run| run.end != Command::Done || run.sensed < 0.995 || run.least_room_m <= 0.0;
+    let is_bad = |run: &Run| !run.has_seen_all() || run.sensed < 0.995 || run.least_room_m <= 0.0;
     runs.into_iter().filter(|(_, run)| is_bad(run)).collect()
 }
 

@@ -1,0 +1,82 @@
+//! `explore` in narrow passages, by both methods: all is sensed that can be, by what the arena itself says; nothing is touched; and
+//! what is too narrow is named.
+//!
+//! `experiments/explore-passages.toml` has more widths, and ten starts of each.
+
+use baudbot_brains::exploration::generated::{Course, Plan};
+use baudbot_tests::Pair;
+
+use super::truth::Truth;
+use super::{FRONTIERS, NODES, started, toml_of};
+
+/// Of the robot of `explore-office`.
+const RADIUS_M: f64 = 0.2;
+const RANGE_M: f64 = 4.0;
+const START: [f64; 3] = [1.0, 0.45, 0.3];
+
+/// Lets the brain explore until it says that it is done; nothing may be touched, and all must be sensed that can be. Returns what it says.
+fn explore(plan: &Plan, brain: &str) -> String {
+    // What is sensed does not end the run.
+    let toml = toml_of(plan).replace("sensed = 0.995\n", "");
+    let mut pair = Pair::new(started(&toml, &[], START).expect("a start"), brain).unwrap();
+    let mut said = String::new();
+    while pair.world.ending().is_none() && !said.starts_with("has seen") && !said.starts_with("gave up") {
+        pair.run(100);
+        said = pair.belief(0).expect("a belief").state;
+    }
+    let share = Truth::new(plan, RADIUS_M).share_sensed(&pair.world, [START[0], START[1]], RANGE_M);
+    let counters = pair.world.robot(0).counters();
+    let seconds = pair.world.time().as_ns() as f64 * 1e-9;
+    println!("{brain}: {share:.4} on {:.1} m in {seconds:.0} s, {said}", counters.distance_m);
+    assert!(
+        share >= 0.995 && counters.collisions == 0,
+        "{brain}: {share} in {seconds} s, {counters:?}, {said}"
+    );
+    said
+}
+
+fn explore_corridor(course: Course) {
+    for brain in [NODES, FRONTIERS] {
+        assert_eq!(explore(&Plan::corridor_of(course, 0.9), brain), "has seen all", "{brain}");
+    }
+}
+
+#[test]
+fn a_straight_corridor_of_0_9_m_is_explored() {
+    explore_corridor(Course::Straight);
+}
+
+#[test]
+fn a_bent_corridor_of_0_9_m_is_explored() {
+    explore_corridor(Course::Bent);
+}
+
+#[test]
+fn a_comb_of_0_9_m_is_explored() {
+    explore_corridor(Course::Comb);
+}
+
+#[test]
+fn a_spiral_of_0_9_m_is_explored() {
+    explore_corridor(Course::Spiral);
+}
+
+#[test]
+fn a_branching_corridor_of_0_9_m_is_explored() {
+    explore_corridor(Course::Branching);
+}
+
+#[test]
+fn a_room_behind_a_door_of_half_a_metre_is_explored() {
+    for brain in [NODES, FRONTIERS] {
+        assert_eq!(explore(&Plan::rooms_with(0.5), brain), "has seen all", "{brain}");
+    }
+}
+
+#[test]
+fn a_door_that_is_too_narrow_is_looked_through_and_named() {
+    for brain in [NODES, FRONTIERS] {
+        let said = explore(&Plan::rooms_with(0.38), brain);
+        assert_eq!(said, "has seen all but 1 opening narrower than 0.48 m", "{brain}");
+    }
+}
