@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use baudbot_sim::printable::Printable;
+
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
     Zone,
@@ -115,6 +117,7 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     let collisions = usize::try_from(robot.collisions).unwrap_or(usize::MAX);
     let mut facts = vec![
         ("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands)),
+        ("said", Printable(&robot.said).to_string()),
         (
             "driven",
             format!(
@@ -127,6 +130,7 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
         ("link", link(robot)),
         ("cycles", cycles(&robot.cycles)),
     ];
+    facts.retain(|(name, fact)| *name != "said" || !fact.is_empty());
     facts.extend(losses(robot).map(|losses| ("lost", losses)));
     if robot.lost_deliveries > 0 {
         facts.push((

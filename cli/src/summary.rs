@@ -123,6 +123,8 @@ pub(crate) struct Robot {
     pub(crate) lost_deliveries: u64,
     /// Steps of its brain that were thrown away, since there were too many at a time.
     pub(crate) lost_steps: u64,
+    /// What its brain last said of itself in words.
+    pub(crate) said: String,
     pub(crate) frames_missed: u64,
     /// `ideal`, `uart` or `usb`.
     pub(crate) link: &'static str,
@@ -345,6 +347,7 @@ impl Robot {
             commands: status.commands,
             lost_deliveries: status.lost_deliveries,
             lost_steps: status.lost_steps,
+            said: status.said.clone(),
             frames_missed: status.frames_missed,
             link: link::kind(&spec.link),
             baud,

@@ -2,6 +2,7 @@
 //! mend, so the error names the field.
 
 use baudbot_proto::v1;
+use baudbot_sim::printable::{Printable, is_printable};
 use prost::Message as _;
 use tonic::Status;
 
@@ -20,9 +21,20 @@ pub(crate) fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize
         let text = format!("annotate.belief: has {bytes} bytes, the limit is {}", beliefs::MAX_BYTES);
         return Err(Status::invalid_argument(text));
     }
+    check_words(&belief)?;
     check_lists(&belief)?;
     check_numbers(&belief)?;
     Ok((robot, belief))
+}
+
+/// Words go to terminals, too.
+fn check_words(belief: &v1::Belief) -> Result<(), Status> {
+    let names = belief.utilities.iter().enumerate();
+    let names = names.map(|(i, utility)| (format!("utilities[{i}].name"), &utility.name));
+    let mut words = std::iter::once(("state".to_owned(), &belief.state)).chain(names);
+    let Some((field, text)) = words.find(|(_, text)| !text.chars().all(is_printable)) else { return Ok(()) };
+    let text = Printable(text);
+    Err(invalid(&field, format!("must be on one line and without control characters, is `{text}`")))
 }
 
 /// What is short on the wire may be long in memory.
@@ -167,6 +179,10 @@ mod tests {
                 format!("pose.covariance_m2: must have 3 entries (xx, xy, yy) or none, has {entries}");
             assert_eq!(problem, words);
         }
+        let problem = "must be on one line and without control characters, is";
+        assert_eq!(refused(|b| b.state = "a\nb".into()), format!("state: {problem} `a\\nb`"));
+        let hostile = refused(|b| b.utilities[0].name = "\u{1b}[2J".into());
+        assert_eq!(hostile, format!("utilities[0].name: {problem} `\\u{{1b}}[2J`"));
         assert_eq!(refused(|b| map(b).cell_m = 0.0), "map.cell_m: must be positive, is 0");
         assert_eq!(
             refused(|b| map(b).columns = 2),

@@ -85,6 +85,15 @@ impl Beliefs {
         told.into_iter().map(|(robot, newest)| (robot, Arc::clone(&newest.belief))).collect()
     }
 
+    /// What each robot's brain last said of itself in words; nothing if it has not spoken.
+    pub(crate) fn said(&self) -> Vec<String> {
+        let said = |place: &Place| {
+            let state = place.newest.as_ref().map_or("", |newest| &newest.belief.state);
+            state.chars().take(MAX_SAID).collect()
+        };
+        self.lock().robots.iter().map(said).collect()
+    }
+
     fn lock(&self) -> MutexGuard<'_, Board> {
         // The board is sound between any two of its calls.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -118,6 +127,9 @@ impl Board {
 
 /// Bytes of the longest belief.
 pub(crate) const MAX_BYTES: usize = 256 << 10;
+
+/// Characters of a brain's words that its robot's status has.
+const MAX_SAID: usize = 256;
 
 /// Bytes of beliefs that one frame has room for.
 const MAX_FRAME_BYTES: usize = 1 << 20;
@@ -154,8 +166,11 @@ mod tests {
         let told = beliefs.since(&mut seen);
         let told: Vec<_> = told.iter().map(|(robot, belief)| (*robot, belief.state.as_str())).collect();
         assert_eq!(told, [(1, "b"), (0, "c")]);
+        assert_eq!(beliefs.said(), ["c", "b"]);
         assert!(beliefs.since(&mut seen).is_empty());
         assert_eq!(beliefs.since(&mut 2).len(), 1);
+        beliefs.publish(1, 0, belief(&"ä".repeat(300)));
+        assert_eq!(beliefs.said()[0], "ä".repeat(256));
     }
 
     #[test]

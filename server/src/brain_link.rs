@@ -20,13 +20,14 @@ use crate::convert;
 use crate::endpoint::{Endpoint, Write};
 use crate::letter::{Attach, Attached, Delivery, Letter};
 use crate::registry::Registry;
-use crate::sessions::RESERVED;
+use crate::sessions::{RESERVED, STEPS_A_TICK};
 
 /// Turns that wait for a brain that does not read before it loses some.
 const TURNS_AHEAD: usize = 256;
 
-/// Steps of one stream that wait until the world opens its letters. In lockstep no brain has as many Turns to answer.
-const STEPS_AHEAD: usize = 320;
+/// Steps of one stream that wait until the world opens its letters: as many as a tick takes, and the answers to all Turns that may
+/// wait, which a brain in lockstep may send at once.
+const STEPS_AHEAD: usize = TURNS_AHEAD + STEPS_A_TICK;
 
 /// Longest name that a brain may give itself.
 const MAX_BRAIN_NAME: usize = 64;

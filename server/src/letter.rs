@@ -155,6 +155,7 @@ pub(crate) struct SeatReport {
     pub(crate) brain: Option<String>,
     pub(crate) lost_deliveries: u64,
     pub(crate) lost_steps: u64,
+    pub(crate) said: String,
 }
 
 /// What a world is doing.

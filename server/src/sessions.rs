@@ -21,6 +21,7 @@ use crate::words::{brief, list};
 use fit::check_brain;
 use measures::Answering;
 pub(crate) use measures::SeatMeasures;
+pub(crate) use steps::STEPS_A_TICK;
 
 /// Places in a brain's stream that turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;

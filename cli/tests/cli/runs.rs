@@ -45,6 +45,19 @@ fn the_summary_as_json() {
     assert!(robot["sensors"][0]["age"]["mean_ms"].as_f64().unwrap() > 9.9, "the frame's time on the line");
 }
 
+/// Such as what it waits for.
+#[test]
+fn a_summary_has_what_a_brain_last_said_of_itself() {
+    let room = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/explore-room.toml");
+    let run = [room, "--brain", "explore", "--ticks", "6"];
+    let said = "waits for `laser` since 0.00 s";
+    assert_eq!(json(&run)["robots"][0]["said"], said);
+    let out = good(&[&["run"], &run[..]].concat());
+    assert!(out.contains(&format!("\n  said    {said}\n")), "{out}");
+    let silent = good(&["run", "--ticks", "6"]);
+    assert!(!silent.contains("said"), "{silent}");
+}
+
 #[test]
 fn the_same_seed_gives_the_same_run_and_another_another() {
     let hash = |seed| json(&["--seconds", "1", "--seed", seed])["state_hash"].as_str().unwrap().to_owned();

@@ -109,6 +109,7 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
         frames_missed: robot.frames_missed(),
         lost_deliveries: seat.lost_deliveries,
         lost_steps: seat.lost_steps,
+        said: seat.said.clone(),
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),

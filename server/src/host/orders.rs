@@ -271,10 +271,11 @@ impl Host {
     }
 
     pub(super) fn report(&self, snapshot: u64) -> Report {
-        let seats = self.sessions.seats().map(|(seat, brain)| SeatReport {
+        let seats = self.sessions.seats().zip(self.beliefs.said()).map(|((seat, brain), said)| SeatReport {
             brain: brain.map(str::to_owned),
             lost_deliveries: seat.lost_deliveries,
             lost_steps: self.sessions.lost_steps(seat),
+            said,
         });
         Report {
             name: Arc::clone(&self.name),

@@ -39,4 +39,4 @@ impl Sessions {
 }
 
 /// Steps of one stream that the world takes in a tick, where it does not wait for them.
-const STEPS_A_TICK: usize = 64;
+pub(crate) const STEPS_A_TICK: usize = 64;
