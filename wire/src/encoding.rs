@@ -269,6 +269,14 @@ mod tests {
         ]
     }
 
+    #[test]
+    fn a_text_has_the_codes_of_its_encoding_and_no_others() {
+        assert_eq!(Encoding::Counter { bits: 8 }.numbers(), Some([-128, 127]));
+        assert_eq!(Encoding::Counter { bits: 32 }.numbers(), Some([-(1 << 31), (1 << 31) - 1]));
+        assert_eq!(Encoding::Signed { bits: 8, limit: 1.0 }.numbers(), Some([-127, 127]));
+        assert_eq!(Encoding::Counter { bits: 8 }.value_of(128), None);
+    }
+
     proptest! {
         #[test]
         fn every_value_crosses_in_len_bytes(encoding in any_encoding(), value in any::<f64>()) {

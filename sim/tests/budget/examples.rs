@@ -168,3 +168,29 @@ fn an_ideal_robot_keeps_its_step_in_no_time() {
     assert_eq!(robot.cycle.total.typical_ns, Some(0));
     assert!(robot.verdict != Verdict::Misses && robot.mends.is_empty(), "{robot:?}");
 }
+
+/// Robots of one table are computed once.
+#[test]
+fn robots_of_one_table_have_a_budget_each_under_their_own_names() {
+    let toml = format!(
+        "step_ms = 10.0\n[[robots]]\nname = \"r\"\nstarts = [{{ x_m = 1.0 }}, {{ x_m = 2.0 }}]\n{BODY}\n\
+         [robots.sensors.compass]\nkind = \"compass\"\n"
+    );
+    let scenario = Scenario::parse(&toml).unwrap();
+    let budgets = Budget::of(&scenario).robots;
+    let names: Vec<_> = budgets.iter().map(|budget| budget.robot.as_str()).collect();
+    assert_eq!(names, scenario.robots().iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>());
+    assert!(names.len() == 2 && budgets[0].cycle == budgets[1].cycle, "{names:?}");
+}
+
+/// Half of the readings are no older than that when the brain gets them.
+#[test]
+fn a_readings_typical_age_lies_between_the_least_and_the_most() {
+    let robot = budget(&bare(3, "baud = 38400"));
+    for age in &robot.ages {
+        let (least, typical, most) =
+            (age.span.best_ns, age.span.typical_ns.unwrap(), age.span.worst_ns.unwrap());
+        assert!(0 < typical && least <= typical && typical <= most, "{age:?}");
+    }
+    assert_eq!(robot.ages.len(), 3);
+}
