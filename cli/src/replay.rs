@@ -118,7 +118,9 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
         return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
     }
     if lags && !args.fork {
-        return refused("--max-lag-ms needs --fork: else no world follows the clock");
+        return refused(
+            "--max-lag-ms needs --fork: what is only viewed lets go of what it lags beyond 100 ms",
+        );
     }
     Ok(())
 }
@@ -175,6 +177,13 @@ fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Resu
     if !(tape.first_tick()..=tape.last_tick()).contains(&tick) {
         let [first, last] = [tape.first_tick(), tape.last_tick()].map(|tick| seconds(tick, tape.scenario()));
         return Err(Refused::error(format!("--to {to_s}: the recording is from {first} s to {last} s")));
+    }
+    if tape.nearest(tick) != tick {
+        let [before, behind] = [tape.nearest(tick), tape.next_start(tick).unwrap_or(tick)];
+        let [before, behind] = [before, behind].map(|tick| seconds(tick, tape.scenario()));
+        return Err(Refused::error(format!(
+            "--to {to_s}: the recording is damaged from {before} s to {behind} s; choose another time"
+        )));
     }
     replay.seek(world, tick).context("the recording cannot be replayed")
 }

@@ -25,9 +25,9 @@ pub enum RecordingError {
     /// What it begins with is damaged.
     #[error("cannot be replayed: {0}, and the header that says what was recorded is not there")]
     Headless(String),
-    /// It is packed in a way that is not known here.
-    #[error("is packed with `{}`; pack it anew with `lz4` (mcap compress --compression lz4)", .0.escape_debug())]
-    Packed(String),
+    /// It is packed in a way that is not read here.
+    #[error("is packed with `zstd`; pack it anew with `lz4` (mcap compress --compression lz4)")]
+    Packed,
     /// It is of a version to come.
     #[error(
         "is of format {found}, which a newer version of baudbot wrote ({program}); this one reads format {}",
@@ -59,6 +59,28 @@ pub enum RecordingError {
     /// Its scenario is not sound.
     #[error("has a scenario that cannot be used: {0}")]
     Scenario(#[from] ScenarioError),
+    /// Its header contradicts its scenario.
+    #[error(
+        "has a header of another scenario: its step is {found} ns there, and {step_ns} ns in the scenario"
+    )]
+    Step {
+        /// The header's step, in nanoseconds.
+        found: u64,
+        /// The scenario's, in nanoseconds.
+        step_ns: u64,
+    },
+    /// It has more in one message than there can be.
+    #[error("has a message on {topic} with {found} entries in field {field}; there are at most {limit}")]
+    Crowded {
+        /// The topic.
+        topic: String,
+        /// The number of the field.
+        field: u32,
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        limit: usize,
+    },
     /// Its first state cannot be used.
     #[error("begins with a state (tick {tick}, of baudbot {program}) that {source}")]
     State {

@@ -35,12 +35,14 @@ impl<R: Read> Frames<R> {
 impl<R: Read> Iterator for Frames<R> {
     type Item = Result<WatchResponse, RecordingError>;
 
-    /// The next frame. Where the file is cut off or damaged, they end.
+    /// The next frame, past what is damaged.
     fn next(&mut self) -> Option<Self::Item> {
-        let item = match self.0.next(|topic| topic == topic::FRAMES).transpose()? {
-            Ok(Item::Message(message)) => Ok(message),
-            Ok(Item::Damage) => return None,
-            Err(error) => Err(error),
+        let item = loop {
+            match self.0.next(|topic| topic == topic::FRAMES).transpose()? {
+                Ok(Item::Message(message)) => break Ok(message),
+                Ok(Item::Damage) => {}
+                Err(error) => break Err(error),
+            }
         };
         Some(item.and_then(|message| {
             let decoded = WatchResponse::decode(message.data.as_slice());

@@ -269,9 +269,10 @@ impl Seen {
                 self.chunks += 1;
                 Ok(Next::Nothing)
             }
-            Err(Unusable::Packed(how)) => Err(RecordingError::Packed(how)),
+            Err(Unusable::Packed) => Err(RecordingError::Packed),
             Err(Unusable::Damaged) => {
-                self.wasted += chunk.len();
+                // What was looked at, and what came of it.
+                self.wasted += packed.data.len() + chunk.len();
                 chunk.clear();
                 Ok(Next::Damage)
             }

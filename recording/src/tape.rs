@@ -81,6 +81,10 @@ impl Tape {
         let overrides: std::result::Result<Vec<_>, _> =
             header.overrides.iter().map(|text| Override::parse(text)).collect();
         let scenario = Scenario::parse_with(&header.scenario_toml, &overrides?)?;
+        if header.step_ns != scenario.step_ns() {
+            let (found, step_ns) = (header.step_ns, scenario.step_ns());
+            return Err(RecordingError::Step { found, step_ns });
+        }
         let mut tape = Self {
             header,
             scenario: scenario.into(),
@@ -113,6 +117,9 @@ impl Tape {
                 }
             topic::EVENTS => self.events.push(decode(topic, data)?),
             topic::INPUTS => {
+                let robots = self.scenario.robots().len();
+                at_most(topic, data, INPUTS_CHANGES, MOST_BY_HAND)?;
+                at_most(topic, data, INPUTS_INPUTS, MOST_A_ROBOT * robots)?;
                 let kept = self.keep(topic, data)?;
                 self.inputs.push(kept);
             }
@@ -267,6 +274,23 @@ const WANTED: [&str; 4] = [topic::STATE, topic::INPUTS, topic::MARKS, topic::EVE
 /// The number of `fields` in a `RecordedMark`.
 const MARKS_FIELDS: u32 = 4;
 
+/// The numbers of `overrides` and `robots` in a `RecordingHeader`, ...
+const HEADERS_OVERRIDES: u32 = 5;
+const HEADERS_ROBOTS: u32 = 10;
+
+/// ... and those of `changes` and `inputs` in `RecordedInputs`.
+const INPUTS_CHANGES: u32 = 2;
+const INPUTS_INPUTS: u32 = 3;
+
+/// Overrides and robots of a header: an empty one is two bytes in the file, and more in memory.
+const MOST_TEXTS: usize = 100_000;
+
+/// Changes by hand in a tick, ...
+const MOST_BY_HAND: usize = 10_000;
+
+/// ... and what brains write to a robot: the server takes 64 Steps a tick, and the pieces of one that are RAW come one by one.
+const MOST_A_ROBOT: usize = 10_000;
+
 /// Of an input or a state, what has to be known to keep it.
 #[derive(Clone, Copy, PartialEq, Message)]
 struct OfTick {
@@ -286,6 +310,9 @@ fn header(reader: &mut Reader<impl Read>) -> Result<std::result::Result<v1::Reco
     if &*first.topic != topic::HEADER {
         return Err(RecordingError::Foreign);
     }
+    for field in [HEADERS_OVERRIDES, HEADERS_ROBOTS] {
+        at_most(topic::HEADER, &first.data, field, MOST_TEXTS)?;
+    }
     let header: v1::RecordingHeader = decode(topic::HEADER, &first.data)?;
     if header.format != FORMAT {
         return Err(RecordingError::Newer { found: header.format, program: header.program_version });
@@ -295,6 +322,17 @@ fn header(reader: &mut Reader<impl Read>) -> Result<std::result::Result<v1::Reco
 
 fn decode<M: Message + Default>(topic: &str, data: &[u8]) -> Result<M> {
     M::decode(data).map_err(|source| RecordingError::Message { topic: topic.to_owned(), source })
+}
+
+/// Refuses a message with more entries in a field.
+fn at_most(topic: &str, data: &[u8], field: u32, limit: usize) -> Result<()> {
+    // One that cannot be read says so when it is decoded.
+    match occurrences(data, field) {
+        Some(found) if found > limit => {
+            Err(RecordingError::Crowded { topic: topic.to_owned(), field, found, limit })
+        }
+        Some(_) | None => Ok(()),
+    }
 }
 
 /// How often a message has the field of this number; `None` if it cannot be read.

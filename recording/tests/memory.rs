@@ -1,11 +1,14 @@
 //! What a file may ask for: memory for what is in it, whatever it says of itself. A program of its own, since it counts all
 //! that is allocated.
 
+use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::sync::Arc;
 
-use baudbot_recording::{Digests, Frames, Tape, Writer, header, saved};
+use baudbot_proto::v1;
+use baudbot_recording::{Digests, Frames, Tape, Writer, header, saved, topic};
 use baudbot_sim::{Scenario, World};
+use prost::Message;
 
 const SCENARIO: &str = r#"
 [[robots]]
@@ -123,4 +126,65 @@ fn a_file_without_checksums_is_read_as_far_as_it_makes_sense() {
     let fields = [&[0; 16][..], &(inner.len() as u64).to_le_bytes(), &[0; 8]].concat();
     let chunk = record(6, &[&fields[..], &(inner.len() as u64).to_le_bytes(), &inner].concat());
     assert_small(&file(&[chunk]), "an inner record");
+}
+
+fn text(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
+}
+
+/// A chunk that is not packed, of messages on topics, which have been announced.
+fn messages(messages: &[(&str, &[u8])]) -> Vec<u8> {
+    let topics: BTreeSet<_> = messages.iter().map(|(topic, _)| *topic).collect();
+    let id = |topic: &str| (topics.iter().position(|other| *other == topic).unwrap() as u16).to_le_bytes();
+    let channel = |topic: &&str| record(4, &[&id(topic)[..], &[0; 2], &text(topic), &[0; 8]].concat());
+    let mut records: Vec<u8> = topics.iter().flat_map(channel).collect();
+    for (topic, data) in messages {
+        records.extend(record(5, &[&id(topic)[..], &[0; 20], data].concat()));
+    }
+    let length = (records.len() as u64).to_le_bytes();
+    record(6, &[&[0; 16][..], &length, &[0; 8], &length, &records].concat())
+}
+
+fn refused(file: &[u8]) -> String {
+    assert_small(file, "a recording");
+    Tape::read(file).map(drop).unwrap_err().to_string()
+}
+
+/// A list of texts without a letter is two bytes a text in the file, and 24 in memory.
+#[test]
+fn what_is_empty_is_not_there_in_any_number() {
+    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let header = header("w", &scenario, None).encode_to_vec();
+    for (field, key) in [(5, 0x2a), (10, 0x52)] {
+        let crowded = [header.clone(), [key, 0].repeat(5_000_000)].concat();
+        let said = refused(&file(&[messages(&[(topic::HEADER, &crowded)])]));
+        assert!(said.contains(&format!("entries in field {field}; there are at most 100000")), "{said}");
+    }
+    for (field, key) in [(2, 0x12), (3, 0x1a)] {
+        let inputs = [vec![8, 1], [key, 0].repeat(5_000_000)].concat();
+        let said = refused(&file(&[messages(&[(topic::HEADER, &header), (topic::INPUTS, &inputs)])]));
+        assert!(said.contains(&format!("entries in field {field}; there are at most 10000")), "{said}");
+    }
+}
+
+/// Each of these marks begins a part of its own. To look through all of them for each would take hours.
+#[test]
+fn a_million_parts_are_looked_through_once() {
+    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let header = header("w", &scenario, None).encode_to_vec();
+    let mark = (topic::MARKS, &[0x18, 2][..]);
+    let all = [vec![(topic::HEADER, &header[..])], vec![mark; 1_000_000]].concat();
+    let said = refused(&file(&[messages(&all)]));
+    assert!(said.contains("is cut off before the first state"), "{said}");
+}
+
+/// A window of a table has an end because a tick has a length.
+#[test]
+fn a_step_that_the_scenario_does_not_have_is_refused() {
+    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    for step_ns in [0, 1, u64::MAX] {
+        let header = v1::RecordingHeader { step_ns, ..header("w", &scenario, None) }.encode_to_vec();
+        let said = refused(&file(&[messages(&[(topic::HEADER, &header)])]));
+        assert!(said.contains("a header of another scenario"), "{said}");
+    }
 }

@@ -373,6 +373,24 @@ fn chunks(file: &[u8]) -> Vec<std::ops::Range<usize>> {
     chunks
 }
 
+/// What a chunk is packed with is outside of its checksum.
+#[test]
+fn a_chunk_whose_packing_is_damaged_costs_that_chunk() {
+    let (file, _) = record(300);
+    let names = file.windows(7).enumerate().filter(|(_, bytes)| bytes == b"\x03\0\0\0lz4");
+    let places: Vec<_> = names.map(|(place, _)| place + 6).collect();
+    assert!(places.len() > 3, "{places:?}");
+    let is_less = |place: &&usize| {
+        let mut damaged = file.clone();
+        damaged[**place] ^= 1;
+        let tape = tape(&damaged);
+        assert!(tape.is_whole() || tape.problem().is_some(), "byte {place}");
+        !tape.is_whole()
+    };
+    // The index at the end of the file names them once more, and nothing needs that.
+    assert_eq!(places[1..].iter().filter(is_less).count(), places.len() / 2 - 1);
+}
+
 #[test]
 fn of_500_flipped_bits_none_passes_unless_it_is_outside_of_all_messages() {
     let (file, recorded) = record(300);

@@ -99,6 +99,9 @@ fn notes(args: &ExportArgs, tape: &Tape) {
         let left = ends.collect::<Vec<_>>().join(", ");
         tell!("note: {file}: {problem}; what is left of it is {left}");
     }
+    if let Some(scratch) = tape.scratch() {
+        tell!("note: {file}: {scratch}; nothing that makes the run again is missing, but frames may be");
+    }
     let first = tape.first_tick();
     if first > 0 && args.timeline.is_some() {
         let start_s = window::seconds(tape, first);

@@ -8,8 +8,8 @@ use super::record::{Chunk, HEAD, Record, head, parse};
 pub(super) enum Unusable {
     /// It is not what was written.
     Damaged,
-    /// It is packed in a way that is not known here.
-    Packed(String),
+    /// It is packed in a way of MCAP's that is not read here.
+    Packed,
 }
 
 /// Unpacks a chunk's records. Memory grows with what comes out, whatever the chunk says of itself.
@@ -19,7 +19,8 @@ pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusabl
     let most = match chunk.compression {
         b"" => packed,
         b"lz4" => packed.saturating_mul(MOST_OF_A_BYTE),
-        other => return Err(Unusable::Packed(String::from_utf8_lossy(other).into_owned())),
+        b"zstd" => return Err(Unusable::Packed),
+        _ => return Err(Unusable::Damaged),
     };
     if chunk.size > most {
         return Err(Unusable::Damaged);
@@ -27,17 +28,9 @@ pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusabl
     if chunk.compression.is_empty() {
         out.extend(chunk.data);
     } else {
-        let mut rest = chunk.data;
-        // More frames than one are allowed, one behind the other.
-        while !rest.is_empty() && (out.len() as u64) < chunk.size {
-            let before = rest.len();
-            let frame = lz4::Decoder::new(&mut rest).map_err(|_| Unusable::Damaged)?;
-            let lacking = chunk.size - out.len() as u64;
-            frame.take(lacking).read_to_end(out).map_err(|_| Unusable::Damaged)?;
-            if rest.len() == before {
-                break;
-            }
-        }
+        // One frame: of frames in which nothing is, a file could have one every few bytes, and each costs a decoder.
+        let frame = lz4::Decoder::new(chunk.data).map_err(|_| Unusable::Damaged)?;
+        frame.take(chunk.size).read_to_end(out).map_err(|_| Unusable::Damaged)?;
     }
     let is_it = out.len() as u64 == chunk.size
         && (chunk.checksum == 0 || chunk.checksum == crc32fast::hash(out))

@@ -1,6 +1,6 @@
 //! The parts of a recording that can be done again: all of it, or what is left between places that are damaged.
 
-use super::{Kept, Result, Tape};
+use super::{Result, Tape};
 use crate::error::RecordingError;
 
 /// Ticks in a row: the state at the first is there, and all that entered the world until the last.
@@ -18,11 +18,10 @@ impl Stretch {
     fn has(&self, tick: u64) -> bool {
         (self.first_tick..=self.last_tick).contains(&tick)
     }
-
-    fn keeps(&self, kept: &Kept) -> bool {
-        kept.part == self.part && self.has(kept.tick)
-    }
 }
+
+/// Each state that cannot be used costs a world. A file in which so many are is none that was damaged by chance.
+const MOST_UNUSABLE: usize = 1000;
 
 impl Tape {
     /// What is behind the last mark of a part may not be all that there was; what is before its first state belongs to
@@ -34,21 +33,20 @@ impl Tape {
             self.marks.iter_mut().for_each(|(part, _)| *part = 0);
             self.part = 0;
         }
-        for part in 0..=self.part {
-            if let Some(stretch) = self.stretch(part)? {
-                self.stretches.push(stretch);
-            }
-        }
+        self.find_stretches()?;
         if self.stretches.is_empty() {
             return Err(RecordingError::Empty);
         }
         let stretches = std::mem::take(&mut self.stretches);
-        let is_kept = |kept: &Kept| stretches.iter().any(|stretch| stretch.keeps(kept));
-        self.inputs.retain(is_kept);
-        self.states.retain(is_kept);
-        self.events.retain(|event| stretches.iter().any(|stretch| stretch.has(event.tick)));
-        let is_in = |(part, tick)| stretches.iter().any(|stretch| stretch.part == part && stretch.has(tick));
-        self.marks.retain(|(part, mark)| is_in((*part, mark.tick)));
+        let of = |part: u32| stretches.binary_search_by_key(&part, |stretch| stretch.part).ok();
+        let is_in = |part: u32, tick| of(part).is_some_and(|place| stretches[place].has(tick));
+        self.inputs.retain(|kept| is_in(kept.part, kept.tick));
+        self.states.retain(|kept| is_in(kept.part, kept.tick));
+        self.events.retain(|event| {
+            let behind = stretches.partition_point(|stretch| stretch.first_tick <= event.tick);
+            stretches[..behind].last().is_some_and(|stretch| stretch.has(event.tick))
+        });
+        self.marks.retain(|(part, mark)| is_in(*part, mark.tick));
         self.inputs.sort_by_key(|kept| kept.tick);
         self.states.sort_by_key(|kept| kept.tick);
         self.marks.sort_by_key(|(_, mark)| mark.tick);
@@ -62,19 +60,32 @@ impl Tape {
         Ok(self)
     }
 
-    /// What can be done again of a part of the file, behind what can of those before it.
-    fn stretch(&self, part: u32) -> Result<Option<Stretch>> {
-        let before = self.stretches.last().map(|stretch| stretch.last_tick);
-        let ticks = self.marks.iter().filter(|(of, _)| *of == part).map(|(_, mark)| mark.tick);
-        let Some(last_tick) = ticks.max().filter(|&last| self.has_time(last)) else { return Ok(None) };
-        let is_new = |tick: u64| tick <= last_tick && before.is_none_or(|before| tick > before);
-        for kept in self.states.iter().filter(|kept| kept.part == part && is_new(kept.tick)) {
-            // The first is asked for anyway, and says why it cannot be used.
-            if part == 0 || self.state(kept)?.is_ok() {
-                return Ok(Some(Stretch { first_tick: kept.tick, last_tick, part }));
+    /// What can be done again of each part of the file, behind what can of those before it.
+    fn find_stretches(&mut self) -> Result<()> {
+        // Marks and states came part by part. Of a file that harms there may be millions of parts.
+        let mut states = self.states.as_slice();
+        let mut unusable = 0;
+        for marks in self.marks.chunk_by(|(one, _), (other, _)| one == other) {
+            let part = marks[0].0;
+            states = &states[states.partition_point(|kept| kept.part < part)..];
+            let of_part = &states[..states.partition_point(|kept| kept.part == part)];
+            let ticks = marks.iter().map(|(_, mark)| mark.tick);
+            let Some(last_tick) = ticks.max().filter(|&last| self.has_time(last)) else { continue };
+            let before = self.stretches.last().map(|stretch| stretch.last_tick);
+            let is_new = |tick: u64| tick <= last_tick && before.is_none_or(|before| tick > before);
+            for kept in of_part.iter().filter(|kept| is_new(kept.tick)) {
+                // The first is asked for anyway, and says why it cannot be used.
+                if part == 0 || self.state(kept)?.is_ok() {
+                    self.stretches.push(Stretch { first_tick: kept.tick, last_tick, part });
+                    break;
+                }
+                unusable += 1;
+                if unusable > MOST_UNUSABLE {
+                    return Ok(());
+                }
             }
         }
-        Ok(None)
+        Ok(())
     }
 
     /// Beyond that there is no time.
@@ -116,6 +127,11 @@ impl Tape {
     pub fn nearest(&self, tick: u64) -> u64 {
         let Stretch { first_tick, last_tick, .. } = self.stretch_of(tick);
         tick.clamp(first_tick, last_tick)
+    }
+
+    /// The first tick behind this one with which something can be done again that is not in the same stretch.
+    pub fn next_start(&self, tick: u64) -> Option<u64> {
+        self.next_stretch(tick).map(|stretch| stretch.first_tick)
     }
 
     /// The stretch that a tick is in or behind; before all of them, the first.
