@@ -231,9 +231,9 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
         "choose another place with --out DIR, or begin anew with --fresh, which deletes what is there";
     Error::Refused(match refusal {
         Refusal::Unreadable(cause) => return Error::file("read", path)(cause),
-        Refusal::Foreign => format!(
-            "{place} is no journal of an experiment, or nothing in it is undamaged; choose another place with --out DIR"
-        ),
+        Refusal::Foreign => {
+            format!("{place} is no journal of an experiment, or nothing in it is undamaged; {mending}")
+        }
         Refusal::Before => format!(
             "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so that nobody can tell \
              whether it is undamaged; {mending}"

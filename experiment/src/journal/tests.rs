@@ -138,7 +138,9 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     let open = || Journal::open(&path, &header(), &|text| told.borrow_mut().push(text.to_owned())).unwrap();
     let mut journal = open();
     let expected = ["1 is damaged; it is written anew", "4 is damaged; its run", "6 is not whole; its run"];
-    for (told, expected) in told.take().iter().zip(expected) {
+    let told_now = told.take();
+    assert_eq!(told_now.len(), expected.len(), "{told_now:?}");
+    for (told, expected) in told_now.iter().zip(expected) {
         assert!(told.contains(&format!("{}: line {expected}", path.display())), "{told}");
     }
     assert_eq!(journal.runs(), [0, 2, 4]);
