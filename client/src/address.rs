@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use hyper_util::rt::TokioIo;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::{TcpStream, UnixStream};
+use tokio::net::{TcpStream, UnixStream, lookup_host};
 use tokio::sync::Notify;
+use tokio::task::JoinSet;
 use tokio::time::timeout;
 use tonic::transport::{Channel, Endpoint};
 use tower::service_fn;
@@ -56,7 +57,7 @@ impl Place {
     async fn open(&self) -> io::Result<Box<dyn Pipe>> {
         Ok(match self {
             Self::Tcp(authority) => {
-                let stream = TcpStream::connect(authority).await?;
+                let stream = connect_to_any(authority).await?;
                 // A step is a small message that must go at once: waiting for more to send along would cost 40 ms.
                 stream.set_nodelay(true)?;
                 Box::new(stream)
@@ -65,6 +66,30 @@ impl Place {
         })
     }
 }
+
+/// Connects to the first of a host's addresses that answers: one at which nobody says anything does not use up the time of the
+/// others.
+async fn connect_to_any(authority: &str) -> io::Result<TcpStream> {
+    let mut addresses = lookup_host(authority).await?;
+    let mut tries = JoinSet::new();
+    let mut failed = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
+    loop {
+        match addresses.next() {
+            Some(address) => drop(tries.spawn(TcpStream::connect(address))),
+            None if tries.is_empty() => return Err(failed),
+            None => {}
+        }
+        match timeout(HEAD_START, tries.join_next()).await {
+            Ok(Some(Ok(Ok(stream)))) => return Ok(stream),
+            Ok(Some(Ok(Err(error)))) => failed = error,
+            Ok(Some(Err(error))) => failed = io::Error::other(error),
+            Ok(None) | Err(_) => {}
+        }
+    }
+}
+
+/// So long an address is tried before the next one is, too.
+const HEAD_START: Duration = Duration::from_millis(250);
 
 /// What bytes go over.
 trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}

@@ -196,7 +196,7 @@ impl Builder {
     /// Takes at most so many connections at a time, over all addresses and viewers, and not three quarters of the files that
     /// the process may have open ([`raise_descriptor_limit`](crate::raise_descriptor_limit)). When all places are taken,
     /// a new connection gets that of whoever has been silent since it came; if nobody has, its calls are refused with
-    /// `RESOURCE_EXHAUSTED`.
+    /// `UNAVAILABLE`: it may go well later.
     #[must_use]
     pub fn connections(mut self, connections: usize) -> Self {
         self.connections = Some(connections);

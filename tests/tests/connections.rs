@@ -41,8 +41,8 @@ async fn brain(server: &Server) -> Client {
 }
 
 /// Waits until the other side has closed the connection, and says how long that took.
-async fn closed(mut io: impl AsyncRead + Unpin) -> Duration {
-    let (started, mut rest) = (Instant::now(), Vec::new());
+async fn closed(mut io: impl AsyncRead + Unpin, started: Instant) -> Duration {
+    let mut rest = Vec::new();
     // Closed with something unread is a reset.
     let _ =
         tokio::time::timeout(Duration::from_secs(20), io.read_to_end(&mut rest)).await.expect("it is closed");
@@ -90,7 +90,7 @@ async fn when_all_who_are_there_have_asked_the_next_is_refused_until_one_goes() 
     for _ in 0..3 {
         let refused = brain(&server).await.attach("w", "r3").await.unwrap_err();
         let Error::Status { code, message } = refused else { panic!("{refused}") };
-        assert_eq!(code, Code::ResourceExhausted);
+        assert_eq!(code, Code::Unavailable);
         assert!(message.starts_with("the server has 3 connections, which is its limit"), "{message}");
     }
     let answer = get(&server, "/").await;
@@ -120,18 +120,21 @@ async fn who_has_asked_for_nothing_is_closed_in_time_however_far_it_came() {
         [PREFACE, SETTINGS].concat(),
         [PREFACE, SETTINGS, HALF_HEADERS].concat(),
     ] {
+        let started = Instant::now();
         let (port, socket) =
             (TcpStream::connect(tcp(&server)).await, UnixStream::connect(unix(&server)).await);
         let (port, socket) = (port.unwrap(), socket.unwrap());
         for mut io in [Box::new(port) as Box<dyn Duplex>, Box::new(socket)] {
-            io.write_all(&words).await.unwrap();
-            took.spawn(closed(io));
+            let _ = io.write_all(&words).await;
+            took.spawn(closed(io, started));
         }
     }
     for words in ["", "GET / HT", "GET / HTTP/1.1\r\nHost: localhost\r\nX: "] {
+        let started = Instant::now();
         let mut page = TcpStream::connect(server.viewers()[0]).await.unwrap();
-        page.write_all(words.as_bytes()).await.unwrap();
-        took.spawn(closed(page));
+        // On a busy machine it may be closed already.
+        let _ = page.write_all(words.as_bytes()).await;
+        took.spawn(closed(page, started));
     }
     // One byte after the other is no better.
     let mut slow = TcpStream::connect(server.viewers()[0]).await.unwrap();
@@ -153,11 +156,11 @@ impl<IO: AsyncRead + AsyncWrite + Unpin + Send> Duplex for IO {}
 
 #[tokio::test]
 async fn a_brain_that_is_attached_may_be_silent_for_as_long_as_it_likes() {
-    let server = serve("patient", |builder| builder.first_call_within(Duration::from_millis(100))).await;
+    let server = serve("patient", |builder| builder.first_call_within(Duration::from_secs(2))).await;
     let client = brain(&server).await;
     let mut robot = client.attach("w", "r0").await.unwrap();
     // Its world stands, so nothing is said either way.
-    tokio::time::sleep(Duration::from_millis(500)).await;
+    tokio::time::sleep(Duration::from_secs(3)).await;
     let mut operator = operator(&server).await;
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     for _ in 0..3 {

@@ -161,7 +161,7 @@ impl Visit {
 /// Lets a call pass, or says that there is no room. Calls through pipes in memory need no place.
 pub(crate) fn check_call(request: Request<()>) -> Result<Request<()>, Status> {
     match request.extensions().get::<Arc<Visit>>() {
-        Some(visit) => visit.ask().map(|()| request).map_err(Status::resource_exhausted),
+        Some(visit) => visit.ask().map(|()| request).map_err(Status::unavailable),
         None => Ok(request),
     }
 }
