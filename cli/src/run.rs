@@ -244,7 +244,9 @@ impl Running<'_> {
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
         let bar = progress(self.plan.ticks(), quiet);
-        let waited = self.wait(stop, &mut brains, &bar).await;
+        // Who is done holds its robots, too, until the status is there: what it said goes with it.
+        let mut done = Vec::new();
+        let waited = self.wait(stop, &mut brains, &mut done, &bar).await;
         bar.finish_and_clear();
         waited?;
         let status = self.pause(control).await?;
@@ -267,10 +269,10 @@ impl Running<'_> {
         &mut self,
         stop: &mut Stop,
         brains: &mut JoinSet<anyhow::Result<Crew>>,
+        done: &mut Vec<Crew>,
         bar: &ProgressBar,
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);
-        let mut done = Vec::new();
         loop {
             tokio::select! {
                 () = self.monitor.ended.notified() => return Ok(()),

@@ -10,7 +10,7 @@ use tokio::sync::watch;
 /// The wish of a person or a system that the program ends.
 ///
 /// A thread of its own hears the signals, as a file or a pipe may block all others: the first signal is
-/// passed on, so that all ends in good order, and the second ends the program at once.
+/// passed on, so that all ends in good order, and the second Ctrl-C or SIGTERM ends the program at once.
 pub(crate) struct Stop(watch::Receiver<bool>);
 
 impl Stop {
@@ -51,13 +51,16 @@ async fn hear(stop: &watch::Sender<bool>, ready: &mpsc::Sender<io::Result<()>>) 
         Err(error) => return drop(ready.send(Err(error))),
     };
     let _ = ready.send(Ok(()));
+    let mut is_asked = false;
     loop {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-            () = received(&mut hangup) => {}
-        }
-        if stop.send_replace(true) {
+        let asks = tokio::select! {
+            _ = interrupt.recv() => true,
+            _ = terminate.recv() => true,
+            // A terminal that is closed says so more than once: from the shell, and from the system when that has ended.
+            () = received(&mut hangup) => false,
+        };
+        stop.send_replace(true);
+        if asks && std::mem::replace(&mut is_asked, true) {
             process::exit(INTERRUPTED.into());
         }
     }

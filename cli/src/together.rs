@@ -70,7 +70,7 @@ fn warning(
     let brains: Vec<_> = brains.collect();
     Some(format!(
         "`{late}` is {age} old when it comes, and `{held_up}` has something new every {period}: brains that need both \
-         together ({}) have each that late, and drive the more slowly",
+         together ({}) have each that late, and may drive more slowly",
         brains.join(", "),
     ))
 }
@@ -101,7 +101,7 @@ mod tests {
         let [warning] = &at_baud(9600, &[])[..] else { panic!("one warning at 9600 baud") };
         let expected = "robot: `odometer` is 107.292 ms old when it comes, and `laser` has something new every 100 ms: \
                         brains that need both together (errands, explore, hall, mower, tour) have each that late, and \
-                        drive the more slowly";
+                        may drive more slowly";
         assert_eq!(warning, expected);
         assert_eq!(at_baud(4800, &[]).len(), 1);
         assert_eq!(at_baud(115_200, &[]), Vec::<String>::new());

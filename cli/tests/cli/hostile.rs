@@ -81,12 +81,11 @@ fn no_command_waits_for_ever_at_a_pipe_into_which_nobody_writes() {
 #[test]
 fn a_scenario_may_come_through_a_pipe() {
     let path = fifo("told.toml");
-    let check = Running::start(&["check", &path]);
-    std::thread::sleep(Duration::from_millis(100));
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/wander.toml");
-    let told = Command::new("sh").args(["-c", "cat \"$0\" > \"$1\"", scenario, &path]).status().unwrap();
-    assert!(told.success());
-    let (code, out, err) = check.end();
+    // It waits for somebody who reads, for as long as that takes.
+    let mut told = Command::new("sh").args(["-c", "cat \"$0\" > \"$1\"", scenario, &path]).spawn().unwrap();
+    let (code, out, err) = Running::start(&["check", &path]).end();
+    assert!(told.wait().unwrap().success());
     assert_eq!((code, err.as_str()), (0, ""));
     let by_name = said(command(&["check", scenario]).output().unwrap()).1;
     assert_eq!(out, by_name.replacen(scenario, &path, 1));
