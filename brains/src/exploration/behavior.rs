@@ -100,7 +100,9 @@ impl MotorBehavior for ExploreFloor {
             return std::mem::take(&mut self.is_new).then(Signals::default);
         }
         self.is_new = false;
-        let signals = self.scout.step(at_ns, &odometry.estimate().world_from_robot, self.scan.as_ref());
+        let here = odometry.estimate().world_from_robot;
+        // What its commands take on the cable it does not know; that is little of it.
+        let signals = self.scout.step(at_ns, &here, self.scan.as_ref(), odometry.haste(0));
         beliefs.intention = self.scout.intention();
         if self.scan.is_none() {
             beliefs.awaited.get_or_insert_with(|| self.scanner.awaited(beliefs.odometry.as_ref()));

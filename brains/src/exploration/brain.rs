@@ -116,7 +116,7 @@ impl Explore {
         };
         let here = odometry.estimate().world_from_robot;
         let haste = odometry.haste(self.command_ns);
-        let Signals { left, right } = self.scout.step(at_ns, &here, self.scan.as_ref());
+        let Signals { left, right } = self.scout.step(at_ns, &here, self.scan.as_ref(), haste);
         Action::drive(haste * left, haste * right)
     }
 

@@ -8,7 +8,7 @@
 //!
 //! Where proximity stops it, which the laser did not see coming, it remembers something in the way and plans again.
 //!
-//! *The least width* of a passage is 2 `half_width_m` + `cell_m`, see [`Floor`](crate::mapping::Floor).
+//! *The least width* of a passage is 2 `half_width_m` + `cell_m`, see [`Floor`].
 //!
 //! *Deviations.*
 //!
@@ -261,13 +261,20 @@ impl Frontiers {
     fn views(&self, wanted: &[Cell]) -> [(f64, Vec<Cell>); 3] {
         let Parameters { view_m, cell_m, .. } = self.parameters;
         let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan.range_m);
+        // What is just at the end of the laser's range it may not see.
+        let view_m = view_m.min(range_m - 2.0 * cell_m).max(cell_m);
+        // No line is longer than what is known.
+        let [columns, rows] = self.grid.size();
+        let range_m = range_m.min((columns + rows) as f64 * cell_m);
         let few = sparse(wanted, (SPARSE_M / cell_m) as i32 + 1);
         [(view_m, few.clone()), (view_m, wanted.to_vec()), (view_m.max(range_m), few)]
     }
 
     fn go(&mut self, input: &Input<'_>, mut plan: Plan, mut approach: Approach) -> Option<Command> {
         let here = &input.world_from_robot;
-        let Some(command) = approach.step(here, self.parameters.reach_m) else {
+        // The centre of the cell that it is in is reached.
+        let reach_m = self.parameters.reach_m.max(HALF_DIAGONAL * self.parameters.cell_m);
+        let Some(command) = approach.step(here, reach_m) else {
             self.state = match plan.turns.pop() {
                 Some(to) => State::Go { plan, approach: Approach::new(to) },
                 None => State::Look { at: plan.look_at },
@@ -317,6 +324,9 @@ impl Frontiers {
 /// Room beside the robot on its way, in metres: what it drives beside the straight line, 1 cm, and what the end of a wall may
 /// reach beyond where its last cell was met, half a cell.
 pub(super) const ROOM_M: f64 = 0.025;
+
+/// Of a cell, in cells, and a little more.
+const HALF_DIAGONAL: f64 = 0.71;
 
 /// By so much less room a way is not closed that was open, in metres.
 const NOISE_M: f64 = 0.01;

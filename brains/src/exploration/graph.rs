@@ -35,8 +35,8 @@ pub struct Node {
 
 impl Node {
     /// Whether it was not placed: the robot has come there otherwise, however near to other nodes.
-    #[must_use]
-    pub const fn is_passed(&self) -> bool {
+    #[cfg(test)]
+    pub(super) const fn is_passed(&self) -> bool {
         self.is_passed
     }
 }

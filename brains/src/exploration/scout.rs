@@ -58,9 +58,10 @@ impl Scout {
         self.feelers.feel(turn);
     }
 
-    /// One step from here, with the last scan. Signals are such that the motors take them.
-    pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>) -> Signals {
-        let is_stalled = self.is_stalled(at_ns, here.position);
+    /// One step from here, with the last scan. Signals are such that the motors take them; the robot will have a part of them,
+    /// which is its `haste`.
+    pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>, haste: f64) -> Signals {
+        let is_stalled = self.is_stalled(at_ns, here.position, haste);
         let is_known = |echo: &Echo| scan.is_some_and(|scan| shows(scan, here, echo));
         let near = self.feelers.is_near_but(is_known) || scan.is_some_and(|scan| self.sees_near(here, scan));
         let since_ns = near.then(|| *self.near_since.get_or_insert(at_ns));
@@ -119,8 +120,8 @@ impl Scout {
         scan.ends().any(|(end, met)| met && is_in_way(in_robot(end), self.parameters.near_m, room_m))
     }
 
-    /// Whether it ought to drive and has not moved for too long.
-    fn is_stalled(&mut self, at_ns: u64, here: Point) -> bool {
+    /// Whether it ought to drive and has not moved for too long: the longer, the more slowly it may drive.
+    fn is_stalled(&mut self, at_ns: u64, here: Point, haste: f64) -> bool {
         if !matches!(self.command, Command::Drive { .. }) {
             self.driving_since = None;
             return false;
@@ -129,7 +130,7 @@ impl Scout {
         if (here - since.1).norm() > MOVED_M {
             *since = (at_ns, here);
         }
-        at_ns.saturating_sub(since.0) > STALLED_NS
+        at_ns.saturating_sub(since.0) as f64 * haste > STALLED_NS as f64
     }
 
     /// Signals of the left and the right motor.

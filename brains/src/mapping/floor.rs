@@ -4,7 +4,7 @@
 //! cell but from where rays have [ended](Occupancy::surface) in it. A cell is open if it has as much room as half the width of a
 //! way, and is not known to be occupied nor in the dark. Ways lead from open cell to open cell over sides and corners. Their
 //! lengths are found by Dijkstra's algorithm, in whole numbers: 10 for a step over a side and 14 over a corner. Where there is less
-//! room than half a way and [`EASE_M`] a step counts up to five times, so that ways keep to the middle of what is narrow.
+//! room than half a way and 10 cm a step counts up to five times, so that ways keep to the middle of what is narrow.
 //!
 //! A way leads through every gap that is as wide as a way and a cell: so far apart may its middle and the nearest
 //! centres of cells be, taken twice.
@@ -74,13 +74,7 @@ impl<'a> Floor<'a> {
         }
     }
 
-    /// Whether all cells of the straight line between two points are open, or tight.
-    #[must_use]
-    pub fn is_line_open(&self, from: Point, to: Point) -> bool {
-        self.is_line_as_roomy(from, to, 0.0)
-    }
-
-    /// The same, and that none of them has less room.
+    /// Whether all cells of the straight line between two points are open, or tight, and none of them has less room.
     fn is_line_as_roomy(&self, from: Point, to: Point, room_m: f32) -> bool {
         let is_open = |cell| {
             let place = self.grid.place(cell);
@@ -340,7 +334,7 @@ mod tests {
         let floor = Floor::new(&dark, 0.25, here, &wall);
         let out = way(&floor, here, grid.cell(Point::new(-1.0, 0.0))).unwrap();
         assert!(out.iter().all(|cell| grid.center(*cell).x < -0.16), "{out:?}");
-        assert!(!floor.is_line_open(here, Point::new(-0.1, 0.0)));
+        assert!(!floor.is_line_as_roomy(here, Point::new(-0.1, 0.0), 0.0));
         assert!(is_clear(&grid, (here, Point::new(-1.0, 0.0)), 0.25, &wall));
         assert!(!is_clear(&grid, (here, Point::new(-0.15, 0.0)), 0.25, &wall));
     }

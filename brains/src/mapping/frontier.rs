@@ -3,7 +3,7 @@
 //! A frontier is where what is known to be free ends at what is unknown. Here it is the first unknown cells, those with a free one
 //! at one of their four sides: to see them is what a robot can do to know more.
 //!
-//! *Deviation.* Unknown cells count only where they are wide: in a square of [`WIDE_M`] of which nothing is known. They are
+//! *Deviation.* Unknown cells count only where they are wide: in a square of 5 cm of which nothing is known. They are
 //! dark. What is narrower lies between two rays of a laser, or beside a wall that it met at an acute angle; it is taken to be
 //! free to go and to look through, if nothing else is in the way.
 
@@ -64,7 +64,7 @@ impl<'a> Dark<'a> {
     }
 
     /// The dark cells beside free ones, which are what is to be seen next, without those that are `but`. Only where more
-    /// are in a row than make [`WIDE_M`]: in a wall single cells become free by a laser's noise.
+    /// are in a row than make such a square: in a wall single cells become free by a laser's noise.
     #[must_use]
     pub fn edge(&self, but: impl Fn(&Cell) -> bool) -> Vec<Cell> {
         let free = self.grid.cells().filter(|&cell| self.grid.state(cell) == Occupied::Free);

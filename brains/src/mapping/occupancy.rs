@@ -304,7 +304,7 @@ const MOST: f32 = 3.5;
 const MOST_ENDS: f32 = 50.0;
 /// So many cells more than needed on each side, so that not every scan makes the grid grow.
 const SPARE: i32 = 16;
-/// A square kilometre in cells of half a metre, or 200 m by 200 m in cells of 10 cm.
+/// A square kilometre in cells of half a metre, 200 m by 200 m in cells of 10 cm, or 50 m by 50 m in cells of 2.5 cm.
 const MOST_CELLS: i64 = 4_000_000;
 
 #[cfg(test)]

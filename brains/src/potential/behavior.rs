@@ -310,11 +310,18 @@ fn check(parameters: &Parameters) -> Result<(), String> {
     Ok(())
 }
 
-impl MotorBehavior for PotentialField {
-    /// What it did before does not count: it may have been led elsewhere. What it felt does.
-    fn enter(&mut self, _: &mut Moment<'_>) {
+impl PotentialField {
+    /// What it did before does not count: it may have been led elsewhere, also away from the goal. What it felt does.
+    fn begin(&mut self) {
+        self.arrived = false;
         self.lock.begin();
         (self.detour, self.stands_ns) = (None, None);
+    }
+}
+
+impl MotorBehavior for PotentialField {
+    fn enter(&mut self, _: &mut Moment<'_>) {
+        self.begin();
     }
 
     fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
@@ -422,6 +429,17 @@ mod tests {
             let (pose, reached_s, _) = drive(wedge(10.0, Vec::new()), 0.05 * f64::from(i), 200.0);
             assert!(reached_s.is_some(), "from y = {}: at {pose:?}", 0.05 * f64::from(i));
         }
+    }
+
+    /// Such as a robot that has charged its battery elsewhere in between.
+    #[test]
+    fn who_is_led_away_from_the_goal_has_not_arrived_any_more() {
+        let mut field = wedge(0.0, Vec::new());
+        let there = Pose::new(2.0, 0.0, 0.0);
+        assert_eq!(field.drive(&there, 0).1, "has arrived");
+        field.begin();
+        assert_ne!(field.drive(&Pose::new(-1.0, 2.0, 0.0), 10_000_000).1, "has arrived");
+        assert!(!field.has_arrived());
     }
 
     #[test]

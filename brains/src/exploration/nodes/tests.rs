@@ -77,7 +77,6 @@ fn an_office_is_seen_from_6_random_starts() {
     assert!(most <= 120.0, "mean {mean} m, most {most} m");
 }
 
-/// A second look at the scans costs one of them 7 m more than the 120 m of the others.
 #[test]
 #[ignore = "10 s; the same with 6 runs always"]
 fn an_office_is_seen_from_30_random_starts() {
