@@ -91,6 +91,9 @@ mod tests {
         let expected = Point::new((3.0 * 1.5 + 4.0 * 3.5) / 7.0, (3.0 * 0.5 + 4.0 * 2.0) / 7.0);
         assert!((centroid(&hook).unwrap() - expected).norm() < 1e-15);
         assert!(!is_convex(&hook));
+        // The same the other way round.
+        let mirrored = |point: Point| Point::new(-point.x, point.y);
+        assert!(!is_convex(&hook.map(mirrored)) && is_convex(&rectangle(0.0, 0.0).map(mirrored)));
     }
 
     #[test]
