@@ -195,16 +195,24 @@ test("a run is recorded, and gone through forwards and backwards", { timeout: 90
   await page.waitForFunction(() => window.baudbotViewer.replayTick !== undefined && window.baudbotViewer.pose);
   const slider = await page.getByTestId("replay-slider").boundingBox();
   assert.ok(slider);
+  // However long the page takes to hear of the mouse, to get the tick and to draw it.
+  const arrives = async (act: () => Promise<void>) => {
+    const before = await page.evaluate(() => window.baudbotViewer.replayTick);
+    await act();
+    await page.waitForFunction((before) => {
+      const { tick, replayTick } = window.baudbotViewer;
+      return replayTick !== before && tick === replayTick;
+    }, before);
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  };
   const scrub = async (share: number) => {
-    await page.mouse.move(slider.x + slider.width * share, slider.y + slider.height / 2);
-    await page.waitForFunction(() => window.baudbotViewer.tick === window.baudbotViewer.replayTick);
-    await page.waitForTimeout(200);
+    await arrives(() => page.mouse.move(slider.x + slider.width * share, slider.y + slider.height / 2));
     const { tick, pose } = await page.evaluate(() => ({ ...window.baudbotViewer, pose: window.baudbotViewer.pose }));
     assert.ok(pose);
     return { tick, pose, picture: await picture(page, "arena-canvas") };
   };
   await page.mouse.move(slider.x + slider.width * 0.1, slider.y + slider.height / 2);
-  await page.mouse.down();
+  await arrives(() => page.mouse.down());
   const early = await scrub(0.2);
   const late = await scrub(0.9);
   const again = await scrub(0.2);
