@@ -179,7 +179,8 @@ fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Resu
         return Err(Refused::error(format!("--to {to_s}: the recording is from {first} s to {last} s")));
     }
     if tape.nearest(tick) != tick {
-        let [before, behind] = [tape.nearest(tick), tape.next_start(tick).unwrap_or(tick)];
+        let behind = tape.stretches().iter().map(|stretch| stretch.first_tick).find(|first| *first > tick);
+        let [before, behind] = [tape.nearest(tick), behind.unwrap_or(tick)];
         let [before, behind] = [before, behind].map(|tick| seconds(tick, tape.scenario()));
         return Err(Refused::error(format!(
             "--to {to_s}: the recording is damaged from {before} s to {behind} s; choose another time"

@@ -117,7 +117,6 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     let collisions = usize::try_from(robot.collisions).unwrap_or(usize::MAX);
     let mut facts = vec![
         ("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands)),
-        ("said", Printable(&robot.said).to_string()),
         (
             "driven",
             format!(
@@ -130,7 +129,9 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
         ("link", link(robot)),
         ("cycles", cycles(&robot.cycles)),
     ];
-    facts.retain(|(name, fact)| *name != "said" || !fact.is_empty());
+    if !robot.said.is_empty() {
+        facts.insert(1, ("said", Printable(&robot.said).to_string()));
+    }
     facts.extend(losses(robot).map(|losses| ("lost", losses)));
     if robot.lost_deliveries > 0 {
         facts.push((

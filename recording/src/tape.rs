@@ -119,7 +119,7 @@ impl Tape {
             topic::INPUTS => {
                 let robots = self.scenario.robots().len();
                 at_most(topic, data, INPUTS_CHANGES, MOST_BY_HAND)?;
-                at_most(topic, data, INPUTS_INPUTS, MOST_A_ROBOT * robots)?;
+                at_most(topic, data, INPUTS_INPUTS, MOST_BY_HAND.max(MOST_A_ROBOT * robots))?;
                 let kept = self.keep(topic, data)?;
                 self.inputs.push(kept);
             }
@@ -285,11 +285,11 @@ const INPUTS_INPUTS: u32 = 3;
 /// Overrides and robots of a header: an empty one is two bytes in the file, and more in memory.
 const MOST_TEXTS: usize = 100_000;
 
-/// Changes by hand in a tick, ...
+/// Changes by hand in a tick, and inputs where there are few robots.
 const MOST_BY_HAND: usize = 10_000;
 
-/// ... and what brains write to a robot: the server takes 64 Steps a tick, and the pieces of one that are RAW come one by one.
-const MOST_A_ROBOT: usize = 10_000;
+/// Inputs of a robot in a tick: the server takes 64 Steps of a brain. With more, a small file could ask for much memory.
+const MOST_A_ROBOT: usize = 256;
 
 /// Of an input or a state, what has to be known to keep it.
 #[derive(Clone, Copy, PartialEq, Message)]

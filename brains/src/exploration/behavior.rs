@@ -101,7 +101,7 @@ impl MotorBehavior for ExploreFloor {
         }
         self.is_new = false;
         let here = odometry.estimate().world_from_robot;
-        // What its commands take on the cable it does not know; that is little of it.
+        // The time of a command on the cable is not known here. It is a small part of the delay.
         let signals = self.scout.step(at_ns, &here, self.scan.as_ref(), odometry.haste(0));
         beliefs.intention = self.scout.intention();
         if self.scan.is_none() {

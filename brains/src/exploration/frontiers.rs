@@ -229,15 +229,13 @@ impl Frontiers {
         let mut reached = Vec::new();
         for (view_m, wanted) in self.views(&wanted) {
             let outlook = Outlook::new(&self.grid, &dark, wanted, view_m);
-            let known = reached.iter().copied().find(|cell| outlook.from(*cell).is_some());
+            let seen = |cell: Cell| Some((cell, outlook.from(cell)?));
+            let known = reached.iter().copied().find_map(seen);
             let mut on = search.by_ref().inspect(|cell| reached.push(*cell));
-            let Some(place) = known.or_else(|| on.find(|cell| outlook.from(*cell).is_some())) else {
-                continue;
-            };
+            let Some((place, look_at)) = known.or_else(|| on.find_map(seen)) else { continue };
             let mut turns = floor.straighten(here.position, &search.way(place));
             turns.reverse();
             let approach = Approach::new(turns.pop().unwrap_or(here.position));
-            let Some(look_at) = outlook.from(place) else { continue };
             return State::Go { plan: Plan { turns, look_at }, approach };
         }
         if !self.bumps.is_empty() && self.forgotten < self.parameters.attempts {

@@ -129,11 +129,6 @@ impl Tape {
         tick.clamp(first_tick, last_tick)
     }
 
-    /// The first tick behind this one with which something can be done again that is not in the same stretch.
-    pub fn next_start(&self, tick: u64) -> Option<u64> {
-        self.next_stretch(tick).map(|stretch| stretch.first_tick)
-    }
-
     /// The stretch that a tick is in or behind; before all of them, the first.
     pub(crate) fn stretch_of(&self, tick: u64) -> Stretch {
         let behind = self.stretches.partition_point(|stretch| stretch.first_tick <= tick);

@@ -202,3 +202,76 @@ impl Running {
         self.held.as_ref()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec;
+
+    use super::*;
+    use crate::Scenario;
+
+    const MS: u64 = 1_000_000;
+
+    fn at_ms(ms: u64) -> SimTime {
+        SimTime::from_ns(ms * MS)
+    }
+
+    #[test]
+    fn a_device_that_sticks_gives_its_last_values_at_its_own_instants() {
+        let begins = |ms| Running {
+            period_ns: 10 * MS,
+            due: at_ms(ms),
+            begins: at_ms(ms),
+            taken: 0,
+            scan: vec![ms as f64],
+            pending: None,
+            held: None,
+        };
+        let mut running = begins(10);
+        running.finish(at_ms(12), None);
+        running = Running { pending: running.pending, ..begins(20) };
+        running.finish(at_ms(22), Some(Amiss::Sticks));
+        let [began, ready] = [at_ms(20), at_ms(22)];
+        let stuck = Held { values: vec![10.0], measured_at: began, truly_at: at_ms(10), ready_at: ready };
+        assert_eq!(running.pending, Some(stuck));
+    }
+
+    /// Each of these alone makes a laser's state one that no world comes to.
+    #[test]
+    fn a_state_is_sound_only_if_all_of_it_is() {
+        let toml = "[[robots]]\nname = \"r\"\nbody = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, \
+                    wheel_radius_m = 0.1, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }\n\
+                    [robots.sensors.urg]\npreset = \"urg-04lx\"\nmount = {}\n";
+        let scenario = Scenario::parse(toml).unwrap();
+        let sensor = &scenario.robots()[0].sensors[0];
+        let (device, clock) = (&sensor.device, sensor.own_clock.as_ref().unwrap());
+        let n = device.values();
+        let held =
+            |values| Some(Held { values, measured_at: at_ms(0), truly_at: at_ms(0), ready_at: at_ms(200) });
+        let sound = Running {
+            period_ns: clock.period_ns,
+            due: at_ms(200),
+            begins: at_ms(200),
+            taken: 5,
+            scan: vec![1.0; n],
+            pending: held(vec![1.0; n]),
+            held: held(vec![1.0; n]),
+        };
+        let is_sound = |running: &Running, now_ms| running.is_sound(device, clock, at_ms(now_ms));
+        assert!(is_sound(&sound, 200) && !is_sound(&sound, 300), "what was due 100 ms ago is done");
+        let others = [
+            ("period", Running { period_ns: 2 * clock.period_ns + clock.spread_ns, ..sound.clone() }),
+            ("late", Running { begins: at_ms(220), ..sound.clone() }),
+            ("more taken than there are", Running { taken: n + 1, ..sound.clone() }),
+            ("a scan without room", Running { scan: vec![1.0; n - 1], ..sound.clone() }),
+            ("taken without a scan", Running { scan: vec![], ..sound.clone() }),
+            ("no number", Running { scan: vec![f64::NAN; n], ..sound.clone() }),
+            ("half a scan pending", Running { pending: held(vec![1.0; n / 2]), ..sound.clone() }),
+            ("no number pending", Running { pending: held(vec![f64::INFINITY; n]), ..sound.clone() }),
+            ("half a scan held", Running { held: held(vec![1.0; n / 2]), ..sound.clone() }),
+        ];
+        for (what, running) in others {
+            assert!(!is_sound(&running, 200), "{what}");
+        }
+    }
+}
