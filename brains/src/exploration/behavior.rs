@@ -104,7 +104,7 @@ impl MotorBehavior for ExploreFloor {
         // The time of a command on the cable is not known here. It is a small part of the delay.
         let signals = self.scout.step(at_ns, &here, self.scan.as_ref(), odometry.haste(0));
         beliefs.intention = self.scout.intention();
-        if self.scan.is_none() {
+        if self.scout.waits_for_scan() {
             beliefs.awaited.get_or_insert_with(|| self.scanner.awaited(beliefs.odometry.as_ref()));
         }
         beliefs.path = self.scout.path().into_iter().collect();

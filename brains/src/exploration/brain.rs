@@ -133,7 +133,7 @@ impl Explore {
         if self.is_blind(self.now_ns) {
             return Some(odometry.awaited());
         }
-        self.scan.is_none().then(|| self.scanner.awaited(Some(odometry)))
+        self.scout.waits_for_scan().then(|| self.scanner.awaited(Some(odometry)))
     }
 }
 

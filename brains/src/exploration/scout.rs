@@ -92,6 +92,11 @@ impl Scout {
         self.command
     }
 
+    /// Whether it stands until a scan comes: the first, or one that was taken where it now is.
+    pub(super) fn waits_for_scan(&self) -> bool {
+        matches!(self.command, Command::Wait)
+    }
+
     /// What it is about, in words.
     pub(super) fn intention(&self) -> String {
         match self.command {

@@ -1,5 +1,6 @@
 //! What the brain makes of readings, one turn after the other.
 
+use super::super::Command;
 use super::*;
 use crate::test_body::{body, turn};
 
@@ -95,6 +96,12 @@ fn it_says_which_sensor_it_waits_for() {
         "waits for `odometer` since 0.20 s",
         "until it knows where the scan was taken"
     );
+    robot.step([0.0, 0.0, 0.0], None, 1.0);
+    let Command::Turn { heading_rad } = robot.brain.command() else { panic!("{}", says(&mut robot)) };
+    for _ in 0..3 {
+        robot.step([0.0, 0.0, heading_rad], None, 1.0);
+    }
+    assert_eq!(says(&mut robot), "waits for `laser` since 0.20 s", "which has fallen silent");
 }
 
 #[test]
