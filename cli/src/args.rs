@@ -336,40 +336,53 @@ impl FromStr for PaceName {
 }
 
 impl PaceName {
-    /// The pace with its watchdog; other paces than lockstep have none.
-    pub(crate) fn with(self, args: &WatchdogArgs) -> anyhow::Result<Pace> {
-        let any = args.watchdog_ms.is_some() || args.on_timeout.is_some() || args.lookahead.is_some();
-        if self != Self::Lockstep && any {
+    /// The pace with its defaults.
+    pub(crate) fn pace(self) -> Pace {
+        match self {
+            Self::Lockstep => Pace::Lockstep(Lockstep::default()),
+            Self::Timed(factor) => Pace::scaled(factor),
+            Self::Free => Pace::Free,
+        }
+    }
+}
+
+impl WatchdogArgs {
+    /// A pace with what these options say in place of what it has; one for which they make no sense is refused.
+    pub(crate) fn apply(&self, pace: Pace) -> anyhow::Result<Pace> {
+        let any = self.watchdog_ms.is_some() || self.on_timeout.is_some() || self.lookahead.is_some();
+        if any && !matches!(pace, Pace::Lockstep(_) | Pace::Stepped(_)) {
             return Err(Refused::error(
                 "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: else nobody is waited for",
             ));
         }
-        if !matches!(self, Self::Timed(_)) && args.max_lag_ms.is_some() {
+        if self.max_lag_ms.is_some() && !matches!(pace, Pace::Timed(_)) {
             return Err(Refused::error(
                 "--max-lag-ms needs --pace real-time or scaled:X: else there is no clock to lag behind",
             ));
         }
-        let defaults = Watchdog::default();
-        let policy = args.on_timeout.map(|policy| match policy {
+        Ok(match pace {
+            Pace::Lockstep(lockstep) => Pace::Lockstep(self.watch(lockstep)),
+            Pace::Stepped(lockstep) => Pace::Stepped(self.watch(lockstep)),
+            Pace::Timed(timed) => {
+                let max_lag = self.max_lag_ms.map_or(timed.max_lag, |ms| Duration::from_millis(ms.into()));
+                Pace::Timed(Timed { max_lag, ..timed })
+            }
+            Pace::Free => Pace::Free,
+        })
+    }
+
+    fn watch(&self, lockstep: Lockstep) -> Lockstep {
+        let Lockstep { watchdog: Watchdog { timeout, policy }, lookahead } = lockstep;
+        let asked = self.on_timeout.map(|policy| match policy {
             OnTimeout::Wait => WatchdogPolicy::Wait,
             OnTimeout::GoOn => WatchdogPolicy::GoOn,
             OnTimeout::Detach => WatchdogPolicy::Detach,
         });
-        let timeout = args.watchdog_ms.map(|ms| Duration::from_millis(ms.into()));
-        Ok(match self {
-            Self::Lockstep => Pace::Lockstep(Lockstep {
-                watchdog: Watchdog {
-                    timeout: timeout.unwrap_or(defaults.timeout),
-                    policy: policy.unwrap_or(defaults.policy),
-                },
-                lookahead: args.lookahead != Some(Lookahead::Off),
-            }),
-            Self::Timed(factor) => {
-                let max_lag = args.max_lag_ms.map_or(Timed::MAX_LAG, |ms| Duration::from_millis(ms.into()));
-                Pace::Timed(Timed { factor, max_lag })
-            }
-            Self::Free => Pace::Free,
-        })
+        let watchdog = Watchdog {
+            timeout: self.watchdog_ms.map_or(timeout, |ms| Duration::from_millis(ms.into())),
+            policy: asked.unwrap_or(policy),
+        };
+        Lockstep { watchdog, lookahead: self.lookahead.map_or(lookahead, |asked| asked == Lookahead::On) }
     }
 }
 
@@ -432,8 +445,8 @@ mod tests {
         let args = WatchdogArgs { watchdog_ms: Some(5), on_timeout, lookahead, max_lag_ms: None };
         let watchdog = Watchdog { timeout: Duration::from_millis(5), policy: WatchdogPolicy::Detach };
         let lockstep = Lockstep { watchdog, lookahead: false };
-        assert_eq!(PaceName::Lockstep.with(&args).unwrap(), Pace::Lockstep(lockstep));
-        assert!(PaceName::Free.with(&args).is_err());
+        assert_eq!(args.apply(PaceName::Lockstep.pace()).unwrap(), Pace::Lockstep(lockstep));
+        assert!(args.apply(Pace::Free).is_err());
     }
 
     #[test]
@@ -441,8 +454,13 @@ mod tests {
         let args =
             |max_lag_ms| WatchdogArgs { watchdog_ms: None, on_timeout: None, lookahead: None, max_lag_ms };
         let timed = Timed { factor: 2.0, max_lag: Duration::from_millis(5) };
-        assert_eq!(PaceName::Timed(2.0).with(&args(Some(5))).unwrap(), Pace::Timed(timed));
-        assert_eq!(PaceName::Timed(1.0).with(&args(None)).unwrap(), Pace::REAL_TIME);
-        assert!(PaceName::Lockstep.with(&args(Some(5))).is_err());
+        assert_eq!(args(Some(5)).apply(PaceName::Timed(2.0).pace()).unwrap(), Pace::Timed(timed));
+        assert_eq!(
+            args(None).apply(Pace::Timed(timed)).unwrap(),
+            Pace::Timed(timed),
+            "as a recording has it"
+        );
+        assert_eq!(args(None).apply(PaceName::Timed(1.0).pace()).unwrap(), Pace::REAL_TIME);
+        assert!(args(Some(5)).apply(PaceName::Lockstep.pace()).is_err());
     }
 }

@@ -154,12 +154,10 @@ pub(crate) fn go_on(
     Ok(())
 }
 
-/// The pace that is asked for, or that of the recording.
+/// The pace that is asked for, or that of the recording, with what the options say of it.
 pub(crate) fn pace(asked: Option<PaceName>, watchdog: &WatchdogArgs, tape: &Tape) -> anyhow::Result<Pace> {
-    match asked {
-        Some(pace) => pace.with(watchdog),
-        None => Ok(tape.header().pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME)),
-    }
+    let recorded = || tape.header().pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME);
+    watchdog.apply(asked.map_or_else(recorded, PaceName::pace))
 }
 
 pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {

@@ -89,7 +89,7 @@ fn show(args: &RunArgs, summary: &Summary) -> anyhow::Result<()> {
 impl Plan {
     fn new(args: &RunArgs) -> anyhow::Result<Self> {
         check_outputs(args)?;
-        let pace = args.pace.with(&args.watchdog)?;
+        let pace = args.watchdog.apply(args.pace.pace())?;
         let source = Source::find(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT))?;
         let mut overrides = overrides(&args.changes)?;
         let mut scenario = source.parse(&overrides)?;

@@ -33,7 +33,7 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
 
 /// The worlds of scenarios.
 fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
-    let pace = args.pace.unwrap_or(PaceName::Timed(1.0)).with(&args.watchdog)?;
+    let pace = args.watchdog.apply(args.pace.unwrap_or(PaceName::Timed(1.0)).pace())?;
     let overrides = overrides(&args.changes)?;
     let default = [scenarios::DEFAULT.to_owned()];
     let names = if args.scenarios.is_empty() { &default[..] } else { &args.scenarios };
