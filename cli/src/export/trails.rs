@@ -1,6 +1,7 @@
 //! The ways of the robots, for a picture.
 
 use std::io::{self, Write};
+use std::mem;
 use std::sync::Arc;
 
 use baudbot_geometry::{Point, Pose};
@@ -11,6 +12,7 @@ use super::Out;
 use super::pass::Sink;
 use super::ran::Ran;
 use crate::drawing::{self, Collision, Trail, Trails};
+use crate::text::duration;
 
 /// A picture that is drawn at the end.
 pub(super) struct Picture {
@@ -20,6 +22,10 @@ pub(super) struct Picture {
     ran: Ran,
     /// When it begins and ends.
     span: Option<(SimTime, SimTime)>,
+    /// The last tick that was seen.
+    tick: u64,
+    /// Ticks within the span that the recording lost.
+    missing: u64,
     ways: Vec<Way>,
     /// How many points of each robot's are kept.
     room: usize,
@@ -42,6 +48,8 @@ impl Picture {
             label: tape.header().world.clone(),
             ran: Ran::of(tape),
             span: None,
+            tick: 0,
+            missing: 0,
             ways: Vec::new(),
             room: (MOST_POINTS / robots.max(1)).clamp(LEAST_ROOM, MOST_ROOM),
         }
@@ -53,14 +61,21 @@ impl Sink for Picture {
         let now = world.time();
         self.span = Some((self.span.map_or(now, |(from, _)| from), now));
         self.ran.see(world);
+        let before = mem::replace(&mut self.tick, world.tick());
         if self.ways.is_empty() {
             self.ways = world.robots().map(|robot| Way::new(&robot)).collect();
             return Ok(());
         }
+        let missing = world.tick() - before - 1;
+        self.missing += missing;
         let changed = self.ran.is_changed(world.tick());
         let step_s = world.scenario().step_ns() as f64 * 1e-9;
         for (way, robot) in self.ways.iter_mut().zip(world.robots()) {
-            way.go_on(&robot, step_s, changed);
+            if missing == 0 {
+                way.go_on(&robot, step_s, changed);
+            } else {
+                way.leap(robot.motion().pose);
+            }
             if way.points > self.room {
                 way.thin();
             }
@@ -81,7 +96,11 @@ impl Sink for Picture {
     fn finish(mut self: Box<Self>) -> io::Result<()> {
         let (from, until) = self.span.unwrap_or_default();
         let robots = self.ways.into_iter().map(Way::done).collect();
-        let (about, facts) = (self.ran.about().to_owned(), self.ran.facts());
+        let (about, mut facts) = (self.ran.about().to_owned(), self.ran.facts());
+        if self.missing > 0 {
+            let missing_ns = (self.missing * self.scenario.step_ns()) as f64;
+            facts += &format!(" · {} missing in the recording", duration(missing_ns));
+        }
         let trails = Trails { robots, from, until, about, facts };
         let picture = drawing::draw_trails(&self.scenario, &self.label, &trails);
         self.out.write_all(picture.as_bytes())?;
@@ -107,16 +126,21 @@ impl Way {
         // Nobody drives that far in a tick: it was put somewhere else by hand.
         let is_jump = changed && moved > 2.0 * motion.speed_m_s.abs() * step_s + self.tolerance_m;
         if is_jump {
-            self.keep(from);
-            self.trail.pieces.push(vec![to]);
-            self.points += 1;
-        } else {
-            self.trail.distance_m += moved;
-            if self.last().is_none_or(|last| (to - last).norm() >= self.tolerance_m) {
-                self.keep(to);
-            }
+            return self.leap(motion.pose);
+        }
+        self.trail.distance_m += moved;
+        if self.last().is_none_or(|last| (to - last).norm() >= self.tolerance_m) {
+            self.keep(to);
         }
         self.trail.end = motion.pose;
+    }
+
+    /// Goes on elsewhere; how it came there nobody saw.
+    fn leap(&mut self, to: Pose) {
+        self.keep(self.trail.end.position);
+        self.trail.pieces.push(vec![to.position]);
+        self.points += 1;
+        self.trail.end = to;
     }
 
     fn last(&self) -> Option<Point> {

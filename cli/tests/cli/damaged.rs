@@ -97,7 +97,7 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
     let (_, out, err) = baudbot(&["replay", text(&file)]);
     assert!(out.contains("incomplete: identical in") && out.contains("ticks that are left"), "{out}");
     assert!(err.contains("cut off"), "{err}");
-    let (mut incomplete, mut most, mut to_the_end) = (0, 0, 0);
+    let (mut incomplete, mut most, mut to_the_end, mut gaps) = (0, 0, 0, 0);
     for place in (1..14).map(|part| whole.len() * part / 14) {
         let mut damaged = whole.clone();
         damaged[place] ^= 0x10;
@@ -121,7 +121,12 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
                 assert!(all == Some(13_000) && compared < all, "byte {place}: {found}");
                 assert_eq!(found["identical"], true, "byte {place}: {found}");
                 // What is behind the next state is compared, too.
-                to_the_end += usize::from(found["last_tick"] == 13_000);
+                if found["last_tick"] == 13_000 {
+                    to_the_end += 1;
+                    // From the first state on there is a gap within, and a picture does not draw across it.
+                    let picture = good(&["export", text(&file), "--svg", "-", "--quiet"]);
+                    gaps += usize::from(picture.contains(" missing in the recording"));
+                }
                 most = most.max(compared.unwrap());
                 incomplete += 1;
             }
@@ -129,6 +134,7 @@ fn of_a_damaged_recording_all_is_compared_that_is_left_and_what_is_missing_is_to
         }
     }
     assert!(incomplete > 4 && most > 6_000 && to_the_end > 2, "{incomplete}, {most}, {to_the_end}");
+    assert!(gaps > 1, "{gaps} pictures of {to_the_end}");
 }
 
 #[test]
