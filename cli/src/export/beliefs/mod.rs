@@ -29,6 +29,8 @@ pub(super) struct Beliefs {
     processes: Vec<String>,
     /// One for each robot of the scenario.
     robots: Vec<Robot>,
+    /// What all of it takes, about.
+    bytes: usize,
 }
 
 /// What one brain believed.
@@ -57,7 +59,8 @@ impl Beliefs {
         let Some(option) = option(args) else { return Ok(beliefs) };
         let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), said: Vec::new() };
         beliefs.robots = tape.scenario().robots().iter().map(name).collect();
-        let reading = || format!("cannot read {}", args.file.display());
+        let file = args.file.display();
+        let reading = || format!("cannot read {file}");
         for frame in Frames::open(&args.file).with_context(reading)? {
             let frame = frame.with_context(reading)?;
             if !(window.from_tick..=window.to_tick).contains(&frame.tick) {
@@ -69,21 +72,30 @@ impl Beliefs {
                     beliefs.take(annotation.robot as usize, frame.time_ns as f64 / 1e9, belief);
                 }
             }
+            if beliefs.is_too_much() {
+                return Err(Refused::error(format!(
+                    "{option}: {file} has more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take \
+                     less of it with --from-s and --to-s",
+                    MOST_BYTES >> 20
+                )));
+            }
         }
         if beliefs.robots.iter().all(|robot| robot.said.is_empty()) {
             return Err(Refused::error(format!(
-                "{option}: {} has no beliefs there; record with a brain that publishes some, such as `sweeper`, and \
-                 with --record-hz above 0",
-                args.file.display()
+                "{option}: {file} has no beliefs there; record with a brain that publishes some, such as `sweeper`, \
+                 and with --record-hz above 0"
             )));
         }
         if args.utilities_svg.is_some() && beliefs.processes.is_empty() {
             return Err(Refused::error(format!(
-                "--utilities-svg: the brains of {} have no utilities; `sweeper` and `stentor` do",
-                args.file.display()
+                "--utilities-svg: the brains of {file} have no utilities; `sweeper` and `stentor` do"
             )));
         }
         Ok(beliefs)
+    }
+
+    fn is_too_much(&self) -> bool {
+        self.bytes > MOST_BYTES || self.processes.len() > MOST_PROCESSES
     }
 
     fn take(&mut self, robot: usize, time_s: f64, belief: &Belief) {
@@ -97,6 +109,7 @@ impl Beliefs {
             utilities.push((place, utility.value, utility.active));
         }
         let pose = belief.pose.as_ref().map(|pose| [pose.x_m, pose.y_m, pose.heading_rad]);
+        self.bytes += size_of::<Said>() + belief.state.len() + size_of_val(utilities.as_slice());
         if let Some(robot) = self.robots.get_mut(robot) {
             robot.said.push(Said { time_s, state: belief.state.clone(), pose, utilities });
         }
@@ -133,6 +146,13 @@ pub(super) fn columns(names: &[String], robots: &[RobotSpec]) -> anyhow::Result<
     };
     names.iter().map(find).collect()
 }
+
+/// What a program may take for beliefs, which a small file can have many of: hours of a brain that says all that it may, at
+/// 10 Hz.
+const MOST_BYTES: usize = 1 << 30;
+
+/// More than any brain has.
+const MOST_PROCESSES: usize = 1000;
 
 /// More columns than this are no help.
 const MOST_NAMED: usize = 40;
