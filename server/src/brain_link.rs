@@ -1,5 +1,6 @@
 //! The brains' service: a stream that is the laptop's end of one or more serial cables.
 
+use std::error::Error;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -130,6 +131,8 @@ async fn listen(
             let step = match request.map(|request| request.request) {
                 Ok(Some(Content::Annotate(annotate))) => publish(annotate).map(|()| None),
                 Ok(request) => step_of(request, &endpoint).map(Some),
+                // A status that the transport made has what it was made of: the connection broke.
+                Err(status) if status.source().is_some() => break,
                 // Such as a message that is too long.
                 Err(status) => Err(Status::new(status.code(), format!("request: {}", status.message()))),
             };

@@ -6,6 +6,7 @@ use baudbot_client::connect;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use serde_json::Value;
+use tonic::transport::Channel;
 
 use crate::processes::serve;
 use crate::{Running, command, said};
@@ -25,10 +26,7 @@ fn come_and_go(server: Running, address: &str, brain: &str) -> String {
         let mut operator = ControlServiceClient::new(client.channel());
         drop((robot, client));
         // The end of its stream and a signal come on different ways.
-        let world = || v1::GetWorldRequest { world: "wander".to_owned() };
-        while operator.get_world(world()).await.unwrap().into_inner().status.unwrap().robots[0].attached {
-            tokio::time::sleep(Duration::from_millis(10)).await;
-        }
+        until_detached(&mut operator).await;
     });
     // With its connection.
     drop(runtime);
@@ -36,6 +34,13 @@ fn come_and_go(server: Running, address: &str, brain: &str) -> String {
     let (code, _, err) = server.end();
     assert_eq!(code, 0, "{err}");
     err
+}
+
+async fn until_detached(operator: &mut ControlServiceClient<Channel>) {
+    let world = || v1::GetWorldRequest { world: "wander".to_owned() };
+    while operator.get_world(world()).await.unwrap().into_inner().status.unwrap().robots[0].attached {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
 }
 
 #[test]
@@ -58,6 +63,29 @@ fn json_logs_have_simulated_time_and_take_no_line_from_a_brain() {
     assert!(events[3]["tick"].as_u64().unwrap() > events[1]["tick"].as_u64().unwrap());
     assert_eq!(events[1]["brain"], HOSTILE);
     assert_eq!((&events[2]["robots"], &events[2]["why"]), (&"robot".into(), &"its stream ended".into()));
+}
+
+/// A program that is killed says nothing at all.
+#[test]
+fn of_a_brain_that_is_killed_the_log_has_not_the_words_of_the_transport() {
+    let (server, tcp, unix) = serve("killed-logs.sock", &["wander", "--log", "info", "--log-format", "json"]);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    for address in [&tcp, &unix] {
+        let mut brain = Running::start(&["brain", "avoid", "--connect", address]);
+        brain.first_complaint();
+        brain.signal("-KILL");
+        drop(brain);
+        runtime.block_on(async {
+            let client = connect(&unix).await.unwrap();
+            until_detached(&mut ControlServiceClient::new(client.channel())).await;
+        });
+    }
+    drop(runtime);
+    server.signal("-TERM");
+    let (_, _, err) = server.end();
+    let events = err.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let gone: Vec<_> = events.filter(|event| event["message"] == "brain detached").collect();
+    assert!(gone.len() == 2 && gone.iter().all(|event| event["why"] == "its stream ended"), "{err}");
 }
 
 #[test]

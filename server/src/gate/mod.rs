@@ -89,7 +89,7 @@ impl Gate {
         });
         let queue = if has_place { &mut crowd.silent } else { &mut crowd.turned_away };
         queue.insert(number, Arc::clone(&visit));
-        if crowd.turned_away.len() > MOST_TURNED_AWAY
+        if crowd.turned_away.len() > most_turned_away(self.0.places)
             && let Some((_, oldest)) = crowd.turned_away.pop_first()
         {
             oldest.end();
@@ -169,8 +169,11 @@ pub(crate) fn check_call(request: Request<()>) -> Result<Request<()>, Status> {
 /// How long a connection without a place has to ask, and to take the answer.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// Connections without a place at a time: each is there only until it has been told so.
-const MOST_TURNED_AWAY: usize = 64;
+/// Connections without a place at a time: each is there only until it has been told so. Few where there are few descriptors,
+/// for these are what was left for files.
+fn most_turned_away(places: usize) -> usize {
+    (places / 8).clamp(8, 64)
+}
 
 #[cfg(test)]
 mod tests {
@@ -214,7 +217,7 @@ mod tests {
     fn those_without_a_place_are_few() {
         let gate = Gate::new(1, Duration::from_secs(10));
         gate.admit().ask().unwrap();
-        let away: Vec<_> = (0..=MOST_TURNED_AWAY).map(|_| gate.admit()).collect();
+        let away: Vec<_> = (0..=most_turned_away(1)).map(|_| gate.admit()).collect();
         assert!(is_over(&away[0]) && !away[1..].iter().any(|visit| is_over(visit)));
         away.iter().for_each(|visit| gate.leave(visit));
         let crowd = gate.crowd();
