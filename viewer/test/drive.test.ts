@@ -1,36 +1,20 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { Hello, Step } from "../src/gen/baudbot/v1/brain_link_pb";
-import { PageRequestSchema, PageResponseSchema, type PageResponse } from "../src/gen/baudbot/v1/page_pb";
+import type { PageResponse } from "../src/gen/baudbot/v1/page_pb";
 import { Store } from "../src/model/store";
-import { Connection, type Socket } from "../src/net/connection";
 import { Drive } from "../src/net/drive";
+import { connected } from "./fake_socket";
 
 /** A page that drives `robot` of world `w`, and what its server hears. */
 function driving() {
-  const socket = {
-    binaryType: "",
-    readyState: 1,
-    onopen: null as (() => void) | null,
-    onclose: null as (() => void) | null,
-    onmessage: null as ((event: { data: ArrayBuffer }) => void) | null,
-    sent: [] as Uint8Array[],
-    send: (bytes: Uint8Array) => void socket.sent.push(bytes),
-    close: () => {},
-  };
-  const connection = new Connection(() => socket as unknown as Socket);
-  connection.open();
-  socket.onopen?.();
+  const { connection, socket } = connected();
   const store = new Store();
   [store.world, store.robot] = ["w", "robot"];
   const drive = new Drive(connection, store);
   drive.start();
-  const requests = () => socket.sent.map((bytes) => fromBinary(PageRequestSchema, bytes).request);
-  const hear = (response: PageResponse["response"]) => {
-    const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { call: 1, response }));
-    socket.onmessage?.({ data: bytes.slice().buffer as ArrayBuffer });
-  };
+  const requests = () => socket.requests().map(({ request }) => request);
+  const hear = (response: PageResponse["response"]) => socket.hear(1, response);
   const attach = (response: object) => hear({ case: "attach", value: { response } } as never);
   attach({ case: "welcome", value: { robots: [{ signalLimit: 1 }] } });
   return {

@@ -3,35 +3,11 @@ import { test } from "node:test";
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { ListWorldsRequestSchema } from "../src/gen/baudbot/v1/control_pb";
 import { WatchRequestSchema, WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
-import { PageRequestSchema, PageResponseSchema, type PageResponse } from "../src/gen/baudbot/v1/page_pb";
+import { PageRequestSchema, PageResponseSchema } from "../src/gen/baudbot/v1/page_pb";
 import { ask, CallError, Connection, type Socket } from "../src/net/connection";
 import { decode, type Frame } from "../src/net/frames";
+import { connected, FakeSocket } from "./fake_socket";
 import { MockWorld } from "./mock_world";
-
-class FakeSocket {
-  binaryType = "";
-  readyState = 1;
-  onopen: (() => void) | null = null;
-  onclose: (() => void) | null = null;
-  onmessage: ((event: { data: ArrayBuffer }) => void) | null = null;
-  sent: Uint8Array[] = [];
-  send(bytes: Uint8Array): void {
-    this.sent.push(bytes);
-  }
-  close(): void {}
-  hear(call: number, response: PageResponse["response"]): void {
-    const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { call, response }));
-    this.onmessage?.({ data: bytes.slice().buffer as ArrayBuffer });
-  }
-}
-
-function connected(): { connection: Connection; socket: FakeSocket } {
-  const socket = new FakeSocket();
-  const connection = new Connection(() => socket as unknown as Socket);
-  connection.open();
-  socket.onopen?.();
-  return { connection, socket };
-}
 
 test("a frame has the same in it however it is decoded", () => {
   const world = new MockWorld("w", 3);

@@ -42,6 +42,8 @@ export class Orders {
   readonly kept = new Map<string, Kept[]>();
   /** The pace to go back to from single steps, by world. */
   private readonly paceBefore = new Map<string, Pace>();
+  /** Ticks that are to be asked for, of worlds that are asked for some now: a world does one such request at a time. */
+  private readonly ticksAhead = new Map<string, number>();
 
   constructor(
     private readonly connection: Connection,
@@ -81,17 +83,31 @@ export class Orders {
     return this.store.status?.state === WorldState.RUNNING ? this.pause() : this.run();
   }
 
-  /** Single ticks. Only a stepped world does them, so it becomes one first. */
-  step(ticks: number): Promise<void> {
-    return this.told(async (world) => {
-      const pace = this.store.status?.pace;
-      if (pace?.kind.case !== "stepped") {
-        if (pace) this.paceBefore.set(world, pace);
-        await this.ask("setPace", create(SetPaceRequestSchema, { world, pace: paceOf("stepped") }));
-        this.store.note("The pace is stepped now; Run goes back to the one before.");
+  /** Single ticks. Those that are asked for while others are under way are done after them, all at once. */
+  async step(ticks: number): Promise<void> {
+    const { world } = this.store;
+    const ahead = this.ticksAhead.get(world);
+    this.ticksAhead.set(world, (ahead ?? 0) + ticks);
+    if (ahead !== undefined) return;
+    await this.told(async () => {
+      await this.stepped(world);
+      for (;;) {
+        const asked = this.ticksAhead.get(world) ?? 0;
+        if (asked === 0) break;
+        this.ticksAhead.set(world, 0);
+        await this.stepNow(world, asked);
       }
-      await this.stepNow(world, ticks);
     });
+    this.ticksAhead.delete(world);
+  }
+
+  /** Only a stepped world does single ticks, so it becomes one. */
+  private async stepped(world: string): Promise<void> {
+    const pace = this.store.status?.pace;
+    if (pace?.kind.case === "stepped") return;
+    if (pace) this.paceBefore.set(world, pace);
+    await this.ask("setPace", create(SetPaceRequestSchema, { world, pace: paceOf("stepped") }));
+    this.store.note("The pace is stepped now; Run goes back to the one before.");
   }
 
   setPace(pace: Pace): Promise<void> {
