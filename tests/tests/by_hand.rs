@@ -74,7 +74,12 @@ async fn a_state_that_was_kept_within_a_tick_is_changed_after_it() {
     let refused = intervene(&server, place(0.1, 0.2)).await.unwrap_err();
     assert!(refused.message().ends_with("it can be changed after a step"), "{refused:?}");
     drop(robot);
+    let tick = status(&server).await.tick;
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
+    // Its brain has to be gone before it goes on.
+    while status(&server).await.tick == tick {
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
     intervene(&server, place(0.1, 0.2)).await.unwrap();
     server.shutdown().await;
 }

@@ -11,6 +11,7 @@ mod determinism;
 mod devices;
 mod exploration;
 mod figures;
+mod floods;
 mod goldens;
 mod localization;
 mod lookahead;
