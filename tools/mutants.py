@@ -10,6 +10,7 @@ call goes on where this one stopped. A change is known by its place and text: af
 """
 
 import argparse
+import functools
 import os
 import random
 import re
@@ -23,7 +24,9 @@ from pathlib import Path
 CRATES = ["geometry", "wire", "sim"]
 OUTCOMES = ["caught", "missed", "timeout", "unviable"]
 BATCH = 5
-UNIT_TESTS = ["--cargo-arg=--lib"]
+# Those within a crate, and all; as cargo takes them.
+UNIT_TESTS = ["--lib"]
+ALL_TESTS = ["--lib", "--tests"]
 BUILD = Path("target/mutants")
 TREE = BUILD / "tree"
 
@@ -44,7 +47,7 @@ def main():
         found = try_out(crate, [name for name in left if crate_of(name) == crate][:BATCH], UNIT_TESTS)
         # What the tests within the crate notice is noticed by all; only the others need those that take long.
         if survivors := [name for name, outcome in found.items() if outcome == "missed"]:
-            found |= try_out(crate, survivors, [])
+            found |= try_out(crate, survivors, ALL_TESTS)
         results.parent.mkdir(parents=True, exist_ok=True)
         is_cut = results.exists() and not results.read_text().endswith("\n")
         with results.open("a") as file:
@@ -92,16 +95,16 @@ def known(results):
     return {name: outcome for outcome, name in pairs if outcome in OUTCOMES}
 
 
-def try_out(crate, names, which_tests):
+def try_out(crate, names, tests):
     """Tries some mutants of a crate in a copy of what is committed."""
+    check_baseline(crate, tuple(tests))
     chosen = [word for name in names for word in ("--re", f"^{re.escape(name)}$")]
     # cargo-mutants 27 tries fields that it deletes in all files, whatever --re says.
     files = [word for file in sorted({name.split(":", 1)[0] for name in names}) for word in ("--file", file)]
     with tempfile.TemporaryDirectory() as folder:
         command = ["cargo", "mutants", "-p", f"baudbot-{crate}", "--in-place", "--baseline", "skip", "--timeout", "600", "-o", folder]
-        command += which_tests
-        environment = {**os.environ, "CARGO_TARGET_DIR": str(BUILD.resolve())}
-        code = subprocess.run([*command, *chosen, *files], env=environment, cwd=TREE).returncode
+        command += [f"--cargo-arg={test}" for test in tests]
+        code = subprocess.run([*command, *chosen, *files], env=environment(), cwd=TREE).returncode
         found = {}
         for outcome in OUTCOMES:
             listed = Path(folder, "mutants.out", f"{outcome}.txt")
@@ -110,6 +113,18 @@ def try_out(crate, names, which_tests):
     if not found:
         sys.exit(f"cargo mutants tried none of {names} and ended with {code}")
     return found
+
+
+@functools.cache
+def check_baseline(crate, tests):
+    """Tests that fail without any change would notice every one."""
+    command = ["cargo", "test", "--quiet", "-p", f"baudbot-{crate}", *tests]
+    if subprocess.run(command, env=environment(), cwd=TREE).returncode != 0:
+        sys.exit(f"{' '.join(command)} fails in {TREE} without any change")
+
+
+def environment():
+    return {**os.environ, "CARGO_TARGET_DIR": str(BUILD.resolve())}
 
 
 def copy_tree():
