@@ -83,7 +83,10 @@ export class Orders {
     return this.store.status?.state === WorldState.RUNNING ? this.pause() : this.run();
   }
 
-  /** Single ticks. Those that are asked for while others are under way are done after them, all at once. */
+  /**
+   * Single ticks. Those that are asked for while others are under way are done after them, all at once, unless another world
+   * was chosen meanwhile.
+   */
   async step(ticks: number): Promise<void> {
     const { world } = this.store;
     const ahead = this.ticksAhead.get(world);
@@ -91,9 +94,8 @@ export class Orders {
     if (ahead !== undefined) return;
     await this.told(async () => {
       await this.stepped(world);
-      for (;;) {
-        const asked = this.ticksAhead.get(world) ?? 0;
-        if (asked === 0) break;
+      // What is known of how a world stands is known of the chosen one.
+      for (let asked; this.store.world === world && (asked = this.ticksAhead.get(world));) {
         this.ticksAhead.set(world, 0);
         await this.stepNow(world, asked);
       }
