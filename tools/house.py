@@ -132,13 +132,14 @@ def item_end(code, at):
     stop = re.compile(r"[;{]").search(code, at)
     if stop is None or stop.group() == ";":
         return len(code) if stop is None else stop.end()
-    return block_end(code, stop.start())
+    return pair_end(code, stop.start(), "{}")
 
 
-def block_end(code, brace):
+def pair_end(code, at, pair):
+    """Behind the first group from here on that a pair such as `{}` encloses."""
     depth = 0
-    for match in re.compile(r"[{}]").finditer(code, brace):
-        depth += 1 if match.group() == "{" else -1
+    for match in re.compile(f"[{re.escape(pair)}]").finditer(code, at):
+        depth += 1 if match.group() == pair[0] else -1
         if depth == 0:
             return match.end()
     return len(code)
@@ -147,25 +148,15 @@ def block_end(code, brace):
 def functions(code):
     """Names and lengths in lines."""
     for match in re.finditer(r"\bfn\s+(\w+)", code):
-        body = re.compile(r"[;{]").search(code, signature_end(code, match.end()))
+        body = re.compile(r"[;{]").search(code, pair_end(code, match.end(), "()"))
         if body and body.group() == "{":
-            yield match.group(1), code.count("\n", body.start(), block_end(code, body.start())) + 1
-
-
-def signature_end(code, at):
-    """Behind the parentheses of a function's parameters."""
-    depth = 0
-    for match in re.compile(r"[()]").finditer(code, at):
-        depth += 1 if match.group() == "(" else -1
-        if depth == 0:
-            return match.end()
-    return len(code)
+            yield match.group(1), code.count("\n", body.start(), pair_end(code, body.start(), "{}")) + 1
 
 
 def string_errors(code):
     """Public functions whose error is a text."""
     for match in re.finditer(r"\bpub fn\s+(\w+)", code):
-        end = signature_end(code, match.end())
+        end = pair_end(code, match.end(), "()")
         result = re.match(r"\s*->\s*([^{;]*)", code[end:])
         if result and re.search(r"Result<.*,\s*String>", result.group(1), re.S):
             yield match.group(1)
