@@ -1,4 +1,4 @@
-//! How fast worlds are, and the path to their brains: the workloads of `baudbot bench`.
+//! How fast worlds are, and the path to their brains: the workloads of `baudbot-bench`.
 //!
 //! 1. [`plan`] reads the floor plans in `bench/geometry`, [`scenario`] makes scenarios of them.
 //! 2. [`driver`] steers robots by what they sense, [`rig`] is a world with its drivers in one thread.

@@ -1,6 +1,5 @@
 //! The command line.
 
-mod bench;
 mod brain;
 mod export;
 mod help;
@@ -18,13 +17,11 @@ use std::time::Duration;
 use baudbot_server::{Address, Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-pub(crate) use self::bench::BenchArgs;
 pub(crate) use self::brain::{BrainArgs, Reconnect};
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
-    BENCH_EXAMPLES, BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP,
-    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
-    WATCH_EXAMPLES,
+    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,
+    REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES, WATCH_EXAMPLES,
 };
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
@@ -102,9 +99,6 @@ pub(crate) enum Command {
     /// Shows a world of a server as it moves
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
-    /// Measures how fast worlds and the path to their brains are on this machine
-    #[command(after_long_help = BENCH_EXAMPLES)]
-    Bench(BenchArgs),
 }
 
 #[derive(Debug, Args)]

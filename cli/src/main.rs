@@ -4,7 +4,7 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
-//!    `export`, `watch`, `new` and `bench` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
+//!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
@@ -18,7 +18,6 @@
 
 mod alike;
 mod args;
-mod bench;
 mod brain;
 mod budget;
 mod check;
@@ -111,7 +110,6 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Plan(args) => return plan::plan(&args),
         Command::Locate(args) => return locate::locate(&args),
         Command::Preset(args) => preset::preset(&args),
-        Command::Bench(args) => return bench::bench(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),

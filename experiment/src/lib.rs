@@ -9,11 +9,13 @@
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
-//! 5. [`chart`] draws, with the elements of [`svg`], and [`ran`] has the words for what ran; [`columnar`] writes Parquet.
+//! 5. [`chart`] draws, with the elements of [`svg`], and [`ran`] has the words for what ran; `columnar` writes Parquet, if the
+//!    feature `parquet` is on. The optimizers of [`mod@tune`] need the feature `tune`.
 
 pub mod chart;
 mod check;
 pub mod choice;
+#[cfg(feature = "parquet")]
 pub mod columnar;
 mod counted;
 pub mod crew;
@@ -31,6 +33,7 @@ mod names;
 mod nearest;
 mod outputs;
 pub mod pair;
+#[cfg(feature = "parquet")]
 mod parquet_table;
 mod pool;
 pub mod ran;

@@ -15,7 +15,7 @@ use crate::journal::{Header, Journal};
 use crate::outputs::{Content, Folder};
 use crate::pool::{Place, Workers};
 use crate::summary::Summary;
-use crate::{chart, csv_table, parquet_table, table};
+use crate::{chart, csv_table, table};
 
 /// How a sweep is done.
 pub struct Options<'a> {
@@ -181,10 +181,15 @@ fn write(
         graphs.add(experiment, &row);
     }
     folder.write(CSV, |out| csv_table::write(out, experiment, journal.rows()?))?;
-    folder.write(PARQUET, |out| parquet_table::write(out, experiment, journal.rows()?))?;
+    #[cfg(feature = "parquet")]
+    folder.write(PARQUET, |out| crate::parquet_table::write(out, experiment, journal.rows()?))?;
+    // One of before would not be of these rows.
+    #[cfg(not(feature = "parquet"))]
+    folder.remove(PARQUET)?;
     let text = PrintableLines(table::text(experiment, &swept.summary, usize::MAX)).to_string();
     folder.write(SUMMARY, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
-    swept.files = [CSV, PARQUET, SUMMARY].map(|name| folder.file(name)).to_vec();
+    let tables = if cfg!(feature = "parquet") { &[CSV, PARQUET, SUMMARY][..] } else { &[CSV, SUMMARY] };
+    swept.files = tables.iter().map(|name| folder.file(name)).collect();
     // Of an experiment that had other charts there may be some that nothing else would replace.
     chart::Graphs::names().try_for_each(|name| folder.remove(&name))?;
     for (name, picture) in graphs.draw(experiment) {

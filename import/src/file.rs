@@ -29,6 +29,7 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 }
 
 /// The text of a file.
+#[cfg(feature = "maps")]
 pub(crate) fn text(path: &Path) -> Result<String, FileError> {
     String::from_utf8(bytes(path)?).map_err(|_| FileError::new(path, "is not text in UTF-8"))
 }

@@ -3,7 +3,8 @@
 //!
 //! Two things can be referred to:
 //!
-//! - `[[arena.maps]]`: a map of a ROS map server, or a plan in SVG. It becomes `[[arena.polygons]]` tables.
+//! - `[[arena.maps]]`: a map of a ROS map server, or a plan in SVG. It becomes `[[arena.polygons]]` tables. That needs the
+//!   feature `maps`, and is refused without it.
 //! - `[robots.sensors.NAME] lookup = "samples.csv"`: a table of measurements. It becomes a table in the text.
 //!
 //! What is read is checked as far as it must be to become shapes and numbers. Whether these make sense in
@@ -12,17 +13,11 @@
 //! Equal files give equal text on every machine as far as maps and measurements go. Curves and turned parts
 //! of an SVG are computed in single precision by another crate, and are rounded to a micrometre.
 
-mod entry;
 mod error;
 mod file;
 mod lookup;
+#[cfg_attr(not(feature = "maps"), path = "no_maps.rs")]
 mod maps;
-mod outlines;
-mod raster;
-mod rectangles;
-mod ros;
-mod shape;
-mod svg;
 
 use std::borrow::Cow;
 use std::path::Path;

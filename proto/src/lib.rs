@@ -1,12 +1,12 @@
 //! The gRPC contract of baudbot.
 //!
-//! [`v1`] is generated from `baudbot/v1/*.proto`, which also holds its documentation. Any language's gRPC
+//! [`v1`] is generated (`proto/generate`) from `baudbot/v1/*.proto`, which also holds its documentation. Any language's gRPC
 //! tools can be given those files.
 
 /// Package `baudbot.v1`: the services of the operator, the brain and the observer.
 #[allow(missing_docs, unreachable_pub, unused_qualifications, clippy::all, reason = "generated code")]
 pub mod v1 {
-    tonic::include_proto!("baudbot.v1");
+    include!("generated/baudbot.v1.rs");
 }
 
 /// The trailer that says why an Attach has ended, where its status alone does not.
@@ -16,4 +16,4 @@ pub const REASON: &str = "baudbot-reason";
 pub const RESTART: &str = "restart";
 
 /// The contract as a serialised `FileDescriptorSet`, for server reflection.
-pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));
+pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");

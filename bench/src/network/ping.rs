@@ -17,7 +17,7 @@ use self::contract::ping_service_server::{PingService, PingServiceServer};
 
 #[allow(missing_docs, unreachable_pub, unused_qualifications, clippy::all, reason = "generated code")]
 mod contract {
-    tonic::include_proto!("baudbot.bench");
+    include!("generated/baudbot.bench.rs");
 }
 
 /// Bytes of a message.

@@ -110,15 +110,3 @@ Examples:
   baudbot watch                                  the only world at 127.0.0.1:7400
   baudbot watch --world wander --once
   baudbot watch --foxglove                       Foxglove then opens ws://127.0.0.1:8765";
-
-pub(super) const BENCH_EXAMPLES: &str = "\
-Examples:
-  baudbot bench                                  all workloads, five repeats of two seconds each
-  baudbot bench W2 W3/1000 --repeats 3 --seconds 0.5
-  baudbot bench W3/1000 --threads 2
-  baudbot bench --json before.json               to compare with later
-  valgrind --tool=callgrind baudbot bench W1/onboard --ticks 10000
-
-Each workload runs in a process of its own. Just before each repeat a fixed loop is timed: the column \"per 10^6 rounds\"
-is the figure for a million of its rounds, and compares between machines better than the figure does. docs/performance.md
-has the workloads, and what other simulators did with them. The exit code is 1 if one of them could not be measured.";

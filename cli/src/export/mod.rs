@@ -14,6 +14,7 @@ mod events;
 mod film;
 mod pass;
 mod ran;
+#[cfg(feature = "parquet")]
 mod rows;
 mod summary;
 mod trails;
@@ -73,6 +74,11 @@ fn start(path: &Path, tape: &Arc<Tape>) -> anyhow::Result<(Replay, World)> {
 
 /// Refuses outputs that would be written into each other, or over the recording.
 fn check(args: &ExportArgs) -> anyhow::Result<()> {
+    if cfg!(not(feature = "parquet")) && args.parquet.is_some() {
+        return Err(Refused::error(
+            "--parquet: this program was built without it; cargo build --release --features parquet",
+        ));
+    }
     let mut to_stdout = args.outputs().filter(|(_, path)| *path == Path::new(STDOUT));
     if let (Some((one, _)), Some((other, _))) = (to_stdout.next(), to_stdout.next()) {
         return Err(Refused::error(format!(
@@ -125,6 +131,7 @@ fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Resu
         anyhow::Ok(())
     };
     add(&args.csv, every, &|out| Box::new(Watched::new(Table::new(out, robots), Table::write)))?;
+    #[cfg(feature = "parquet")]
     add(&args.parquet, every, &|out| Box::new(rows::Rows::new(out, robots)))?;
     add(&args.timeline, 1, &|out| {
         let (trace, outcome) = Trace::new(out, &tape.header().world, robots.len());

@@ -2,7 +2,6 @@
 
 use crate::baudbot;
 
-#[cfg(feature = "foxglove")]
 mod live {
     use baudbot_proto::v1;
     use futures_util::{SinkExt, StreamExt};
@@ -122,12 +121,4 @@ fn foxglove_is_shown_a_world_on_this_machine_only() {
     let (code, _, err) = baudbot(&["watch", "--foxglove=0.0.0.0:8765"]);
     assert_eq!(code, 2, "{err}");
     assert!(err.contains("only addresses of this machine are taken, such as 127.0.0.1:8765"), "{err}");
-}
-
-#[cfg(not(feature = "foxglove"))]
-#[test]
-fn a_program_that_cannot_do_that_says_how_one_is_made_that_can() {
-    let (code, _, err) = baudbot(&["watch", "--foxglove"]);
-    assert_eq!(code, 2);
-    assert!(err.contains("built without it; cargo build --release --features foxglove"), "{err}");
 }

@@ -116,16 +116,3 @@ fn an_environment_asks_for_logs_and_is_refused_what_is_no_level() {
     let (code, _, err) = logged("loud", &[]);
     assert!(code == 2 && err.contains("must be off, error, warn"), "{err}");
 }
-
-#[cfg(not(feature = "otel"))]
-#[test]
-fn who_names_a_collector_to_a_program_that_cannot_export_is_told() {
-    let run = |endpoint| {
-        let mut run = command(&["run", "--seconds", "0.1", "--quiet"]);
-        said(run.env("OTEL_EXPORTER_OTLP_ENDPOINT", endpoint).output().unwrap())
-    };
-    let (code, _, err) = run("http://127.0.0.1:1");
-    let note = "note: OTEL_EXPORTER_OTLP_ENDPOINT is set, but this program was built without the feature otel: nothing is exported\n";
-    assert_eq!((code, err.as_str()), (0, note));
-    assert_eq!(run(""), (0, String::new(), String::new()));
-}

@@ -1,7 +1,6 @@
 //! The program as its users have it: arguments in, text and exit codes out.
 
 mod beliefs;
-mod bench;
 mod budget;
 mod damaged;
 mod devices;
@@ -12,7 +11,6 @@ mod hostile;
 mod locating;
 mod logs;
 mod new;
-#[cfg(feature = "otel")]
 mod otel;
 mod plans;
 mod presets;

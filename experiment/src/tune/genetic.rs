@@ -7,7 +7,8 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::method::{Course, fold};
+use super::method::Course;
+use super::optimizers::fold;
 
 /// The points of the generation after those whose costs are given. The first has as many as the population, all others one
 /// less, as the best is kept.

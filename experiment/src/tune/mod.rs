@@ -1,6 +1,6 @@
 //! Tuning: the numbers of an experiment's fields that make its runs best.
 //!
-//! `tuning` is what the file says, `goal` what is made large; `method` asks for candidates, generation by generation, and
+//! `tuning` is what the file says, `goal` what is made large; `optimizers` ask for candidates, generation by generation, and
 //! `candidate` is one with what came of it. [`tune()`] runs them on all cores. `outcome` is what came of it
 //! all.
 //!
@@ -9,10 +9,14 @@
 //! that was killed goes on where it was. One that is over goes on if it is given more generations.
 
 mod candidate;
+#[cfg(feature = "tune")]
 mod genetic;
 mod goal;
+#[cfg(feature = "tune")]
 mod ledger;
 mod method;
+#[cfg_attr(not(feature = "tune"), path = "no_optimizers.rs")]
+mod optimizers;
 mod outcome;
 #[cfg(test)]
 mod tests;
@@ -50,6 +54,7 @@ use method::Course;
 /// If the experiment makes no sense, or has no `[tune]`; if the folder is another's, the tuning is long and not confirmed, no
 /// candidate can be run, a file cannot be written or the server fails. What was run is in the journal.
 pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Error> {
+    optimizers::check()?;
     let missing =
         || Error::field("tune", "is missing: what is made large, such as maximize = { covered = 1.0 }");
     let tuning = experiment.tuning.as_ref().ok_or_else(missing)?;

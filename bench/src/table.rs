@@ -3,13 +3,12 @@
 use baudbot_bench::catalogue::{Anchor, Workload};
 use baudbot_bench::outcome::{Beside, Outcome};
 
-use crate::text;
+use comfy_table::{CellAlignment, Table, presets};
 
 /// The workloads and what they are.
 pub(super) fn list(workloads: &[&Workload]) -> String {
-    let rows: Vec<_> =
-        workloads.iter().map(|workload| (workload.name, workload.summary.to_owned())).collect();
-    text::pairs("", &rows)
+    let width = workloads.iter().map(|workload| workload.name.len()).max().unwrap_or(0);
+    workloads.iter().map(|workload| format!("{:<width$}  {}\n", workload.name, workload.summary)).collect()
 }
 
 /// A row a workload, then what other simulators did, then what else there is to say.
@@ -17,16 +16,16 @@ pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
     let head = ["workload", "median", "min", "max", "unit", "peak memory", "per 10^6 rounds"];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(measured.iter().map(|(_, outcome)| row(outcome)));
-    let mut text = text::table("", &rows);
+    let mut text = table("", &rows);
     let others: Vec<_> = measured.iter().flat_map(|(workload, outcome)| others(workload, outcome)).collect();
     if !others.is_empty() {
         text += "\nin comparison; other simulators on a quiet core (docs/performance.md)\n";
-        text += &text::table("  ", &others);
+        text += &table("  ", &others);
     }
     let hashes: Vec<_> = measured.iter().filter_map(|(_, outcome)| hash(outcome)).collect();
     if !hashes.is_empty() {
         text += "\nfingerprints, the same on every machine\n";
-        text += &text::table("  ", &hashes);
+        text += &table("  ", &hashes);
     }
     for (_, outcome) in measured {
         for note in &outcome.notes {
@@ -34,6 +33,17 @@ pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
         }
     }
     text.trim_end().to_owned() + "\n"
+}
+
+/// Rows as lines, the first column to the left and the others to the right.
+fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).add_rows(rows);
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
+    }
+    table.lines().map(|line| format!("{}\n", format!("{indent}{line}").trim_end())).collect()
 }
 
 fn row(outcome: &Outcome) -> [String; 7] {
@@ -45,7 +55,7 @@ fn row(outcome: &Outcome) -> [String; 7] {
         figure(least),
         figure(greatest),
         outcome.unit.clone(),
-        memory.unwrap_or_else(|| text::NOTHING.to_owned()),
+        memory.unwrap_or_else(|| NOTHING.to_owned()),
         figure(outcome.median_per_million_rounds()),
     ]
 }
@@ -67,10 +77,13 @@ fn hash(outcome: &Outcome) -> Option<[String; 3]> {
     Some([outcome.workload.clone(), outcome.hash.clone()?, format!("after {ticks} ticks")])
 }
 
+/// What stands where there is no number.
+const NOTHING: &str = "—";
+
 /// A number with four digits that count, thousands apart.
 fn figure(number: f64) -> String {
     if !number.is_finite() {
-        return text::NOTHING.to_owned();
+        return NOTHING.to_owned();
     }
     if number == 0.0 {
         return "0".to_owned();

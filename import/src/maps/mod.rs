@@ -1,13 +1,20 @@
 //! The entries of `arena.maps` become entries of `arena.polygons`.
 
+mod entry;
+mod outlines;
+mod raster;
+mod rectangles;
+mod ros;
+mod shape;
+mod svg;
+
 use std::path::Path;
 
 use serde::de::IntoDeserializer;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
-use crate::entry::{Entry, Raw, Source};
+use self::entry::{Entry, Raw, Source};
 use crate::error::ImportError;
-use crate::{ros, svg};
 
 /// Replaces the maps of a scenario. Returns whether it has any.
 pub(crate) fn inline(document: &mut DocumentMut, base: &Path) -> Result<bool, ImportError> {

@@ -1,14 +1,19 @@
-//! `baudbot bench`. How fast anything is, no test asks.
+//! The program `baudbot-bench`. How fast anything is, no test asks.
+
+use std::process::Command;
 
 use serde_json::Value;
 
-use super::{baudbot, good};
+/// Runs the program: exit code, stdout, stderr.
+fn program(args: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_baudbot-bench")).args(args).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code().expect("an exit code"), text(output.stdout), text(output.stderr))
+}
 
 /// The shortest measurement.
 fn bench(args: &[&str]) -> (i32, String, String) {
-    let args: Vec<_> =
-        ["bench", "--seconds", "0.001", "--repeats", "2"].iter().chain(args).copied().collect();
-    baudbot(&args)
+    program(&[&["--seconds", "0.001", "--repeats", "2"], args].concat())
 }
 
 #[test]
@@ -45,14 +50,15 @@ fn a_table_has_a_row_a_workload_and_what_others_did() {
 
 #[test]
 fn the_workloads_are_listed() {
-    let (code, out, _) = baudbot(&["bench", "W3", "--list"]);
+    let (code, out, _) = program(&["W3", "--list"]);
     assert_eq!((code, out.lines().count()), (0, 3), "{out}");
 }
 
 #[test]
 fn a_number_of_ticks_gives_a_fingerprint_and_no_figure() {
     let hash = |threads: &str| {
-        let out = good(&["bench", "W3/100", "--ticks", "20", "--threads", threads]);
+        let (code, out, err) = program(&["W3/100", "--ticks", "20", "--threads", threads]);
+        assert_eq!(code, 0, "{err}");
         out.split_whitespace().nth(1).unwrap().to_owned()
     };
     let alone = hash("1");
@@ -62,12 +68,12 @@ fn a_number_of_ticks_gives_a_fingerprint_and_no_figure() {
 #[test]
 fn what_cannot_be_measured_is_refused() {
     let refused = |args: &[&str], text: &str| {
-        let (code, _, err) = baudbot(args);
+        let (code, _, err) = program(args);
         assert_eq!(code, 2, "{args:?}: {err}");
         assert!(err.contains(text), "{args:?}: {err}");
     };
-    refused(&["bench", "W9"], "error: no workload `W9`; there are: W1/onboard, W1/ideal,");
-    refused(&["bench", "--seconds", "0"], "must be above 0 and at most 3600, is 0");
-    refused(&["bench", "N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
-    refused(&["bench", "--repeats", "0"], "0 is not in 1..=1000");
+    refused(&["W9"], "error: no workload `W9`; there are: W1/onboard, W1/ideal,");
+    refused(&["--seconds", "0"], "must be above 0 and at most 3600, is 0");
+    refused(&["N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
+    refused(&["--repeats", "0"], "0 is not in 1..=1000");
 }

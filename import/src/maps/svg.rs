@@ -12,11 +12,11 @@ use svgtypes::{NumberListParser, PathParser, Transform, ViewBox};
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 use usvg::{Group, ImageHrefResolver, Options, Tree};
 
-use crate::entry::Scale;
+use super::entry::Scale;
+use super::outlines::{self, Outline, Placement};
+use super::shape::{MAX_SHAPES, Shape};
 use crate::error::FileError;
 use crate::file;
-use crate::outlines::{self, Outline, Placement};
-use crate::shape::{MAX_SHAPES, Shape};
 
 /// What is drawn, in the order of the file.
 pub(crate) fn shapes(path: &Path, scale: &Scale) -> Result<Vec<Shape>, FileError> {

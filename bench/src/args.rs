@@ -1,11 +1,13 @@
-//! The arguments of `baudbot bench`.
+//! The arguments of `baudbot-bench`.
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::Parser;
 
-#[derive(Debug, Args)]
-pub(crate) struct BenchArgs {
+/// Measures how fast worlds and the path to their brains are
+#[derive(Debug, Parser)]
+#[command(name = "baudbot-bench", version, after_long_help = EXAMPLES)]
+pub(crate) struct Args {
     /// Workloads, such as W2 or W3/100; W3 is all of its kind [default: all]
     #[arg(value_name = "WORKLOAD")]
     pub(crate) workloads: Vec<String>,
@@ -33,7 +35,7 @@ pub(crate) struct BenchArgs {
     /// No progress bar, no notes, no table (files are still written)
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// What a process of its own is to measure: for `baudbot bench` itself
+    /// What a process of its own is to measure: for `baudbot-bench` itself
     #[arg(long, value_name = "TASK", hide = true, exclusive = true)]
     pub(crate) child: Option<String>,
 }
@@ -46,3 +48,15 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// A repeat of an hour.
 const MOST_S: f64 = 3600.0;
+
+const EXAMPLES: &str = "\
+Examples:
+  baudbot-bench                                  all workloads, five repeats of two seconds each
+  baudbot-bench W2 W3/1000 --repeats 3 --seconds 0.5
+  baudbot-bench W3/1000 --threads 2
+  baudbot-bench --json before.json               to compare with later
+  valgrind --tool=callgrind baudbot-bench W1/onboard --ticks 10000
+
+Each workload runs in a process of its own. Just before each repeat a fixed loop is timed: the column \"per 10^6 rounds\"
+is the figure for a million of its rounds, and compares between machines better than the figure does. docs/performance.md
+has the workloads, and what other simulators did with them. The exit code is 1 if one of them could not be measured.";

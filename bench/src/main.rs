@@ -1,9 +1,12 @@
-//! `baudbot bench`: how fast worlds and the path to their brains are.
+//! The program `baudbot-bench`: how fast worlds and the path to their brains are.
 
+mod args;
 mod files;
 mod table;
 
-use std::io::IsTerminal;
+use std::fs;
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 use anyhow::Context;
@@ -11,20 +14,33 @@ use baudbot_bench::catalogue::{self, Workload};
 use baudbot_bench::child;
 use baudbot_bench::measure::Effort;
 use baudbot_bench::outcome::Outcome;
+use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::args::BenchArgs;
-use crate::error::{self, Refused};
-use crate::text;
-use crate::text::tell;
+use crate::args::Args;
 
-pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
+/// The arguments name what cannot be measured. Exit code 2, as for options that do not exist.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Refused(String);
+
+fn main() -> ExitCode {
+    match bench(&Args::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<Refused>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn bench(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
         return Ok(child::serve(task, child_command()?));
     }
-    let chosen = catalogue::select(&args.workloads).map_err(|error| Refused::error(error.to_string()))?;
+    let chosen = catalogue::select(&args.workloads).map_err(|error| Refused(error.to_string()))?;
     if args.list {
-        text::print(&table::list(&chosen))?;
+        print(&table::list(&chosen))?;
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(ticks) = args.ticks {
@@ -32,27 +48,27 @@ pub(crate) fn bench(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     if cfg!(debug_assertions) {
-        tell!("warning: {DEBUG_BUILD}");
+        eprintln!("warning: {DEBUG_BUILD}");
     }
     let (measured, failed) = measure(args, &chosen)?;
     let file = args.json.as_ref().or(args.csv.as_ref());
     if let Some(path) = file {
         let content = if args.json.is_some() { files::json(&measured)? } else { files::csv(&measured)? };
-        text::write(path, &content)?;
+        write(path, &content)?;
     }
     if !args.quiet && file.is_none_or(|path| path.as_os_str() != "-") {
-        text::print(&table::text(&measured))?;
+        print(&table::text(&measured))?;
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// `--ticks`.
-fn run_ticks(chosen: &[&Workload], ticks: u64, args: &BenchArgs) -> anyhow::Result<()> {
+fn run_ticks(chosen: &[&Workload], ticks: u64, args: &Args) -> anyhow::Result<()> {
     for workload in chosen {
         let hash = workload.run_ticks(ticks, args.threads.into());
-        let hash = hash.map_err(|error| Refused::error(error.to_string()))?;
+        let hash = hash.map_err(|error| Refused(error.to_string()))?;
         if !args.quiet {
-            text::print(&format!("{}  {hash:016x} after {ticks} ticks\n", workload.name))?;
+            print(&format!("{}  {hash:016x} after {ticks} ticks\n", workload.name))?;
         }
     }
     Ok(())
@@ -60,7 +76,7 @@ fn run_ticks(chosen: &[&Workload], ticks: u64, args: &BenchArgs) -> anyhow::Resu
 
 /// What was measured of each, and how many could not be.
 fn measure(
-    args: &BenchArgs,
+    args: &Args,
     chosen: &[&'static Workload],
 ) -> anyhow::Result<(Vec<(&'static Workload, Outcome)>, usize)> {
     let effort = Effort { seconds: args.seconds, repeats: args.repeats };
@@ -78,7 +94,7 @@ fn measure(
             Ok(outcome) => measured.push((workload, outcome)),
             Err(error) => {
                 failed += 1;
-                bar.suspend(|| tell!("error: {}: {}", workload.name, error::text(&error.into())));
+                bar.suspend(|| eprintln!("error: {}: {:#}", workload.name, anyhow::Error::from(error)));
             }
         }
     }
@@ -89,12 +105,26 @@ fn measure(
 /// Begins a process that does what its last argument says.
 fn child_command() -> anyhow::Result<Command> {
     let mut command = Command::new(std::env::current_exe().context("cannot find this program")?);
-    command.args(["bench", "--child"]);
+    command.arg("--child");
     Ok(command)
 }
 
+/// Writes to stdout; a reader that is gone is an error, no panic.
+fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to stdout")
+}
+
+/// Writes to a file, or to stdout for `-`.
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    if path == Path::new("-") {
+        return print(text);
+    }
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
 fn progress(quiet: bool, repeats: u64) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
+    if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::with_draw_target(Some(repeats), ProgressDrawTarget::stderr());

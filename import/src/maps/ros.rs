@@ -12,12 +12,12 @@ use std::path::Path;
 use baudbot_geometry::math;
 use serde::Deserialize;
 
-use crate::entry::Unknown;
+use super::entry::Unknown;
+use super::raster;
+use super::rectangles::{Rectangle, cover};
+use super::shape::{MAX_POSITION, MAX_SHAPES, Shape, tidy};
 use crate::error::FileError;
 use crate::file;
-use crate::raster;
-use crate::rectangles::{Rectangle, cover};
-use crate::shape::{MAX_POSITION, MAX_SHAPES, Shape, tidy};
 
 /// The rectangles that cover what is occupied in the map that the YAML file describes.
 pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileError> {

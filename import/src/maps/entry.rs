@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
+use super::shape::MAX_POSITION;
 use crate::error::ImportError;
-use crate::shape::MAX_POSITION;
 
 /// A map: where it comes from and how it becomes shapes.
 #[derive(Debug)]

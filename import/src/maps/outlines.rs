@@ -5,8 +5,8 @@ use kurbo::PathEl;
 use usvg::FillRule;
 use usvg::tiny_skia_path::PathSegment;
 
-use crate::entry::Scale;
-use crate::shape::{MAX_POSITION, tidy};
+use super::entry::Scale;
+use super::shape::{MAX_POSITION, tidy};
 
 /// Corners in order, in metres; neighbours differ.
 #[derive(Debug, Default)]

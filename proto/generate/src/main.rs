@@ -1,0 +1,88 @@
+//! Makes `proto/src/generated` from `proto/baudbot/v1`, and what `bench` needs for its ping-pong: `cargo run -p
+//! baudbot-proto-generate`.
+//!
+//! What it makes is committed, so that a build of baudbot compiles no compilers. The contract is compiled by protox, which
+//! is Rust: no `protoc` is needed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use prost::Message;
+
+/// What is made of which files.
+struct Contract {
+    /// Where the files are, from the project's root.
+    protos: &'static str,
+    files: &'static [&'static str],
+    /// Where the code goes, from the project's root.
+    generated: &'static str,
+    /// What is written there.
+    made: &'static [&'static str],
+}
+
+const CONTRACTS: [Contract; 2] = [
+    Contract {
+        protos: "proto",
+        files: &[
+            "baudbot/v1/world.proto",
+            "baudbot/v1/budget.proto",
+            "baudbot/v1/control.proto",
+            "baudbot/v1/brain_link.proto",
+            "baudbot/v1/observe.proto",
+            "baudbot/v1/page.proto",
+            "baudbot/v1/recording.proto",
+        ],
+        generated: "proto/src/generated",
+        made: &["baudbot.v1.rs", DESCRIPTORS],
+    },
+    Contract {
+        protos: "bench/proto",
+        files: &["ping.proto"],
+        generated: "bench/src/network/generated",
+        made: &["baudbot.bench.rs"],
+    },
+];
+
+/// All messages and services, serialised: what reflection tells clients.
+const DESCRIPTORS: &str = "descriptors.bin";
+
+fn main() -> anyhow::Result<()> {
+    CONTRACTS.iter().try_for_each(|contract| contract.generate(&root().join(contract.generated)))
+}
+
+/// The project's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+impl Contract {
+    /// Writes what is made into a folder.
+    fn generate(&self, folder: &Path) -> anyhow::Result<()> {
+        let descriptors = protox::compile(self.files, [root().join(self.protos)])?;
+        fs::create_dir_all(folder)?;
+        if self.made.contains(&DESCRIPTORS) {
+            fs::write(folder.join(DESCRIPTORS), descriptors.encode_to_vec())?;
+        }
+        tonic_prost_build::configure().out_dir(folder).compile_fds(descriptors).context(self.protos)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_committed_is_what_the_contracts_make() {
+        for contract in &CONTRACTS {
+            let folder = tempfile::tempdir().unwrap();
+            contract.generate(folder.path()).unwrap();
+            for file in contract.made {
+                let [made, committed] =
+                    [folder.path(), &root().join(contract.generated)].map(|folder| folder.join(file));
+                let is_same = fs::read(&made).unwrap() == fs::read(&committed).unwrap_or_default();
+                assert!(is_same, "{} is old: cargo run -p baudbot-proto-generate", committed.display());
+            }
+        }
+    }
+}
