@@ -1,5 +1,5 @@
 //! Generated arenas, explored by a robot that knows where it is. All that can be seen from where it can get to is to be
-//! seen. `tests/tests/exploration.rs` has the same with bodies, cables and a laser that sweeps.
+//! seen. `tests/tests/exploration/mod.rs` has the same with bodies, cables and a laser that sweeps.
 
 use super::*;
 use crate::exploration::arena::{Arena, Run};

@@ -120,7 +120,7 @@ const fn quoted(text: &'static str, start: &str) -> (&'static str, &'static str)
 
 macro_rules! presets {
     ($($name:literal)*) => {
-        &[$(Preset::read($name, include_str!(concat!("../presets/", $name, ".toml")))),*]
+        &[$(Preset::read($name, include_str!(concat!("../../presets/", $name, ".toml")))),*]
     };
 }
 

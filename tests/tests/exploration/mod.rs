@@ -16,8 +16,8 @@ use super::localization::witnessed;
 mod passages;
 mod truth;
 
-const ROOM: &str = include_str!("../../scenarios/explore-room.toml");
-const OFFICE: &str = include_str!("../../scenarios/explore-office.toml");
+const ROOM: &str = include_str!("../../../scenarios/explore-room.toml");
+const OFFICE: &str = include_str!("../../../scenarios/explore-office.toml");
 const NODES: &str = "explore";
 const FRONTIERS: &str = "explore:method=1";
 
