@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use baudbot_scenario::ScenarioError;
 use baudbot_sim::Scenario;
-use baudbot_sim::scenario::ScenarioError;
 
 use crate::plan::{CYLINDER_RADIUS_M, Plan};
 
@@ -129,7 +129,7 @@ pub fn office(plan: &Plan, robots: usize, period_ms: f64) -> String {
 /// # Errors
 /// If it refuses it.
 pub fn parse(toml: &str) -> Result<Scenario, ScenarioError> {
-    Scenario::parse(toml)
+    baudbot_scenario::parse(toml)
 }
 
 fn head(name: &str, step_ms: f64) -> String {
@@ -196,7 +196,7 @@ const SENSORS_M_DEG: [[f64; 3]; 8] = [
     [0.0335, 0.0105, 18.0],
 ];
 
-/// The e-puck's of `sim/presets/e-puck.toml`, with its stepper motors: the wheels have the speeds that are commanded.
+/// The e-puck's of `scenario/presets/e-puck.toml`, with its stepper motors: the wheels have the speeds that are commanded.
 const SMALL_BODY: &str = "\
 body = { radius_m = 0.035, mass_kg = 0.15, inertia_kg_m2 = 9.2e-5, wheel_radius_m = 0.0205, half_track_m = 0.0265 }
 motors = { preset = \"e-puck-stepper\" }

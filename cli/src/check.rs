@@ -43,7 +43,7 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
         text += &describe_robot(robot);
         text += &alike::others(robot, count);
     }
-    for warning in scenario.warnings() {
+    for warning in baudbot_scenario::warnings(scenario) {
         let _ = writeln!(text, "\nwarning: {warning}");
     }
     for (robot, warning) in together::all_warnings(scenario) {
@@ -334,7 +334,7 @@ mod tests {
     use super::*;
 
     fn scenario(name: &str, sets: &[&str]) -> Scenario {
-        let sets: Vec<_> = sets.iter().map(|set| baudbot_sim::Override::parse(set).unwrap()).collect();
+        let sets: Vec<_> = sets.iter().map(|set| baudbot_scenario::Override::parse(set).unwrap()).collect();
         Source::find(name).unwrap().parse(&sets).unwrap()
     }
 
@@ -390,7 +390,7 @@ mod tests {
             "[[robots]]\nname = \"r\"\n{starts}\n\
              body = {{ radius_m = 0.2, mass_kg = 3, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\n"
         );
-        let text = describe(&Source::find("wander").unwrap(), &Scenario::parse(&text).unwrap());
+        let text = describe(&Source::find("wander").unwrap(), &baudbot_scenario::parse(&text).unwrap());
         assert!(text.contains("  robots     3\n") && text.matches("\nrobot ").count() == 1, "{text}");
         assert!(text.contains("\nrobot a\n  start     x 0 m"), "{text}");
         assert!(text.ends_with("  and 2 more of `r`, alike but for where they start\n"), "{text}");

@@ -140,7 +140,7 @@ const BUFFER: usize = 1 << 16;
 mod tests {
     use std::sync::{Arc, Mutex};
 
-    use baudbot_sim::{Override, Scenario};
+    use baudbot_scenario::Override;
 
     use super::*;
 
@@ -186,7 +186,7 @@ mod tests {
     fn robots_with_other_sensors_share_a_table() {
         let shared = Shared::default();
         let start = Override::parse("robots.a.start.heading_rad=0.1").unwrap();
-        let mut world = World::new(Scenario::parse_with(TWO_ROBOTS, &[start]).unwrap().into());
+        let mut world = World::new(baudbot_scenario::parse_with(TWO_ROBOTS, &[start]).unwrap().into());
         let (mut table, mut outcome) = Table::new(Box::new(shared.clone()), world.scenario().robots());
         world.begin();
         table.write(&world);
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_told_at_once_and_once() {
-        let mut world = World::new(Scenario::parse(TWO_ROBOTS).unwrap().into());
+        let mut world = World::new(baudbot_scenario::parse(TWO_ROBOTS).unwrap().into());
         let (mut table, mut outcome) = Table::new(Box::new(Full), world.scenario().robots());
         world.begin();
         // The buffer holds the first rows.

@@ -11,8 +11,9 @@ use anyhow::{Context, anyhow};
 use baudbot_client::Client;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_scenario::Override;
 use baudbot_server::{OnTick, Pace, Server, WorldConfig};
-use baudbot_sim::{Override, Scenario, World};
+use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tokio::sync::Notify;
 use tokio::task::JoinSet;
@@ -319,9 +320,9 @@ mod tests {
     fn so_many_ticks_are_so_many_ticks_whatever_the_step() {
         for step in [10.0, 0.01, 0.07, 3.3, 1000.0] {
             for ticks in [1, 2, 3, 7, 1_000_003] {
-                let step_ns = Scenario::parse(&format!("step_ms = {step:?}")).unwrap().step_ns();
+                let step_ns = baudbot_scenario::parse(&format!("step_ms = {step:?}")).unwrap().step_ns();
                 let toml = format!("step_ms = {step:?}\nend.after_s = {:?}", after_s(ticks, step_ns));
-                let after = Scenario::parse(&toml).unwrap().end().after.unwrap();
+                let after = baudbot_scenario::parse(&toml).unwrap().end().after.unwrap();
                 assert_eq!(after.as_ns().div_ceil(step_ns), ticks, "{ticks} of {step} ms");
             }
         }

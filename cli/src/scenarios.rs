@@ -5,8 +5,9 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use baudbot_sim::scenario::MAX_BYTES;
-use baudbot_sim::{Override, Scenario};
+use baudbot_scenario::MAX_BYTES;
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
 
 use crate::error::Refused;
 use crate::opened;
@@ -54,7 +55,7 @@ impl Source {
 
     /// Parses it, some of its fields changed.
     pub(crate) fn parse(&self, overrides: &[Override]) -> anyhow::Result<Scenario> {
-        let parsed = Scenario::parse_with(&self.text, overrides);
+        let parsed = baudbot_scenario::parse_with(&self.text, overrides);
         parsed.map_err(|error| Refused::error(format!("{}: {error}", self.label)))
     }
 
@@ -75,7 +76,7 @@ impl Source {
 
 /// Tells what is allowed and yet hardly meant.
 pub(crate) fn warn(scenario: &Scenario) {
-    for warning in scenario.warnings() {
+    for warning in baudbot_scenario::warnings(scenario) {
         tell!("warning: {warning}");
     }
 }

@@ -463,7 +463,7 @@ mod tests {
             body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }
             link = { kind = "uart", baud = 9600 }
         "#;
-        let scenario = Scenario::parse(toml).unwrap();
+        let scenario = baudbot_scenario::parse(toml).unwrap();
         let jobs = [Job { brain: "wander".into(), robots: vec!["alice".into()] }];
         let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
         let summary = Summary::new(&scenario, &status(scaled), true, &jobs);
@@ -479,7 +479,7 @@ mod tests {
 
     #[test]
     fn a_run_that_has_ended_was_not_interrupted() {
-        let scenario = Scenario::parse("").unwrap();
+        let scenario = baudbot_scenario::parse("").unwrap();
         let free = v1::WorldStatus { ending: "time".into(), ..status(Kind::Free(v1::Free {})) };
         let summary = Summary::new(&scenario, &free, true, &[]);
         assert_eq!((summary.ending.as_str(), summary.interrupted), ("time", false));

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use baudbot_brains::catalogue::catalogue;
+use baudbot_budget::{Budget, RobotBudget};
 use baudbot_sim::Scenario;
-use baudbot_sim::budget::{Budget, RobotBudget};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 
@@ -82,7 +82,7 @@ fn period_ns(sensor: &Sensor) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Override;
+    use baudbot_scenario::Override;
 
     use super::*;
 
@@ -92,7 +92,7 @@ mod tests {
         let baud = format!("robots.robot.link.baud={baud}");
         let changes = [baud.as_str()].into_iter().chain(others.iter().copied());
         let changes: Vec<_> = changes.map(|text| Override::parse(text).unwrap()).collect();
-        let scenario = Scenario::parse_with(HALL, &changes).unwrap();
+        let scenario = baudbot_scenario::parse_with(HALL, &changes).unwrap();
         all_warnings(&scenario).into_iter().map(|(robot, text)| format!("{robot}: {text}")).collect()
     }
 

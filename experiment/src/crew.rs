@@ -161,7 +161,6 @@ pub const NONE: &str = "none";
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Scenario;
 
     use super::*;
 
@@ -174,7 +173,7 @@ mod tests {
         };
         let ir = "sensors.front = { kind = \"ir\", bearing_rad = 0.0, rays = 1, opening_rad = 0.0, range_m = 1.0, c1_m2 = 0.03, c2 = 0.1 }";
         let toml = robot("alice", 0.0, ir) + &robot("bob", 1.0, "") + &robot("carol", 2.0, ir);
-        let scenario = Scenario::parse(&toml).map_err(|error| error.to_string())?;
+        let scenario = baudbot_scenario::parse(&toml).map_err(|error| error.to_string())?;
         let arguments: Vec<_> = arguments.iter().map(|&argument| argument.to_owned()).collect();
         let jobs = share_out(&arguments, scenario.robots()).map_err(|error| error.to_string())?;
         Ok(jobs.into_iter().map(|job| (job.brain, job.robots)).collect())
@@ -199,7 +198,7 @@ mod tests {
     fn a_brain_may_be_for_all_robots_of_a_table() {
         let toml = "[[robots]]\nname = \"ant\"\nstarts = [{}, { x_m = 1.0 }, { x_m = 2.0, name = \"queen\" }]\n\
                     body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }\n";
-        let scenario = Scenario::parse(toml).unwrap();
+        let scenario = baudbot_scenario::parse(toml).unwrap();
         let arguments = ["constant", "ant=wander", "queen=none"].map(str::to_owned);
         let jobs = share_out(&arguments, scenario.robots()).unwrap();
         assert_eq!(jobs, [Job { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]);

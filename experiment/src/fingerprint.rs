@@ -3,7 +3,6 @@
 use std::fmt::Write;
 
 use baudbot_brains::catalogue;
-use baudbot_sim::Scenario;
 
 use crate::counted::Counted;
 use crate::crew;
@@ -37,7 +36,8 @@ pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
 pub(crate) fn build() -> String {
     let mut hash = Hash(OFFSET);
     for text in PROBES {
-        let scenario = Scenario::parse(text).expect("it is part of the program, and its tests read it");
+        let scenario =
+            baudbot_scenario::parse(text).expect("it is part of the program, and its tests read it");
         let mut pair = Pair::new(scenario, crew::DEFAULT).expect("its only robot has IR sensors");
         pair.run(PROBE_TICKS);
         let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&pair.world)));

@@ -63,13 +63,13 @@ const MOST_NAMES: usize = 3;
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Override;
+    use baudbot_scenario::Override;
 
     use super::*;
 
     fn scenario(changes: &[&str]) -> Scenario {
         let changes: Vec<_> = changes.iter().map(|change| Override::parse(change).unwrap()).collect();
-        Scenario::parse_with(include_str!("../../scenarios/wander.toml"), &changes).unwrap()
+        baudbot_scenario::parse_with(include_str!("../../scenarios/wander.toml"), &changes).unwrap()
     }
 
     #[test]

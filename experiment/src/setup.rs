@@ -1,7 +1,8 @@
 //! What a run needs: its scenario, and who drives which robot.
 
 use baudbot_brains::catalogue;
-use baudbot_sim::{Override, Scenario};
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
 
 use crate::choice::Setting;
 use crate::crew::{self, Job};
@@ -45,7 +46,7 @@ pub(crate) fn overrides<'a>(
 
 pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Scenario, String> {
     let overrides = overrides.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>();
-    let scenario = overrides.and_then(|overrides| Scenario::parse_with(&experiment.text, &overrides));
+    let scenario = overrides.and_then(|overrides| baudbot_scenario::parse_with(&experiment.text, &overrides));
     scenario.map_err(|error| error.to_string())
 }
 

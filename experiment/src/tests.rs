@@ -399,7 +399,7 @@ fn a_search_that_takes_long_must_be_meant() {
 /// A server that is full of worlds, which are called `w0`, `w1` and so on.
 fn full_server(runtime: &tokio::runtime::Runtime) -> baudbot_server::Server {
     use baudbot_server::{Server, WorldConfig};
-    let scenario = std::sync::Arc::new(baudbot_sim::Scenario::parse("step_ms = 10.0").unwrap());
+    let scenario = std::sync::Arc::new(baudbot_scenario::parse("step_ms = 10.0").unwrap());
     let worlds = (0..1024).map(|i| WorldConfig::new(format!("w{i}"), scenario.clone()).paused(true));
     let builder = worlds.fold(Server::builder(), |builder, world| builder.world(world));
     let address = "127.0.0.1:0".parse().unwrap();

@@ -2,8 +2,8 @@
 
 use std::io;
 
+use baudbot_scenario::ScenarioError;
 use baudbot_sim::SavedError;
-use baudbot_sim::scenario::ScenarioError;
 use thiserror::Error;
 
 /// Why a recording cannot be used.

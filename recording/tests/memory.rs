@@ -77,7 +77,7 @@ fn no_length_that_a_file_claims_asks_for_memory() {
 
 #[test]
 fn a_damaged_state_takes_as_much_memory_as_its_length_allows() {
-    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let scenario: Arc<Scenario> = Arc::new(baudbot_scenario::parse(SCENARIO).unwrap());
     let mut world = World::new(scenario);
     (0..50).for_each(|_| {
         world.begin();
@@ -153,7 +153,7 @@ fn refused(file: &[u8]) -> String {
 /// A list of texts without a letter is two bytes a text in the file, and 24 in memory.
 #[test]
 fn what_is_empty_is_not_there_in_any_number() {
-    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let scenario: Arc<Scenario> = Arc::new(baudbot_scenario::parse(SCENARIO).unwrap());
     let header = header("w", &scenario, None).encode_to_vec();
     for (field, key) in [(5, 0x2a), (10, 0x52)] {
         let crowded = [header.clone(), [key, 0].repeat(5_000_000)].concat();
@@ -170,7 +170,7 @@ fn what_is_empty_is_not_there_in_any_number() {
 /// Each of these marks begins a part of its own. To look through all of them for each would take hours.
 #[test]
 fn a_million_parts_are_looked_through_once() {
-    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let scenario: Arc<Scenario> = Arc::new(baudbot_scenario::parse(SCENARIO).unwrap());
     let header = header("w", &scenario, None).encode_to_vec();
     let mark = (topic::MARKS, &[0x18, 2][..]);
     let all = [vec![(topic::HEADER, &header[..])], vec![mark; 1_000_000]].concat();
@@ -181,7 +181,7 @@ fn a_million_parts_are_looked_through_once() {
 /// A window of a table has an end because a tick has a length.
 #[test]
 fn a_step_that_the_scenario_does_not_have_is_refused() {
-    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO).unwrap());
+    let scenario: Arc<Scenario> = Arc::new(baudbot_scenario::parse(SCENARIO).unwrap());
     for step_ns in [0, 1, u64::MAX] {
         let header = v1::RecordingHeader { step_ns, ..header("w", &scenario, None) }.encode_to_vec();
         let said = refused(&file(&[messages(&[(topic::HEADER, &header)])]));

@@ -57,7 +57,7 @@ fn bytes(tick: u64, robot: usize) -> Vec<u8> {
 }
 
 fn scenario() -> Arc<Scenario> {
-    Scenario::parse(SCENARIO).unwrap().into()
+    baudbot_scenario::parse(SCENARIO).unwrap().into()
 }
 
 /// A recording of so many ticks, with a mark every 40 and a change by hand in tick 55.

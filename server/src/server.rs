@@ -391,7 +391,7 @@ async fn router(control: Control, patience: Duration) -> Result<Router, ServerEr
         .add_service(
             // A scenario may have 16 MiB, and a little is around it.
             ControlServiceServer::new(control)
-                .max_decoding_message_size(baudbot_sim::scenario::MAX_BYTES + (1 << 16)),
+                .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
         )
         .add_service(ObserveServiceServer::new(observe))
         .add_service(BrainLinkServiceServer::new(brain_link)))

@@ -60,9 +60,20 @@ pub struct Arena {
 
 /// One of the arena's shapes, by its place in its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Thing {
+pub enum Thing {
+    /// A polygon.
     Polygon(usize),
+    /// A pillar.
     Pillar(usize),
+}
+
+/// How high a sensor sits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Height {
+    /// In metres.
+    pub above_floor_m: f64,
+    /// The layer of the arena with what reaches up to there.
+    pub(crate) layer: usize,
 }
 
 /// What is seen from some height.
@@ -83,8 +94,12 @@ impl Arena {
         Self { polygons, pillars, layers: alloc::vec![all], solids }
     }
 
-    /// The layer of what reaches up to `height_m`, made if there is none yet.
-    pub(crate) fn layer(&mut self, height_m: f64) -> usize {
+    /// The height of a sensor. The arena gets a layer of what reaches up to there, if it has none yet.
+    pub fn height(&mut self, above_floor_m: f64) -> Height {
+        Height { above_floor_m, layer: self.layer(above_floor_m) }
+    }
+
+    fn layer(&mut self, height_m: f64) -> usize {
         let same = |layer: &Layer| self.is_layer(layer, height_m);
         if let Some(i) = self.layers.iter().position(same) {
             return i;
@@ -172,7 +187,7 @@ impl Arena {
     }
 
     /// A shape's name.
-    pub(crate) fn name_of(&self, thing: Thing) -> &str {
+    pub fn name_of(&self, thing: Thing) -> &str {
         match thing {
             Thing::Polygon(i) => &self.polygons[i].name,
             Thing::Pillar(i) => &self.pillars[i].name,

@@ -13,11 +13,9 @@
 //!    [`arena`])
 //! 6. what is to be counted is counted ([`coverage`], [`referee`]); the run ends, or goes on
 //!
-//! What is there before the first tick comes from a text ([`scenario`], with [`presets`]): walls in the [`arena`],
-//! zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`] shows what
-//! sensors see.
-//!
-//! What a control cycle costs, and whether it fits into a step, can be told without a run: [`budget`].
+//! What there is before the first tick is a [`Scenario`], which `baudbot-scenario` makes from a text: walls in the
+//! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`]
+//! shows what sensors see.
 //!
 //! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
 //! bytes and seeds come in, bytes and instants go out. The same scenario, seed and inputs give the same bits
@@ -32,7 +30,6 @@ extern crate std;
 pub mod actuator;
 pub mod arena;
 pub mod battery;
-pub mod budget;
 pub mod collision;
 pub mod coverage;
 mod curve;
@@ -50,7 +47,6 @@ pub mod movable;
 pub mod mover;
 mod parallel;
 pub mod port;
-pub mod presets;
 pub mod printable;
 pub mod random;
 pub mod referee;
@@ -75,7 +71,7 @@ pub use baudbot_geometry::Pose;
 pub use histogram::Histogram;
 pub use intervention::{Intervention, InterventionError};
 pub use laptop::{Freshness, Reading};
-pub use scenario::{Override, Scenario};
+pub use scenario::Scenario;
 pub use time::SimTime;
 pub use view::{Outline, RobotView, SensorView, ThingView};
 pub use world::{Ending, Input, SavedError, Turn, World};

@@ -96,7 +96,8 @@ pub(crate) struct Around<'a> {
 }
 
 impl Mover {
-    pub(crate) fn form(&self) -> Form<'_> {
+    /// Its shape, in its own frame.
+    pub fn form(&self) -> Form<'_> {
         Form::of(&self.outline, self.radius_m)
     }
 

@@ -52,7 +52,7 @@ impl Stream {
     }
 
     /// What tells this stream from all others of its kind.
-    pub(crate) fn key(&self) -> u64 {
+    pub fn key(&self) -> u64 {
         self.place.key
     }
 

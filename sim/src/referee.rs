@@ -18,9 +18,9 @@ pub struct Rules {
     /// The floor to be covered, if that is counted (§6.1).
     pub floor: Option<Floor>,
     /// Which sensor's rays cover the floor: the place of a sensor for each robot that has one of that name.
-    pub(crate) sensed_by: Vec<Option<usize>>,
+    pub sensed_by: Vec<Option<usize>>,
     /// How often those rays are looked at, in nanoseconds.
-    pub(crate) sense_ns: u64,
+    pub sense_ns: u64,
     /// The run ends with so many collisions.
     pub collisions: Option<u64>,
     /// The run ends when all goals have been reached.
@@ -32,7 +32,7 @@ pub struct Rules {
     /// The run ends when a battery is empty.
     pub battery_empty: bool,
     /// Whether some robot's missed deadline ends it.
-    pub(crate) missed_deadline: bool,
+    pub missed_deadline: bool,
 }
 
 impl Rules {

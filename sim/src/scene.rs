@@ -10,7 +10,7 @@ use baudbot_geometry::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::arena::{Arena, Look};
+use crate::arena::{Arena, Height, Look};
 use crate::robot::RobotSpec;
 use crate::scenario::Scenario;
 use crate::surroundings::{Lit, Surroundings};
@@ -86,8 +86,11 @@ impl<'a> Scene<'a> {
     /// What is near the robot, if all within this disc is.
     fn vicinity(&self, disc: &Circle, layer: usize) -> Option<&Vicinity> {
         let collect = || Vicinity::of(self.spec, self.own, self.arena.seen(layer), self.frozen);
-        let is_for =
-            self.spec.reach.is_some_and(|reach| reach.layer == layer && reach.radius_m >= disc.radius);
+        let is_for = self
+            .spec
+            .sensors
+            .reach()
+            .is_some_and(|reach| reach.layer == layer && reach.radius_m >= disc.radius);
         let vicinity = is_for.then(|| self.vicinity.get_or_init(collect).as_ref()).flatten();
         vicinity.filter(|vicinity| vicinity.covers(disc, layer))
     }
@@ -97,15 +100,6 @@ impl<'a> Scene<'a> {
         let around = Circle { center: from, radius: range_m };
         Eye { index: self.arena.seen(height.layer), scene: self, height, around }
     }
-}
-
-/// How high a sensor sits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Height {
-    /// In metres.
-    pub above_floor_m: f64,
-    /// The layer of the arena with what reaches up to there.
-    pub(crate) layer: usize,
 }
 
 /// A look from one point.

@@ -31,16 +31,19 @@ impl Schedule {
         self.phase_ns
     }
 
-    pub(crate) fn start(&self) -> Due {
+    /// The schedule at the start of a run.
+    pub fn start(&self) -> Due {
         Due { next: SimTime::from_ns(self.phase_ns), missed: 0 }
     }
 }
 
-/// Where a schedule stands: its next due instant, and how many it missed because the processor was busy.
+/// The state of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Due {
-    pub(crate) next: SimTime,
-    pub(crate) missed: u64,
+pub struct Due {
+    /// The next due instant.
+    pub next: SimTime,
+    /// How many were missed.
+    pub missed: u64,
 }
 
 impl Due {
@@ -49,7 +52,7 @@ impl Due {
     }
 
     /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for.
-    pub(crate) fn serve(&mut self, schedule: &Schedule, now: SimTime) {
+    pub fn serve(&mut self, schedule: &Schedule, now: SimTime) {
         let missed = now.since(self.next) / schedule.period_ns;
         self.missed += missed;
         self.next = self.next + (missed + 1) * schedule.period_ns;

@@ -43,7 +43,7 @@ impl SimTime {
     }
 
     /// The first multiple of `period_ns` that is not before this instant; the instant itself if that is 0.
-    pub(crate) const fn up_to(self, period_ns: u64) -> Self {
+    pub const fn up_to(self, period_ns: u64) -> Self {
         match self.0.checked_next_multiple_of(period_ns) {
             Some(ns) => Self(ns),
             None => self,

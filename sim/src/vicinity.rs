@@ -46,7 +46,7 @@ impl Reach {
 impl Vicinity {
     /// What is near robot `own`; `None` if that is more than can be told in short.
     pub(crate) fn of(spec: &RobotSpec, own: usize, index: &Index, frozen: &Frozen) -> Option<Self> {
-        let reach = spec.reach?;
+        let reach = spec.sensors.reach()?;
         let around = Circle { center: frozen.bodies[own].disc.center, radius: reach.radius_m };
         let (mut shapes, mut bodies) = (ArrayVec::new(), ArrayVec::new());
         let mut overflows = false;

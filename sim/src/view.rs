@@ -69,12 +69,12 @@ impl<'a> RobotView<'a> {
     /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's
     /// place.
     pub fn unread_of_ports(&self) -> impl Iterator<Item = (usize, &'a [u8])> {
-        self.spec.ports.iter().zip(&self.state.ports).map(|(&i, port)| (i, port.unread.as_slice()))
+        self.spec.sensors.ports().iter().zip(&self.state.ports).map(|(&i, port)| (i, port.unread.as_slice()))
     }
 
     /// The line of a sensor's own cable, by the sensor's place.
     pub fn port(&self, sensor: usize) -> Option<&'a LineCounters> {
-        let place = self.spec.ports.iter().position(|&i| i == sensor)?;
+        let place = self.spec.sensors.ports().iter().position(|&i| i == sensor)?;
         Some(&self.state.ports[place].line.counters)
     }
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::common::command;
 use baudbot_geometry::{Circle, Point, Pose, polygon};
-use baudbot_sim::{Input, Outline, Scenario, World};
+use baudbot_sim::{Input, Outline, World};
 use proptest::prelude::*;
 
 /// Small numbers from a seed, so that a scene is one number.
@@ -128,11 +128,11 @@ fn scene(seed: u64) -> World {
     parts.extend((0..robots).map(|i| robot(dice, i, quick)));
     for part in parts {
         let longer = toml.clone() + &part;
-        if Scenario::parse(&longer).is_ok() {
+        if baudbot_scenario::parse(&longer).is_ok() {
             toml = longer;
         }
     }
-    World::new(Scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}\n{toml}")).into())
+    World::new(baudbot_scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}\n{toml}")).into())
 }
 
 fn outline(corners: &[Point], radius_m: f64, pose: &Pose) -> Outline {

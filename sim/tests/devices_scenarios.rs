@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
+use baudbot_scenario::Override;
 use baudbot_sim::link::{Adapter, Link};
-use baudbot_sim::{Override, Scenario, World};
+use baudbot_sim::{Scenario, World};
 
 const TICKS: u64 = 200;
 
@@ -52,7 +53,7 @@ fn what_they_say_to_set_can_be_set() {
             let paragraph = paragraph.concat();
             let sets: Vec<_> = paragraph.split("--set ").skip(1).map(quoted_or_word).collect();
             let changes: Vec<_> = sets.iter().map(|set| Override::parse(set).unwrap()).collect();
-            if let Err(error) = Scenario::parse_with(&text, &changes) {
+            if let Err(error) = baudbot_scenario::parse_with(&text, &changes) {
                 panic!("{name} with {sets:?}: {error}");
             }
             found += sets.len();
@@ -128,7 +129,7 @@ fn files() -> Vec<(String, String)> {
 }
 
 fn parse(name: &str, text: &str) -> Scenario {
-    Scenario::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"))
+    baudbot_scenario::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn run(scenario: &Arc<Scenario>) -> World {

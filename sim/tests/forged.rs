@@ -24,7 +24,7 @@ fn scenarios() -> Vec<(String, Arc<Scenario>)> {
     paths.sort();
     let parse = |path: PathBuf| {
         // Those with maps and plans are other crates' matter.
-        let scenario = Scenario::parse(&fs::read_to_string(&path).unwrap()).ok()?;
+        let scenario = baudbot_scenario::parse(&fs::read_to_string(&path).unwrap()).ok()?;
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         (scenario.robots().len() <= 4).then(|| (name, scenario.into()))
     };

@@ -1,7 +1,7 @@
 //! Changes by hand: they happen, they are refused with a reason, and the same ones make the same run.
 
 use baudbot_geometry::Pose;
-use baudbot_sim::{Input, Intervention, Scenario, SimTime, World};
+use baudbot_sim::{Input, Intervention, SimTime, World};
 use baudbot_wire::{Layout, frame, message};
 
 const SCENARIO: &str = r#"
@@ -40,7 +40,7 @@ body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.
 "#;
 
 fn world() -> World {
-    World::new(Scenario::parse(SCENARIO).unwrap().into())
+    World::new(baudbot_scenario::parse(SCENARIO).unwrap().into())
 }
 
 /// Both brains always drive forwards.
@@ -99,7 +99,7 @@ fn a_robot_is_put_where_there_is_room() {
 #[test]
 fn what_is_over_is_not_changed() {
     let toml = format!("end = {{ after_s = 0.1 }}\n{SCENARIO}");
-    let mut world = World::new(Scenario::parse(&toml).unwrap().into());
+    let mut world = World::new(baudbot_scenario::parse(&toml).unwrap().into());
     run(&mut world, 10);
     assert_eq!(refusal(&mut world, &place("alice", 0.0, 0.0)), "the run has ended");
     world.begin();

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use crate::common::{BODY, command, refusal, world, world_with};
-use baudbot_sim::{Input, Scenario, World};
+use baudbot_sim::{Input, World};
 use baudbot_wire::khepera::{POLL, readings_len_max};
 
 const SCENARIO: &str = include_str!("../../scenarios/devices/khepera-ascii.toml");
@@ -266,7 +266,7 @@ fn a_noisy_cable_costs_lines_and_nothing_else() {
 
 #[test]
 fn a_world_between_a_question_and_its_answer_can_be_kept_and_goes_on_alike() {
-    let scenario = Arc::new(Scenario::parse(&robot(500.0, &uart(9600, 10))).unwrap());
+    let scenario = Arc::new(baudbot_scenario::parse(&robot(500.0, &uart(9600, 10))).unwrap());
     let mut world = World::new(Arc::clone(&scenario));
     let turn = world.begin()[0];
     world.finish(&[Input { robot: 0, at: turn.at, bytes: b"D,5,5\rN\r" }]);

@@ -156,7 +156,7 @@ proptest! {
             let robot = robot(&format!("r{i}"), i as f64 * 0.7, link, *thinking_us);
             toml += &robot.replacen("brain.", &format!("{deadline}brain."), 1);
         }
-        let mut twins = Twins::new(Scenario::parse(&toml).map_err(|e| TestCaseError::fail(e.to_string()))?, seed);
+        let mut twins = Twins::new(baudbot_scenario::parse(&toml).map_err(|e| TestCaseError::fail(e.to_string()))?, seed);
         for tick in 0..150 {
             let chance = twins.brain.draw(7, SimTime::from_ns(tick), 5);
             twins.tick(chance);
@@ -173,7 +173,7 @@ fn a_slow_cable_lets_the_world_go_ahead_and_an_ideal_one_does_not() {
     for (link, ahead) in [("{ kind = \"uart\", baud = 9600 }", true), ("{ kind = \"ideal\" }", false)] {
         let toml = format!("step_ms = 1.0\nsubsteps = 5\n{}", robot("r", 0.0, link, 3_000));
         let went_ahead = |seed| {
-            let mut twins = Twins::new(Scenario::parse(&toml).unwrap(), seed);
+            let mut twins = Twins::new(baudbot_scenario::parse(&toml).unwrap(), seed);
             (0..1_000).for_each(|_| twins.tick(0));
             twins.went_ahead
         };

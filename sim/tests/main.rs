@@ -1,8 +1,7 @@
-//! The world from outside: scenarios, what robots do and sense, cables, budgets. One program, so that all that they share is built once.
+//! The world from outside: what robots do and sense, cables, what brains may change. One program, so that all that they share is built once.
 
 mod adapters;
 mod airtight;
-mod budget;
 mod common;
 mod coverage;
 mod cycles;
@@ -16,14 +15,10 @@ mod lookahead;
 mod motors;
 mod named_tests;
 mod onboard;
-mod presets;
 mod saved;
-mod scenario;
-mod scenario_docs;
-mod starts;
+mod sight;
 mod statistics;
 mod timing;
-mod warnings;
 mod world;
 
 /// A file that nobody names here is no test.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::common::{BODY, refusal, run, tick, world};
 use baudbot_sim::motor::Steps;
-use baudbot_sim::{Input, Scenario, World};
+use baudbot_sim::{Input, World};
 use baudbot_wire::{frame, write_command};
 
 const ENCODERS: &str = "[robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 600\n";
@@ -53,11 +53,11 @@ fn a_gain_that_is_too_high_for_the_steps_is_refused() {
     };
     // (15 + 2 · 10 K) 0.01 / 3 < 2 needs K < 29.25; turning, with B = 2: (0.78 + 2 · 2 · 0.2 K) 0.01 / 0.2
     // < 2, K < 49.
-    Scenario::parse(&scenario("", 29.2)).unwrap();
+    baudbot_scenario::parse(&scenario("", 29.2)).unwrap();
     let message = refusal(&scenario("", 29.3));
     assert!(message.starts_with("robots[0].body: Euler steps of 10 ms are too long"), "{message}");
     assert!(message.contains("set substeps to 3 or more"), "{message}");
-    Scenario::parse(&scenario("substeps = 2", 29.3)).unwrap();
+    baudbot_scenario::parse(&scenario("substeps = 2", 29.3)).unwrap();
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn servos_turn_a_robot_as_its_wheels_say_and_follow_with_their_lag() {
 fn no_body_is_too_light_for_motors_that_hold_their_speed() {
     let light = BODY.replace("mass_kg = 3.0, inertia_kg_m2 = 0.2", "mass_kg = 1e-6, inertia_kg_m2 = 1e-9");
     for kind in ["servo", "stepper"] {
-        Scenario::parse(&robot("", &light, &format!("kind = \"{kind}\""))).unwrap();
+        baudbot_scenario::parse(&robot("", &light, &format!("kind = \"{kind}\""))).unwrap();
     }
     assert!(refusal(&robot("", &light, "kind = \"dc\"")).contains("would blow up"));
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_sim::{Input, Scenario, SimTime, World};
+use baudbot_sim::{Input, SimTime, World};
 use baudbot_wire::{Layout, frame, message};
 
 /// A robot with sensors of several periods, on a link of this kind, with this firmware.
@@ -18,7 +18,7 @@ fn world(link: &str, firmware: &str, more: &str) -> World {
          [robots.sensors.ir]\nkind = \"ir\"\nbearing_rad = 0.3\nrays = 3\nopening_rad = 0.5\nrange_m = 0.9\n\
          c1_m2 = 0.01\nc2 = 0.0\nsigma = 0.02\nbits = 10\nperiod_ms = 20.0\nacquisition_us = 112.0\n{more}"
     );
-    World::new(Arc::new(Scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}"))))
+    World::new(Arc::new(baudbot_scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}"))))
 }
 
 fn command(world: &World, signals: [f64; 2]) -> Vec<u8> {
@@ -72,7 +72,7 @@ fn on_board_a_scan_may_have_any_number_of_values() {
     assert_eq!(laser.values.len(), 683);
     assert!(laser.values.iter().all(|&distance_m| (0.8..1.5).contains(&distance_m)), "{:?}", laser.values);
     assert_eq!(world.robot(0).uplink().bytes, 0, "there is no cable");
-    let error = Scenario::parse(
+    let error = baudbot_scenario::parse(
         "[[robots]]\nname = \"r\"\n\
          body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.01, wheel_radius_m = 0.03 }\n\
          [robots.sensors.laser]\nkind = \"laser\"\nmount = {}\nopening_rad = 4.0\nrays = 683\nrange_m = 4.0\n",

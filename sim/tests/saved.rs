@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use baudbot_geometry::Pose;
-use baudbot_sim::{Input, Intervention, Override, SavedError, Scenario, World};
+use baudbot_scenario::Override;
+use baudbot_sim::{Input, Intervention, SavedError, World};
 use proptest::prelude::*;
 
 /// Goes on for so many ticks; brains say something that makes no sense to some firmware.
@@ -23,7 +24,7 @@ fn again(world: &World) -> World {
     // As another process does it: the scenario is parsed again.
     let source = world.scenario().source();
     let overrides: Vec<_> = source.overrides.iter().map(|text| Override::parse(text).unwrap()).collect();
-    let scenario = Scenario::parse_with(&source.toml, &overrides).unwrap();
+    let scenario = baudbot_scenario::parse_with(&source.toml, &overrides).unwrap();
     World::load(Arc::new(scenario), &world.save(), world.hash()).unwrap()
 }
 
@@ -43,7 +44,7 @@ fn every_scenario_of_the_project_goes_on_as_it_would_have() {
     let mut tried = 0;
     for path in scenarios() {
         // Those that refer to other files are read by the program, which puts them in place.
-        let Ok(scenario) = Scenario::parse(&fs::read_to_string(&path).unwrap()) else { continue };
+        let Ok(scenario) = baudbot_scenario::parse(&fs::read_to_string(&path).unwrap()) else { continue };
         let mut world = World::new(scenario.into());
         run(&mut world, 137);
         let mut loaded = again(&world);
@@ -69,7 +70,7 @@ period_ms = 10.0
 
 fn world() -> World {
     let change = Override::parse("robots.alice.link.baud=19200").unwrap();
-    World::new(Scenario::parse_with(SCENARIO, &[change]).unwrap().into())
+    World::new(baudbot_scenario::parse_with(SCENARIO, &[change]).unwrap().into())
 }
 
 #[test]
@@ -111,7 +112,7 @@ fn what_is_of_another_world_or_damaged_is_refused() {
     assert!(matches!(load(&saved[..saved.len() / 2], hash), SavedError::Unreadable(_)));
     assert_eq!(load(&[&saved[..], &[0]].concat(), hash), SavedError::Other("parts"));
     let other = |toml: &str| {
-        let scenario = Scenario::parse(toml).unwrap();
+        let scenario = baudbot_scenario::parse(toml).unwrap();
         World::load(scenario.into(), &saved, hash).map(drop).unwrap_err()
     };
     assert_eq!(other(""), SavedError::Other("robots"));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_sim::{Input, Scenario, World};
+use baudbot_sim::{Input, World};
 use baudbot_wire::{Layout, frame, message};
 
 /// Robots that see each other, walls and pillars, on different cables, in a room that they cannot leave.
@@ -27,7 +27,7 @@ fn crowd(link: &str) -> World {
              [robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 500\nbits = 16\n",
         );
     }
-    World::new(Arc::new(Scenario::parse(&toml).unwrap()))
+    World::new(Arc::new(baudbot_scenario::parse(&toml).unwrap()))
 }
 
 /// A tick in which every brain that steps sends a command.

@@ -5,7 +5,8 @@ pub mod system;
 
 pub use baudbot_experiment::pair::{Pair, body};
 
-use baudbot_sim::{Override, Scenario};
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
 
 /// `scenarios/arsim.toml`.
 pub const ARSIM: &str = include_str!("../../scenarios/arsim.toml");
@@ -20,7 +21,7 @@ pub const KHEPERA: &str = include_str!("../../scenarios/khepera.toml");
 /// If the scenario or a change makes no sense.
 pub fn scenario(toml: &str, changes: &[&str]) -> Scenario {
     let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).expect("an override")).collect();
-    Scenario::parse_with(toml, &changes).unwrap_or_else(|error| panic!("{error}"))
+    baudbot_scenario::parse_with(toml, &changes).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// `wander.toml` with `n` robots `r0`, `r1`, … on a grid in a larger room. Where a robot starts depends on

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
 use baudbot_client::{Action, Brain, Turn};
-use baudbot_sim::Scenario;
 use baudbot_tests::{Pair, scenario};
 
 /// A brain that is a function, and what it wrote down.
@@ -22,7 +21,7 @@ where
     T: Send + 'static,
     F: FnMut(&Turn, &mut Vec<T>) -> Action + Send + 'static,
 {
-    let scenario = Scenario::parse(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
+    let scenario = baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
     let notes = Arc::new(Mutex::new(Vec::new()));
     let mut pair = Pair::with_brain(scenario, Asks(Arc::clone(&notes), brain)).unwrap();
     pair.run(ticks);
@@ -107,7 +106,7 @@ fn a_ping_answers_after_115_us_to_18_5_ms_of_echo() {
     let (near, far) = (age_of_an_echo_ms(0.02), age_of_an_echo_ms(5.0));
     assert!((0.75 + 0.115 - 0.1..0.75 + 0.115 + 1.1).contains(&near), "{near}");
     assert!((0.75 + 18.5 - 0.1..0.75 + 18.5 + 1.1).contains(&far), "{far}");
-    let scenario = Scenario::parse(&with_sensor("", "preset = \"ping\"")).unwrap();
+    let scenario = baudbot_scenario::parse(&with_sensor("", "preset = \"ping\"")).unwrap();
     let baudbot_sim::sensor::Device::Sonar(ping) = &scenario.robots()[0].sensors[0].device else { panic!() };
     let shortest_us = ping.echo_ns(0.0) / 1000;
     assert!((115..=117).contains(&shortest_us), "{shortest_us}");

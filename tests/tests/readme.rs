@@ -13,12 +13,12 @@ fn the_readme_shows_this_test() {
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, run};
 use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
-use baudbot_sim::Scenario;
 
 #[tokio::test]
 async fn ten_seconds_of_avoiding() -> Result<(), Box<dyn std::error::Error>> {
     let toml = std::fs::read_to_string("../scenarios/wander.toml")? + "\n[end]\nafter_s = 10.0\n";
-    let world = WorldConfig::new("w", Scenario::parse(&toml)?).pace(Pace::Lockstep(Lockstep::default()));
+    let world =
+        WorldConfig::new("w", baudbot_scenario::parse(&toml)?).pace(Pace::Lockstep(Lockstep::default()));
     let server = Server::builder().world(world).in_process().await?;
 
     let mut robot = Client::from_channel(server.channel().await?).attach("w", "robot").await?;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::World;
 
 /// Solid rectangles of the room, in metres: x and y of the lower left corner, width and height. All lie on a grid of
 /// 2 cm, as the map has it.
@@ -58,7 +58,8 @@ fn a_ros_map_a_floor_plan_and_polygons_of_a_room_give_the_same_scan_to_1_cm() {
 fn scan(arena: &str, folder: &std::path::Path) -> Vec<f64> {
     let text = format!("{arena}{ROBOT}");
     let text = baudbot_import::inline(&text, folder).unwrap_or_else(|error| panic!("{error}"));
-    let mut world = World::new(Scenario::parse(&text).unwrap_or_else(|error| panic!("{error}")).into());
+    let mut world =
+        World::new(baudbot_scenario::parse(&text).unwrap_or_else(|error| panic!("{error}")).into());
     world.begin();
     world.finish(&[]);
     world.robot(0).sensors().next().unwrap().sample.to_vec()

@@ -112,7 +112,6 @@ impl Lane {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Scenario;
 
     use super::*;
 
@@ -135,7 +134,7 @@ mod tests {
     "#;
 
     fn lanes(toml: &str) -> Vec<String> {
-        let scenario = Scenario::parse(toml).unwrap();
+        let scenario = baudbot_scenario::parse(toml).unwrap();
         let robot = &scenario.robots()[0];
         Lane::all(robot).into_iter().map(|lane| lane.name(robot)).collect()
     }

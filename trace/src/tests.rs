@@ -25,7 +25,7 @@ fn scenario() -> Scenario {
              start.x_m = {x_m:?}\nsensors.compass = {{ kind = \"compass\" }}\n"
         )
     };
-    Scenario::parse(&(robot("alice", 0.0) + &robot("bob", 1.0))).unwrap()
+    baudbot_scenario::parse(&(robot("alice", 0.0) + &robot("bob", 1.0))).unwrap()
 }
 
 fn event(start: u64, end: u64, what: What) -> Event {

@@ -4,13 +4,13 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
+use baudbot_sim::SimTime;
 use baudbot_sim::timeline::{Event, What};
-use baudbot_sim::{Scenario, SimTime};
 use baudbot_trace::TraceWriter;
 
 #[test]
 fn a_trace_for_perfettos_own_schema() {
-    let scenario = Scenario::parse(include_str!("../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml")).unwrap();
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("made-up.pftrace");
     let out = BufWriter::new(File::create(&path).unwrap());
     let mut writer = TraceWriter::new(out, "made up", scenario.robots()).unwrap();

@@ -1,6 +1,6 @@
 //! Bytes over a serial cable, both ways, with what becomes of them at its ends. An item is a byte.
 
-use baudbot_sim::{Input, Scenario, World};
+use baudbot_sim::{Input, World};
 use baudbot_wire::{frame, write_command};
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -35,7 +35,7 @@ fn run(world: &mut World, commands: &[u8]) -> u64 {
 
 #[divan::bench]
 fn uart_both_ways(bencher: Bencher<'_, '_>) {
-    let mut world = World::new(Scenario::parse(ROBOT).expect("a scenario").into());
+    let mut world = World::new(baudbot_scenario::parse(ROBOT).expect("a scenario").into());
     world.keep_timeline(0);
     let layout = world.scenario().robots()[0].firmware.layout();
     let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);

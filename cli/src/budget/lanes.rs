@@ -1,6 +1,6 @@
 //! One typical cycle as the timing diagram of Fig. 3.2: its parts one after the other.
 
-use baudbot_sim::budget::{Part, RobotBudget, Verdict};
+use baudbot_budget::{Part, RobotBudget, Verdict};
 
 use crate::diagram::class::Class;
 use crate::diagram::picture::{Bar, Diagram, Group, Lane, Mark};
@@ -82,14 +82,13 @@ fn place(part: Part) -> (&'static str, Group, Class) {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::Scenario;
-    use baudbot_sim::budget::Budget;
+    use baudbot_budget::Budget;
 
     use super::*;
 
     #[test]
     fn the_parts_follow_each_other_without_a_gap_and_red_begins_at_the_deadline() {
-        let scenario = Scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+        let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
         let robot = Budget::of(&scenario).robots.remove(0);
         let diagram = diagram("wander", &robot).unwrap();
         let mut bars: Vec<_> = diagram.lanes.iter().flat_map(|lane| &lane.bars).collect();

@@ -6,7 +6,7 @@ mod table;
 use std::path::Path;
 use std::process::ExitCode;
 
-use baudbot_sim::budget::{Budget, Verdict};
+use baudbot_budget::{Budget, Verdict};
 use baudbot_sim::robot::RobotSpec;
 
 use crate::alike;

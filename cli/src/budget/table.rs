@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use baudbot_sim::budget::{Cost, Mend, RobotBudget, Span, Verdict};
+use baudbot_budget::{Cost, Mend, RobotBudget, Span, Verdict};
 
 use crate::text::{NOTHING, count, duration, handy, percent, table};
 

@@ -6,7 +6,7 @@ use baudbot_sim::{Scenario, SimTime};
 /// The scenario and so many cycles of 20 ms from an instant on, in the order of their ends. In each the five sensors
 /// are read, 19 bytes go up at 9600 baud, the brain thinks for 15 ms, and 7 bytes come down.
 pub(super) fn wander(start_ns: u64, cycles: u64) -> (Scenario, Vec<Event>) {
-    let scenario = Scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
     let mut events: Vec<_> =
         (0..cycles).flat_map(|cycle| one(start_ns.saturating_add(cycle * 20_000_000))).collect();
     events.sort_by_key(|event| event.end);
@@ -36,7 +36,7 @@ fn one(start_ns: u64) -> Vec<Event> {
 /// A robot with an adapter in its cable and a laser with a port of its own, and so many of its cycles of 40 ms, in
 /// which much goes wrong.
 pub(super) fn scout(cycles: u64) -> (Scenario, Vec<Event>) {
-    let scenario = Scenario::parse(SCOUT).unwrap();
+    let scenario = baudbot_scenario::parse(SCOUT).unwrap();
     let mut events: Vec<_> = (0..cycles).flat_map(|cycle| trouble(cycle * 40_000)).collect();
     events.sort_by_key(|event| event.end);
     (scenario, events)

@@ -1,7 +1,7 @@
 //! Diagrams of made-up events, looked at as XML.
 
+use baudbot_sim::SimTime;
 use baudbot_sim::timeline::{Event, What};
-use baudbot_sim::{Scenario, SimTime};
 
 use super::class::Class;
 use super::picture::{Bar, Diagram, Group, Lane, Mark};
@@ -178,7 +178,7 @@ start ms  duration ms  who              what
 
 #[test]
 fn what_was_missed_and_lost_has_lanes_of_its_own_if_there_is_any() {
-    let scenario = Scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
     let robot = &scenario.robots()[0];
     let event = |start, end, what| Event { start: SimTime::from_ns(start), end: SimTime::from_ns(end), what };
     let labels = |events: &[Event]| -> Vec<_> {

@@ -8,7 +8,7 @@ use crate::scenarios::EMBEDDED;
 const EVERYTHING: &str = include_str!("everything.toml");
 
 fn drawing(toml: &str) -> String {
-    draw(&Scenario::parse(toml).unwrap(), "label")
+    draw(&baudbot_scenario::parse(toml).unwrap(), "label")
 }
 
 /// All that a reader could read, titles included.
@@ -28,7 +28,7 @@ fn robot(name: &str, x_m: f64, more: &str) -> String {
 fn everything_is_in_the_picture_by_name() {
     let picture = drawing(EVERYTHING);
     let texts = texts(&picture);
-    let scenario = Scenario::parse(EVERYTHING).unwrap();
+    let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
     for robot in scenario.robots() {
         assert!(texts.contains(&format!("robot {}", robot.name)), "{}", robot.name);
         for sensor in robot.sensors.iter() {
@@ -52,7 +52,7 @@ fn everything_is_in_the_picture_by_name() {
 
 #[test]
 fn every_kind_of_sensor_is_tried_here() {
-    let scenario = Scenario::parse(EVERYTHING).unwrap();
+    let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
     let sensors = scenario.robots().iter().flat_map(|robot| robot.sensors.iter());
     let kinds: BTreeSet<_> = sensors.map(|sensor| sensor.device.kind()).collect();
     // All that there are but `steps`, which needs motors of its own.
@@ -145,8 +145,9 @@ fn a_laser_is_an_area_with_few_corners_and_no_rays() {
 fn a_fan_ends_where_the_ray_does() {
     let wall = "[[arena.circles]]\nname = \"pillar\"\nx_m = 1.0\ny_m = 0.0\nradius_m = 0.3\n";
     let whisker = "[robots.sensors.feeler]\nkind = \"whisker\"\nbearing_rad = 0.0\nlength_m = 2.0\n";
-    let world =
-        World::new(Arc::new(Scenario::parse(&(wall.to_owned() + &robot("r", 0.0, "") + whisker)).unwrap()));
+    let world = World::new(Arc::new(
+        baudbot_scenario::parse(&(wall.to_owned() + &robot("r", 0.0, "") + whisker)).unwrap(),
+    ));
     let view = View { world: extent::of(world.scenario()), scale: 100.0, left: 0.0, top: 0.0 };
     let mut canvas = Canvas::default();
     let onlooker = Onlooker::new(&world);
@@ -176,7 +177,7 @@ fn the_documents_have_the_pictures_of_today() {
     ];
     for (name, there) in pictures {
         let (_, toml) = EMBEDDED.iter().find(|(embedded, _)| *embedded == name).unwrap();
-        let is = draw(&Scenario::parse(toml).unwrap(), name);
+        let is = draw(&baudbot_scenario::parse(toml).unwrap(), name);
         assert!(is.len() < 100_000, "{name}: {}", is.len());
         assert!(
             is == there,

@@ -200,7 +200,7 @@ mod tests {
     fn rolling() -> (World, Way) {
         let body = "{ radius_m = 0.1, mass_kg = 500.0, inertia_kg_m2 = 10.0, wheel_radius_m = 0.1 }";
         let toml = format!("[[robots]]\nname = \"a\"\nstart.speed_m_s = 1.0\nbody = {body}\n");
-        let mut world = World::new(Scenario::parse(&toml).unwrap().into());
+        let mut world = World::new(baudbot_scenario::parse(&toml).unwrap().into());
         world.begin();
         let way = Way::new(&world.robots().next().unwrap());
         (world, way)

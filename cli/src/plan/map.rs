@@ -50,7 +50,6 @@ pub(super) fn runs(grid: &Grid, which: impl Fn(Cell) -> bool) -> Vec<Bounds> {
 #[cfg(test)]
 mod tests {
     use baudbot_geometry::Point;
-    use baudbot_sim::Scenario;
 
     use super::*;
 
@@ -69,7 +68,7 @@ mod tests {
 
     #[test]
     fn a_cell_is_free_if_all_of_it_is_clear() {
-        let scenario = Scenario::parse(ROOM).unwrap();
+        let scenario = baudbot_scenario::parse(ROOM).unwrap();
         let grid = grid(scenario.arena(), 0.1, 0.2).unwrap();
         assert_eq!((grid.columns(), grid.rows()), (40, 30));
         let pillar = scenario.arena().pillars()[0].circle;
@@ -85,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_plane_without_walls_is_no_map() {
-        let nothing = Scenario::parse("").unwrap();
+        let nothing = baudbot_scenario::parse("").unwrap();
         assert_eq!(grid(nothing.arena(), 0.1, 0.2), Err(GridError::NoWalls));
     }
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use baudbot_recording::{Digests, RecordingFile, Writer, header, saved};
-use baudbot_sim::{Override, Scenario, World};
+use baudbot_scenario::Override;
+use baudbot_sim::World;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use roxmltree::Document;
@@ -245,7 +246,7 @@ fn what_is_left_of_a_recording_is_exported_with_a_note() {
 fn that_differs(path: &Path) {
     let world = |seed: &str| {
         let changes = ["end.after_s=1.0", seed].map(|text| Override::parse(text).unwrap());
-        World::new(Scenario::parse_with(WANDER, &changes).unwrap().into())
+        World::new(baudbot_scenario::parse_with(WANDER, &changes).unwrap().into())
     };
     let (recorded, mut other) = (world("seed=1"), world("seed=2"));
     let head = header("wander", recorded.scenario(), None);

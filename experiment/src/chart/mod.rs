@@ -11,8 +11,6 @@ pub(crate) mod trace;
 
 use std::collections::BTreeMap;
 
-use baudbot_sim::Scenario;
-
 use crate::choice::{Choice, Field, Setting};
 use crate::experiment::{Chart, Experiment, Seeds};
 use crate::figures::INFOS;
@@ -163,7 +161,7 @@ fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
 /// Which brains drove in which scenario, and over which links unless those are varied.
 pub(crate) fn of_what(experiment: &Experiment) -> String {
     let mut words = format!("{}: {}", experiment.name, experiment.brains.join(", "));
-    let Ok(scenario) = Scenario::parse(&experiment.text) else { return words };
+    let Ok(scenario) = baudbot_scenario::parse(&experiment.text) else { return words };
     let name = if scenario.name().is_empty() { &experiment.scenario } else { scenario.name() };
     words += &format!(" in {name}");
     let varied = experiment.fields.iter().any(|field| varies_links(&field.choice));

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::{fs, process};
 
 use anyhow::Context;
-use baudbot_sim::Scenario;
 
 use super::{Run, Target, outcome};
 
@@ -76,7 +75,7 @@ fn scenarios() -> anyhow::Result<Vec<Vec<u8>>> {
 
 fn scenario(bytes: &[u8]) -> u64 {
     let text = String::from_utf8_lossy(bytes);
-    match Scenario::parse(&text) {
+    match baudbot_scenario::parse(&text) {
         Ok(scenario) => scenario.robots().len().min(5) as u64,
         Err(error) => outcome(&error.to_string()),
     }

@@ -10,7 +10,7 @@ use baudbot_sim::{Input, Scenario, World};
 use super::{Target, outcome};
 
 pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
-    let scenario: Arc<Scenario> = Arc::new(Scenario::parse(SCENARIO)?);
+    let scenario: Arc<Scenario> = Arc::new(baudbot_scenario::parse(SCENARIO)?);
     let mut world = World::new(Arc::clone(&scenario));
     let (recording, mut states) = (record(&mut world)?, vec![world.save()]);
     run(&mut world, 33);

@@ -9,7 +9,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_sim::{Override, SavedError, Scenario, World};
+use baudbot_scenario::Override;
+use baudbot_sim::{SavedError, Scenario, World};
 use prost::Message;
 use prost::encoding::{DecodeContext, decode_key, skip_field};
 
@@ -80,7 +81,7 @@ impl Tape {
         };
         let overrides: std::result::Result<Vec<_>, _> =
             header.overrides.iter().map(|text| Override::parse(text)).collect();
-        let scenario = Scenario::parse_with(&header.scenario_toml, &overrides?)?;
+        let scenario = baudbot_scenario::parse_with(&header.scenario_toml, &overrides?)?;
         if header.step_ns != scenario.step_ns() {
             let (found, step_ns) = (header.step_ns, scenario.step_ns());
             return Err(RecordingError::Step { found, step_ns });

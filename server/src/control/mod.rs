@@ -2,12 +2,13 @@
 
 mod recordings;
 
+use baudbot_budget::{Allowance, RobotBudget};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
-use baudbot_sim::budget::{Allowance, RobotBudget};
+use baudbot_scenario::Override;
+use baudbot_scenario::ScenarioError;
 use baudbot_sim::robot::RobotSpec;
-use baudbot_sim::scenario::ScenarioError;
-use baudbot_sim::{Override, Scenario, World};
+use baudbot_sim::{Scenario, World};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
@@ -71,7 +72,7 @@ fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> 
     for (i, text) in overrides.iter().enumerate() {
         changes.push(Override::parse(text).map_err(|error| invalid(format!("overrides[{i}]"), error))?);
     }
-    Scenario::parse_with(toml, &changes).map_err(|error| invalid("scenario_toml".into(), error))
+    baudbot_scenario::parse_with(toml, &changes).map_err(|error| invalid("scenario_toml".into(), error))
 }
 
 /// Most robots that one call asks the budget of: each takes a while.

@@ -1,7 +1,7 @@
 //! What a robot's control cycle costs.
 
+use baudbot_budget::{Age, Chip, Cost, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
 use baudbot_proto::v1;
-use baudbot_sim::budget::{Age, Chip, Cost, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
 
 /// A robot's budget.
 pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {

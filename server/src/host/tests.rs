@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::World;
 
 use super::{Host, Next};
 use crate::pace::{Pace, Timed};
@@ -13,7 +13,7 @@ use crate::registry::NewWorld;
 const TICK_MS: u64 = 10;
 
 fn host(pace: Pace) -> Host {
-    let scenario = Scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
     assert_eq!(scenario.step_ns(), TICK_MS * 1_000_000);
     Host::new("w".into(), NewWorld::new("w".into(), World::new(scenario.into()), pace), Arc::default())
 }

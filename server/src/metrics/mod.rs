@@ -88,7 +88,7 @@ impl Metrics {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_sim::{Scenario, World};
+    use baudbot_sim::World;
 
     use super::*;
     use crate::pace::{Lockstep, Pace};
@@ -99,7 +99,7 @@ mod tests {
         let registry = Registry::default();
         let toml = include_str!("../../../scenarios/wander.toml");
         for name in ["a", "b"] {
-            let world = World::new(Scenario::parse(toml).unwrap().into());
+            let world = World::new(baudbot_scenario::parse(toml).unwrap().into());
             let pace = Pace::Lockstep(Lockstep::default());
             let new = NewWorld::new(name.to_owned(), world, pace);
             registry.create(NewWorld { paused: true, ..new }).unwrap();

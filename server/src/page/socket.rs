@@ -24,7 +24,7 @@ use super::mailbox::{self, Mailbox};
 use crate::pipe::Pipes;
 
 /// Bytes of the longest message: a scenario, and a little around it.
-pub(super) const MAX_MESSAGE: usize = baudbot_sim::scenario::MAX_BYTES + (1 << 16);
+pub(super) const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 
 /// Calls of one page that are under way at a time.
 const MAX_CALLS: usize = 64;

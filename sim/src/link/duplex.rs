@@ -17,7 +17,7 @@ use crate::time::SimTime;
 
 impl Line {
     /// The microcontroller asks for the wire at `now`: `self` is its line, `other` the laptop's.
-    pub(crate) fn claim_wire(&mut self, link: &Link, now: SimTime, other: &mut Self) {
+    pub fn claim_wire(&mut self, link: &Link, now: SimTime, other: &mut Self) {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
         other.settle_asked(link, now);
         if let Some(detour) = &mut self.detour {
@@ -26,7 +26,7 @@ impl Line {
     }
 
     /// The microcontroller has put its bytes on the wire: `self` is the laptop's line, `other` its own.
-    pub(crate) fn leave_wire_to(&mut self, link: &Link, other: &Self) {
+    pub fn leave_wire_to(&mut self, link: &Link, other: &Self) {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
         if let Some(detour) = &mut self.detour {
             detour.blocked_until = other.burst.over(turnaround_ns);

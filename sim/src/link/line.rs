@@ -13,7 +13,7 @@ use crate::time::SimTime;
 
 /// One direction of a link.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Line {
+pub struct Line {
     /// Each byte with the instant at which it is at the end of the wire.
     pub(super) in_flight: VecDeque<(SimTime, u8)>,
     messages: Messages,
@@ -28,12 +28,12 @@ pub(crate) struct Line {
 
 impl Line {
     /// The line to the laptop, with random streams of this name.
-    pub(crate) fn up(link: &Link, seed: u64, name: &str) -> Self {
+    pub fn up(link: &Link, seed: u64, name: &str) -> Self {
         Self::new(link, seed, name, Direction::Up)
     }
 
     /// The line to the microcontroller, with random streams of this name.
-    pub(crate) fn down(link: &Link, seed: u64, name: &str) -> Self {
+    pub fn down(link: &Link, seed: u64, name: &str) -> Self {
         Self::new(link, seed, name, Direction::Down)
     }
 
@@ -84,7 +84,7 @@ impl Line {
     }
 
     /// Puts bytes on the line at `now`, behind those that wait.
-    pub(crate) fn send(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
+    pub fn send(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
         if self.detour.is_some() {
             self.send_by_detour(link, now, bytes);
             return;
@@ -155,7 +155,7 @@ impl Line {
     }
 
     /// The microcontroller's receiver loses what arrived by `now` beyond what it can hold.
-    pub(crate) fn overrun(&mut self, link: &Link, now: SimTime) {
+    pub fn overrun(&mut self, link: &Link, now: SimTime) {
         if self.detour.is_some() {
             self.settle(link, now);
             self.lose_all(link, now);
@@ -175,7 +175,7 @@ impl Line {
     /// When the next byte is delivered, as far as can be told now. Only what is sent before then can change it,
     /// and never to an instant that is over.
     #[inline]
-    pub(crate) fn arrival(&self, link: &Link) -> SimTime {
+    pub fn arrival(&self, link: &Link) -> SimTime {
         match &self.detour {
             None => self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at),
             Some(detour) => self.arrival_by_detour(link, detour),
@@ -184,7 +184,7 @@ impl Line {
 
     /// Takes the next byte with the instant of its delivery, if that is not after `now`.
     #[inline]
-    pub(crate) fn take(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
+    pub fn take(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
         if self.detour.is_some() {
             return self.take_by_detour(link, now);
         }
@@ -196,7 +196,7 @@ impl Line {
     }
 
     /// How many bytes the laptop's driver still holds at `now`.
-    pub(crate) fn waiting(&self, link: &Link, now: SimTime) -> usize {
+    pub fn waiting(&self, link: &Link, now: SimTime) -> usize {
         if let Link::Usb(_) = link {
             // A microcontroller that does not read keeps the bytes at the laptop.
             return self.in_flight.iter().filter(|(at, _)| *at > now || !link.is_out(*at)).count();
@@ -209,7 +209,7 @@ impl Line {
     }
 
     /// When the microcontroller's transmitter has taken all that was sent.
-    pub(crate) fn drained(&self, link: &Link) -> SimTime {
+    pub fn drained(&self, link: &Link) -> SimTime {
         self.burst.drained_to(link, link.transmit_depth())
     }
 

@@ -34,7 +34,7 @@ use alloc::vec::Vec;
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
 pub(crate) use detour::Direction;
-pub(crate) use line::Line;
+pub use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;
 pub use radio::Bluetooth;
@@ -132,7 +132,7 @@ impl Link {
 
     /// The longest silence between two bytes of a message on their way to the decoder, in nanoseconds: a
     /// character, and what an adapter can hold a byte back.
-    pub(crate) fn pause_ns(&self) -> u64 {
+    pub fn pause_ns(&self) -> u64 {
         self.burst_ns(1) + self.adapter().hold_ns()
     }
 
@@ -145,7 +145,7 @@ impl Link {
     }
 
     /// See [`Uart::transmit_depth`]. Of a USB microcontroller it is a guess: as much as a frame carries.
-    pub(crate) fn transmit_depth(&self) -> usize {
+    pub fn transmit_depth(&self) -> usize {
         match self {
             Self::Ideal | Self::Onboard => usize::MAX,
             Self::Uart(uart) => uart.transmit_depth,
@@ -154,7 +154,7 @@ impl Link {
     }
 
     /// See [`Uart::laptop_buffer_bytes`].
-    pub(crate) fn laptop_buffer(&self) -> usize {
+    pub fn laptop_buffer(&self) -> usize {
         match self {
             Self::Ideal | Self::Onboard => IDEAL_BUFFER,
             Self::Uart(uart) => uart.laptop_buffer_bytes,
@@ -241,13 +241,13 @@ impl Link {
 }
 
 /// Least baud rate of a cable.
-pub(crate) const LEAST_BAUD: u64 = 50;
+pub const LEAST_BAUD: u64 = 50;
 
 /// Greatest baud rate of a cable.
-pub(crate) const MOST_BAUD: u64 = 100_000_000;
+pub const MOST_BAUD: u64 = 100_000_000;
 
 /// Packets that a USB bus carries in a frame (USB 2.0, table 5-9).
-pub(crate) const PACKETS_PER_FRAME: u64 = 19;
+pub const PACKETS_PER_FRAME: u64 = 19;
 
 /// Bytes that the driver of an ideal link holds: enough for any brain, and yet an end for one that never reads.
 const IDEAL_BUFFER: usize = 1 << 20;

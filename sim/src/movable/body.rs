@@ -8,16 +8,20 @@ use crate::arena::{Arena, Thing};
 
 /// A shape in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Form<'a> {
-    /// Around the origin.
-    Disc { radius_m: f64 },
+pub enum Form<'a> {
+    /// A disc around the origin.
+    Disc {
+        /// Radius, in metres.
+        radius_m: f64,
+    },
     /// A simple polygon, in metres.
     Polygon(&'a [Point]),
 }
 
 /// A shape in the world.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Body {
+pub enum Body {
+    /// A disc.
     Disc(Circle),
     /// A simple polygon, filled.
     Polygon(Vec<Point>),
@@ -29,7 +33,8 @@ impl<'a> Form<'a> {
         if outline.is_empty() { Self::Disc { radius_m } } else { Self::Polygon(outline) }
     }
 
-    pub(crate) fn at(&self, world_from_form: &Pose) -> Body {
+    /// The shape in the world.
+    pub fn at(&self, world_from_form: &Pose) -> Body {
         match self {
             Self::Disc { radius_m } => {
                 Body::Disc(Circle { center: world_from_form.position, radius: *radius_m })
@@ -42,7 +47,7 @@ impl<'a> Form<'a> {
     }
 
     /// Distance from the origin to the farthest point, in metres.
-    pub(crate) fn reach_m(&self) -> f64 {
+    pub fn reach_m(&self) -> f64 {
         match self {
             Self::Disc { radius_m } => *radius_m,
             Self::Polygon(points) => polygon::bounding_radius(points),
@@ -61,7 +66,7 @@ impl<'a> Form<'a> {
 
 impl Body {
     /// Whether the insides of the two have a point in common. Touching is not overlapping.
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+    pub fn overlaps(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Disc(a), Self::Disc(b)) => a.overlaps_circle(b),
             (Self::Disc(disc), Self::Polygon(points)) | (Self::Polygon(points), Self::Disc(disc)) => {
@@ -77,7 +82,7 @@ impl Body {
     }
 
     /// A shape that stands still and that it overlaps, if any.
-    pub(crate) fn arena_thing(&self, arena: &Arena) -> Option<Thing> {
+    pub fn arena_thing(&self, arena: &Arena) -> Option<Thing> {
         match self {
             Self::Disc(disc) => arena.thing_at(disc),
             Self::Polygon(points) => {

@@ -55,7 +55,7 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use body::{Body, Form};
+pub use body::{Body, Form};
 #[cfg(test)]
 use step::Reaction;
 pub(crate) use step::{Fixed, Pusher, step};
@@ -125,7 +125,7 @@ impl Movable {
 
 impl MovableShape {
     /// The shape without a place.
-    pub(crate) fn form(&self) -> Form<'_> {
+    pub fn form(&self) -> Form<'_> {
         match self {
             Self::Ball { radius_m } => Form::Disc { radius_m: *radius_m },
             Self::Box { outline } => Form::Polygon(outline),

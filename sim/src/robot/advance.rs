@@ -102,7 +102,7 @@ impl Robot {
     /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
     fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
         let mut next = (self.uplink.arrival(&spec.link), None);
-        for (k, (port, &i)) in self.ports.iter().zip(&spec.ports).enumerate() {
+        for (k, (port, &i)) in self.ports.iter().zip(spec.sensors.ports()).enumerate() {
             let arrival = port.arrival(&spec.sensors[i]);
             if arrival < next.0 {
                 next = (arrival, Some(k));
@@ -117,7 +117,7 @@ impl Robot {
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
         let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
         let mut next = (start, Next::Task(task));
-        for &i in &spec.own_clocks {
+        for &i in spec.sensors.own_clocks() {
             let (at, event) = self.microcontroller.next_of_own(i, &spec.sensors[i]);
             if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
                 next = (at, Next::Device(i, event));
@@ -159,7 +159,7 @@ impl Robot {
             self.recorder.note(now, now, What::Missed { sensor });
         }
         self.recorder.note(now, until, What::Acquire { sensor });
-        self.microcontroller.next_sensor(i, due).filter(|_| spec.own_clocks.is_empty())
+        self.microcontroller.next_sensor(i, due).filter(|_| spec.sensors.own_clocks().is_empty())
     }
 
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
@@ -223,7 +223,7 @@ impl Robot {
                 }
                 let output = self.microcontroller.output(i, sensor);
                 let (Some(output), Some(port)) = (output, &sensor.port) else { return };
-                let Some(k) = spec.ports.iter().position(|&other| other == i) else { return };
+                let Some(k) = spec.sensors.ports().iter().position(|&other| other == i) else { return };
                 match self.ports[k].send(sensor, port, i, now, output) {
                     Some((from, until)) => {
                         let bytes = port.format.message_len(&sensor.device) as u32;
@@ -250,7 +250,7 @@ impl Robot {
             }
             return;
         };
-        let i = spec.ports[k];
+        let i = spec.sensors.ports()[k];
         while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
             self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
         }

@@ -34,9 +34,8 @@ use crate::movable::Form;
 use crate::port::PortState;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
-use crate::sensor::Sensor;
+use crate::sensor::Sensors;
 use crate::time::SimTime;
-use crate::vicinity::Reach;
 
 /// A robot of a scenario: its name, where it starts, and what it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,15 +78,8 @@ pub struct RobotModel {
     pub charge: f64,
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
-    /// Those that the microcontroller reads, in the order of the wire; then those with a cable of their own.
-    /// Models whose sensors are alike share them.
-    pub sensors: Arc<[Sensor]>,
-    /// How far those of them look that see what is near.
-    pub(crate) reach: Option<Reach>,
-    /// The sensors that measure at their own pace, by their places.
-    pub(crate) own_clocks: Vec<usize>,
-    /// The sensors with a cable of their own, by their places.
-    pub(crate) ports: Vec<usize>,
+    /// Sensors. Models whose sensors are alike share them.
+    pub sensors: Sensors,
     /// What the microcontroller's tasks cost.
     pub processor: Processor,
     /// What it says on its wire.
@@ -149,7 +141,7 @@ impl RobotSpec {
     }
 
     /// The shape of its body.
-    pub(crate) fn form(&self) -> Form<'_> {
+    pub fn form(&self) -> Form<'_> {
         Form::of(&self.outline, self.drive.radius_m)
     }
 }
@@ -238,7 +230,12 @@ impl Robot {
             uplink: Line::up(&spec.link, seed, &name("link:up")),
             downlink: Line::down(&spec.link, seed, &name("link:down")),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
-            ports: spec.ports.iter().map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name)).collect(),
+            ports: spec
+                .sensors
+                .ports()
+                .iter()
+                .map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name))
+                .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
             battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
             pings: [None; 2],

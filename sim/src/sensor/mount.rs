@@ -4,7 +4,8 @@ use baudbot_geometry::Pose;
 
 use super::Measurement;
 use crate::actuator::ActuatorState;
-use crate::scene::{Eye, Height};
+use crate::arena::Height;
+use crate::scene::Eye;
 
 /// Where a sensor sits and which way it looks.
 #[derive(Clone, Debug, PartialEq)]

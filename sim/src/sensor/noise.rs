@@ -92,7 +92,7 @@ pub(crate) struct NoiseState {
 
 impl Noise {
     /// Whether readings stay as they are and nothing is drawn.
-    pub(crate) fn is_none(&self) -> bool {
+    pub fn is_none(&self) -> bool {
         let sigmas =
             [self.gain_spread, self.offset_spread, self.drift_sigma(), self.multiplicative, self.additive];
         sigmas == [0.0; 5] && self.uniform == 0.0 && self.spikes().is_none() && self.dropout().is_none()

@@ -207,8 +207,11 @@ impl Running {
 mod tests {
     use alloc::vec;
 
+    use baudbot_geometry::{Fan, Pose};
+
     use super::*;
-    use crate::Scenario;
+    use crate::arena::Arena;
+    use crate::sensor::{Laser, Mount};
 
     const MS: u64 = 1_000_000;
 
@@ -239,12 +242,16 @@ mod tests {
     /// Each of these alone makes a laser's state one that no world comes to.
     #[test]
     fn a_state_is_sound_only_if_all_of_it_is() {
-        let toml = "[[robots]]\nname = \"r\"\nbody = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, \
-                    wheel_radius_m = 0.1, damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }\n\
-                    [robots.sensors.urg]\npreset = \"urg-04lx\"\nmount = {}\n";
-        let scenario = Scenario::parse(toml).unwrap();
-        let sensor = &scenario.robots()[0].sensors[0];
-        let (device, clock) = (&sensor.device, sensor.own_clock.as_ref().unwrap());
+        let mount = Mount {
+            pose: Pose::new(0.0, 0.0, 0.0),
+            turret: None,
+            height: Arena::new(vec![], vec![]).height(0.0),
+        };
+        let fan = Fan::new(4.178564, 682);
+        let laser = Laser { mount, fan, min_m: 0.02, range_m: 5.6, sweep_ns: 66_503_900, clockwise: false };
+        let device = &Device::Laser(laser);
+        let clock =
+            &OwnClock { period_ns: 100 * MS, spread_ns: 0, jitter_ns: 0, phase_ns: None, latency_ns: 0 };
         let n = device.values();
         let held =
             |values| Some(Held { values, measured_at: at_ms(0), truly_at: at_ms(0), ready_at: at_ms(200) });

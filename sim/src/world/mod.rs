@@ -33,9 +33,9 @@ pub use saved::SavedError;
 /// A world: a scenario, which changes by hand alone, and a state, which is a value: a snapshot is a clone.
 ///
 /// ```
-/// # fn main() -> Result<(), baudbot_sim::scenario::ScenarioError> {
-/// use baudbot_sim::{Scenario, World};
-/// let scenario = Scenario::parse(
+/// # fn main() -> Result<(), baudbot_scenario::ScenarioError> {
+/// use baudbot_sim::World;
+/// let scenario = baudbot_scenario::parse(
 ///     r#"
 ///     [[robots]]
 ///     name = "alice"

@@ -139,7 +139,7 @@ impl Robot {
         sound(up && down, "cable")?;
         // What was due before has been done, or there would be years to make up for.
         sound(other.microcontroller.next(&spec.link, &other.downlink).0 >= now, "schedule")?;
-        let ports = other.ports.iter().zip(&spec.ports);
+        let ports = other.ports.iter().zip(spec.sensors.ports());
         let port = |(port, &i): (&PortState, &usize)| port.is_sound(&spec.sensors[i], now, sensors);
         sound(ports.into_iter().all(port), "sensor cables")?;
         sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;

@@ -1,11 +1,12 @@
 //! Scenarios and brains for the tests of the world.
-#![allow(missing_docs, unreachable_pub, reason = "nobody else uses it")]
+#![allow(missing_docs, unreachable_pub, dead_code, reason = "each program of tests uses a part of it")]
 
 pub mod statistics;
 
+use baudbot_scenario::Override;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::robot::RobotSpec;
-use baudbot_sim::{Input, Override, Scenario, World};
+use baudbot_sim::{Input, World};
 use baudbot_wire::{frame, khepera, write_command, write_values};
 
 pub const ARSIM: &str = include_str!("../../../scenarios/arsim.toml");
@@ -17,17 +18,19 @@ pub const BODY: &str = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 
                         damping_n_s_m = 15.0, turn_damping_nm_s = 0.78 }";
 
 pub fn world(toml: &str) -> World {
-    World::new(Scenario::parse(toml).unwrap_or_else(|error| panic!("{error}")).into())
+    World::new(baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}")).into())
 }
 
 pub fn world_with(toml: &str, overrides: &[&str]) -> World {
     let overrides: Vec<_> = overrides.iter().map(|text| Override::parse(text).unwrap()).collect();
-    World::new(Scenario::parse_with(toml, &overrides).unwrap_or_else(|error| panic!("{error}")).into())
+    World::new(
+        baudbot_scenario::parse_with(toml, &overrides).unwrap_or_else(|error| panic!("{error}")).into(),
+    )
 }
 
 /// The error that a scenario is refused with.
 pub fn refusal(toml: &str) -> String {
-    Scenario::parse(toml).expect_err("the scenario should be refused").to_string()
+    baudbot_scenario::parse(toml).expect_err("the scenario should be refused").to_string()
 }
 
 /// A command as it goes over the robot's wire.

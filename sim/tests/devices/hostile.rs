@@ -1,6 +1,6 @@
 //! Scenarios with every device there is, numbers that nobody would write, and the promise that nothing panics.
 
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::World;
 use proptest::prelude::*;
 
 use crate::common::{run, world};
@@ -487,7 +487,7 @@ fn spoilt(toml: &str, changes: &[(usize, usize)]) -> String {
 
 /// Parses and, if that is a scenario, runs it for a while, in which every reading is a number. Says how that ended.
 fn survives(toml: &str) -> Option<u64> {
-    let scenario = Scenario::parse(toml).ok()?;
+    let scenario = baudbot_scenario::parse(toml).ok()?;
     let mut world = World::new(scenario.into());
     act(&mut world, 20);
     for robot in world.robots() {

@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use baudbot_brains::Chance;
 use baudbot_brains::exploration::generated::Plan;
-use baudbot_sim::{Override, Scenario};
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
 use baudbot_tests::Pair;
 
 use super::localization::witnessed;
@@ -63,7 +64,7 @@ fn started(toml: &str, changes: &[&str], pose: [f64; 3]) -> Option<Scenario> {
     };
     let changes = changes.iter().map(|text| Override::parse(text).expect("an override"));
     let changes: Vec<_> = names.into_iter().zip(&pose).map(set).chain(changes).collect();
-    Scenario::parse_with(toml, &changes).ok()
+    baudbot_scenario::parse_with(toml, &changes).ok()
 }
 
 /// Whether the environment wants this run.
@@ -81,7 +82,7 @@ fn starts(toml: &str, changes: &[&str], size_m: [f64; 2], seed: u64, count: usiz
 }
 
 fn check(toml: &str, brain: &str, most_m: f64) {
-    let explored = explore((0, Scenario::parse(toml).unwrap()), brain);
+    let explored = explore((0, baudbot_scenario::parse(toml).unwrap()), brain);
     println!("{brain}: {explored:?}");
     assert!(explored.sensed >= 0.995 && explored.distance_m <= most_m, "{brain}: {explored:?}");
     assert_eq!(explored.collisions, 0, "{brain}: {explored:?}");

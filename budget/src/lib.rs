@@ -1,0 +1,165 @@
+//! What one control cycle costs, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
+//!
+//! What takes place in one step must take the real robot less than that step. For each robot this says how long it takes,
+//! how often it can be done, how old readings are by then, what is the bottleneck, and what would mend it.
+//!
+//! From the scenario to the answer:
+//!
+//! 1. `plan` says what each task costs and how long each message is; `pattern` which sensors are new in which.
+//! 2. `bounds` says what each part takes at least and at most: the microcontroller by `late`, the cable by `transfer` and
+//!    `wire`, queues by `curve`. They hold whatever happens.
+//! 3. `timeline` carries the plan out, without a world, with devices by `device`. What comes of it is typical.
+//! 4. `cycle`, `rates`, `ages`, `loads` put that together; `judge` gives the verdict.
+//! 5. `mend` changes the robot and computes it again, as far as the `allowance` goes; `change` has what can be changed,
+//!    `ports` what of sensors' own cables, `apply` does it.
+//!
+//! A brain is taken to answer each message once, and to write nothing else. Byte errors and outages are left out: what
+//! arrives is as old as the bounds say, what is lost has no age.
+//!
+//! *Deviations.* The notes add up the events of one Δt. Here a message may take longer than Δt, and the next be under
+//! way meanwhile; the cycle is then longer than Δt, and the verdict is that the robot does not keep its step.
+
+#![no_std]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod ages;
+mod allowance;
+mod apply;
+mod bounds;
+mod change;
+mod curve;
+mod cycle;
+mod device;
+mod judge;
+mod late;
+mod loads;
+mod mend;
+mod pattern;
+mod plan;
+mod ports;
+mod rates;
+mod report;
+mod timeline;
+mod transfer;
+mod wire;
+
+use alloc::collections::BTreeMap;
+use alloc::string::ToString;
+use alloc::vec::Vec;
+
+pub use allowance::Allowance;
+pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
+
+use baudbot_sim::Scenario;
+use baudbot_sim::robot::RobotSpec;
+use bounds::Bounds;
+use plan::Plan;
+use timeline::{Outcome, Timeline};
+
+/// How thoroughly what is typical is looked for.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
+    cycles: usize,
+    events: usize,
+}
+
+/// For what is asked.
+const FULL: Effort = Effort { cycles: 1000, events: 200_000 };
+
+/// For what is tried.
+const BRIEF: Effort = Effort { cycles: 300, events: 60_000 };
+
+/// For what comes after all that may be computed.
+const LEAST: Effort = Effort { cycles: 100, events: 5_000 };
+
+const TOO_MANY: &str =
+    "no mends were looked for, and what is typical is from a short dry run: ask for fewer robots at once";
+
+impl Budget {
+    /// Of all robots of a scenario, with mends for those that do not keep their step.
+    pub fn of(scenario: &Scenario) -> Self {
+        Self::of_some(scenario, scenario.robots())
+    }
+
+    /// Of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
+    pub fn of_some<'a>(scenario: &Scenario, robots: impl IntoIterator<Item = &'a RobotSpec>) -> Self {
+        let mut tables: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut budgets: Vec<RobotBudget> = Vec::new();
+        for spec in robots {
+            let first = *tables.entry(spec.table_name()).or_insert(budgets.len());
+            let budget = match budgets.get(first) {
+                Some(first) => RobotBudget { robot: spec.name.clone(), ..first.clone() },
+                None => RobotBudget::of(scenario, spec),
+            };
+            budgets.push(budget);
+        }
+        Self { robots: budgets }
+    }
+}
+
+impl RobotBudget {
+    /// Of one robot of a scenario.
+    pub fn of(scenario: &Scenario, spec: &RobotSpec) -> Self {
+        Self::within(scenario, spec, &mut Allowance::default())
+    }
+
+    /// Of one of several robots that share an allowance. Once it is used up, robots get no mends, and say so.
+    pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
+        let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
+        if allowance.is_used_up() {
+            let budget = Self::computed(&plan, LEAST, allowance);
+            return Self { left_out: Some(TOO_MANY.to_string()), ..budget };
+        }
+        let mut own = allowance.of_a_robot();
+        let mut budget = Self::computed(&plan, FULL, &mut own);
+        mend::add(scenario, &plan, &mut budget, &mut own);
+        allowance.settle(&own);
+        budget
+    }
+
+    /// The same without looking for mends, which takes by far the most time.
+    pub fn without_mends(scenario: &Scenario, spec: &RobotSpec) -> Self {
+        let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
+        Self::computed(&plan, FULL, &mut Allowance::default())
+    }
+
+    /// Whether a robot keeps its step, at least mostly. What is overloaded anyway is not carried out.
+    fn keeps(plan: &Plan<'_>, effort: Effort, allowance: &mut Allowance) -> bool {
+        let bounds = Bounds::of(plan);
+        if judge::is_overloaded(&loads::loads(plan, &bounds, &Outcome::default())) {
+            allowance.charge(plan, 0);
+            return false;
+        }
+        let outcome = Timeline::run(*plan, effort.cycles, effort.events);
+        allowance.charge(plan, outcome.events);
+        let cycle = cycle::cycle(plan, &bounds, &outcome);
+        let loads = loads::loads(plan, &bounds, &outcome);
+        judge::judge(plan.deadline_ns(), &cycle, &loads).0 != Verdict::Misses
+    }
+
+    fn computed(plan: &Plan<'_>, effort: Effort, allowance: &mut Allowance) -> Self {
+        let bounds = Bounds::of(plan);
+        let outcome = Timeline::run(*plan, effort.cycles, effort.events);
+        allowance.charge(plan, outcome.events);
+        let cycle = cycle::cycle(plan, &bounds, &outcome);
+        let loads = loads::loads(plan, &bounds, &outcome);
+        let (verdict, bottleneck) = judge::judge(plan.deadline_ns(), &cycle, &loads);
+        Self {
+            robot: plan.spec.name.clone(),
+            step_ns: plan.step_ns,
+            deadline_ns: plan.deadline_ns(),
+            rates: rates::rates(plan, &bounds, &outcome),
+            ages: ages::ages(plan, &bounds, &outcome),
+            chip: loads::chip(plan),
+            mends: Vec::new(),
+            left_out: None,
+            cycle,
+            loads,
+            verdict,
+            bottleneck,
+        }
+    }
+}

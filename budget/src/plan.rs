@@ -1,0 +1,243 @@
+//! What a robot's scenario says about time, in the form in which the rest of the budget needs it: what each task of
+//! the microcontroller costs, and how long each message is.
+
+use alloc::vec::Vec;
+
+use baudbot_wire::{frame, khepera};
+
+use baudbot_sim::firmware::{Mode, Protocol};
+use baudbot_sim::link::{Adapter, Link};
+use baudbot_sim::motor::Motors;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::{Device, OwnClock, Sensor};
+
+/// The least and the most of something, in nanoseconds or bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Range {
+    pub(super) least: u64,
+    pub(super) most: u64,
+}
+
+impl Range {
+    const fn exactly(bytes: usize) -> Self {
+        Self { least: bytes as u64, most: bytes as u64 }
+    }
+
+    pub(super) const fn middle(self) -> u64 {
+        self.least + (self.most - self.least) / 2
+    }
+
+    pub(super) const fn width(self) -> u64 {
+        self.most - self.least
+    }
+}
+
+/// A robot and the step that it is held to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan<'a> {
+    pub(super) spec: &'a RobotSpec,
+    /// Δt, in nanoseconds.
+    pub(super) step_ns: u64,
+    /// Whether chance decides when devices with clocks of their own begin.
+    pub(super) noise: bool,
+}
+
+impl<'a> Plan<'a> {
+    /// Those that the microcontroller reads; they are the first.
+    pub(super) fn on_wire(&self) -> &'a [Sensor] {
+        let wired = self.spec.firmware.layout().counts.len();
+        self.spec.sensors.get(..wired).unwrap_or_default()
+    }
+
+    pub(super) fn polls(&self) -> bool {
+        self.spec.firmware.mode == Mode::Poll
+    }
+
+    pub(super) fn has_ports(&self) -> bool {
+        !self.spec.sensors.ports().is_empty()
+    }
+
+    /// Whether each message has all sensors, new or not.
+    pub(super) fn repeats(&self) -> bool {
+        match self.spec.firmware.protocol {
+            Protocol::Bare { .. } | Protocol::Khepera => true,
+            Protocol::Framed { .. } => false,
+        }
+    }
+
+    /// What a read of a sensor takes of the processor's time.
+    pub(super) fn read_ns(&self, sensor: &Sensor) -> Range {
+        let wait = match &sensor.device {
+            _ if sensor.own_clock.is_some() => Range::default(),
+            Device::Sonar(sonar) => Range {
+                least: sonar.holdoff_ns + sonar.echo_ns(sonar.min_m).min(sonar.timeout_ns),
+                most: sensor.device.longest_wait_ns(),
+            },
+            Device::Photoresistor(device) => Range {
+                least: device.unit_ns * u64::from(device.max_counts.min(1)),
+                most: sensor.device.longest_wait_ns(),
+            },
+            device => Range { least: device.longest_wait_ns(), most: device.longest_wait_ns() },
+        };
+        Range { least: sensor.acquisition_ns + wait.least, most: sensor.acquisition_ns + wait.most }
+    }
+
+    /// Bytes on the wire of a message in which these sensors are new.
+    pub(super) fn readings_bytes(&self, new: impl Fn(usize) -> bool) -> Range {
+        let layout = self.spec.firmware.layout();
+        match self.spec.firmware.protocol {
+            Protocol::Bare { .. } => return Range::exactly(layout.bare_readings_len()),
+            Protocol::Khepera => return self.answer_bytes(),
+            Protocol::Framed { .. } => {}
+        }
+        let entry = |sensor: &Sensor| usize::from(layout.ages) + sample_bytes(sensor);
+        let new = self.on_wire().iter().enumerate().filter(|(i, _)| new(*i));
+        let entries: usize = new.map(|(_, sensor)| entry(sensor)).sum();
+        framed(HEADER_LEN + layout.mask_len() + entries)
+    }
+
+    /// Bytes on the wire of a command. That a Khepera is asked for readings besides goes over the wire while it says
+    /// that it obeyed.
+    pub(super) fn command_bytes(&self) -> Range {
+        let layout = self.spec.firmware.layout();
+        match self.spec.firmware.protocol {
+            Protocol::Bare { .. } => Range::exactly(layout.bare_command_len()),
+            Protocol::Khepera => Range {
+                least: (1 + 2 * layout.motors.len() + 1) as u64,
+                most: khepera::command_len_max(&layout) as u64,
+            },
+            Protocol::Framed { .. } => framed(layout.command_len()),
+        }
+    }
+
+    /// How long a message usually is: stuffing is counted as if it were needed, and of digits there are not often as
+    /// many as there can be.
+    pub(super) fn usual(&self, bytes: Range) -> u64 {
+        match self.spec.firmware.protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => bytes.most,
+            Protocol::Khepera => bytes.middle(),
+        }
+    }
+
+    /// When a cycle must be over, in nanoseconds.
+    pub(super) fn deadline_ns(&self) -> u64 {
+        match self.spec.deadline.on_late {
+            Some(_) => self.spec.deadline.within_ns,
+            None => self.step_ns,
+        }
+    }
+
+    /// Bytes that go up before the readings do: a Khepera says that it obeyed.
+    pub(super) fn acknowledgement_bytes(&self) -> u64 {
+        match self.spec.firmware.protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => 0,
+            Protocol::Khepera => khepera::ACKNOWLEDGEMENT.len() as u64,
+        }
+    }
+
+    /// Bytes of a Khepera's line with readings, by how many digits they have.
+    pub(super) fn answer_bytes(&self) -> Range {
+        let layout = self.spec.firmware.layout();
+        let least = 1 + 2 * layout.components.len() + 2;
+        Range { least: least as u64, most: khepera::readings_len_max(&layout) as u64 }
+    }
+
+    /// What framing takes: it is counted for the longest that a frame of so much payload can be.
+    pub(super) fn framing_ns(&self, message: Range) -> u64 {
+        if self.spec.is_onboard() { 0 } else { message.most * self.spec.processor.framing_ns_per_byte }
+    }
+
+    /// What it takes to take a byte from the receiver.
+    pub(super) fn receiving_ns(&self) -> u64 {
+        if self.spec.is_onboard() { 0 } else { self.spec.processor.receiving_ns_per_byte }
+    }
+
+    /// What a whole command takes of the processor's time.
+    pub(super) fn command_ns(&self) -> u64 {
+        self.command_bytes().most * self.receiving_ns() + self.spec.processor.obeying_ns
+    }
+
+    /// Time between two steps of the brain, at least, in the long run.
+    pub(super) fn brain_ns(&self) -> u64 {
+        self.step_ns.max(self.spec.thinking_ns)
+    }
+
+    /// Time between two pulses of the motors, if they are servos.
+    pub(super) fn pulse_ns(&self) -> u64 {
+        match &self.spec.drive.motor {
+            Motors::Servo(servo) => servo.frame_ns,
+            Motors::Dc(_) | Motors::Velocity(_) | Motors::Stepper(_) => 0,
+        }
+    }
+
+    /// How old a device's value can be when it is read, if it has a clock of its own.
+    pub(super) fn held_ns(&self, sensor: &Sensor) -> Range {
+        let Some(clock) = &sensor.own_clock else { return Range::default() };
+        let least = settling_ns(sensor, clock);
+        let (spread, jitter) = if self.noise { (clock.spread_ns, clock.jitter_ns) } else { (0, 0) };
+        Range { least, most: least + clock.period_ns + spread + jitter }
+    }
+
+    /// The sensors with a cable of their own, and what they are.
+    pub(super) fn ports(&self) -> impl Iterator<Item = (usize, &'a Sensor, &'a OwnClock, &'a Link)> {
+        self.spec.sensors.ports().iter().filter_map(|&i| {
+            let sensor = &self.spec.sensors[i];
+            Some((i, sensor, sensor.own_clock.as_ref()?, &sensor.port.as_ref()?.link))
+        })
+    }
+}
+
+/// Time from the beginning of a measurement until its value is at the output.
+pub(super) fn settling_ns(sensor: &Sensor, clock: &OwnClock) -> u64 {
+    let sweep_ns = if let Device::Laser(laser) = &sensor.device { laser.sweep_ns } else { 0 };
+    sweep_ns + clock.latency_ns
+}
+
+/// The link without what is left to chance or to accident.
+pub(super) fn calm(link: &Link) -> Link {
+    let mut calm = link.clone();
+    match &mut calm {
+        Link::Ideal | Link::Onboard => {}
+        Link::Uart(uart) => {
+            uart.byte_error_rate = 0.0;
+            uart.outages = Vec::new();
+            uart.cuts = Vec::new();
+            uart.error_bursts = Vec::new();
+        }
+        Link::Usb(usb) => {
+            usb.outages = Vec::new();
+            usb.cuts = Vec::new();
+        }
+    }
+    calm
+}
+
+/// What stands between the cable and the laptop.
+pub(super) fn adapter(link: &Link) -> Adapter {
+    match link {
+        Link::Ideal | Link::Onboard | Link::Usb(_) => Adapter::None,
+        Link::Uart(uart) => uart.adapter,
+    }
+}
+
+/// The pause before the other side may speak, where both share the wire.
+pub(super) fn turnaround_ns(link: &Link) -> Option<u64> {
+    match link {
+        Link::Ideal | Link::Onboard | Link::Usb(_) => None,
+        Link::Uart(uart) => uart.turnaround_ns,
+    }
+}
+
+/// Bytes of a sensor's values on the wire.
+pub(super) fn sample_bytes(sensor: &Sensor) -> usize {
+    sensor.encodings.iter().map(|encoding| encoding.len()).sum()
+}
+
+/// Bytes of a frame: stuffing adds one, and at most one more for each 254 begun.
+fn framed(payload: usize) -> Range {
+    let most = frame::encoded_len_max(payload) as u64;
+    Range { least: most.min(payload as u64 + 4), most }
+}
+
+/// Kind, sequence number and time of a message of readings.
+const HEADER_LEN: usize = 4;

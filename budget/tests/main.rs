@@ -1,0 +1,9 @@
+//! The budget against runs: what it foretells is what happens, and its bounds hold whatever the scenario.
+
+#[path = "../../sim/tests/common/mod.rs"]
+mod common;
+mod examples;
+mod limits;
+mod mends;
+mod random;
+mod run;

@@ -1,0 +1,226 @@
+//! What would mend a robot: the scenario with a mend's overrides has the budget that the mend foretells.
+
+use baudbot_budget::{Budget, Cost, Mend, RobotBudget, Verdict};
+use baudbot_scenario::Override;
+use baudbot_sim::Scenario;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use crate::common::{BODY, WANDER};
+use crate::random::scenarios;
+
+fn scenario(toml: &str, changes: &[String]) -> Scenario {
+    let changes: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
+    baudbot_scenario::parse_with(toml, &changes)
+        .unwrap_or_else(|error| panic!("{error}\n{changes:?}\n{toml}"))
+}
+
+fn budget(toml: &str, changes: &[&str]) -> RobotBudget {
+    let changes: Vec<_> = changes.iter().map(|&text| text.to_owned()).collect();
+    Budget::of(&scenario(toml, &changes)).robots.remove(0)
+}
+
+/// Makes the changes that a mend asks for; what the budget is then.
+fn mended(toml: &str, changes: &[&str], mend: &Mend) -> RobotBudget {
+    let all: Vec<_> = changes.iter().map(|&text| text.to_owned()).chain(mend.overrides.clone()).collect();
+    let scenario = scenario(toml, &all);
+    RobotBudget::without_mends(&scenario, &scenario.robots()[0])
+}
+
+/// Checks each mend that can be said as overrides; says what they are.
+fn check(toml: &str, changes: &[&str]) -> Vec<String> {
+    let robot = budget(toml, changes);
+    assert_eq!(robot.verdict == Verdict::Misses, !robot.mends.is_empty(), "{robot:?}");
+    assert!(robot.mends.is_sorted_by_key(|mend| mend.cost), "{:?}", robot.mends);
+    for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+        let after = mended(toml, changes, mend);
+        let found = (after.step_ns, after.cycle.total, after.verdict);
+        assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{toml}");
+        assert!(mend.verdict != Verdict::Misses);
+    }
+    robot.mends.into_iter().map(|mend| mend.what).collect()
+}
+
+fn has(mends: &[String], what: &str) {
+    assert!(mends.iter().any(|mend| mend == what), "no `{what}` in {mends:?}");
+}
+
+#[test]
+fn a_faster_cable_mends_wander() {
+    let mends = check(WANDER, &[]);
+    has(&mends, "38400 baud");
+    // With 30 ms every second message would wait for the next step.
+    has(&mends, "a step of 50 ms");
+}
+
+#[test]
+fn a_chip_that_waits_is_told_not_to() {
+    let polled = |baud: u32| {
+        format!(
+            "step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+             firmware = {{ protocol = \"bare\", mode = \"poll\" }}\n\
+             link = {{ kind = \"uart\", baud = {baud}, adapter = {{ kind = \"ftdi\" }} }}\n\
+             [robots.sensors.c]\nkind = \"compass\"\nbits = 32\n"
+        )
+    };
+    let mends = check(&polled(115_200), &[]);
+    assert_eq!(mends[0], "a latency timer of 1 ms");
+    has(&mends, "an adapter without a latency timer");
+    // At 1200 baud that is not enough.
+    let mends = check(&polled(1200), &[]);
+    assert_eq!(mends[0], "a latency timer of 1 ms and 9600 baud");
+}
+
+#[test]
+fn a_laser_is_given_a_faster_port() {
+    let toml = format!(
+        "step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\n[robots.sensors.urg]\nkind = \"laser\"\n\
+         mount = {{ x_m = 0.0 }}\nrays = 682\nopening_rad = 4.18\nrange_m = 4.0\nperiod_ms = 100.0\n\
+         port = {{ link = {{ kind = \"uart\", baud = 115200 }} }}\n"
+    );
+    assert_eq!(check(&toml, &[])[0], "230400 baud on the port of urg");
+}
+
+#[test]
+fn a_brain_on_board_gets_another_chip_or_a_laptop() {
+    let toml = include_str!("../../scenarios/devices/onboard.toml");
+    let dc = ["robots.robot.motors={ kind = \"dc\", signal_bits = 8 }", "substeps=1000"];
+    let mends = check(toml, &dc);
+    has(&mends, "the processor basicx");
+    has(&mends, "a laptop on the robot, at 115200 baud");
+}
+
+/// What makes a robot slow, so that there is something to mend.
+const SQUEEZES: [&str; 7] = [
+    "link={ kind = \"uart\", baud = 1200 }",
+    "link={ kind = \"uart\", baud = 9600, adapter = { kind = \"ftdi\" } }",
+    "link={ kind = \"uart\", baud = 4800, adapter = { kind = \"bluetooth\" } }",
+    "link={ kind = \"uart\", baud = 19200, bits_per_character = 8, adapter = { kind = \"cdc\", frame_ms = 20 } }",
+    "brain.deadline_ms=3",
+    "firmware={ protocol = \"khepera\" }",
+    "firmware={ protocol = \"bare\", mode = \"poll\", gap_ms = 15.0 }",
+];
+
+/// Checks the mends of each robot, with changes that the scenario may refuse; says what they are.
+fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
+    let parsed: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
+    let Ok(scenario) = baudbot_scenario::parse_with(toml, &parsed) else { return Vec::new() };
+    let mut names = Vec::new();
+    for (i, robot) in Budget::of(&scenario).robots.into_iter().enumerate() {
+        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+            let all = [changes, &mend.overrides].concat();
+            let scenario = self::scenario(toml, &all);
+            let after = RobotBudget::without_mends(&scenario, &scenario.robots()[i]);
+            let found = (after.step_ns, after.cycle.total, after.verdict);
+            assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{changes:?}\n{toml}");
+            names.push(mend.what.clone());
+        }
+    }
+    names
+}
+
+#[test]
+fn what_is_promised_of_each_device_is_what_comes_of_it() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices");
+    let mut mends = Vec::new();
+    for file in std::fs::read_dir(folder).unwrap() {
+        let toml = std::fs::read_to_string(file.unwrap().path()).unwrap();
+        let Some(robot) =
+            baudbot_scenario::parse(&toml).unwrap().robots().first().map(|robot| robot.name.clone())
+        else {
+            continue;
+        };
+        let at = |squeeze: &&str| format!("robots.{robot}.{squeeze}");
+        mends.extend(check_if_sound(&toml, &[]));
+        for squeeze in &SQUEEZES {
+            mends.extend(check_if_sound(&toml, &[at(squeeze)]));
+            mends.extend(check_if_sound(&toml, &[at(squeeze), at(&SQUEEZES[0])]));
+        }
+    }
+    mends.sort_unstable();
+    mends.dedup();
+    for kind in ["baud", "latency", "8 bits", "bare", "unasked", "step of", "USB", "without a latency"] {
+        assert!(mends.iter().any(|mend| mend.contains(kind)), "no mend was `{kind}`: {mends:?}");
+    }
+}
+
+#[test]
+fn a_khepera_speaks_only_when_asked_and_is_never_told_to_stream() {
+    let device = include_str!("../../scenarios/devices/khepera-ascii.toml");
+    let mut plain = format!(
+        "[[robots]]\nname = \"khepera\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+         firmware = {{ protocol = \"khepera\" }}\nlink = {{ kind = \"uart\", baud = 9600 }}\n"
+    );
+    for i in 0..8 {
+        plain += &format!("[robots.sensors.s{i}]\nkind = \"compass\"\nbits = 10\nperiod_ms = 20.0\n");
+    }
+    let mut mends = Vec::new();
+    for (toml, step_ms) in [(device, 1), (device, 10), (device, 40), (&plain, 10), (&plain, 20), (&plain, 40)]
+    {
+        for baud in [4800, 9600, 19_200] {
+            let changes = [format!("step_ms={step_ms}"), format!("robots.khepera.link.baud={baud}")];
+            mends.extend(check_if_sound(toml, &changes));
+        }
+    }
+    assert!(mends.iter().all(|mend| !mend.contains("unasked")), "{mends:?}");
+    has(&mends, "38400 baud");
+}
+
+#[test]
+fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
+    let toml = include_str!("../../scenarios/wander.toml");
+    let fault = "[{ kind = \"byte-errors\", from_s = 1.0, for_s = 1.0, byte_error_rate = 0.1 }]";
+    let mends = check(toml, &[&format!("robots.robot.faults={fault}")]);
+    assert!(mends.iter().all(|mend| !mend.contains("USB")), "{mends:?}");
+    has(&mends, "38400 baud");
+    has(&check(toml, &[]), "a microcontroller with USB");
+}
+
+#[test]
+fn a_deadline_stays_when_the_brain_moves_to_a_laptop() {
+    let toml = include_str!("../../scenarios/devices/onboard.toml");
+    let changes = ["robots.robot.brain.deadline_ms=25", "robots.robot.brain.on_late=\"stop\""];
+    let mends = check_if_sound(toml, &changes.map(str::to_owned));
+    has(&mends, "a laptop on the robot, at 115200 baud");
+}
+
+#[test]
+fn slow_ports_are_made_faster_together() {
+    let mut toml = format!("step_ms = 10.0\n[[robots]]\nname = \"r\"\n{BODY}\n");
+    for (name, baud) in [("a", 115_200), ("b", 57_600), ("c", 750_000)] {
+        toml += &format!(
+            "[robots.sensors.{name}]\nkind = \"laser\"\nmount = {{ x_m = 0.0 }}\nrays = 682\n\
+             opening_rad = 4.18\nrange_m = 4.0\nperiod_ms = 100.0\n\
+             port = {{ link = {{ kind = \"uart\", baud = {baud} }} }}\n"
+        );
+    }
+    let mends = check(&toml, &[]);
+    assert_eq!(mends[0], "230400 baud on the ports of a, b");
+}
+
+#[test]
+fn what_costs_less_comes_first() {
+    let robot = budget(WANDER, &[]);
+    let costs: Vec<_> = robot.mends.iter().map(|mend| mend.cost).collect();
+    assert_eq!(costs.first(), Some(&Cost::BothEnds), "{costs:?}");
+    assert!(costs.contains(&Cost::LongerStep), "{costs:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 40,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_scenario_that_is_mended_has_the_budget_that_was_foretold(toml in scenarios()) {
+        let robot = budget(&toml, &[]);
+        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
+            let after = mended(&toml, &[], mend);
+            let found = (after.step_ns, after.cycle.total, after.verdict);
+            prop_assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{:?}\n{}", mend, toml);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Actuators besides the wheels, and the battery: what a file may say of them.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
+use toml::{Table, Value};
+
+use super::ScenarioError;
+use super::check::Path;
+use super::error::deserialize;
+use baudbot_sim::actuator::{Actuator, ActuatorKind};
+use baudbot_sim::battery::Battery;
+use baudbot_sim::motor::PositionalServo;
+
+#[derive(Clone, Copy, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum RawActuatorKind {
+    Turret,
+    Lamp,
+    Speaker,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTurret {
+    min_rad: f64,
+    max_rad: f64,
+    rate_rad_s: f64,
+    #[serde(default)]
+    dead_band_rad: f64,
+    #[serde(default = "frame_ms")]
+    frame_ms: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLamp {
+    intensity_cd: f64,
+    #[serde(default)]
+    height_m: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSpeaker {
+    level: f64,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBattery {
+    nominal_v: f64,
+    capacity_mah: f64,
+    #[serde(default)]
+    internal_resistance_ohm: f64,
+    #[serde(default)]
+    idle_w: f64,
+    curve_share_v: Option<Vec<(f64, f64)>>,
+    charge: Option<f64>,
+}
+
+fn frame_ms() -> f64 {
+    20.0
+}
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// The actuator of this name.
+pub(super) fn actuator(path: &Path, name: String, mut table: Table) -> Result<Actuator> {
+    let kind = table.remove("kind").ok_or_else(|| {
+        path.field("kind").error("is missing; an actuator is a `turret`, a `lamp` or a `speaker`")
+    })?;
+    let kind: RawActuatorKind = deserialize(path.field("kind").as_str(), kind)?;
+    let (at, rest) = (path.as_str(), Value::Table(table));
+    let kind = match kind {
+        RawActuatorKind::Turret => turret(path, &deserialize(at, rest)?)?,
+        RawActuatorKind::Lamp => {
+            let raw: RawLamp = deserialize(at, rest)?;
+            ActuatorKind::Lamp {
+                intensity_cd: path.positive("intensity_cd", raw.intensity_cd)?,
+                height_m: path.within("height_m", raw.height_m, 0.0, 1e3)?,
+            }
+        }
+        RawActuatorKind::Speaker => {
+            let raw: RawSpeaker = deserialize(at, rest)?;
+            path.positive("level", raw.level)?;
+            ActuatorKind::Speaker { level: path.within("level", raw.level, 0.0, 1e9)? }
+        }
+    };
+    Ok(Actuator { name, kind })
+}
+
+fn turret(path: &Path, raw: &RawTurret) -> Result<ActuatorKind> {
+    let min = path.within("min_rad", raw.min_rad, -TAU, 0.0)?;
+    let max = path.within("max_rad", raw.max_rad, 0.0, TAU)?;
+    Ok(ActuatorKind::Turret(PositionalServo {
+        range_rad: [min, max],
+        rate_rad_s: path.positive("rate_rad_s", raw.rate_rad_s)?,
+        dead_band_rad: path.within("dead_band_rad", raw.dead_band_rad, 0.0, 1.0)?,
+        frame_ns: path.ms("frame_ms", raw.frame_ms, 0.0, 1e3)?,
+    }))
+}
+
+/// A battery, and how full it is at the start.
+pub(super) fn battery(path: &Path, raw: RawBattery) -> Result<(Battery, f64)> {
+    let curve = raw.curve_share_v.unwrap_or_else(Battery::nimh_curve);
+    let at = path.field("curve_share_v");
+    for (i, pair) in curve.iter().enumerate() {
+        at.index(i).within("share", pair.0, 0.0, 1.0)?;
+        at.index(i).within("voltage", pair.1, 0.0, 10.0)?;
+        if i > 0 && pair.0 <= curve[i - 1].0 {
+            return Err(at.index(i).error(format!(
+                "shares must increase, {} follows {}",
+                pair.0,
+                curve[i - 1].0
+            )));
+        }
+    }
+    if curve.is_empty() {
+        return Err(at.error("needs at least one pair of charge left and share of the nominal voltage"));
+    }
+    path.positive("nominal_v", raw.nominal_v)?;
+    let battery = Battery {
+        nominal_v: path.within("nominal_v", raw.nominal_v, 1e-3, 1e6)?,
+        capacity_c: Battery::coulombs(path.positive("capacity_mah", raw.capacity_mah)?),
+        internal_resistance_ohm: path.not_negative("internal_resistance_ohm", raw.internal_resistance_ohm)?,
+        curve,
+        idle_w: path.not_negative("idle_w", raw.idle_w)?,
+    };
+    Ok((battery, path.within("charge", raw.charge.unwrap_or(1.0), 0.0, 1.0)?))
+}

@@ -1,0 +1,181 @@
+//! From the raw file to a [`Scenario`]: every number is checked, then nothing can be wrong.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_geometry::Point;
+
+use super::arena::{arena, disc, each, surroundings};
+use super::check::{Names, Path};
+use super::robots::{self, Step};
+use baudbot_sim::scenario::{End, Scenario, Source};
+
+use super::{ScenarioError, raw, things};
+use baudbot_sim::arena::Arena;
+use baudbot_sim::collision::CollisionPolicy;
+use baudbot_sim::coverage::Floor;
+use baudbot_sim::movable::{Body, Movable};
+use baudbot_sim::mover::{Mover, Path as Way};
+use baudbot_sim::printable::is_printable;
+use baudbot_sim::referee::Rules;
+use baudbot_sim::robot::{OnLate, RobotSpec};
+use baudbot_sim::sensor::Sensor;
+use baudbot_sim::surroundings::Surroundings;
+use baudbot_sim::time::{SECOND_NS, SimTime};
+
+/// Shortest period of anything that repeats: below it a run would do nothing else.
+pub(super) const MIN_PERIOD_MS: f64 = 0.01;
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
+    let path = Path::root();
+    let step = step(&path, &raw)?;
+    let at = path.field("arena");
+    let mut names = Names::default();
+    let mut arena = arena(&at, &raw.arena, &mut names)?;
+    let surroundings = surroundings(&at, &raw.arena)?;
+    let movers = each(&at, "movers", &raw.arena.movers, |path, raw| things::mover(path, raw, &mut names))?;
+    let movables =
+        each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
+    let bodies = stand(&at, &movers, &movables, &arena)?;
+    let mut world = robots::World {
+        step,
+        seed: raw.seed,
+        surroundings: &surroundings,
+        arena: &mut arena,
+        bodies: &bodies,
+    };
+    let robots = robots::robots(&path.field("robots"), raw.robots, &mut world)?;
+    Ok(Scenario {
+        source,
+        name: name(&path, raw.name)?,
+        description: raw.description,
+        seed: raw.seed,
+        step_ns: step.step_ns,
+        substeps: step.substeps as u32,
+        noise: raw.noise,
+        collision: match raw.collision {
+            raw::Collision::StopRun => CollisionPolicy::StopRun,
+            raw::Collision::StopRobot => CollisionPolicy::StopRobot,
+        },
+        rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
+        end: end(&path.field("end"), raw.end)?,
+        arena,
+        surroundings,
+        movers,
+        movables,
+        robots,
+    })
+}
+
+fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
+    let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
+    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, robots::MAX_SUBSTEPS)?;
+    if step_ns % substeps != 0 {
+        let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
+        return Err(path.field("substeps").error(problem));
+    }
+    Ok(Step { step_ms: raw.step_ms, step_ns, substeps })
+}
+
+/// What moves and what is pushed, where it starts: pushed things must stand free, of movers too. A door may sit in a
+/// wall.
+fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> Result<Vec<(String, Body)>> {
+    let at_start = |mover: &Mover| (mover.name.clone(), mover.form().at(&mover.start));
+    let mut bodies: Vec<_> = movers.iter().map(at_start).collect();
+    let wanders = |mover: &Mover| matches!(mover.path, Way::Wander { .. });
+    for (i, mover) in movers.iter().enumerate().filter(|(_, mover)| wanders(mover)) {
+        if let Some(name) = things::stands_in((&mover.form(), &mover.start), arena, &[]) {
+            let problem = format!("`{}` stands in `{name}`, so it could never wander", mover.name);
+            return Err(path.field("movers").index(i).error(problem));
+        }
+    }
+    for (i, movable) in movables.iter().enumerate() {
+        let form = movable.shape.form();
+        if let Some(name) = things::stands_in((&form, &movable.start), arena, &bodies) {
+            return Err(path
+                .field("movables")
+                .index(i)
+                .error(format!("`{}` stands in `{name}`", movable.name)));
+        }
+        bodies.push((movable.name.clone(), form.at(&movable.start)));
+    }
+    Ok(bodies)
+}
+
+fn end(path: &Path, raw: raw::End) -> Result<End> {
+    let after = raw.after_s.map(|s| path.within("after_s", s, 1e-9, 1e8)).transpose()?;
+    let goal =
+        raw.goal.map(|goal| disc(&path.field("goal"), goal.x_m, goal.y_m, goal.radius_m)).transpose()?;
+    Ok(End { after: after.map(|s| SimTime::from_ns((s * SECOND_NS as f64 + 0.5) as u64)), goal })
+}
+
+fn rules(
+    path: &Path,
+    end: &raw::End,
+    metrics: &raw::Metrics,
+    (arena, surroundings): (&Arena, &Surroundings),
+    robots: &[RobotSpec],
+) -> Result<Rules> {
+    let (at, end_at) = (path.field("metrics"), path.field("end"));
+    let starts: Vec<Point> = robots.iter().map(|robot| robot.start.pose.position).collect();
+    let floor = |cell_m| Floor::new(arena, cell_m, &starts);
+    let floor = metrics.cell_m.map(floor).transpose();
+    let floor = floor.map_err(|error| at.field("cell_m").error(format!("{error}")))?;
+    let share =
+        |field, share: Option<f64>| share.map(|share| end_at.within(field, share, 0.0, 1.0)).transpose();
+    let (covered, sensed) = (share("covered", end.covered)?, share("sensed", end.sensed)?);
+    if (covered.is_some() || sensed.is_some() || metrics.sensed_by.is_some()) && floor.is_none() {
+        return Err(at.field("cell_m").error("is missing: the size of the floor's cells that are counted"));
+    }
+    if sensed.is_some() && metrics.sensed_by.is_none() {
+        return Err(at.field("sensed_by").error("is missing: the name of the sensor whose rays are counted"));
+    }
+    can_end(&end_at, end, surroundings, robots)?;
+    Ok(Rules {
+        floor,
+        sensed_by: metrics
+            .sensed_by
+            .as_deref()
+            .map_or(Ok(Vec::new()), |name| sensed_by(&at, name, robots))?,
+        sense_ns: at.ms("sense_ms", metrics.sense_ms.unwrap_or(100.0), 0.01, 1e6)?,
+        collisions: end.collisions,
+        all_goals: end.all_goals,
+        covered,
+        sensed,
+        battery_empty: end.battery_empty,
+        missed_deadline: robots.iter().any(|robot| robot.deadline.on_late == Some(OnLate::End)),
+    })
+}
+
+/// Refuses ends that cannot come, or that have come already.
+fn can_end(path: &Path, end: &raw::End, surroundings: &Surroundings, robots: &[RobotSpec]) -> Result<()> {
+    if end.all_goals && !surroundings.zones.iter().any(|zone| zone.goal) {
+        return Err(path.field("all_goals").error("no zone of the arena has goal = true"));
+    }
+    if end.battery_empty && robots.iter().all(|robot| robot.battery.is_none()) {
+        return Err(path.field("battery_empty").error("no robot has a battery"));
+    }
+    end.collisions.map_or(Ok(()), |n| path.whole_within("collisions", n, 1, u64::MAX).map(|_| ()))
+}
+
+/// A scenario's name, which lists and pictures show.
+fn name(path: &Path, name: String) -> Result<String> {
+    if name.chars().all(is_printable) {
+        return Ok(name);
+    }
+    Err(path.field("name").error(format!("must be on one line and without control characters, is `{name}`")))
+}
+
+fn sensed_by(path: &Path, name: &str, robots: &[RobotSpec]) -> Result<Vec<Option<usize>>> {
+    let looks = |sensor: &Sensor| sensor.device.fan().is_some() && sensor.device.range_m().is_some();
+    let place =
+        |robot: &RobotSpec| robot.sensors.iter().position(|sensor| sensor.name == name && looks(sensor));
+    let places: Vec<_> = robots.iter().map(place).collect();
+    if places.iter().all(Option::is_none) {
+        return Err(path.field("sensed_by").error(format!("no robot has a sensor `{name}` with rays")));
+    }
+    Ok(places)
+}

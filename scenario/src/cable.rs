@@ -1,0 +1,159 @@
+//! From the raw firmware to what is said on the robot's cable.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use baudbot_wire::{Encoding, Layout, frame, khepera};
+
+use super::build::MIN_PERIOD_MS;
+use super::check::Path;
+use super::{ScenarioError, raw};
+use baudbot_sim::firmware::{Firmware, Mode, Protocol};
+use baudbot_sim::link::Link;
+use baudbot_sim::schedule::Schedule;
+use baudbot_sim::sensor::Sensor;
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+pub(super) fn firmware(
+    path: &Path,
+    raw: &raw::Firmware,
+    sensors: &[&Sensor],
+    motors: Vec<Encoding>,
+    step_ms: f64,
+    link: &Link,
+) -> Result<Firmware> {
+    let protocol = match raw.protocol {
+        raw::Protocol::Framed => {
+            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            Protocol::Framed { ages: raw.ages.unwrap_or(true) }
+        }
+        raw::Protocol::Bare => {
+            refuse(path, "ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
+            Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
+        }
+        raw::Protocol::Khepera => {
+            refuse(path, "ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
+            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            can_be_said_in_lines(path, sensors, &motors)?;
+            Protocol::Khepera
+        }
+    };
+    let mode = mode(path, raw, step_ms)?;
+    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
+    Ok(Firmware::new(protocol, mode, &encodings, motors))
+}
+
+fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
+    let is_khepera = raw.protocol == raw::Protocol::Khepera;
+    let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
+    match raw.mode.unwrap_or(usual) {
+        raw::Mode::Stream => {
+            refuse(path, "mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
+            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
+            Ok(Mode::Stream(Schedule::new(
+                period_ns,
+                path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
+            )))
+        }
+        raw::Mode::Poll => {
+            refuse(path, "period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
+            refuse(path, "phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
+            Ok(Mode::Poll)
+        }
+    }
+}
+
+/// The protocol of the Khepera has whole numbers, and a command for two wheels.
+fn can_be_said_in_lines(path: &Path, sensors: &[&Sensor], motors: &[Encoding]) -> Result<()> {
+    let path = path.field("protocol");
+    let others = motors.len().saturating_sub(2);
+    if others > 0 {
+        let problem = format!(
+            "\"khepera\" has no command for actuators besides the wheels, and there are {others}; take another \
+             protocol, or leave them out"
+        );
+        return Err(path.error(problem));
+    }
+    let exact = |encodings: &[Encoding]| encodings.contains(&Encoding::Float64);
+    if let Some(sensor) = sensors.iter().find(|sensor| exact(&sensor.encodings)) {
+        let problem =
+            format!("\"khepera\" says whole numbers; give sensor `{}` a number of `bits`", sensor.name);
+        return Err(path.error(problem));
+    }
+    if exact(motors) {
+        return Err(path.error("\"khepera\" says whole numbers; give the motors a number of `signal_bits`"));
+    }
+    Ok(())
+}
+
+/// Silence that ends a bare message. The bytes of a message follow each other at the pace of the line, so
+/// it must be longer than a character, and than what an adapter can hold one back.
+fn gap_ns(path: &Path, gap_ms: Option<f64>, link: &Link) -> Result<u64> {
+    let (character_ns, pause_ns) = (link.burst_ns(1), link.pause_ns());
+    let Some(gap_ms) = gap_ms else {
+        return Ok(DEFAULT_GAP_NS.max(4 * character_ns) + (pause_ns - character_ns));
+    };
+    let gap_ns = path.ms("gap_ms", gap_ms, MIN_PERIOD_MS, 1e6)?;
+    if gap_ns <= pause_ns {
+        let what = match pause_ns == character_ns {
+            true => "a character on this link",
+            false => "the longest pause within a message on this link",
+        };
+        let problem = format!("must be longer than {what}, {} ms, is {gap_ms}", pause_ns as f64 * 1e-6);
+        return Err(path.field("gap_ms").error(problem));
+    }
+    Ok(gap_ns)
+}
+
+const DEFAULT_GAP_NS: u64 = 20_000_000;
+
+/// Whether the messages fit into frames, and into the laptop's driver.
+pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
+    let layout = firmware.layout();
+    let readings = layout.readings_len_max();
+    let is_handed_over = matches!(link, Link::Onboard) && firmware.protocol != Protocol::Khepera;
+    if is_handed_over {
+        return Ok(());
+    }
+    if readings > frame::MAX_PAYLOAD {
+        let limit = frame::MAX_PAYLOAD;
+        let problem = format!("a frame of all readings has {readings} bytes, the limit is {limit}");
+        return Err(path.field("sensors").error(problem));
+    }
+    if layout.command_len() > frame::MAX_PAYLOAD {
+        let (needed, limit) = (layout.command_len(), frame::MAX_PAYLOAD);
+        let problem = format!("a command has {needed} bytes, the limit is {limit}");
+        return Err(path.field("actuators").error(problem));
+    }
+    layout.check().map_err(|error| path.field("sensors").error(format!("{error}")))?;
+    let longest = match firmware.protocol {
+        Protocol::Framed { .. } | Protocol::Bare { .. } => {
+            frame::encoded_len_max(readings.max(layout.command_len()))
+        }
+        Protocol::Khepera => longest_lines(path, &layout)?,
+    };
+    if link.laptop_buffer() < longest {
+        let field = path.field("link").field("laptop_buffer_bytes");
+        let problem = format!("must hold the longest message, {longest} bytes, is {}", link.laptop_buffer());
+        return Err(field.error(problem));
+    }
+    Ok(())
+}
+
+/// Bytes of the most that is written at once in the protocol of the Khepera: an answer to a command and a poll, or the
+/// two.
+fn longest_lines(path: &Path, layout: &Layout<'_>) -> Result<usize> {
+    let readings = khepera::readings_len_max(layout);
+    if readings > frame::MAX_PAYLOAD {
+        let limit = frame::MAX_PAYLOAD;
+        let problem = format!("a line of all readings has up to {readings} bytes, the limit is {limit}");
+        return Err(path.field("sensors").error(problem));
+    }
+    let answers = khepera::ACKNOWLEDGEMENT.len() + readings;
+    Ok(answers.max(khepera::command_len_max(layout) + khepera::POLL.len()))
+}
+
+pub(super) fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
+    if given { Err(path.field(field).error(problem)) } else { Ok(()) }
+}

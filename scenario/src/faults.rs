@@ -1,0 +1,176 @@
+//! A robot's deadline, and what goes wrong on it.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use super::cable::refuse;
+use super::check::Path;
+use super::{ScenarioError, raw};
+use baudbot_sim::fault::{Fault, FaultKind, When};
+use baudbot_sim::link::Link;
+use baudbot_sim::random::Stream;
+use baudbot_sim::robot::{Deadline, OnLate};
+use baudbot_sim::sensor::Sensor;
+use baudbot_sim::time::{SECOND_NS, SimTime};
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// Most faults of a robot.
+const MAX_FAULTS: usize = 64;
+
+/// A fault of a robot.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFault {
+    kind: Kind,
+    from_s: Option<f64>,
+    every_s: Option<f64>,
+    for_s: f64,
+    byte_error_rate: Option<f64>,
+    sensor: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Kind {
+    Cable,
+    ByteErrors,
+    Brain,
+    Sensor,
+    LostSignal,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum RawOnLate {
+    #[default]
+    Hold,
+    Stop,
+    End,
+}
+
+/// The deadline of a brain: Δt, and nothing follows from it, unless the file states one.
+pub(super) fn deadline(path: &Path, raw: &raw::Brain, step_ns: u64) -> Result<Deadline> {
+    let path = path.field("brain");
+    let Some(deadline_ms) = raw.deadline_ms else {
+        refuse(&path, "on_late", raw.on_late.is_some(), "needs a deadline: deadline_ms")?;
+        return Ok(Deadline { within_ns: step_ns, on_late: None });
+    };
+    let on_late = match raw.on_late.unwrap_or_default() {
+        RawOnLate::Hold => OnLate::Hold,
+        RawOnLate::Stop => OnLate::Stop,
+        RawOnLate::End => OnLate::End,
+    };
+    let within_ns = path.ms("deadline_ms", deadline_ms, 0.01, 1e8)?;
+    Ok(Deadline { within_ns, on_late: Some(on_late) })
+}
+
+/// What the faults of a robot may concern.
+pub(super) struct Parts<'a> {
+    pub(super) name: &'a str,
+    pub(super) seed: u64,
+    pub(super) sensors: &'a [Sensor],
+    /// Those that concern the cable are put into it.
+    pub(super) link: &'a mut Link,
+}
+
+pub(super) fn faults(path: &Path, raw: &[RawFault], mut parts: Parts<'_>) -> Result<Vec<Fault>> {
+    let path = path.field("faults");
+    if raw.len() > MAX_FAULTS {
+        return Err(path.error(format!("there are {}, the limit is {MAX_FAULTS}", raw.len())));
+    }
+    let mut faults = Vec::new();
+    for (i, raw) in raw.iter().enumerate() {
+        let path = path.index(i);
+        let key = Stream::new(parts.seed, &format!("{}/fault:{i}", parts.name)).key();
+        let fault = Fault { when: when(&path, raw, key)?, kind: kind(&path, raw, &parts)? };
+        affect(&path, &fault, &mut parts)?;
+        faults.push(fault);
+    }
+    Ok(faults)
+}
+
+fn when(path: &Path, raw: &RawFault, key: u64) -> Result<When> {
+    let ns = |field, s, min| path.within(field, s, min, 1e8).map(|s| (s * SECOND_NS as f64 + 0.5) as u64);
+    let for_ns = ns("for_s", raw.for_s, 1e-9)?;
+    match (raw.from_s, raw.every_s) {
+        (Some(from_s), None) => {
+            let from = SimTime::from_ns(ns("from_s", from_s, 0.0)?);
+            Ok(When::Once { from, until: from + for_ns })
+        }
+        (None, Some(every_s)) => {
+            let every_ns = ns("every_s", every_s, 1e-6)?;
+            if for_ns > every_ns {
+                let problem =
+                    format!("must not be longer than every_s, which is {every_s}, is {}", raw.for_s);
+                return Err(path.field("for_s").error(problem));
+            }
+            Ok(When::Each { every_ns, for_ns, key })
+        }
+        (None, None) => {
+            Err(path.field("from_s").error("is missing; say when: from_s, or every_s for once in each span"))
+        }
+        (Some(_), Some(_)) => Err(path.field("every_s").error("say either this or from_s")),
+    }
+}
+
+fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
+    let is = |kind| raw.kind == kind;
+    let rate = raw.byte_error_rate;
+    let problem = "only for kind = \"byte-errors\"";
+    refuse(path, "byte_error_rate", rate.is_some() && !is(Kind::ByteErrors), problem)?;
+    let no_sensor = !is(Kind::Sensor) && !is(Kind::LostSignal);
+    let problem = "only for kind = \"sensor\" or \"lost-signal\"";
+    refuse(path, "sensor", raw.sensor.is_some() && no_sensor, problem)?;
+    match raw.kind {
+        Kind::Cable => Ok(FaultKind::Cable),
+        Kind::Brain => Ok(FaultKind::Brain),
+        Kind::ByteErrors => {
+            let missing = || path.field("byte_error_rate").error("is missing: the probability for each byte");
+            Ok(FaultKind::ByteErrors {
+                rate: path.within("byte_error_rate", rate.ok_or_else(missing)?, 0.0, 1.0)?,
+            })
+        }
+        Kind::Sensor => {
+            let (sensor, name) = sensor(path, raw, parts.sensors, "sticks")?;
+            Ok(FaultKind::Sensor { sensor, name })
+        }
+        Kind::LostSignal => {
+            let (sensor, name) = sensor(path, raw, parts.sensors, "gives nothing")?;
+            Ok(FaultKind::LostSignal { sensor, name })
+        }
+    }
+}
+
+/// The sensor of which this is the fault: its place and its name.
+fn sensor(path: &Path, raw: &RawFault, sensors: &[Sensor], amiss: &str) -> Result<(usize, String)> {
+    let at = path.field("sensor");
+    let missing = || at.error(format!("is missing: the name of the sensor that {amiss}"));
+    let name = raw.sensor.clone().ok_or_else(missing)?;
+    let found = sensors.iter().position(|sensor| sensor.name == name);
+    let sensor = found.ok_or_else(|| {
+        let names: Vec<_> = sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+        let there_are = if names.is_empty() { "none".to_string() } else { names.join(", ") };
+        at.error(format!("there is no sensor `{name}`; there are: {there_are}"))
+    })?;
+    Ok((sensor, name))
+}
+
+/// What concerns the cable is put into it.
+fn affect(path: &Path, fault: &Fault, parts: &mut Parts<'_>) -> Result<()> {
+    let no_cable = || path.field("kind").error("there is no cable; only a uart or a usb link has one");
+    match (&fault.kind, &mut *parts.link) {
+        (FaultKind::Brain | FaultKind::Sensor { .. } | FaultKind::LostSignal { .. }, _) => {}
+        (FaultKind::Cable, Link::Uart(uart)) => uart.cuts.push(fault.when),
+        (FaultKind::Cable, Link::Usb(usb)) => usb.cuts.push(fault.when),
+        (FaultKind::ByteErrors { rate }, Link::Uart(uart)) => uart.error_bursts.push((fault.when, *rate)),
+        (FaultKind::ByteErrors { .. }, Link::Usb(_)) => {
+            return Err(path.field("kind").error("USB finds and mends its errors; only a uart has them"));
+        }
+        (FaultKind::Cable | FaultKind::ByteErrors { .. }, Link::Ideal | Link::Onboard) => {
+            return Err(no_cable());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! Scenario files: TOML in, a [`Scenario`] out in which every value is sound.
+//!
+//! [`parse`] reads a file in five steps:
+//!
+//! 1. `order` remembers the order of sensors and actuators, which a parsed TOML table forgets.
+//! 2. `overrides` changes fields by path.
+//! 3. `preset` expands [presets].
+//! 4. `raw` describes what a file may contain; parts of a file have modules of their own.
+//! 5. `build`, `robots` and the other modules check every value and make the world's own types of it; `check` has the
+//!    rules for single values.
+//!
+//! [`warnings`] reports what is allowed and hardly intended. `docs/scenario.md` describes the format to its users.
+//!
+//! This crate has no files and no clock, as [`baudbot_sim`]: text comes in, types go out.
+
+#![no_std]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod actuators;
+mod arena;
+mod build;
+mod cable;
+mod check;
+mod error;
+mod faults;
+mod link;
+mod motors;
+mod noise;
+mod order;
+mod overrides;
+mod preset;
+pub mod presets;
+mod raw;
+mod robots;
+mod sensors;
+mod starts;
+mod things;
+mod warnings;
+
+use alloc::string::{String, ToString};
+
+use baudbot_sim::Scenario;
+use baudbot_sim::printable::PrintableLines;
+use baudbot_sim::scenario::Source;
+use serde::Deserialize;
+use toml::de::DeTable;
+
+pub use error::ScenarioError;
+pub use overrides::Override;
+pub use warnings::{Warning, warnings};
+
+/// Length of the longest scenario that is read, in bytes.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// Reads a scenario.
+///
+/// # Errors
+/// Reports where the text is not TOML, or which field is wrong, and how.
+pub fn parse(toml: &str) -> Result<Scenario, ScenarioError> {
+    parse_with(toml, &[])
+}
+
+/// Reads a scenario with some of its fields changed.
+///
+/// # Errors
+/// As [`parse`]; also if the path of an override leads nowhere.
+pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
+    if toml.len() > MAX_BYTES {
+        return Err(ScenarioError::TooLong { bytes: toml.len() as u64 });
+    }
+    let (mut table, mut order) = read(toml).map_err(|error| syntax(&error))?;
+    for change in overrides {
+        change.apply(&mut table)?;
+    }
+    let presets = preset::expand(&mut table)?;
+    let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
+    for (robot, chain) in raw.robots.iter_mut().zip(&presets) {
+        let names = order.next(chain);
+        robot.sensors.arrange(&names.sensors);
+        robot.actuators.arrange(&names.actuators);
+    }
+    let overrides = overrides.iter().map(ToString::to_string).collect();
+    build::scenario(raw, Source { toml: toml.into(), overrides })
+}
+
+/// What the text says, and in which order. It is parsed once: of a long text that is much work, and much memory.
+fn read(toml: &str) -> Result<(toml::Table, order::Order), toml::de::Error> {
+    let document = DeTable::parse(toml)?;
+    let order = order::Order::of(document.get_ref());
+    let table = toml::Table::deserialize(toml::Deserializer::from(document));
+    let table = table.map_err(|mut error| {
+        error.set_input(Some(toml));
+        error
+    })?;
+    Ok((table, order))
+}
+
+/// With a picture of the line that is wrong, unless that is too long to be looked at.
+fn syntax(error: &toml::de::Error) -> ScenarioError {
+    let text = PrintableLines(error).to_string();
+    if text.lines().all(|line| line.len() <= MAX_SHOWN) {
+        return ScenarioError::Syntax(text);
+    }
+    let place = text.lines().next().filter(|line| line.len() <= MAX_SHOWN).unwrap_or("TOML parse error");
+    let message: String = error.message().chars().take(MAX_SHOWN).collect();
+    ScenarioError::Syntax(alloc::format!("{place}: {}", PrintableLines(message)))
+}
+
+/// Bytes of the longest line that an error shows.
+const MAX_SHOWN: usize = 400;

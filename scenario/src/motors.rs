@@ -1,0 +1,322 @@
+//! From the motors' table to [`Motors`].
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use baudbot_wire::Encoding;
+use toml::{Table, Value};
+
+use super::ScenarioError;
+use super::check::Path;
+use super::error::deserialize;
+use baudbot_sim::motor::{DcMotor, MotorNoise, Motors, Servo, Stepper, VelocityMotor};
+use baudbot_sim::sensor::{Device, Sensor};
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// What the motors' table says.
+pub(super) struct ParsedMotors {
+    pub(super) motors: Motors,
+    pub(super) noise: MotorNoise,
+    pub(super) track_factor: f64,
+    pub(super) encoding: Encoding,
+    pub(super) signal_limit: Option<f64>,
+    /// How long motors go on without a command, in nanoseconds.
+    pub(super) timeout_ns: Option<u64>,
+}
+
+/// What ARSim's DC motors do and others do not.
+struct Quirks {
+    track_factor: f64,
+    unlimited_signals: bool,
+}
+
+const NO_QUIRKS: Quirks = Quirks { track_factor: 1.0, unlimited_signals: false };
+
+/// What is the same for every kind of motor.
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawMotors {
+    kind: MotorKind,
+    signal_bits: Option<u64>,
+    noise_sigma: f64,
+    noise_spread: f64,
+    timeout_ms: Option<f64>,
+}
+
+const COMMON_FIELDS: [&str; 5] = ["kind", "signal_bits", "noise_sigma", "noise_spread", "timeout_ms"];
+
+#[derive(Clone, Copy, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum MotorKind {
+    #[default]
+    Dc,
+    Velocity,
+    Servo,
+    Stepper,
+}
+
+/// The defaults are ARSim's motor, made for a robot of a few kg.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawDcMotor {
+    voltage_v: f64,
+    torque_constant_nm_a: f64,
+    emf_constant_v_s: f64,
+    resistance_ohm: f64,
+    coulomb_friction_nm: f64,
+    viscous_friction_nm_s: f64,
+    gear_ratio: f64,
+    gear_efficiency: f64,
+    max_torque_nm: f64,
+    unlimited_signals: bool,
+    track_factor: f64,
+}
+
+impl Default for RawDcMotor {
+    fn default() -> Self {
+        Self {
+            voltage_v: 12.0,
+            torque_constant_nm_a: 0.0333,
+            emf_constant_v_s: 0.0333,
+            resistance_ohm: 0.62,
+            coulomb_friction_nm: 0.008,
+            viscous_friction_nm_s: 0.02,
+            gear_ratio: 2.0,
+            gear_efficiency: 1.0,
+            max_torque_nm: 1.0,
+            unlimited_signals: false,
+            track_factor: 1.0,
+        }
+    }
+}
+
+/// The defaults suit ARSim's body: without damping its time constant is 0.1 s, and its top speed is about
+/// the same.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawVelocityMotor {
+    gain_n_s: f64,
+    max_torque_nm: f64,
+    full_speed_m_s: f64,
+    efficiency: f64,
+}
+
+impl Default for RawVelocityMotor {
+    fn default() -> Self {
+        Self { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.8, efficiency: 0.7 }
+    }
+}
+
+/// The defaults are the Parallax 900-00008.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawServo {
+    curve_us_rpm: Vec<(f64, f64)>,
+    neutral_us: f64,
+    half_range_us: f64,
+    dead_band_us: f64,
+    trim_us: f64,
+    lag_ms: f64,
+    frame_ms: f64,
+    idle_w: f64,
+    running_w: f64,
+}
+
+impl Default for RawServo {
+    /// Times and dead band are guesses; 15 mA standing still and up to 200 mA turning, at 6 V.
+    fn default() -> Self {
+        Self {
+            curve_us_rpm: Servo::parallax_curve(),
+            neutral_us: 1500.0,
+            half_range_us: 200.0,
+            dead_band_us: 5.0,
+            trim_us: 0.0,
+            lag_ms: 60.0,
+            frame_ms: 20.0,
+            idle_w: 0.09,
+            running_w: 1.2,
+        }
+    }
+}
+
+/// The defaults are the e-puck's (e-puck.org, mechanics); acceleration and power are guesses.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawStepper {
+    steps_per_turn: f64,
+    full_rate_steps_s: f64,
+    max_rate_steps_s: Option<f64>,
+    max_acceleration_steps_s2: f64,
+    holding_w: f64,
+}
+
+impl Default for RawStepper {
+    fn default() -> Self {
+        Self {
+            steps_per_turn: 1000.0,
+            full_rate_steps_s: 1000.0,
+            max_rate_steps_s: None,
+            max_acceleration_steps_s2: 4000.0,
+            holding_w: 0.5,
+        }
+    }
+}
+
+/// Most points of a servo's curve.
+const MAX_POINTS: usize = 1000;
+
+/// The motors that this table describes.
+pub(super) fn motors(path: &Path, mut table: Table) -> Result<ParsedMotors> {
+    let mut common = Table::new();
+    for field in COMMON_FIELDS {
+        if let Some(value) = table.remove(field) {
+            common.insert(field.into(), value);
+        }
+    }
+    let common: RawMotors = deserialize(path.as_str(), Value::Table(common))?;
+    let (motors, quirks) = motor(path, common.kind, Value::Table(table))?;
+    Ok(ParsedMotors {
+        motors,
+        noise: MotorNoise {
+            sigma: path.within("noise_sigma", common.noise_sigma, 0.0, 1.0)?,
+            spread: path.within("noise_spread", common.noise_spread, 0.0, 1.0)?,
+        },
+        track_factor: quirks.track_factor,
+        encoding: encoding(path, common.signal_bits, quirks.unlimited_signals)?,
+        signal_limit: (!quirks.unlimited_signals).then_some(1.0),
+        timeout_ns: common.timeout_ms.map(|ms| path.ms("timeout_ms", ms, 0.01, 1e7)).transpose()?,
+    })
+}
+
+/// Only steppers have steps to count.
+pub(super) fn can_be_counted(path: &Path, motors: &Motors, sensors: &[Sensor]) -> Result<()> {
+    let counter = sensors.iter().find(|sensor| matches!(sensor.device, Device::StepCounter(_)));
+    match (counter, motors) {
+        (None, _) | (_, Motors::Stepper(_)) => Ok(()),
+        (Some(counter), Motors::Dc(_) | Motors::Velocity(_) | Motors::Servo(_)) => {
+            let problem = "counts the steps of stepper motors; motors = { kind = \"stepper\" }";
+            Err(path.field(&counter.name).field("kind").error(problem))
+        }
+    }
+}
+
+/// A regulator needs to know how fast its wheel turns (§3.2.4).
+pub(super) fn can_be_regulated(path: &Path, motors: &Motors, sensors: &[Sensor]) -> Result<()> {
+    let has_encoders = sensors.iter().any(|sensor| matches!(sensor.device, Device::Encoders(_)));
+    if matches!(motors, Motors::Velocity(_)) && !has_encoders {
+        let problem = "a velocity-regulated motor needs encoders to measure its speed with; \
+                       give the robot a sensor of kind = \"encoders\"";
+        return Err(path.field("kind").error(problem));
+    }
+    Ok(())
+}
+
+fn motor(path: &Path, kind: MotorKind, table: Value) -> Result<(Motors, Quirks)> {
+    let at = path.as_str();
+    Ok(match kind {
+        MotorKind::Dc => {
+            let raw: RawDcMotor = deserialize(at, table)?;
+            let quirks = Quirks {
+                track_factor: path.within("track_factor", raw.track_factor, 0.0, 1.0)?,
+                unlimited_signals: raw.unlimited_signals,
+            };
+            (Motors::Dc(dc(path, &raw)?), quirks)
+        }
+        MotorKind::Velocity => (Motors::Velocity(velocity(path, &deserialize(at, table)?)?), NO_QUIRKS),
+        MotorKind::Servo => (Motors::Servo(servo(path, deserialize(at, table)?)?), NO_QUIRKS),
+        MotorKind::Stepper => (Motors::Stepper(stepper(path, &deserialize(at, table)?)?), NO_QUIRKS),
+    })
+}
+
+fn dc(path: &Path, raw: &RawDcMotor) -> Result<DcMotor> {
+    Ok(DcMotor {
+        voltage_v: path.positive("voltage_v", raw.voltage_v)?,
+        torque_constant_nm_a: path.positive("torque_constant_nm_a", raw.torque_constant_nm_a)?,
+        emf_constant_v_s: path.not_negative("emf_constant_v_s", raw.emf_constant_v_s)?,
+        resistance_ohm: path.positive("resistance_ohm", raw.resistance_ohm)?,
+        coulomb_friction_nm: path.not_negative("coulomb_friction_nm", raw.coulomb_friction_nm)?,
+        viscous_friction_nm_s: path.not_negative("viscous_friction_nm_s", raw.viscous_friction_nm_s)?,
+        gear_ratio: path.positive("gear_ratio", raw.gear_ratio)?,
+        gear_efficiency: path.within("gear_efficiency", raw.gear_efficiency, f64::MIN_POSITIVE, 1.0)?,
+        max_torque_nm: path.positive("max_torque_nm", raw.max_torque_nm)?,
+    })
+}
+
+fn velocity(path: &Path, raw: &RawVelocityMotor) -> Result<VelocityMotor> {
+    Ok(VelocityMotor {
+        gain_n_s: path.positive("gain_n_s", raw.gain_n_s)?,
+        max_torque_nm: path.positive("max_torque_nm", raw.max_torque_nm)?,
+        full_speed_m_s: path.within(
+            "full_speed_m_s",
+            raw.full_speed_m_s,
+            f64::MIN_POSITIVE,
+            MAX_SPEED_M_S,
+        )?,
+        efficiency: path.within("efficiency", raw.efficiency, MIN_EFFICIENCY, 1.0)?,
+    })
+}
+
+fn servo(path: &Path, raw: RawServo) -> Result<Servo> {
+    let curve = curve(&path.field("curve_us_rpm"), raw.curve_us_rpm)?;
+    Ok(Servo {
+        curve,
+        neutral_us: path.within("neutral_us", raw.neutral_us, 0.0, MAX_PULSE_US)?,
+        half_range_us: path.within("half_range_us", raw.half_range_us, f64::MIN_POSITIVE, MAX_PULSE_US)?,
+        dead_band_us: path.within("dead_band_us", raw.dead_band_us, 0.0, MAX_PULSE_US)?,
+        trim_us: path.within("trim_us", raw.trim_us, -MAX_PULSE_US, MAX_PULSE_US)?,
+        lag_s: path.within("lag_ms", raw.lag_ms, 0.0, 1e6)? / 1e3,
+        frame_ns: path.ms("frame_ms", raw.frame_ms, 0.0, 1e3)?,
+        idle_w: path.not_negative("idle_w", raw.idle_w)?,
+        running_w: path.not_negative("running_w", raw.running_w)?,
+    })
+}
+
+fn curve(path: &Path, points: Vec<(f64, f64)>) -> Result<Vec<(f64, f64)>> {
+    if points.is_empty() || points.len() > MAX_POINTS {
+        let problem = format!("a curve has 1 to {MAX_POINTS} points, this one {}", points.len());
+        return Err(path.error(problem));
+    }
+    for (i, &(pulse_us, rpm)) in points.iter().enumerate() {
+        let path = path.index(i);
+        path.within("pulse_us", pulse_us, 0.0, MAX_PULSE_US)?;
+        path.within("rpm", rpm, -MAX_RPM, MAX_RPM)?;
+    }
+    if let Some(i) = points.windows(2).position(|pair| pair[0].0 >= pair[1].0) {
+        let (before, after) = (points[i].0, points[i + 1].0);
+        let problem = format!("pulses must increase, and {after} follows {before}");
+        return Err(path.index(i + 1).error(problem));
+    }
+    Ok(points)
+}
+
+fn stepper(path: &Path, raw: &RawStepper) -> Result<Stepper> {
+    let rate = |field, value| path.within(field, value, f64::MIN_POSITIVE, MAX_RATE);
+    let full_rate_steps_s = rate("full_rate_steps_s", raw.full_rate_steps_s)?;
+    Ok(Stepper {
+        steps_per_turn: path.within("steps_per_turn", raw.steps_per_turn, 1.0, 1e9)?,
+        full_rate_steps_s,
+        max_rate_steps_s: rate("max_rate_steps_s", raw.max_rate_steps_s.unwrap_or(full_rate_steps_s))?,
+        max_acceleration_steps_s2: rate("max_acceleration_steps_s2", raw.max_acceleration_steps_s2)?,
+        holding_w: path.not_negative("holding_w", raw.holding_w)?,
+    })
+}
+
+fn encoding(path: &Path, bits: Option<u64>, unlimited_signals: bool) -> Result<Encoding> {
+    let Some(bits) = bits else { return Ok(Encoding::Float64) };
+    if unlimited_signals {
+        return Err(path.field("unlimited_signals").error("needs signals without `signal_bits`"));
+    }
+    let bits = path.whole_within("signal_bits", bits, 2, 32)? as u8;
+    Ok(Encoding::Signed { bits, limit: 1.0 })
+}
+
+/// A motor that would outrun everything is a mistake in a unit.
+const MAX_SPEED_M_S: f64 = 1e3;
+const MAX_RPM: f64 = 1e6;
+const MAX_RATE: f64 = 1e9;
+
+/// No pulse is longer than a second.
+const MAX_PULSE_US: f64 = 1e6;
+
+const MIN_EFFICIENCY: f64 = 1e-3;

@@ -1,0 +1,360 @@
+//! From raw robots to [`RobotSpec`]s.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Point, polygon};
+use baudbot_wire::Encoding;
+
+use super::check::{Names, Path};
+use super::motors::{self, ParsedMotors};
+use super::starts::{self, Place};
+use super::{ScenarioError, actuators, arena, cable, faults, link, raw, sensors};
+use baudbot_sim::actuator::Actuator;
+use baudbot_sim::arena::Arena;
+use baudbot_sim::battery::Battery;
+use baudbot_sim::drive::{Drive, Wheel, forward_gain, turn_gain};
+use baudbot_sim::firmware::Firmware;
+use baudbot_sim::link::Link;
+use baudbot_sim::microcontroller::Processor;
+use baudbot_sim::movable::Body;
+use baudbot_sim::robot::{RobotModel, RobotSpec};
+use baudbot_sim::sensor::Sensor;
+use baudbot_sim::surroundings::Surroundings;
+use baudbot_sim::time::SECOND_NS;
+
+/// Most robots of one scenario.
+pub(super) const MAX_ROBOTS: usize = 10_000;
+
+/// Most Euler steps in a tick.
+pub(super) const MAX_SUBSTEPS: u64 = 10_000;
+
+/// Most rays that one sensor casts in a tick.
+const MAX_RAYS_A_TICK: u64 = 100_000;
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// The robots, in the order of their names.
+pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>) -> Result<Vec<RobotSpec>> {
+    let number: usize = raw.iter().map(starts::number).sum();
+    if number > MAX_ROBOTS {
+        return Err(path.error(format!("there are {number}, the limit is {MAX_ROBOTS}")));
+    }
+    let mut names = Names::default();
+    let mut robots: Vec<(Place, RobotSpec)> = Vec::with_capacity(number);
+    for (i, robot) in raw.into_iter().enumerate() {
+        let path = path.index(i);
+        let places = starts::places(&path, &robot, &mut names)?;
+        let group: Option<Arc<str>> = robot.starts.is_some().then(|| robot.name.as_str().into());
+        let (model, faults) = model(&path, robot, context)?;
+        is_stable(&path, &model, context.step)?;
+        is_affordable(&path, &model, context.step)?;
+        let model = shared(model, robots.last().map(|(_, last)| last));
+        for (place, name, start) in places {
+            let model = with_faults(&path, &model, (&name, context.seed), &faults)?;
+            robots.push((place, RobotSpec { name, group: group.clone(), start, model }));
+        }
+    }
+    starts::stand_free(&robots, context)?;
+    robots.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
+    Ok(robots.into_iter().map(|(_, spec)| spec).collect())
+}
+
+/// The model of the robot before, or its sensors, if they are the same.
+fn shared(mut model: RobotModel, last: Option<&RobotSpec>) -> Arc<RobotModel> {
+    match last {
+        Some(last) if *last.model == model => return Arc::clone(&last.model),
+        Some(last) if last.sensors == model.sensors => model.sensors = last.sensors.clone(),
+        Some(_) | None => {}
+    }
+    Arc::new(model)
+}
+
+/// The length of a tick, which several checks need.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) step_ms: f64,
+    pub(super) step_ns: u64,
+    pub(super) substeps: u64,
+}
+
+/// The world that the robots are put into.
+pub(super) struct World<'a> {
+    pub(super) step: Step,
+    pub(super) seed: u64,
+    pub(super) surroundings: &'a Surroundings,
+    pub(super) arena: &'a mut Arena,
+    /// What moves or is pushed, where it starts.
+    pub(super) bodies: &'a [(String, Body)],
+}
+
+/// Euler steps that are too long for a body blow up, and end in numbers that are none.
+fn is_stable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
+    let dt = step.step_ns as f64 / step.substeps as f64 / SECOND_NS as f64;
+    let worst = spec.drive.stiffness(dt).into_iter().fold(0.0, f64::max);
+    if worst < 2.0 {
+        return Ok(());
+    }
+    let needed = ((step.substeps as f64 * worst) as u64).saturating_add(1);
+    let mending = if needed <= MAX_SUBSTEPS {
+        format!("set substeps to {needed} or more")
+    } else {
+        format!(
+            "the {MAX_SUBSTEPS} substeps that there can be are too few: it is too light for its motors or damping"
+        )
+    };
+    let problem =
+        format!("Euler steps of {} ms are too long for this body and would blow up; {mending}", dt * 1e3);
+    Err(path.field("body").error(problem))
+}
+
+/// A scenario that nobody could wait for is a mistake in a unit.
+fn is_affordable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
+    for sensor in spec.sensors.iter() {
+        let Some(fan) = sensor.device.fan() else { continue };
+        let period_ns = sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns);
+        let rays = step.step_ns.div_ceil(period_ns) * fan.len() as u64;
+        if rays > MAX_RAYS_A_TICK {
+            let problem = format!("casts {rays} rays a tick, the limit is {MAX_RAYS_A_TICK}");
+            return Err(path.field("sensors").field(&sensor.name).field("rays").error(problem));
+        }
+    }
+    Ok(())
+}
+
+/// What the robots of a table are, and what is to go wrong on them, which each has of its own.
+fn model(
+    path: &Path,
+    mut raw: raw::Robot,
+    context: &mut World<'_>,
+) -> Result<(RobotModel, Vec<faults::RawFault>)> {
+    let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
+    let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
+    let body = path.field("body");
+    let (outline, radius_m) = outline(&body, &raw.body)?;
+    let look = arena::look(&body, raw.body.height_m, raw.body.color)?;
+    let drive = drive(&body, &raw.body, radius_m, motors)?;
+    let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
+    motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
+    motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
+    let Mind { processor, link, thinking_ns, firmware } =
+        mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
+    let model = RobotModel {
+        drive,
+        outline,
+        look,
+        signal_limit,
+        actuators,
+        battery,
+        charge,
+        command_timeout_ns: timeout,
+        sensors: sensors.into(),
+        processor,
+        firmware,
+        link,
+        thinking_ns,
+        deadline: faults::deadline(path, &raw.brain, context.step.step_ns)?,
+        faults: Vec::new(),
+        brain_operations: raw.brain.operations,
+        brain_memory_bytes: raw.brain.memory_bytes,
+    };
+    Ok((model, raw.faults))
+}
+
+/// The model with what goes wrong on the robot of this name. Faults by chance come when its own random numbers say.
+fn with_faults(
+    path: &Path,
+    model: &Arc<RobotModel>,
+    (name, seed): (&str, u64),
+    raw: &[faults::RawFault],
+) -> Result<Arc<RobotModel>> {
+    if raw.is_empty() {
+        return Ok(Arc::clone(model));
+    }
+    let mut own = RobotModel::clone(model);
+    let parts = faults::Parts { name, seed, sensors: &own.sensors, link: &mut own.link };
+    own.faults = faults::faults(path, raw, parts)?;
+    Ok(Arc::new(own))
+}
+
+/// What decides on a robot, and how it is told.
+struct Mind {
+    processor: Processor,
+    link: Link,
+    thinking_ns: u64,
+    firmware: Firmware,
+}
+
+fn mind(
+    path: &Path,
+    raw: &raw::Robot,
+    sensors: &[Sensor],
+    motors: Vec<Encoding>,
+    step: Step,
+) -> Result<Mind> {
+    let processor = processor(&path.field("microcontroller"), &raw.microcontroller)?;
+    let link = link::link(&path.field("link"), &raw.link)?;
+    let thinking_ns = brain(path, &raw.brain, &processor, &link)?;
+    let on_wire: Vec<_> = sensors.iter().filter(|sensor| sensor.is_on_wire()).collect();
+    let at = path.field("firmware");
+    let firmware = cable::firmware(&at, &raw.firmware, &on_wire, motors, step.step_ms, &link)?;
+    cable::check_sizes(path, &firmware, &link)?;
+    Ok(Mind { processor, link, thinking_ns, firmware })
+}
+
+/// What is mounted on a robot.
+struct Equipment {
+    actuators: Vec<Actuator>,
+    battery: Option<Battery>,
+    /// How full that is at the start.
+    charge: f64,
+    sensors: Vec<Sensor>,
+}
+
+fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut World<'_>) -> Result<Equipment> {
+    let tables = core::mem::take(&mut raw.actuators);
+    let actuators = each_named(&path.field("actuators"), tables, actuators::actuator)?;
+    let battery =
+        raw.battery.take().map(|raw| actuators::battery(&path.field("battery"), raw)).transpose()?;
+    let (battery, charge) = battery.unzip();
+    let mut context = sensors::Context {
+        step_ms: context.step.step_ms,
+        radius_m,
+        onboard: raw.link.kind == raw::LinkKind::Onboard && raw.firmware.protocol != raw::Protocol::Khepera,
+        actuators: &actuators,
+        battery: battery.as_ref(),
+        surroundings: context.surroundings,
+        arena: context.arena,
+    };
+    let path = path.field("sensors");
+    let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
+    let mut sensors = each_named(&path, core::mem::take(&mut raw.sensors), sensor)?;
+    if sensors.len() > usize::from(u8::MAX) {
+        return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
+    }
+    // Those on the wire keep their order and come first, so that their places are those on the wire.
+    sensors.sort_by_key(|sensor| !sensor.is_on_wire());
+    Ok(Equipment { actuators, battery, charge: charge.unwrap_or(1.0), sensors })
+}
+
+/// Corners of the body and the radius of the disc that it is, or fits in.
+fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
+    match (raw.radius_m, &raw.outline_m) {
+        (Some(radius), None) => Ok((Vec::new(), path.length("radius_m", radius)?)),
+        (None, Some(corners)) => {
+            let at = path.field("outline_m");
+            let corners = arena::outline(&at, corners)?;
+            if !polygon::contains(&corners, Point::origin()) {
+                return Err(at.error("the robot's centre, between its wheels at (0, 0), must lie inside"));
+            }
+            let radius_m = polygon::bounding_radius(&corners);
+            Ok((corners, radius_m))
+        }
+        (None, None) => {
+            Err(path.field("radius_m").error("is missing; a body is a disc or has an `outline_m`"))
+        }
+        (Some(_), Some(_)) => Err(path.field("radius_m").error("a body with an `outline_m` has no radius")),
+    }
+}
+
+/// Makes something of each table of a robot's sensors or actuators.
+fn each_named<T>(
+    path: &Path,
+    raw: raw::Tables,
+    mut make: impl FnMut(&Path, String, toml::Table) -> Result<T>,
+) -> Result<Vec<T>> {
+    let mut names = Names::default();
+    let mut made = Vec::new();
+    for (name, table) in raw.0 {
+        let path = path.field(&name);
+        let name = names.take(&path, &name)?;
+        made.push(make(&path, name, table)?);
+    }
+    Ok(made)
+}
+
+fn drive(path: &Path, body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> Result<Drive> {
+    let half_track_m = path.length("half_track_m", body.half_track_m.unwrap_or(radius_m))?;
+    let wheel_radius_m = path.length("wheel_radius_m", body.wheel_radius_m)?;
+    let mass_kg = path.positive("mass_kg", body.mass_kg)?;
+    let inertia_kg_m2 = path.positive("inertia_kg_m2", body.inertia_kg_m2)?;
+    let wheel = Wheel {
+        mass_kg: path.not_negative("wheel_mass_kg", body.wheel_mass_kg)?,
+        inertia_kg_m2: path.not_negative("wheel_inertia_kg_m2", body.wheel_inertia_kg_m2)?,
+    };
+    Ok(Drive {
+        radius_m,
+        half_track_m,
+        wheel_radius_m,
+        mass_kg,
+        inertia_kg_m2,
+        damping_n_s_m: path.not_negative("damping_n_s_m", body.damping_n_s_m)?,
+        turn_damping_nm_s: path.not_negative("turn_damping_nm_s", body.turn_damping_nm_s)?,
+        forward_gain: forward_gain(mass_kg, wheel_radius_m, wheel),
+        turn_gain: turn_gain(inertia_kg_m2, half_track_m, wheel_radius_m, wheel),
+        motor: motors.motors,
+        motor_noise: motors.noise,
+        motor_track_factor: motors.track_factor,
+    })
+}
+
+fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
+    Ok(Processor {
+        framing_ns_per_byte: path.us("framing_us_per_byte", raw.framing_us_per_byte, 1e6)?,
+        receiving_ns_per_byte: path.us("receiving_us_per_byte", raw.receiving_us_per_byte, 1e6)?,
+        obeying_ns: path.us("obeying_us", raw.obeying_us, 1e6)?,
+        operations_per_s: raw
+            .operations_per_s
+            .map(|n| path.within("operations_per_s", n, 1.0, 1e12))
+            .transpose()?,
+        ram_bytes: raw.ram_bytes,
+    })
+}
+
+/// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs
+/// on. In both ways no longer than [`MAX_THINKING_US`].
+fn brain(path: &Path, raw: &raw::Brain, processor: &Processor, link: &Link) -> Result<u64> {
+    let path = path.field("brain");
+    let onboard = matches!(link, Link::Onboard);
+    for (field, given) in
+        [("operations", raw.operations.is_some()), ("memory_bytes", raw.memory_bytes.is_some())]
+    {
+        if given && !onboard {
+            let problem =
+                "is for a brain that is the microcontroller's program: link = { kind = \"onboard\" }";
+            return Err(path.field(field).error(problem));
+        }
+    }
+    if let (Some(needs), Some(has)) = (raw.memory_bytes, processor.ram_bytes)
+        && needs > has
+    {
+        let problem = format!("needs {needs} bytes, but the microcontroller has {has} (ram_bytes)");
+        return Err(path.field("memory_bytes").error(problem));
+    }
+    match (raw.thinking_us, raw.operations) {
+        (Some(_), Some(_)) => Err(path.field("operations").error("say either this or thinking_us")),
+        (thinking, None) => path.us("thinking_us", thinking.unwrap_or(0.0), MAX_THINKING_US),
+        (None, Some(operations)) => operations_ns(&path.field("operations"), operations, processor),
+    }
+}
+
+fn operations_ns(path: &Path, operations: u64, processor: &Processor) -> Result<u64> {
+    let (Some(ns), Some(per_s)) = (processor.thinking_ns(operations), processor.operations_per_s) else {
+        return Err(path.error("needs microcontroller.operations_per_s"));
+    };
+    let limit_s = MAX_THINKING_US / 1e6;
+    if ns as f64 > MAX_THINKING_US * 1e3 {
+        let problem = format!(
+            "must be done in {limit_s} s or less; at microcontroller.operations_per_s = {per_s}, {operations} take \
+             {} s",
+            operations as f64 / per_s
+        );
+        return Err(path.error(problem));
+    }
+    Ok(ns)
+}
+
+/// Longest thinking, in microseconds.
+const MAX_THINKING_US: f64 = 1e9;

@@ -1,0 +1,231 @@
+//! From a sensor's table to a [`Sensor`].
+
+mod device;
+mod place;
+mod raw;
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_wire::{Encoding, scip};
+use toml::{Table, Value};
+
+use super::check::Path;
+use super::error::deserialize;
+use super::{ScenarioError, build::MIN_PERIOD_MS, link, noise};
+use baudbot_sim::actuator::Actuator;
+use baudbot_sim::arena::Arena;
+use baudbot_sim::battery::Battery;
+use baudbot_sim::link::Link;
+use baudbot_sim::port::{Format, Port};
+use baudbot_sim::schedule::Schedule;
+use baudbot_sim::sensor::{Device, Noise, OwnClock, Sensor};
+use baudbot_sim::surroundings::Surroundings;
+use device::Built;
+use raw::{COMMON, Common};
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// What a sensor of a robot may depend on.
+pub(super) struct Context<'a> {
+    pub(super) step_ms: f64,
+    /// Radius of the body, in metres.
+    pub(super) radius_m: f64,
+    /// Whether its brain is, so that there is no cable.
+    pub(super) onboard: bool,
+    pub(super) actuators: &'a [Actuator],
+    pub(super) battery: Option<&'a Battery>,
+    pub(super) surroundings: &'a Surroundings,
+    /// Gets a layer for each height that something is seen from.
+    pub(super) arena: &'a mut Arena,
+}
+
+/// The sensor of this name.
+pub(super) fn sensor(
+    path: &Path,
+    name: String,
+    mut table: Table,
+    context: &mut Context<'_>,
+) -> Result<Sensor> {
+    let common: Common = deserialize(path.as_str(), Value::Table(take(&mut table, &COMMON)))?;
+    let built = device::device(path, common.kind, table, common.bits, context)
+        .map_err(|error| with_common_fields(path, error))?;
+    let period_ms = common.period_ms.unwrap_or(context.step_ms);
+    let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
+    if port.is_none() && !context.onboard && built.device.values() > usize::from(u8::MAX) {
+        let problem = format!(
+            "has {} values; without a `port` of its own a sensor has at most 255, unless its brain is on board",
+            built.device.values()
+        );
+        return Err(path.error(problem));
+    }
+    if port.is_some() && common.bits.is_some() {
+        return Err(path.field("bits").error("what goes over a port of its own has its own form"));
+    }
+    let noise = with_shorthands(path, noise::noise(&path.field("noise"), common.noise)?, &built)?;
+    let clock = clock(path, common.clock, &built.device, (period_ms, common.phase_ms), port.is_some())?;
+    let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
+    let phase_ns = path.ms("phase_ms", common.phase_ms, 0.0, 1e7)?;
+    Ok(Sensor {
+        name,
+        device: built.device,
+        noise,
+        schedule: Schedule::new(period_ns, phase_ns),
+        acquisition_ns: path.us("acquisition_us", common.acquisition_us, 1e9)?,
+        own_clock: clock,
+        port,
+        encodings: built.encodings,
+    })
+}
+
+/// What can stand in the table of any sensor, behind what can stand in that of its kind.
+fn with_common_fields(path: &Path, error: ScenarioError) -> ScenarioError {
+    match error {
+        ScenarioError::Field { path: at, problem }
+            if problem.starts_with("unknown field") && is_in(path, &at) =>
+        {
+            let problem = format!("{problem}; all sensors have `{}`", COMMON.join("`, `"));
+            ScenarioError::Field { path: at, problem }
+        }
+        other => other,
+    }
+}
+
+/// Whether this is the path of a field of the table itself, and not of one deeper in it.
+fn is_in(table: &Path, field: &str) -> bool {
+    let name = field.strip_prefix(table.as_str()).and_then(|rest| rest.strip_prefix('.'));
+    name.is_some_and(|name| !name.contains(['.', '[']))
+}
+
+/// The noise, with what the fields of a kind say of it.
+fn with_shorthands(path: &Path, mut noise: Noise, built: &Built) -> Result<Noise> {
+    if built.multiplicative != 0.0 && noise.multiplicative != 0.0 {
+        return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
+    }
+    if built.additive != 0.0 && noise.additive != 0.0 {
+        return Err(path.field("sigma_rad").error("is short for noise.additive, which is given, too"));
+    }
+    noise.multiplicative += built.multiplicative;
+    noise.additive += built.additive;
+    if !built.device.is_analog() && !noise.is_none() {
+        let problem =
+            format!("a sensor of kind `{}` is digital and takes none of these", built.device.kind());
+        return Err(path.field("noise").error(problem));
+    }
+    Ok(noise)
+}
+
+/// Takes some fields out of a table.
+fn take(table: &mut Table, fields: &[&str]) -> Table {
+    fields.iter().filter_map(|&field| table.remove_entry(field)).collect()
+}
+
+/// Lasers and whatever has a port measure at their own pace, also if nothing is said about it.
+fn clock(
+    path: &Path,
+    raw: Option<raw::Clock>,
+    device: &Device,
+    (period_ms, phase_ms): (f64, f64),
+    has_port: bool,
+) -> Result<Option<OwnClock>> {
+    let sweep_ns = if let Device::Laser(laser) = device { laser.sweep_ns } else { 0 };
+    let Some(raw) = raw else {
+        if !has_port && !matches!(device, Device::Laser(_)) {
+            return Ok(None);
+        }
+        let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
+        let phase_ns = Some(path.ms("phase_ms", phase_ms, 0.0, 1e7)?);
+        fits(path, sweep_ns, period_ns)?;
+        return Ok(Some(OwnClock { period_ns, spread_ns: 0, jitter_ns: 0, phase_ns, latency_ns: 0 }));
+    };
+    if matches!(device, Device::Sonar(_) | Device::Photoresistor(_)) {
+        let problem = "the processor itself times this sensor, so it has no clock of its own";
+        return Err(path.field("clock").error(problem));
+    }
+    let path = path.field("clock");
+    let period_ns = path.ms("period_ms", raw.period_ms, MIN_PERIOD_MS, 1e7)?;
+    let clock = OwnClock {
+        period_ns,
+        spread_ns: path.ms("spread_ms", raw.spread_ms, 0.0, 0.9 * raw.period_ms)?,
+        jitter_ns: path.ms("jitter_ms", raw.jitter_ms, 0.0, raw.period_ms)?,
+        phase_ns: raw.phase_ms.map(|ms| path.ms("phase_ms", ms, 0.0, 1e7)).transpose()?,
+        latency_ns: path.ms("latency_ms", raw.latency_ms, 0.0, 1e6)?,
+    };
+    fits(&path, sweep_ns + clock.latency_ns + clock.jitter_ns, period_ns - clock.spread_ns)?;
+    Ok(Some(clock))
+}
+
+/// A measurement must be over before the next one begins.
+fn fits(path: &Path, takes_ns: u64, period_ns: u64) -> Result<()> {
+    if takes_ns <= period_ns {
+        return Ok(());
+    }
+    let (takes, period) = (takes_ns as f64 * 1e-6, period_ns as f64 * 1e-6);
+    let problem = format!("a measurement takes up to {takes} ms, but the next may begin after {period} ms");
+    Err(path.field("period_ms").error(problem))
+}
+
+fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
+    let refuse = |field: &str, given: bool| match given {
+        true => Err(path.field(field).error(format!("a sensor of kind `{}` has none", device.kind()))),
+        false => Ok(()),
+    };
+    refuse("characters", raw.characters.is_some() && !matches!(device, Device::Laser(_)))?;
+    refuse("first_step", raw.first_step.is_some() && !matches!(device, Device::Laser(_)))?;
+    refuse("sentences", raw.sentences.is_some() && !matches!(device, Device::Gps(_)))?;
+    let format = match device {
+        Device::Laser(laser) => scip_format(path, raw, laser.rays())?,
+        Device::LineCamera(_) => Format::LineImage,
+        Device::Gps(_) => Format::Nmea { full: raw.sentences != Some(raw::Sentences::Rmc) },
+        _ => {
+            let problem = format!(
+                "a sensor of kind `{}` is read by the microcontroller; lasers, line cameras and gps can have a \
+                 port of their own",
+                device.kind()
+            );
+            return Err(path.error(problem));
+        }
+    };
+    let link = link::link(&path.field("link"), &raw.link)?;
+    if matches!(link, Link::Onboard) {
+        return Err(path.field("link").field("kind").error("a port is a cable: `uart`, `usb` or `ideal`"));
+    }
+    Ok(Port { link, format })
+}
+
+fn scip_format(path: &Path, raw: &raw::Port, rays: usize) -> Result<Format> {
+    let characters = match raw.characters.unwrap_or(3) {
+        2 => scip::Characters::Two,
+        3 => scip::Characters::Three,
+        n => return Err(path.field("characters").error(format!("must be 2 or 3, is {n}"))),
+    };
+    let first = path.whole_within("first_step", raw.first_step.unwrap_or(0), 0, 9999)?;
+    let last = path.whole_within("first_step", first + rays as u64 - 1, 0, 9999)?;
+    Ok(Format::Scip(scip::Format {
+        characters,
+        first_step: first as u16,
+        last_step: last as u16,
+        cluster: 1,
+    }))
+}
+
+/// The encodings of readings whose values all lie between `min` and `max`.
+fn levels(path: &Path, bits: Option<u64>, values: usize, min: f64, max: f64) -> Result<Vec<Encoding>> {
+    Ok(alloc::vec![level(path, bits, min, max)?; values])
+}
+
+fn level(path: &Path, bits: Option<u64>, min: f64, max: f64) -> Result<Encoding> {
+    let Some(bits) = bits else { return Ok(Encoding::Float64) };
+    let bits = path.whole_within("bits", bits, 1, 32)? as u8;
+    Ok(Encoding::Level { bits, min, max })
+}
+
+fn counter(path: &Path, bits: Option<u64>) -> Result<Encoding> {
+    let Some(bits) = bits else { return Ok(Encoding::Float64) };
+    if bits < 8 {
+        return Err(path.field("bits").error(format!("a counter has 8 to 32 bits, not {bits}")));
+    }
+    let bits = path.whole_within("bits", bits, 8, 32)? as u8;
+    Ok(Encoding::Counter { bits })
+}

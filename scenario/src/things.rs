@@ -1,0 +1,235 @@
+//! Things that move by themselves and things that are pushed: what a file may say of them.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Point, Pose, Vector, polygon};
+
+use super::ScenarioError;
+use super::arena::{look, outline, points};
+use super::check::{Names, Path};
+use baudbot_sim::movable::{Form, Movable, MovableShape};
+use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMover {
+    name: String,
+    radius_m: Option<f64>,
+    outline_m: Option<Vec<[f64; 2]>>,
+    height_m: Option<f64>,
+    color: Option<[u8; 3]>,
+    #[serde(default)]
+    x_m: f64,
+    #[serde(default)]
+    y_m: f64,
+    #[serde(default)]
+    heading_rad: f64,
+    stops: Option<RawStops>,
+    swing: Option<RawSwing>,
+    wander: Option<RawWander>,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawStops {
+    points_m: Vec<[f64; 2]>,
+    speed_m_s: f64,
+    #[serde(default)]
+    pause_s: f64,
+    #[serde(default)]
+    then: RawThen,
+}
+
+#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum RawThen {
+    #[default]
+    Return,
+    Cycle,
+    Stay,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSwing {
+    to_rad: f64,
+    rate_rad_s: f64,
+    #[serde(default)]
+    pause_s: f64,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawWander {
+    speed_m_s: f64,
+    turn_s: f64,
+}
+
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMovable {
+    name: String,
+    radius_m: Option<f64>,
+    size_m: Option<[f64; 2]>,
+    outline_m: Option<Vec<[f64; 2]>>,
+    x_m: f64,
+    y_m: f64,
+    #[serde(default)]
+    heading_rad: f64,
+    mass_kg: f64,
+    friction: f64,
+    #[serde(default)]
+    restitution: f64,
+    height_m: Option<f64>,
+    color: Option<[u8; 3]>,
+}
+
+type Result<T> = core::result::Result<T, ScenarioError>;
+
+/// Something that moves by itself.
+pub(super) fn mover(path: &Path, raw: &RawMover, names: &mut Names) -> Result<Mover> {
+    let (radius_m, outline) = match (raw.radius_m, &raw.outline_m) {
+        (Some(radius), None) => (path.length("radius_m", radius)?, Vec::new()),
+        (None, Some(corners)) => {
+            let outline = outline(&path.field("outline_m"), corners)?;
+            (polygon::bounding_radius(&outline), outline)
+        }
+        _ => {
+            return Err(
+                path.error("needs either `radius_m` (a disc) or `outline_m` (corners in its own frame)")
+            );
+        }
+    };
+    let mut start = pose(path, raw.x_m, raw.y_m, raw.heading_rad)?;
+    let way = match (&raw.stops, &raw.swing, &raw.wander) {
+        (Some(raw), None, None) => {
+            let (way, first) = stops(&path.field("stops"), raw)?;
+            start.position = first;
+            way
+        }
+        (None, Some(swing), None) => self::swing(&path.field("swing"), swing, start.heading)?,
+        (None, None, Some(raw)) => {
+            if !outline.is_empty() {
+                return Err(path.field("outline_m").error("only a disc can wander"));
+            }
+            let path = path.field("wander");
+            Way::Wander {
+                speed_m_s: speed(&path, "speed_m_s", raw.speed_m_s)?,
+                turn_ns: seconds(&path, "turn_s", raw.turn_s)?.max(1),
+            }
+        }
+        _ => return Err(path.error("needs exactly one of `stops`, `swing` and `wander`")),
+    };
+    Ok(Mover {
+        name: names.take(&path.field("name"), &raw.name)?,
+        radius_m,
+        outline,
+        look: look(path, raw.height_m, raw.color)?,
+        start,
+        path: way,
+    })
+}
+
+fn stops(path: &Path, raw: &RawStops) -> Result<(Way, Point)> {
+    let at = path.field("points_m");
+    let points = points(&at, &raw.points_m)?;
+    let first = match points.first() {
+        Some(&first) if points.len() >= 2 => first,
+        _ => return Err(at.error(format!("needs at least 2 points, has {}", points.len()))),
+    };
+    let way = Way::Stops {
+        points,
+        speed_m_s: speed(path, "speed_m_s", raw.speed_m_s)?,
+        pause_ns: seconds(path, "pause_s", raw.pause_s)?,
+        after: match raw.then {
+            RawThen::Stay => AfterLast::Stay,
+            RawThen::Cycle => AfterLast::Cycle,
+            RawThen::Return => AfterLast::Return,
+        },
+    };
+    Ok((way, first))
+}
+
+/// A door's ends are not wrapped, so that it can swing through the back.
+fn swing(path: &Path, raw: &RawSwing, from_rad: f64) -> Result<Way> {
+    Ok(Way::Swing {
+        ends_rad: [from_rad, path.within("to_rad", raw.to_rad, -10.0, 10.0)?],
+        rate_rad_s: speed(path, "rate_rad_s", raw.rate_rad_s)?,
+        pause_ns: seconds(path, "pause_s", raw.pause_s)?,
+    })
+}
+
+/// Something that is pushed.
+pub(super) fn movable(path: &Path, raw: &RawMovable, names: &mut Names) -> Result<Movable> {
+    let mut start = pose(path, raw.x_m, raw.y_m, raw.heading_rad)?;
+    let shape = match (raw.radius_m, raw.size_m, &raw.outline_m) {
+        (Some(radius), None, None) => MovableShape::Ball { radius_m: path.length("radius_m", radius)? },
+        (None, Some([length, width]), None) => {
+            let at = path.field("size_m");
+            let (x, y) = (0.5 * at.length("length", length)?, 0.5 * at.length("width", width)?);
+            MovableShape::Box {
+                outline: [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point::new(x, y)).into(),
+            }
+        }
+        (None, None, Some(corners)) => convex(&path.field("outline_m"), corners, &mut start)?,
+        _ => return Err(path.error("needs one of `radius_m` (a ball), `size_m` (a box) and `outline_m`")),
+    };
+    Ok(Movable {
+        name: names.take(&path.field("name"), &raw.name)?,
+        shape,
+        mass_kg: path.positive("mass_kg", raw.mass_kg)?,
+        friction: path.not_negative("friction", raw.friction)?,
+        restitution: path.within("restitution", raw.restitution, 0.0, 1.0)?,
+        look: look(path, raw.height_m, raw.color)?,
+        start,
+    })
+}
+
+/// Corners about their centroid, counter-clockwise; the start moves along with them.
+fn convex(path: &Path, raw: &[[f64; 2]], start: &mut Pose) -> Result<MovableShape> {
+    let mut corners = outline(path, raw)?;
+    if signed_area(&corners) < 0.0 {
+        corners.reverse();
+    }
+    if !polygon::is_convex(&corners) {
+        return Err(path.error("a thing that is pushed must be convex"));
+    }
+    let centroid = polygon::centroid(&corners).ok_or_else(|| path.error("the outline has no area"))?;
+    start.position = start.transform(centroid);
+    let moved: Vec<_> = corners.iter().map(|corner| Point::from(corner - centroid)).collect();
+    Ok(MovableShape::Box { outline: moved })
+}
+
+fn signed_area(corners: &[Point]) -> f64 {
+    let cross = |a: Vector, b: Vector| a.x * b.y - a.y * b.x;
+    polygon::edges(corners).map(|edge| 0.5 * cross(edge.start.coords, edge.end.coords)).sum()
+}
+
+fn pose(path: &Path, x_m: f64, y_m: f64, heading_rad: f64) -> Result<Pose> {
+    let (x, y) = (path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?);
+    Ok(Pose::new(x, y, path.within("heading_rad", heading_rad, -10.0, 10.0)?))
+}
+
+/// Metres or radians a second, no more than a robot may start with.
+fn speed(path: &Path, field: &str, value: f64) -> Result<f64> {
+    path.positive(field, value)?;
+    path.within(field, value, 0.0, 1e3)
+}
+
+/// Seconds to nanoseconds.
+fn seconds(path: &Path, field: &str, value: f64) -> Result<u64> {
+    Ok((path.within(field, value, 0.0, 1e6)? * 1e9 + 0.5) as u64)
+}
+
+/// Whether `form` at `pose` is free to stand there; names what is in the way.
+pub(super) fn stands_in(
+    (form, pose): (&Form<'_>, &Pose),
+    arena: &baudbot_sim::arena::Arena,
+    others: &[(String, baudbot_sim::movable::Body)],
+) -> Option<String> {
+    let body = form.at(pose);
+    let shape = body.arena_thing(arena).map(|thing| arena.name_of(thing).into());
+    shape.or_else(|| others.iter().find(|(_, other)| other.overlaps(&body)).map(|(name, _)| name.clone()))
+}

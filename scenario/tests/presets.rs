@@ -1,0 +1,397 @@
+//! Presets: each is sound and does what the real thing does, and scenarios are filled from them as promised.
+
+use std::f64::consts::TAU;
+
+use crate::common::{ARSIM, refusal, run, tick, world};
+use baudbot_scenario::Override;
+use baudbot_scenario::presets::{Preset, PresetKind, preset, presets};
+use baudbot_sim::motor::Motors;
+use baudbot_sim::port::Format;
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::{Device, Sensor};
+use baudbot_sim::{Scenario, World};
+
+/// Encoders, which regulated motors need.
+const BODY: &str = "body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n\
+                    sensors.encoders = { kind = \"encoders\", counts_per_turn = 600 }\n";
+
+fn of_kind(kind: PresetKind) -> impl Iterator<Item = &'static Preset> {
+    presets().filter(move |preset| preset.kind == kind)
+}
+
+fn robot(fields: &str) -> String {
+    format!("[[robots]]\nname = \"r\"\n{fields}")
+}
+
+fn parse(toml: &str, sets: &[&str]) -> Scenario {
+    let sets: Vec<_> = sets.iter().map(|set| Override::parse(set).unwrap()).collect();
+    baudbot_scenario::parse_with(toml, &sets).unwrap_or_else(|error| panic!("{error} in:\n{toml}"))
+}
+
+/// The robot of a preset, changed as `fields` say.
+fn spec(name: &str, fields: &str) -> RobotSpec {
+    let scenario = preset_robot(name, fields, &[]);
+    scenario.robots()[0].clone()
+}
+
+fn preset_robot(name: &str, fields: &str, sets: &[&str]) -> Scenario {
+    let sets: Vec<_> = sets.iter().map(|set| format!("robots.r.{set}")).collect();
+    let sets: Vec<_> = sets.iter().map(String::as_str).collect();
+    parse(&robot(&format!("preset = \"{name}\"\n{fields}")), &sets)
+}
+
+fn sensor<'a>(spec: &'a RobotSpec, name: &str) -> &'a Sensor {
+    spec.sensors.iter().find(|sensor| sensor.name == name).unwrap_or_else(|| panic!("no sensor {name}"))
+}
+
+fn names(spec: &RobotSpec) -> Vec<&str> {
+    spec.sensors.iter().map(|sensor| sensor.name.as_str()).collect()
+}
+
+/// A robot with this sensor.
+fn with_sensor(name: &str, fields: &str) -> Sensor {
+    let toml = robot(&format!("{BODY}sensors.s = {{ preset = \"{name}\"{fields} }}"));
+    sensor(&parse(&toml, &[]).robots()[0], "s").clone()
+}
+
+#[test]
+fn every_robot_stands_alone_in_an_empty_world_in_steps_of_10_ms() {
+    for preset in of_kind(PresetKind::Robot) {
+        let scenario = preset_robot(preset.name, "", &[]);
+        assert_eq!((scenario.step_ns(), scenario.substeps()), (10_000_000, 1), "{}", preset.name);
+        assert!(preset.description.contains("one substep of 10 ms does"), "{}", preset.name);
+    }
+}
+
+#[test]
+fn every_part_fits_a_robot() {
+    for preset in presets().filter(|preset| preset.kind != PresetKind::Robot) {
+        let part = match preset.kind {
+            PresetKind::Sensor => "sensors.s",
+            kind => kind.word(),
+        };
+        // The Pololu's gears make ARSim's body stiff.
+        let toml =
+            format!("substeps = 100\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
+        parse(&toml, &[]);
+    }
+}
+
+#[test]
+fn no_robot_is_worth_a_warning() {
+    for preset in of_kind(PresetKind::Robot) {
+        let warnings = baudbot_scenario::warnings(&preset_robot(preset.name, "", &[]));
+        assert!(warnings.is_empty(), "{}: {}", preset.name, warnings[0]);
+    }
+}
+
+/// Speed after 5 s of these signals, in m/s and rad/s. Brains that hurry would clog slow cables.
+fn speeds(name: &str, left: f64, right: f64) -> (f64, f64) {
+    let mut world = World::new(preset_robot(name, "", &[]).into());
+    for i in 0..500 {
+        if i % 25 == 0 {
+            tick(&mut world, left, right);
+        } else {
+            world.begin();
+            world.finish(&[]);
+        }
+    }
+    let motion = world.robot(0).motion();
+    (motion.speed_m_s, motion.turn_rate_rad_s)
+}
+
+#[test]
+fn robots_are_as_fast_as_the_real_ones() {
+    // Where makers give no turn rate it is twice the speed over the track.
+    let real = [
+        ("khepera-1", 0.5, 18.9),
+        ("khepera-2", 0.5, 18.9),
+        ("e-puck", 0.1288, 4.86),
+        ("thymio-2", 0.166, 3.5),
+        ("boe-bot", 0.168, 3.2),
+        ("turtlebot3-burger", 0.22, 2.84),
+        ("create-2", 0.5, 4.26),
+        ("chalmers-40cm", 0.8, 4.7),
+        ("arsim", 0.7851, 4.512),
+    ];
+    assert_eq!(real.len(), of_kind(PresetKind::Robot).count());
+    for (name, speed, turn_rate) in real {
+        let (found, turning) = speeds(name, 1.0, 1.0);
+        assert!(
+            (found / speed - 1.0).abs() < 0.15 && turning.abs() < 0.3,
+            "{name}: {found} m/s, {turning} rad/s"
+        );
+        let (moving, found) = speeds(name, -1.0, 1.0);
+        assert!(
+            (found / turn_rate - 1.0).abs() < 0.15 && moving.abs() < 0.05,
+            "{name}: {found} rad/s, {moving} m/s"
+        );
+    }
+}
+
+#[test]
+fn an_epuck_drives_at_12_88_cm_a_second() {
+    assert!((speeds("e-puck", 1.0, 1.0).0 - 0.1288).abs() < 5e-5);
+}
+
+#[test]
+fn arsims_robot_is_that_of_its_scenario_to_the_bit() {
+    let (arena, robot) = ARSIM.split_once("[[robots]]").unwrap();
+    assert!(robot.contains("x_m = -0.2"));
+    let filled = format!(
+        "{arena}[[robots]]\nname = \"robot\"\npreset = \"arsim\"\nstart = {{ x_m = -0.2, y_m = 0.0 }}\n"
+    );
+    let mut worlds = [world(ARSIM), world(&filled)];
+    for world in &mut worlds {
+        run(world, 200, 0.4, 1.2);
+    }
+    assert_eq!(worlds[0].robots().len(), 1);
+    assert_eq!(worlds[0].hash(), worlds[1].hash());
+}
+
+#[test]
+fn a_khepera_reads_a_sensor_every_2_5_ms_and_each_every_20_ms() {
+    for name in ["khepera-1", "khepera-2"] {
+        let spec = spec(name, "");
+        let irs = spec.sensors.iter().filter(|sensor| matches!(sensor.device, Device::Infrared(_)));
+        let times: Vec<_> = irs.map(|ir| (ir.schedule.period_ns(), ir.schedule.phase_ns())).collect();
+        let expected: Vec<_> = (0..8).map(|i| (20_000_000, i * 2_500_000)).collect();
+        assert_eq!(times, expected, "{name}");
+    }
+}
+
+#[test]
+fn a_boe_bots_servo_has_the_curve_of_its_manual() {
+    let Motors::Servo(servo) = spec("boe-bot", "").drive.motor.clone() else { panic!("no servo") };
+    let rpm = |pulse_us: f64| servo.target_rad_s((pulse_us - 1500.0) / 200.0) * 60.0 / TAU;
+    for (pulse, expected) in [(1300.0, -48.0), (1400.0, -44.0), (1500.0, 0.0), (1600.0, 44.0), (1700.0, 48.0)]
+    {
+        assert!((rpm(pulse) - expected).abs() < 1e-9, "{pulse} {}", rpm(pulse));
+    }
+    let pulses: Vec<_> = (1300..=1700).step_by(10).map(|pulse| rpm(f64::from(pulse))).collect();
+    assert!(
+        pulses.is_sorted() && pulses.iter().rev().zip(&pulses).all(|(a, b)| (a + b).abs() < 1e-9),
+        "{pulses:?}"
+    );
+}
+
+#[test]
+fn a_pings_echo_pulse_is_within_its_limits() {
+    let sensor = with_sensor("ping", "");
+    let Device::Sonar(sonar) = &sensor.device else { panic!("no sonar") };
+    let shortest = sonar.echo_ns(0.0) as f64 * 1e-3;
+    assert!((shortest - 115.0).abs() < 2.0, "{shortest}");
+    assert!(sonar.echo_ns(sonar.max_m) < sonar.timeout_ns && sonar.timeout_ns == 18_500_000);
+    // From the trigger until the next one may come: 19.45 ms at worst.
+    let worst = sensor.acquisition_ns + sonar.holdoff_ns + sonar.timeout_ns;
+    assert_eq!(worst, 19_455_000);
+}
+
+#[test]
+fn a_gp2d12s_voltages_are_its_data_sheets() {
+    let sensor = with_sensor("gp2d12", "");
+    let Device::VoltageRanger(ranger) = &sensor.device else { panic!("no voltage") };
+    let at = |distance| ranger.voltage_at(distance);
+    assert!(
+        (at(0.8) - 0.40).abs() < 1e-3 && (at(0.1) - at(0.8) - 2.0).abs() < 1e-3,
+        "{} {}",
+        at(0.1),
+        at(0.8)
+    );
+    assert!(at(0.03) < at(0.06) && at(0.06) < 3.1 && (at(0.03) - at(0.12)).abs() < 0.1, "no fold-back");
+    let noise = &sensor.noise;
+    let spread = |volts: f64| (noise.offset_spread.powi(2) + (noise.gain_spread * volts).powi(2)).sqrt();
+    assert!((3.0 * spread(at(0.8)) - 0.15).abs() < 0.002, "{}", spread(at(0.8)));
+    let clock = sensor.own_clock.unwrap();
+    assert_eq!((clock.period_ns, clock.spread_ns, clock.phase_ns), (38_300_000, 9_600_000, None));
+}
+
+#[test]
+fn a_urgs_scan_is_a_message_of_2137_bytes() {
+    let sensor = with_sensor("urg-04lx", "");
+    let Device::Laser(laser) = &sensor.device else { panic!("no laser") };
+    let step = TAU / 1024.0;
+    let gaps = laser.fan.relative().len() - 1;
+    let opening = 2.0 * laser.fan.kappas()[gaps];
+    assert!(gaps == 681 && (opening / gaps as f64 - step).abs() < 1e-8, "{gaps} {opening}");
+    let Format::Scip(format) = sensor.port.unwrap().format else { panic!("no SCIP") };
+    assert_eq!((format.first_step, format.last_step, format.message_len()), (44, 725, 2137));
+}
+
+#[test]
+fn a_pololu_turns_and_stalls_as_its_data_sheet_says() {
+    let toml = format!("substeps = 100\n{}", robot(&format!("{BODY}motors.preset = \"pololu-37d-30-1\"")));
+    let Motors::Dc(mut motor) = parse(&toml, &[]).robots()[0].drive.motor.clone() else {
+        panic!("no DC motor")
+    };
+    let no_load = 330.0 * TAU / 60.0;
+    assert!(motor.torque_nm(1.0, 0.98 * no_load) > 0.0 && motor.torque_nm(1.0, 1.02 * no_load) < 0.0);
+    assert!((motor.power_w(1.0, 0.0) / 12.0 - 5.5).abs() < 0.01);
+    motor.max_torque_nm = 10.0;
+    assert!((motor.torque_nm(1.0, 0.0) - 1.37).abs() < 0.02, "{}", motor.torque_nm(1.0, 0.0));
+}
+
+#[test]
+fn no_preset_is_made_of_itself() {
+    fn uses(preset: &Preset) -> Vec<&'static Preset> {
+        let lines =
+            preset.text.lines().filter_map(|line| line.strip_prefix("preset = \"")?.split('"').next());
+        lines.map(|name| self::preset(name).unwrap_or_else(|| panic!("{}: {name}", preset.name))).collect()
+    }
+    for start in presets() {
+        let mut below = uses(start);
+        for _ in 0..presets().count() {
+            assert!(below.iter().all(|used| used.name != start.name), "{}", start.name);
+            below = below.into_iter().flat_map(uses).collect();
+        }
+        assert!(below.is_empty(), "{}", start.name);
+    }
+}
+
+#[test]
+fn every_file_is_a_preset() {
+    let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/presets")).unwrap();
+    let mut files: Vec<_> = files.map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    let mut known: Vec<_> = presets().map(|preset| format!("{}.toml", preset.name)).collect();
+    files.sort();
+    known.sort();
+    assert_eq!(files, known);
+}
+
+#[test]
+fn docs_presets_md_lists_every_preset_and_its_examples_are_scenarios() {
+    const DOCS: &str = include_str!("../../docs/presets.md");
+    for preset in presets() {
+        let row = format!("| `{}` | {} |", preset.name, preset.description);
+        assert!(DOCS.contains(&row), "no row `{row}`");
+    }
+    let examples: Vec<_> =
+        DOCS.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert_eq!(examples.len(), 2);
+    examples.into_iter().for_each(|example| drop(parse(example, &[])));
+}
+
+#[test]
+fn what_the_file_says_wins_field_by_field() {
+    let spec = spec(
+        "khepera-1",
+        "body = { mass_kg = 0.07 }\nlink = { baud = 38400 }\nsensors.ir_0 = { noise = { uniform = 0.0 } }",
+    );
+    assert_eq!((spec.drive.mass_kg, spec.drive.radius_m), (0.07, 0.0275));
+    assert!(
+        matches!(&spec.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2)
+    );
+    let noise = &sensor(&spec, "ir_0").noise;
+    assert_eq!((noise.uniform, noise.gain_spread), (0.0, 0.1));
+    assert_eq!(sensor(&spec, "ir_1").noise.uniform, 0.01);
+}
+
+#[test]
+fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_robots() {
+    let other = spec("khepera-1", "link = { kind = \"ideal\" }\nmotors = { kind = \"stepper\" }");
+    assert_eq!(other.link, baudbot_sim::link::Link::Ideal);
+    assert!(matches!(other.drive.motor, Motors::Stepper(_)));
+    let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
+    assert!(
+        matches!(&own.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64)
+    );
+    assert_eq!(own.processor.ram_bytes, Some(26));
+    let polled = spec("create-2", "firmware = { mode = \"poll\" }");
+    assert_eq!(polled.firmware.mode, baudbot_sim::firmware::Mode::Poll);
+}
+
+#[test]
+fn another_way_to_say_it_drops_the_presets() {
+    let fields = "[robots.sensors.ir_0]\nbearing_rad = 0.5\n\
+                  [robots.sensors.ir_1]\nambient_saturation_lux = 500.0\n";
+    let moved = spec("khepera-1", fields);
+    let Device::Infrared(ir) = &sensor(&moved, "ir_0").device else { panic!("no IR") };
+    assert_eq!(ir.mount.pose.heading, 0.5);
+    let square = "body.outline_m = [[-0.03, -0.03], [0.03, -0.03], [0.03, 0.03], [-0.03, 0.03]]";
+    assert_eq!(spec("khepera-1", square).outline.len(), 4);
+    assert_eq!(spec("thymio-2", "body.radius_m = 0.07").outline.len(), 0);
+    let mounted = with_sensor("gp2d12", ", mount = { x_m = 0.1 }");
+    assert!(matches!(mounted.device, Device::VoltageRanger(ranger) if ranger.mount.pose.position.x == 0.1));
+}
+
+#[test]
+fn sensors_can_be_left_out_and_added_behind_the_presets() {
+    let fields = "without = [\"ir_6\", \"ir_7\", \"ir_0\", \"ir_6\"]\n\
+                  [robots.sensors.zebra]\nkind = \"compass\"\n\
+                  [robots.sensors.ir_2]\nrange_m = 0.06\n\
+                  [robots.sensors.abacus]\npreset = \"hmc6352\"\n";
+    let spec = spec("khepera-1", fields);
+    assert_eq!(names(&spec), ["ir_1", "ir_2", "ir_3", "ir_4", "ir_5", "encoders", "zebra", "abacus"]);
+    let Device::Infrared(ir) = &sensor(&spec, "ir_2").device else { panic!("no IR") };
+    assert_eq!((ir.range_m, ir.fan.len()), (0.06, 7));
+}
+
+#[test]
+fn overrides_choose_presets_and_change_what_the_file_does_not_mention() {
+    let chosen = preset_robot("khepera-1", "", &["preset=arsim"]);
+    assert_eq!(names(&chosen.robots()[0]), ["ir_left", "ir_right", "odometer"]);
+    let chosen =
+        parse(&robot("preset = \"khepera-1\""), &["robots[0].preset=khepera-2", "robots.r.body.mass_kg=0.1"]);
+    assert_eq!((chosen.robots()[0].drive.radius_m, chosen.robots()[0].drive.mass_kg), (0.035, 0.1));
+    let sets = ["sensors.ir_3.range_m=0.04", "link={ kind = \"ideal\" }", "without=[\"ir_0\"]"];
+    let changed = preset_robot("khepera-1", "", &sets);
+    let changed = &changed.robots()[0];
+    assert!(matches!(&sensor(changed, "ir_3").device, Device::Infrared(ir) if ir.range_m == 0.04));
+    assert_eq!((&changed.link, changed.sensors.len()), (&baudbot_sim::link::Link::Ideal, 8));
+}
+
+#[test]
+fn what_cannot_be_filled_is_refused() {
+    let refused = |fields: &str, expected: &str| {
+        assert_eq!(refusal(&robot(fields)), expected);
+    };
+    refused(
+        "preset = \"kephera\"",
+        "robots[0].preset: there is no preset `kephera`; did you mean `khepera-1`, `khepera-2`? `baudbot preset` \
+         lists all",
+    );
+    refused(
+        "preset = \"xyzzyplugh\"",
+        "robots[0].preset: there is no preset `xyzzyplugh`; `baudbot preset` lists all",
+    );
+    refused("preset = \"gp2d12\"", "robots[0].preset: `gp2d12` is a sensor, needed is a robot");
+    refused("preset = 3", "robots[0].preset: must be the name of a preset, is of type integer");
+    refused(
+        "without = [\"ir_6\"]",
+        "robots[0].without: says what of a `preset` is left out, and there is none",
+    );
+    refused(
+        "preset = \"arsim\"\nwithout = [\"ir_left\", \"ir_6\"]",
+        "robots[0].without[1]: the preset has no sensor `ir_6`; there are: ir_left, ir_right, odometer",
+    );
+    refused(
+        "preset = \"arsim\"\nwithout = \"ir_6\"",
+        "robots[0].without: must be a list of sensors' names, is of type string",
+    );
+    let place = |place: &str| refusal(&robot(&format!("{BODY}{place}.preset = \"arsim\"")));
+    assert_eq!(
+        place("sensors.front"),
+        "robots[0].sensors.front.preset: `arsim` is a robot, needed is a sensor"
+    );
+    assert_eq!(
+        place("sensors.s.port.link"),
+        "robots[0].sensors.s.port.link.preset: `arsim` is a robot, needed is a link"
+    );
+    assert_eq!(place("motors"), "robots[0].motors.preset: `arsim` is a robot, needed is a pair of motors");
+    for part in ["microcontroller", "link", "battery"] {
+        assert!(place(part).starts_with(&format!("robots[0].{part}.preset: `arsim` is a robot")), "{part}");
+    }
+    // A field that the preset's kind does not have is refused as if it stood there.
+    let message = refusal(&robot("preset = \"arsim\"\nsensors.ir_left.colour = 3"));
+    assert!(message.starts_with("robots[0].sensors.ir_left.colour: unknown field `colour`"), "{message}");
+}
+
+#[test]
+fn nobody_makes_more_of_presets_than_there_may_be() {
+    let many = "[[robots]]\nname=\"r\"\npreset=\"arsim\"\n".repeat(10_001);
+    assert_eq!(refusal(&many), "robots: there are 10001, the limit is 10000");
+    let sensors: String = (0..100_001).map(|i| format!("s{i}.preset=\"hmc6352\"\n")).collect();
+    let message =
+        refusal(&robot(&format!("{BODY}[robots.sensors]\n{sensors}").replace("sensors.encoders", "#")));
+    assert!(message.ends_with("presets are used more than 100000 times"), "{message}");
+}

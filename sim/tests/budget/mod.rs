@@ -1,7 +1,0 @@
-//! The budget against runs: what it foretells is what happens, and its bounds hold whatever the scenario.
-
-mod examples;
-mod limits;
-mod mends;
-mod random;
-mod run;
