@@ -20,7 +20,7 @@ pub type Vector = Vector2<f64>;
 /// The place and the heading of one frame in another, say of a robot in the world.
 ///
 /// A name such as `world_from_robot` says which: it takes what is known in the robot's frame to the world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// The origin of the inner frame, in metres, in the outer one.
     pub position: Point,

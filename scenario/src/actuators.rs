@@ -5,14 +5,13 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use toml::{Table, Value};
+use toml::Table;
 
-use super::ScenarioError;
-use super::check::Path;
-use super::error::deserialize;
+use super::error::Sheet;
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::battery::Battery;
 use baudbot_sim::motor::PositionalServo;
+use baudbot_sim::sheet::{FieldError, Fields, Path};
 
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -65,26 +64,26 @@ fn frame_ms() -> f64 {
     20.0
 }
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// The actuator of this name.
 pub(super) fn actuator(path: &Path, name: String, mut table: Table) -> Result<Actuator> {
     let kind = table.remove("kind").ok_or_else(|| {
         path.field("kind").error("is missing; an actuator is a `turret`, a `lamp` or a `speaker`")
     })?;
-    let kind: RawActuatorKind = deserialize(path.field("kind").as_str(), kind)?;
-    let (at, rest) = (path.as_str(), Value::Table(table));
+    let kind: RawActuatorKind = Sheet::from(kind).read(&path.field("kind"))?;
+    let fields = Sheet::from(table);
     let kind = match kind {
-        RawActuatorKind::Turret => turret(path, &deserialize(at, rest)?)?,
+        RawActuatorKind::Turret => turret(path, &fields.read(path)?)?,
         RawActuatorKind::Lamp => {
-            let raw: RawLamp = deserialize(at, rest)?;
+            let raw: RawLamp = fields.read(path)?;
             ActuatorKind::Lamp {
                 intensity_cd: path.positive("intensity_cd", raw.intensity_cd)?,
                 height_m: path.within("height_m", raw.height_m, 0.0, 1e3)?,
             }
         }
         RawActuatorKind::Speaker => {
-            let raw: RawSpeaker = deserialize(at, rest)?;
+            let raw: RawSpeaker = fields.read(path)?;
             path.positive("level", raw.level)?;
             ActuatorKind::Speaker { level: path.within("level", raw.level, 0.0, 1e9)? }
         }

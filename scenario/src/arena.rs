@@ -6,10 +6,10 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, polygon::is_simple};
 
-use super::ScenarioError;
-use super::check::{Names, Path};
+use super::names::Names;
 use super::things::{RawMovable, RawMover};
 use baudbot_sim::arena::{Arena, Look, Pillar, Polygon};
+use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Surroundings, Zone};
 
 #[derive(Debug, serde::Deserialize)]
@@ -139,7 +139,7 @@ fn yes() -> bool {
 /// Most corners of one polygon: whether it crosses itself is found by comparing all pairs of sides.
 const MAX_POINTS: usize = 4096;
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// A disc.
 pub(super) fn disc(path: &Path, x_m: f64, y_m: f64, radius_m: f64) -> Result<Circle> {

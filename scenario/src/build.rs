@@ -7,11 +7,12 @@ use alloc::vec::Vec;
 use baudbot_geometry::Point;
 
 use super::arena::{arena, disc, each, surroundings};
-use super::check::{Names, Path};
+use super::names::Names;
 use super::robots::{self, Step};
 use baudbot_sim::scenario::{End, Scenario, Source};
+use baudbot_sim::sheet::{FieldError, Path};
 
-use super::{ScenarioError, raw, things};
+use super::{raw, things};
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::coverage::Floor;
@@ -27,7 +28,7 @@ use baudbot_sim::time::{SECOND_NS, SimTime};
 /// Shortest period of anything that repeats: below it a run would do nothing else.
 pub(super) const MIN_PERIOD_MS: f64 = 0.01;
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     let path = Path::root();

@@ -6,14 +6,14 @@ use alloc::vec::Vec;
 use baudbot_wire::{Encoding, Layout, frame, khepera};
 
 use super::build::MIN_PERIOD_MS;
-use super::check::Path;
-use super::{ScenarioError, raw};
+use super::raw;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::Link;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::Sensor;
+use baudbot_sim::sheet::{FieldError, Path};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 pub(super) fn firmware(
     path: &Path,

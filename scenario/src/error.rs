@@ -4,9 +4,11 @@ use alloc::format;
 use alloc::string::{String, ToString};
 
 use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+use baudbot_sim::sheet::{FieldError, Fields, Path};
 
 use super::MAX_BYTES;
-use baudbot_sim::printable::Printable;
 
 /// Why a scenario was refused. The message says where and how to mend it. What it quotes of the text is
 /// [printable](baudbot_sim::printable).
@@ -32,23 +34,37 @@ pub enum ScenarioError {
     },
 }
 
-impl ScenarioError {
-    pub(super) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
-        let path = Some(path.into()).filter(|path| !path.is_empty());
-        let path = path.unwrap_or_else(|| "scenario".into());
-        Self::Field { path: Printable(path).to_string(), problem: Printable(problem.into()).to_string() }
+impl From<FieldError> for ScenarioError {
+    fn from(FieldError { path, problem }: FieldError) -> Self {
+        Self::Field { path, problem }
     }
 }
 
-/// Deserialises what stands at `prefix` of the file; errors name the full path.
-pub(super) fn deserialize<T: DeserializeOwned>(prefix: &str, value: toml::Value) -> Result<T, ScenarioError> {
-    serde_path_to_error::deserialize(value).map_err(|error| {
-        let inner = error.path().to_string();
-        let path = match (prefix, inner.as_str()) {
-            (_, ".") => prefix.to_string(),
-            ("", _) => inner,
-            _ => format!("{prefix}.{inner}"),
-        };
-        ScenarioError::field(path, error.inner().message())
-    })
+/// What stands in a file in TOML.
+pub(super) struct Sheet(Value);
+
+impl From<Value> for Sheet {
+    fn from(value: Value) -> Self {
+        Self(value)
+    }
+}
+
+impl From<Table> for Sheet {
+    fn from(table: Table) -> Self {
+        Self(Value::Table(table))
+    }
+}
+
+impl Fields for Sheet {
+    fn read<T: DeserializeOwned>(self, path: &Path) -> Result<T, FieldError> {
+        serde_path_to_error::deserialize(self.0).map_err(|error| {
+            let inner = error.path().to_string();
+            let path = match (path.as_str(), inner.as_str()) {
+                (here, ".") => here.to_string(),
+                ("", _) => inner,
+                (here, _) => format!("{here}.{inner}"),
+            };
+            FieldError::new(path, error.inner().message())
+        })
+    }
 }

@@ -5,16 +5,16 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use super::cable::refuse;
-use super::check::Path;
-use super::{ScenarioError, raw};
+use super::raw;
 use baudbot_sim::fault::{Fault, FaultKind, When};
 use baudbot_sim::link::Link;
 use baudbot_sim::random::Stream;
 use baudbot_sim::robot::{Deadline, OnLate};
 use baudbot_sim::sensor::Sensor;
+use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::{SECOND_NS, SimTime};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// Most faults of a robot.
 const MAX_FAULTS: usize = 64;

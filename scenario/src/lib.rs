@@ -6,8 +6,8 @@
 //! 2. `overrides` changes fields by path.
 //! 3. `preset` expands [presets].
 //! 4. `raw` describes what a file may contain; parts of a file have modules of their own.
-//! 5. `build`, `robots` and the other modules check every value and make the world's own types of it; `check` has the
-//!    rules for single values.
+//! 5. `build`, `robots` and the other modules check every value and make the world's own types of it, by the rules for single values of
+//!    [`baudbot_sim::sheet`]. A sensor reads its own data sheet.
 //!
 //! [`warnings`] reports what is allowed and hardly intended. `docs/scenario.md` describes the format to its users.
 //!
@@ -23,12 +23,11 @@ mod actuators;
 mod arena;
 mod build;
 mod cable;
-mod check;
 mod error;
 mod faults;
 mod link;
 mod motors;
-mod noise;
+mod names;
 mod order;
 mod overrides;
 mod preset;
@@ -45,10 +44,12 @@ use alloc::string::{String, ToString};
 use baudbot_sim::Scenario;
 use baudbot_sim::printable::PrintableLines;
 use baudbot_sim::scenario::Source;
+use baudbot_sim::sheet::{Fields, Path};
 use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use error::ScenarioError;
+use error::Sheet;
 pub use overrides::Override;
 pub use warnings::{Warning, warnings};
 
@@ -76,14 +77,14 @@ pub fn parse_with(toml: &str, overrides: &[Override]) -> Result<Scenario, Scenar
         change.apply(&mut table)?;
     }
     let presets = preset::expand(&mut table)?;
-    let mut raw: raw::Scenario = error::deserialize("", toml::Value::Table(table))?;
+    let mut raw: raw::Scenario = Sheet::from(table).read(&Path::root())?;
     for (robot, chain) in raw.robots.iter_mut().zip(&presets) {
         let names = order.next(chain);
         robot.sensors.arrange(&names.sensors);
         robot.actuators.arrange(&names.actuators);
     }
     let overrides = overrides.iter().map(ToString::to_string).collect();
-    build::scenario(raw, Source { toml: toml.into(), overrides })
+    Ok(build::scenario(raw, Source { toml: toml.into(), overrides })?)
 }
 
 /// What the text says, and in which order. It is parsed once: of a long text that is much work, and much memory.

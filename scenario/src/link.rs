@@ -4,14 +4,14 @@ use alloc::format;
 use alloc::vec::Vec;
 
 use super::cable::refuse;
-use super::check::Path;
-use super::{ScenarioError, raw};
+use super::raw;
 use baudbot_sim::link::{
     Adapter, Bluetooth, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
 };
+use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::{SECOND_NS, SimTime};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// Most outages of a link.
 const MAX_OUTAGES: usize = 1000;

@@ -4,15 +4,14 @@ use alloc::format;
 use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
-use toml::{Table, Value};
+use toml::Table;
 
-use super::ScenarioError;
-use super::check::Path;
-use super::error::deserialize;
+use super::error::Sheet;
 use baudbot_sim::motor::{DcMotor, MotorNoise, Motors, Servo, Stepper, VelocityMotor};
 use baudbot_sim::sensor::{Device, Sensor};
+use baudbot_sim::sheet::{FieldError, Fields, Path};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// What the motors' table says.
 pub(super) struct ParsedMotors {
@@ -174,8 +173,8 @@ pub(super) fn motors(path: &Path, mut table: Table) -> Result<ParsedMotors> {
             common.insert(field.into(), value);
         }
     }
-    let common: RawMotors = deserialize(path.as_str(), Value::Table(common))?;
-    let (motors, quirks) = motor(path, common.kind, Value::Table(table))?;
+    let common: RawMotors = Sheet::from(common).read(path)?;
+    let (motors, quirks) = motor(path, common.kind, table.into())?;
     Ok(ParsedMotors {
         motors,
         noise: MotorNoise {
@@ -212,20 +211,19 @@ pub(super) fn can_be_regulated(path: &Path, motors: &Motors, sensors: &[Sensor])
     Ok(())
 }
 
-fn motor(path: &Path, kind: MotorKind, table: Value) -> Result<(Motors, Quirks)> {
-    let at = path.as_str();
+fn motor(path: &Path, kind: MotorKind, fields: Sheet) -> Result<(Motors, Quirks)> {
     Ok(match kind {
         MotorKind::Dc => {
-            let raw: RawDcMotor = deserialize(at, table)?;
+            let raw: RawDcMotor = fields.read(path)?;
             let quirks = Quirks {
                 track_factor: path.within("track_factor", raw.track_factor, 0.0, 1.0)?,
                 unlimited_signals: raw.unlimited_signals,
             };
             (Motors::Dc(dc(path, &raw)?), quirks)
         }
-        MotorKind::Velocity => (Motors::Velocity(velocity(path, &deserialize(at, table)?)?), NO_QUIRKS),
-        MotorKind::Servo => (Motors::Servo(servo(path, deserialize(at, table)?)?), NO_QUIRKS),
-        MotorKind::Stepper => (Motors::Stepper(stepper(path, &deserialize(at, table)?)?), NO_QUIRKS),
+        MotorKind::Velocity => (Motors::Velocity(velocity(path, &fields.read(path)?)?), NO_QUIRKS),
+        MotorKind::Servo => (Motors::Servo(servo(path, fields.read(path)?)?), NO_QUIRKS),
+        MotorKind::Stepper => (Motors::Stepper(stepper(path, &fields.read(path)?)?), NO_QUIRKS),
     })
 }
 

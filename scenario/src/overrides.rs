@@ -8,8 +8,8 @@ use core::fmt;
 
 use toml::{Table, Value};
 
-use super::ScenarioError;
 use super::starts::numbered;
+use baudbot_sim::sheet::FieldError;
 
 /// Most parts of a path; tables nested without end would exhaust the stack.
 const MAX_PARTS: usize = 16;
@@ -36,9 +36,9 @@ impl Override {
     ///
     /// # Errors
     /// If there is no `=` or a part of the path is empty.
-    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
+    pub fn parse(text: &str) -> Result<Self, FieldError> {
         let (path, value) = text.split_once('=').ok_or_else(|| {
-            ScenarioError::field(
+            FieldError::new(
                 format!("`{text}`"),
                 "an override is PATH=VALUE, such as robots.alice.start.x_m=0.5",
             )
@@ -46,11 +46,11 @@ impl Override {
         let parts: Vec<String> =
             path.trim().replace('[', ".").replace(']', "").split('.').map(str::to_owned).collect();
         if parts.iter().any(String::is_empty) {
-            return Err(ScenarioError::field(path, "the path has an empty part"));
+            return Err(FieldError::new(path, "the path has an empty part"));
         }
         if parts.len() > MAX_PARTS {
             let problem = format!("the path has {} parts, no field is deeper than {MAX_PARTS}", parts.len());
-            return Err(ScenarioError::field("override", problem));
+            return Err(FieldError::new("override", problem));
         }
         let value = value.trim();
         let parsed =
@@ -61,7 +61,7 @@ impl Override {
 
     /// Puts the value into the file's table. Whether such a field exists is found out when the whole is
     /// deserialised, with the same errors as for the file.
-    pub(super) fn apply(&self, table: &mut Table) -> Result<(), ScenarioError> {
+    pub(super) fn apply(&self, table: &mut Table) -> Result<(), FieldError> {
         let (last, parents) = self.path.split_last().expect("split gives at least one part");
         let mut here = table;
         let mut parts = parents.iter().enumerate();
@@ -72,14 +72,14 @@ impl Override {
                 Value::Table(table) => table,
                 Value::Array(list) => {
                     let (_, key) = parts.next().ok_or_else(|| {
-                        ScenarioError::field(path(), "is a list; name an element and a field of it")
+                        FieldError::new(path(), "is a list; name an element and a field of it")
                     })?;
                     element(list, key, &path())?
                 }
                 other => {
                     let problem =
                         format!("is a {}, it has no field `{}`", other.type_str(), self.path[depth + 1]);
-                    return Err(ScenarioError::field(path(), problem));
+                    return Err(FieldError::new(path(), problem));
                 }
             };
         }
@@ -88,11 +88,11 @@ impl Override {
     }
 }
 
-fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut Table, ScenarioError> {
+fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut Table, FieldError> {
     let names: Vec<String> = list.iter().map(|value| name_of(value).unwrap_or("?").to_owned()).collect();
     let by_name = names.iter().position(|name| name == key);
     let index = by_name.or_else(|| key.parse().ok().filter(|&i: &usize| i < names.len()));
-    let error = |problem| ScenarioError::field(format!("{path}.{key}"), problem);
+    let error = |problem| FieldError::new(format!("{path}.{key}"), problem);
     if index.is_none()
         && let Some((table, i)) = of_several(list, key)
     {

@@ -15,10 +15,9 @@ use alloc::vec::Vec;
 
 use toml::{Table, Value};
 
-use super::ScenarioError;
-use super::check::Path;
 use super::robots::MAX_ROBOTS;
 use crate::presets::{self, Preset, PresetKind};
+use baudbot_sim::sheet::{FieldError, Path};
 
 /// Ways to say the same thing: who uses one drops the others.
 const ALTERNATIVES: [&[&[&str]]; 4] = [
@@ -42,7 +41,7 @@ const PARTS: [(&str, PresetKind); 4] = [
 /// Most uses of presets in one scenario: each makes more of a file than there is in it.
 const MAX_USES: usize = 100_000;
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// The presets that a robot is made of: each is filled from the next.
 pub(super) type Chain = Vec<&'static Preset>;

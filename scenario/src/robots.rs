@@ -8,10 +8,10 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Point, polygon};
 use baudbot_wire::Encoding;
 
-use super::check::{Names, Path};
 use super::motors::{self, ParsedMotors};
+use super::names::Names;
 use super::starts::{self, Place};
-use super::{ScenarioError, actuators, arena, cable, faults, link, raw, sensors};
+use super::{actuators, arena, cable, faults, link, raw, sensors};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::battery::Battery;
@@ -22,6 +22,7 @@ use baudbot_sim::microcontroller::Processor;
 use baudbot_sim::movable::Body;
 use baudbot_sim::robot::{RobotModel, RobotSpec};
 use baudbot_sim::sensor::Sensor;
+use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::surroundings::Surroundings;
 use baudbot_sim::time::SECOND_NS;
 
@@ -34,7 +35,7 @@ pub(super) const MAX_SUBSTEPS: u64 = 10_000;
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// The robots, in the order of their names.
 pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>) -> Result<Vec<RobotSpec>> {

@@ -6,12 +6,13 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Crowd, Pose, angle};
 
-use super::check::{Names, Path};
+use super::names::Names;
 use super::robots::World;
-use super::{ScenarioError, raw, things};
+use super::{raw, things};
 use baudbot_sim::robot::{RobotSpec, Start};
+use baudbot_sim::sheet::{FieldError, Path};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// Where a robot is in the file, for messages.
 pub(super) struct Place {

@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Point, Pose, Vector, polygon};
 
-use super::ScenarioError;
 use super::arena::{look, outline, points};
-use super::check::{Names, Path};
+use super::names::Names;
 use baudbot_sim::movable::{Form, Movable, MovableShape};
 use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
+use baudbot_sim::sheet::{FieldError, Path};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -86,7 +86,7 @@ pub(super) struct RawMovable {
     color: Option<[u8; 3]>,
 }
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// Something that moves by itself.
 pub(super) fn mover(path: &Path, raw: &RawMover, names: &mut Names) -> Result<Mover> {

@@ -2,6 +2,9 @@
 //! many, and their examples are scenarios.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use baudbot_sim::sensor::SensorKind;
 
 const DOCS: [&str; 3] = [
     include_str!("../../docs/scenario.md"),
@@ -9,20 +12,21 @@ const DOCS: [&str; 3] = [
     include_str!("../../docs/sensors.md"),
 ];
 
-/// The parser's files with structs and enums, by the names that [`SECTIONS`] has.
-const SOURCES: [(&str, &str); 8] = [
+/// The files with structs and enums that are read, by the names that [`SECTIONS`] has. Sensors are found by themselves.
+const SOURCES: [(&str, &str); 9] = [
     ("raw", include_str!("../src/raw.rs")),
     ("arena", include_str!("../src/arena.rs")),
     ("things", include_str!("../src/things.rs")),
     ("actuators", include_str!("../src/actuators.rs")),
     ("motors", include_str!("../src/motors.rs")),
-    ("noise", include_str!("../src/noise.rs")),
+    ("noise", include_str!("../../sim/src/sensor/noise.rs")),
+    ("lookup", include_str!("../../sim/src/sensor/lookup.rs")),
     ("faults", include_str!("../src/faults.rs")),
     ("sensors", include_str!("../src/sensors/raw.rs")),
 ];
 
-/// Which section describes which of the parser's structs.
-const SECTIONS: [(&str, &str, &str); 62] = [
+/// Which section describes which of these structs.
+const SECTIONS: [(&str, &str, &str); 45] = [
     ("raw", "Scenario", "## Top level"),
     ("raw", "End", "## `[end]`"),
     ("raw", "Goal", "### `end.goal`"),
@@ -59,32 +63,15 @@ const SECTIONS: [(&str, &str, &str); 62] = [
     ("actuators", "RawSpeaker", "### `kind = \"speaker\"`: a loudspeaker"),
     ("actuators", "RawBattery", "## `robots.battery`"),
     ("sensors", "Common", "## `[robots.sensors.NAME]`"),
-    ("noise", "RawNoise", "### `noise`"),
-    ("noise", "RawDrift", "#### `noise.drift`"),
-    ("noise", "RawSpikes", "#### `noise.spikes`"),
-    ("noise", "RawDropout", "#### `noise.dropout`"),
+    ("noise", "Noise", "### `noise`"),
+    ("noise", "Drift", "#### `noise.drift`"),
+    ("noise", "Spikes", "#### `noise.spikes`"),
+    ("noise", "Dropout", "#### `noise.dropout`"),
     ("sensors", "Clock", "### `clock`"),
     ("sensors", "Port", "### `port`"),
     ("sensors", "Place", "## Place"),
     ("sensors", "Mount", "### `mount`"),
-    ("sensors", "Infrared", "### `kind = \"ir\"`: an infra-red proximity sensor"),
-    ("sensors", "VoltageRanger", "### `kind = \"ir-voltage\"`: a distance sensor with a voltage"),
-    ("sensors", "Sonar", "### `kind = \"sonar\"`: ultrasound"),
-    ("sensors", "Laser", "### `kind = \"laser\"`: a laser range finder"),
-    ("sensors", "LineCamera", "### `kind = \"line-camera\"`: a row of an image"),
-    ("sensors", "Encoders", "### `kind = \"encoders\"`: an encoder on each wheel"),
-    ("sensors", "Odometer", "### `kind = \"odometer\"`: ARSim's odometer"),
-    ("sensors", "Compass", "### `kind = \"compass\"`"),
-    ("sensors", "Accelerometer", "### `kind = \"accelerometer\"`"),
-    ("sensors", "Gyroscope", "### `kind = \"gyroscope\"`"),
-    ("sensors", "Gps", "### `kind = \"gps\"`: a satellite receiver"),
-    ("sensors", "Whisker", "### `kind = \"whisker\"`: a wire that feels"),
-    ("sensors", "Bumper", "### `kind = \"bumper\"`: a bar on the rim"),
-    ("sensors", "Photoresistor", "### `kind = \"photoresistor\"`: light as a time"),
-    ("sensors", "Light", "### `kind = \"light\"`: light in lux"),
-    ("sensors", "Field", "### `kind = \"field\"`: scent, temperature and the like"),
-    ("sensors", "Microphone", "### `kind = \"microphone\"`"),
-    ("noise", "RawLookup", "#### `lookup`"),
+    ("lookup", "Sheet", "#### `lookup`"),
 ];
 
 /// What examples of parts of a robot are parts of.
@@ -104,8 +91,32 @@ fn every_field_is_described_in_its_section_and_nothing_else_is() {
 }
 
 #[test]
+fn every_field_of_every_sensor_is_described_in_its_section_and_nothing_else_is() {
+    let mut kinds: BTreeSet<_> = SensorKind::NAMES.into();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../sim/src/sensor");
+    for file in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let Ok(source) = fs::read_to_string(&file) else { continue };
+        let source = String::leak(source);
+        let sheets = items_of("", source, "struct ");
+        for block in source.split("\nimpl Sense for ").skip(1) {
+            let constant = |start: &str| block.split_once(start).unwrap().1.split_once([';', '"']).unwrap().0;
+            let (kind, sheet) = (constant("const NAME: &str = \""), constant("type Sheet = "));
+            let start = format!("### `kind = \"{kind}\"`");
+            let heading = DOCS.iter().flat_map(|doc| doc.lines()).find(|line| line.starts_with(&start));
+            let heading = heading.unwrap_or_else(|| panic!("no section `{start}`"));
+            let lines = sheets.iter().find(|item| item.name == sheet).map(|item| &item.lines[..]);
+            assert!(lines.is_some() || sheet == "NoFields", "{file:?} has no `struct {sheet}`");
+            let expected: BTreeSet<_> = lines.into_iter().flatten().filter_map(|line| field(line)).collect();
+            assert_eq!(described_if_any(heading), expected, "{heading} and {file:?}");
+            assert!(kinds.remove(kind), "{kind}");
+        }
+    }
+    assert!(kinds.is_empty(), "not found: {kinds:?}");
+}
+
+#[test]
 fn every_word_that_a_field_can_have_is_described() {
-    let mut words = 0;
+    let mut words = SensorKind::ALL.len();
     for Item { file, name, lines } in items("enum ") {
         for variant in lines.iter().filter(|line| !line.starts_with(['#', '/'])) {
             let word = kebab_case(variant.trim_end_matches(','));
@@ -115,6 +126,10 @@ fn every_word_that_a_field_can_have_is_described() {
             assert!(DOCS.iter().any(is_described), "`{word}` of `enum {name}` of `{file}`");
             words += 1;
         }
+    }
+    for word in SensorKind::NAMES {
+        let heading = format!("### `kind = \"{word}\"`");
+        assert!(DOCS.iter().any(|doc| doc.contains(&heading)), "`{word}` has no section");
     }
     assert!(words >= 40, "found only {words}");
 }
@@ -157,37 +172,43 @@ struct Item {
 
 /// The parser's structs or enums that are read from a file and have a body.
 fn items(keyword: &str) -> Vec<Item> {
+    SOURCES.iter().flat_map(|(file, source)| items_of(file, source, keyword)).collect()
+}
+
+/// Those of one file. The attributes of serde for files tell them from what is only saved.
+fn items_of(file: &'static str, source: &'static str, keyword: &str) -> Vec<Item> {
     let mut items = Vec::new();
-    for (file, source) in SOURCES {
-        let mut lines = source.lines().map(str::trim);
-        let mut is_read = false;
-        while let Some(line) = lines.next() {
-            let item = line.trim_start_matches("pub(super) ").strip_prefix(keyword);
-            match item.and_then(|item| item.strip_suffix(" {")) {
-                Some(name) if is_read => {
-                    items.push(Item {
-                        file,
-                        name,
-                        lines: lines.by_ref().take_while(|line| *line != "}").collect(),
-                    });
-                }
-                _ => {}
-            }
-            is_read =
-                if line.starts_with("#[") { is_read || line.contains("serde::Deserialize") } else { false };
+    let mut lines = source.lines().map(str::trim);
+    let mut is_read = false;
+    while let Some(line) = lines.next() {
+        let item = without_visibility(line).strip_prefix(keyword);
+        if let Some(name) = item.and_then(|item| item.strip_suffix(" {")).filter(|_| is_read) {
+            items.push(Item { file, name, lines: lines.by_ref().take_while(|line| *line != "}").collect() });
         }
+        let is_for_files = || line.contains("deny_unknown_fields") || line.contains("rename_all");
+        is_read = line.starts_with("#[") && (is_read || is_for_files());
     }
     items
 }
 
+fn without_visibility(line: &str) -> &str {
+    ["pub(super) ", "pub(crate) ", "pub "].iter().find_map(|word| line.strip_prefix(word)).unwrap_or(line)
+}
+
 /// The name in a line `name: Type,`.
 fn field(line: &'static str) -> Option<&'static str> {
-    let line = line.trim_start_matches("pub(super) ");
+    let line = without_visibility(line);
     line.split_once(": ").map(|(name, _)| name).filter(|_| line.starts_with(|c: char| c.is_ascii_lowercase()))
 }
 
 /// The fields in the table of a section, whose heading is there once.
 fn described(heading: &str) -> BTreeSet<&'static str> {
+    let names = described_if_any(heading);
+    assert!(!names.is_empty(), "{heading} has no table of fields");
+    names
+}
+
+fn described_if_any(heading: &str) -> BTreeSet<&'static str> {
     let docs: Vec<_> = DOCS.iter().flat_map(|doc| doc.lines()).collect();
     let headings = docs.iter().filter(|line| **line == heading).count();
     assert_eq!(headings, 1, "sections that are called {heading}");

@@ -55,6 +55,7 @@ pub mod scenario;
 mod scene;
 pub mod schedule;
 pub mod sensor;
+pub mod sheet;
 pub mod sight;
 mod sound;
 #[cfg(test)]

@@ -1,31 +1,31 @@
 //! From a sensor's table to a [`Sensor`].
 
-mod device;
 mod place;
 mod raw;
+#[cfg(test)]
+mod tests;
 
 use alloc::format;
 use alloc::string::String;
-use alloc::vec::Vec;
 
-use baudbot_wire::{Encoding, scip};
-use toml::{Table, Value};
+use baudbot_geometry::Pose;
+use baudbot_wire::scip;
+use toml::Table;
 
-use super::check::Path;
-use super::error::deserialize;
-use super::{ScenarioError, build::MIN_PERIOD_MS, link, noise};
+use super::error::Sheet;
+use super::{build::MIN_PERIOD_MS, link};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::battery::Battery;
 use baudbot_sim::link::Link;
 use baudbot_sim::port::{Format, Port};
 use baudbot_sim::schedule::Schedule;
-use baudbot_sim::sensor::{Device, Noise, OwnClock, Sensor};
+use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor};
+use baudbot_sim::sheet::{FieldError, Fields, Path};
 use baudbot_sim::surroundings::Surroundings;
-use device::Built;
 use raw::{COMMON, Common};
 
-type Result<T> = core::result::Result<T, ScenarioError>;
+type Result<T> = core::result::Result<T, FieldError>;
 
 /// What a sensor of a robot may depend on.
 pub(super) struct Context<'a> {
@@ -48,9 +48,8 @@ pub(super) fn sensor(
     mut table: Table,
     context: &mut Context<'_>,
 ) -> Result<Sensor> {
-    let common: Common = deserialize(path.as_str(), Value::Table(take(&mut table, &COMMON)))?;
-    let built = device::device(path, common.kind, table, common.bits, context)
-        .map_err(|error| with_common_fields(path, error))?;
+    let common: Common = Sheet::from(take(&mut table, &COMMON)).read(path)?;
+    let built = built(path, &common, table, context).map_err(|error| with_common_fields(path, error))?;
     let period_ms = common.period_ms.unwrap_or(context.step_ms);
     let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
     if port.is_none() && !context.onboard && built.device.values() > usize::from(u8::MAX) {
@@ -63,7 +62,7 @@ pub(super) fn sensor(
     if port.is_some() && common.bits.is_some() {
         return Err(path.field("bits").error("what goes over a port of its own has its own form"));
     }
-    let noise = with_shorthands(path, noise::noise(&path.field("noise"), common.noise)?, &built)?;
+    let noise = with_shorthands(path, common.noise.checked(&path.field("noise"))?, &built)?;
     let clock = clock(path, common.clock, &built.device, (period_ms, common.phase_ms), port.is_some())?;
     let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
     let phase_ns = path.ms("phase_ms", common.phase_ms, 0.0, 1e7)?;
@@ -79,17 +78,23 @@ pub(super) fn sensor(
     })
 }
 
+/// The device, from the fields of its place and its kind.
+fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'_>) -> Result<Built<Device>> {
+    let mount = match common.kind.place() {
+        Place::Inside => Mount { pose: Pose::default(), turret: None, height: context.arena.height(0.0) },
+        Place::Mounted => place::mount(path, &mut table, context)?,
+        Place::Rim => place::centre(path, &mut table, context)?,
+    };
+    let (battery, surroundings) = (context.battery, context.surroundings);
+    common.kind.build(Sheet::from(table), path, Fit { mount, bits: common.bits, battery, surroundings })
+}
+
 /// What can stand in the table of any sensor, behind what can stand in that of its kind.
-fn with_common_fields(path: &Path, error: ScenarioError) -> ScenarioError {
-    match error {
-        ScenarioError::Field { path: at, problem }
-            if problem.starts_with("unknown field") && is_in(path, &at) =>
-        {
-            let problem = format!("{problem}; all sensors have `{}`", COMMON.join("`, `"));
-            ScenarioError::Field { path: at, problem }
-        }
-        other => other,
+fn with_common_fields(path: &Path, mut error: FieldError) -> FieldError {
+    if error.problem.starts_with("unknown field") && is_in(path, &error.path) {
+        error.problem += &format!("; all sensors have `{}`", COMMON.join("`, `"));
     }
+    error
 }
 
 /// Whether this is the path of a field of the table itself, and not of one deeper in it.
@@ -99,7 +104,7 @@ fn is_in(table: &Path, field: &str) -> bool {
 }
 
 /// The noise, with what the fields of a kind say of it.
-fn with_shorthands(path: &Path, mut noise: Noise, built: &Built) -> Result<Noise> {
+fn with_shorthands(path: &Path, mut noise: Noise, built: &Built<Device>) -> Result<Noise> {
     if built.multiplicative != 0.0 && noise.multiplicative != 0.0 {
         return Err(path.field("sigma").error("is short for noise.multiplicative, which is given, too"));
     }
@@ -208,24 +213,4 @@ fn scip_format(path: &Path, raw: &raw::Port, rays: usize) -> Result<Format> {
         last_step: last as u16,
         cluster: 1,
     }))
-}
-
-/// The encodings of readings whose values all lie between `min` and `max`.
-fn levels(path: &Path, bits: Option<u64>, values: usize, min: f64, max: f64) -> Result<Vec<Encoding>> {
-    Ok(alloc::vec![level(path, bits, min, max)?; values])
-}
-
-fn level(path: &Path, bits: Option<u64>, min: f64, max: f64) -> Result<Encoding> {
-    let Some(bits) = bits else { return Ok(Encoding::Float64) };
-    let bits = path.whole_within("bits", bits, 1, 32)? as u8;
-    Ok(Encoding::Level { bits, min, max })
-}
-
-fn counter(path: &Path, bits: Option<u64>) -> Result<Encoding> {
-    let Some(bits) = bits else { return Ok(Encoding::Float64) };
-    if bits < 8 {
-        return Err(path.field("bits").error(format!("a counter has 8 to 32 bits, not {bits}")));
-    }
-    let bits = path.whole_within("bits", bits, 8, 32)? as u8;
-    Ok(Encoding::Counter { bits })
 }

@@ -5,17 +5,19 @@ use alloc::string::String;
 use core::f64::consts::TAU;
 
 use baudbot_geometry::{Direction, Pose};
-use toml::{Table, Value};
+use toml::Table;
 
 use super::raw::{PLACE, Place};
-use super::{Context, Path, Result, deserialize, take};
+use super::{Context, Path, Result, take};
+use crate::error::Sheet;
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::sensor::Height;
 use baudbot_sim::sensor::Mount;
+use baudbot_sim::sheet::Fields;
 
 /// Takes out of a sensor's table what says where it sits: on the rim looking outwards, or anywhere looking any way.
 pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -> Result<Mount> {
-    let raw: Place = deserialize(path.as_str(), Value::Table(take(table, &PLACE)))?;
+    let raw: Place = Sheet::from(take(table, &PLACE)).read(path)?;
     let pose = match (raw.bearing_rad, raw.mount) {
         (Some(bearing), None) => {
             let bearing = path.within("bearing_rad", bearing, -TAU, TAU)?;
@@ -38,7 +40,7 @@ pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -
 
 /// As [`mount`] for a sensor that sits in the robot's centre and only looks somewhere.
 pub(super) fn centre(path: &Path, table: &mut Table, context: &mut Context<'_>) -> Result<Mount> {
-    let raw: Place = deserialize(path.as_str(), Value::Table(take(table, &PLACE)))?;
+    let raw: Place = Sheet::from(take(table, &PLACE)).read(path)?;
     if raw.mount.is_some() || raw.turret.is_some() {
         return Err(path.error("is a part of the rim: it takes `bearing_rad`, no `mount` and no `turret`"));
     }

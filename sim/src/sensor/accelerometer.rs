@@ -4,8 +4,16 @@
 //! drives along a curve. It sits in the robot's centre; the floor is level, so there is no gravity in it.
 //! Collisions, which take a robot's speed away at once, are not felt.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
+use serde::Deserialize;
+
 use super::Measurement;
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::{LowPass, time_constant_s};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What an accelerometer is.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,17 +24,50 @@ pub struct Accelerometer {
     pub bandwidth_hz: Option<f64>,
 }
 
-impl Accelerometer {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    range_m_s2: f64,
+    bandwidth_hz: Option<f64>,
+}
+
+impl Sense for Accelerometer {
+    const NAME: &str = "accelerometer";
+    const PLACE: Place = Place::Inside;
+    type Sheet = Sheet;
+    type Memory = [LowPass; 2];
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range_m_s2 = path.positive("range_m_s2", sheet.range_m_s2)?;
+        let bandwidth_hz = sheet.bandwidth_hz.map(|hz| path.positive("bandwidth_hz", hz)).transpose()?;
+        let device = Self { range_m_s2, bandwidth_hz };
+        Ok(Built::new(device, levels(path, fit.bits, 2, -range_m_s2, range_m_s2)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("forward_m_s2", "m/s^2"), Component::one("left_m_s2", "m/s^2")]
+    }
+
     /// Forwards and to the left, in m/s².
-    pub(super) fn read(&self, at: &Measurement<'_>, filters: &mut [LowPass; 2]) -> [f64; 2] {
+    fn read(
+        &self,
+        at: &Measurement<'_>,
+        filters: &mut [LowPass; 2],
+        _: &mut Stream,
+        values: &mut [f64],
+    ) -> Effect {
         let motion = at.motion;
         let (speed, turn_rate) = at.over_ground();
         let felt = [motion.acceleration_m_s2, speed * turn_rate];
         let time_constant = time_constant_s(self.bandwidth_hz);
-        let mut readings = [0.0; 2];
-        for ((reading, filter), felt) in readings.iter_mut().zip(filters).zip(felt) {
+        for ((reading, filter), felt) in values.iter_mut().zip(filters).zip(felt) {
             *reading = filter.follow(felt, time_constant, at.now);
         }
-        readings
+        Effect::NONE
+    }
+
+    fn bound(&self, values: &mut [f64]) {
+        values.iter_mut().for_each(|value| *value = value.clamp(-self.range_m_s2, self.range_m_s2));
     }
 }

@@ -1,8 +1,16 @@
 //! Compass: the heading with additive Gaussian noise, as ARSim's, turned by iron nearby.
 
-use baudbot_geometry::math;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{PI, TAU};
+
+use baudbot_geometry::{angle, math};
+use serde::Deserialize;
 
 use super::Measurement;
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What a compass is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,9 +21,45 @@ pub struct Compass {
     pub soft_iron_rad: (f64, f64),
 }
 
-impl Compass {
+/// The fields of its table.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Sheet {
+    sigma_rad: f64,
+    hard_iron_rad: f64,
+    hard_iron_phase_rad: f64,
+    soft_iron_rad: f64,
+    soft_iron_phase_rad: f64,
+}
+
+impl Sense for Compass {
+    const NAME: &str = "compass";
+    const PLACE: Place = Place::Inside;
+    type Sheet = Sheet;
+    type Memory = ();
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let additive = path.sigma("sigma_rad", sheet.sigma_rad)?;
+        let angle = |field, value| path.within(field, value, -TAU, TAU);
+        let device = Self {
+            hard_iron_rad: (
+                angle("hard_iron_rad", sheet.hard_iron_rad)?,
+                angle("hard_iron_phase_rad", sheet.hard_iron_phase_rad)?,
+            ),
+            soft_iron_rad: (
+                angle("soft_iron_rad", sheet.soft_iron_rad)?,
+                angle("soft_iron_phase_rad", sheet.soft_iron_phase_rad)?,
+            ),
+        };
+        Ok(Built { additive, ..Built::new(device, levels(path, fit.bits, 1, -PI, PI)?) })
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "rad")]
+    }
+
     /// Heading in radians, counter-clockwise from the x axis, before noise.
-    pub(super) fn read(&self, at: &Measurement<'_>) -> f64 {
+    fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let heading = at.motion.pose.heading;
         let mut reading = heading;
         for ((size, phase), turns) in [(self.hard_iron_rad, 1.0), (self.soft_iron_rad, 2.0)] {
@@ -23,9 +67,14 @@ impl Compass {
                 reading += size * math::sin(turns * heading + phase);
             }
         }
-        if at.scene.surroundings.zones.is_empty() {
-            return reading;
+        if !at.scene.surroundings.zones.is_empty() {
+            reading += at.scene.surroundings.compass_offset_at(at.motion.pose.position);
         }
-        reading + at.scene.surroundings.compass_offset_at(at.motion.pose.position)
+        values[0] = reading;
+        Effect::NONE
+    }
+
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = angle::wrap(values[0]);
     }
 }

@@ -3,12 +3,17 @@
 //! Two detectors a quarter of a cycle apart tell the direction; a single one counts the same both ways. A count
 //! may be lost when a mark passes unseen.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 use super::Measurement;
+use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, counters};
 use crate::drive::Wheels;
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::sound;
 
 /// An encoder on each wheel.
@@ -37,11 +42,46 @@ impl Seen {
     }
 }
 
-impl Encoders {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    counts_per_turn: u64,
+    #[serde(default = "yes")]
+    quadrature: bool,
+    #[serde(default)]
+    loss: f64,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Sense for Encoders {
+    const NAME: &str = "encoders";
+    const PLACE: Place = Place::Inside;
+    const IS_ANALOG: bool = false;
+    type Sheet = Sheet;
+    type Memory = Seen;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let device = Self {
+            counts_per_turn: path.whole_within("counts_per_turn", sheet.counts_per_turn, 1, 1_000_000)?
+                as u32,
+            quadrature: sheet.quadrature,
+            loss: path.within("loss", sheet.loss, 0.0, 1.0)?,
+        };
+        Ok(Built::new(device, counters(path, fit.bits)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("left", "count"), Component::one("right", "count")]
+    }
+
     /// Counts since the start, left and right; whole numbers, negative backwards if the direction is known. A
     /// count is made when a mark passes, so the value is rounded down. The wire wraps it as a counter register
     /// does.
-    pub(super) fn read(&self, at: &Measurement<'_>, seen: &mut Seen, stream: &mut Stream) -> [f64; 2] {
+    fn read(&self, at: &Measurement<'_>, seen: &mut Seen, stream: &mut Stream, values: &mut [f64]) -> Effect {
         let wheel_radius_m = at.robot.drive.wheel_radius_m;
         let counts_per_m = f64::from(self.counts_per_turn) / (core::f64::consts::TAU * wheel_radius_m);
         let travel = at.motion.travel_m;
@@ -51,14 +91,18 @@ impl Encoders {
         };
         let loss = if at.noise { self.loss } else { 0.0 };
         if self.quadrature && loss == 0.0 {
-            return [passed.left, passed.right];
+            values.copy_from_slice(&[passed.left, passed.right]);
+            return Effect::NONE;
         }
         seen.counted.left += self.count(passed.left - seen.passed.left, loss, stream);
         seen.counted.right += self.count(passed.right - seen.passed.right, loss, stream);
         seen.passed = passed;
-        [seen.counted.left, seen.counted.right]
+        values.copy_from_slice(&[seen.counted.left, seen.counted.right]);
+        Effect::NONE
     }
+}
 
+impl Encoders {
     /// How many of the marks that have passed are counted.
     fn count(&self, passed: f64, loss: f64, stream: &mut Stream) -> f64 {
         let marks = passed.abs();
@@ -87,10 +131,26 @@ const MANY: f64 = 10_000.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepCounter;
 
-impl StepCounter {
+impl Sense for StepCounter {
+    const NAME: &str = "steps";
+    const PLACE: Place = Place::Inside;
+    const IS_ANALOG: bool = false;
+    type Sheet = NoFields;
+    type Memory = ();
+
+    fn new(_: NoFields, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        Ok(Built::new(Self, counters(path, fit.bits)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("left", "count"), Component::one("right", "count")]
+    }
+
     /// Steps since the start, left and right.
-    pub(super) fn read(at: &Measurement<'_>) -> [f64; 2] {
+    fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let steps = at.motion.steps.unwrap_or_default();
-        [math::floor(steps.left.commanded_steps), math::floor(steps.right.commanded_steps)]
+        values[0] = math::floor(steps.left.commanded_steps);
+        values[1] = math::floor(steps.right.commanded_steps);
+        Effect::NONE
     }
 }

@@ -1,6 +1,12 @@
 //! Floor sensor: how bright the floor is under it.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, levels};
 use super::{Measurement, Mount};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What a floor sensor is.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,9 +15,31 @@ pub struct FloorSensor {
     pub mount: Mount,
 }
 
-impl FloorSensor {
+impl Sense for FloorSensor {
+    const NAME: &str = "floor";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = NoFields;
+    type Memory = ();
+
+    fn new(_: NoFields, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        Ok(Built::new(Self { mount: fit.mount }, levels(path, fit.bits, 1, 0.0, 1.0)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "1")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
     /// Reflectance in [0, 1], 1 for white.
-    pub(super) fn read(&self, at: &Measurement<'_>) -> f64 {
-        at.scene.surroundings.floor_at(self.mount.world_from_sensor(at).position)
+    fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
+        values[0] = at.scene.surroundings.floor_at(self.mount.world_from_sensor(at).position);
+        Effect::NONE
+    }
+
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(0.0, 1.0);
     }
 }

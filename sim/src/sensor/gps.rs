@@ -4,11 +4,18 @@
 //! Deviation: the notes speak of three satellites; a receiver whose clock is not right needs four. How many
 //! there are is not modelled: the sky is seen or it is not.
 
-use baudbot_geometry::{angle, math};
+use alloc::boxed::Box;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use baudbot_geometry::{Pose, angle, math};
 use serde::{Deserialize, Serialize};
 
 use super::Measurement;
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
 
 /// What a receiver is.
@@ -27,7 +34,7 @@ pub struct Gps {
 }
 
 /// The error as it stands, and the fix.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Wander {
     error_m: [f64; 2],
     last: SimTime,
@@ -43,22 +50,78 @@ impl Wander {
     }
 }
 
-impl Gps {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    #[serde(default)]
+    wander_sigma_m: f64,
+    #[serde(default = "wander_time_s")]
+    wander_time_s: f64,
+    #[serde(default)]
+    sigma_m: f64,
+    #[serde(default)]
+    speed_sigma_m_s: f64,
+    #[serde(default)]
+    reacquire_s: f64,
+}
+
+fn wander_time_s() -> f64 {
+    200.0
+}
+
+impl Sense for Gps {
+    const NAME: &str = "gps";
+    const PLACE: Place = Place::Inside;
+    const IS_ANALOG: bool = false;
+    type Sheet = Sheet;
+    type Memory = Box<Wander>;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let reacquire_s = path.within("reacquire_s", sheet.reacquire_s, 0.0, 1e6)?;
+        let device = Self {
+            wander_sigma_m: path.sigma("wander_sigma_m", sheet.wander_sigma_m)?,
+            wander_time_s: path.positive("wander_time_s", sheet.wander_time_s)?,
+            sigma_m: path.sigma("sigma_m", sheet.sigma_m)?,
+            speed_sigma_m_s: path.sigma("speed_sigma_m_s", sheet.speed_sigma_m_s)?,
+            reacquire_ns: (reacquire_s * SECOND_NS as f64) as u64,
+        };
+        let ranges = [(-90.0, 90.0), (-180.0, 180.0), (0.0, 1.0), (0.0, 100.0), (-PI, PI)];
+        let encodings = ranges.map(|(min, max)| level(path, fit.bits, min, max));
+        Ok(Built::new(device, encodings.into_iter().collect::<Result<_, _>>()?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![
+            Component::one("latitude_deg", "deg"),
+            Component::one("longitude_deg", "deg"),
+            Component::one("fix", "1"),
+            Component::one("speed_m_s", "m/s"),
+            Component::one("course_rad", "rad"),
+        ]
+    }
+
     /// At the start the error is anything that it can be later.
-    pub(super) fn start(&self, stream: &mut Stream) -> Wander {
+    fn remember(&self, _: &Pose, stream: &mut Stream) -> Box<Wander> {
         let mut draw =
             || if self.wander_sigma_m == 0.0 { 0.0 } else { self.wander_sigma_m * stream.normal() };
-        Wander {
+        Box::new(Wander {
             error_m: [draw(), draw()],
             last: SimTime::ZERO,
             sky_since: Some(SimTime::ZERO),
             position_deg: [0.0; 2],
-        }
+        })
     }
 
     /// Latitude and longitude in degrees, 1 with a fix and 0 without, speed over ground in m/s, and the course
     /// in radians, counter-clockwise from east.
-    pub(super) fn read(&self, at: &Measurement<'_>, wander: &mut Wander, stream: &mut Stream) -> [f64; 5] {
+    fn read(
+        &self,
+        at: &Measurement<'_>,
+        wander: &mut Box<Wander>,
+        stream: &mut Stream,
+        values: &mut [f64],
+    ) -> Effect {
         if at.noise {
             self.wander_on(wander, at.now, stream);
         }
@@ -77,14 +140,19 @@ impl Gps {
         }
         let [latitude, longitude] = wander.position_deg;
         if !fix {
-            return [latitude, longitude, 0.0, 0.0, 0.0];
+            values.copy_from_slice(&[latitude, longitude, 0.0, 0.0, 0.0]);
+            return Effect::NONE;
         }
         let noise = if at.noise && self.speed_sigma_m_s > 0.0 { stream.normal() } else { 0.0 };
         let speed = (at.over_ground().0 + self.speed_sigma_m_s * noise).abs();
-        let backwards = if at.motion.speed_m_s < 0.0 { core::f64::consts::PI } else { 0.0 };
-        [latitude, longitude, 1.0, speed, angle::wrap(at.motion.pose.heading + backwards)]
+        let backwards = if at.motion.speed_m_s < 0.0 { PI } else { 0.0 };
+        let course = angle::wrap(at.motion.pose.heading + backwards);
+        values.copy_from_slice(&[latitude, longitude, 1.0, speed, course]);
+        Effect::NONE
     }
+}
 
+impl Gps {
     /// A first-order Gauss–Markov process: exact for any time since the last fix.
     fn wander_on(&self, wander: &mut Wander, now: SimTime, stream: &mut Stream) {
         let dt = now.since(core::mem::replace(&mut wander.last, now)) as f64 / SECOND_NS as f64;
@@ -101,7 +169,7 @@ impl Gps {
 
 /// The place so many metres east and north of the origin, on a sphere of the earth's mean radius.
 fn degrees((latitude, longitude): (f64, f64), east_m: f64, north_m: f64) -> [f64; 2] {
-    let metres_per_degree = EARTH_RADIUS_M * core::f64::consts::PI / 180.0;
+    let metres_per_degree = EARTH_RADIUS_M * PI / 180.0;
     let shrink = math::cos(latitude.to_radians()).max(1e-6);
     [latitude + north_m / metres_per_degree, longitude + east_m / (metres_per_degree * shrink)]
 }

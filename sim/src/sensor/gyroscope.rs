@@ -3,8 +3,16 @@
 //! Deviation: the notes (§1.2.2) say that a gyroscope measures angular acceleration. A rate gyroscope measures
 //! angular velocity.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
+use serde::Deserialize;
+
 use super::Measurement;
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::{LowPass, time_constant_s};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What a gyroscope is.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,10 +23,39 @@ pub struct Gyroscope {
     pub bandwidth_hz: Option<f64>,
 }
 
-impl Gyroscope {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    range_rad_s: f64,
+    bandwidth_hz: Option<f64>,
+}
+
+impl Sense for Gyroscope {
+    const NAME: &str = "gyroscope";
+    const PLACE: Place = Place::Inside;
+    type Sheet = Sheet;
+    type Memory = LowPass;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range_rad_s = path.positive("range_rad_s", sheet.range_rad_s)?;
+        let bandwidth_hz = sheet.bandwidth_hz.map(|hz| path.positive("bandwidth_hz", hz)).transpose()?;
+        let device = Self { range_rad_s, bandwidth_hz };
+        Ok(Built::new(device, levels(path, fit.bits, 1, -range_rad_s, range_rad_s)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "rad/s")]
+    }
+
     /// Turn rate in rad/s, positive to the left.
-    pub(super) fn read(&self, at: &Measurement<'_>, filter: &mut LowPass) -> f64 {
+    fn read(&self, at: &Measurement<'_>, filter: &mut LowPass, _: &mut Stream, values: &mut [f64]) -> Effect {
         let (_, turn_rate) = at.over_ground();
-        filter.follow(turn_rate, time_constant_s(self.bandwidth_hz), at.now)
+        values[0] = filter.follow(turn_rate, time_constant_s(self.bandwidth_hz), at.now);
+        Effect::NONE
+    }
+
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(-self.range_rad_s, self.range_rad_s);
     }
 }

@@ -6,11 +6,18 @@
 //! straight ahead, where (3.11) would divide by 0 (ARSim then always reads 0). ARSim draws its noise once a
 //! ray and keeps the last; the distribution is that of one draw, which is what we do.
 
-use baudbot_geometry::Fan;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
 
-use super::lookup::Lookup;
+use baudbot_geometry::Fan;
+use serde::Deserialize;
+
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::lookup::{Lookup, Sheet as LookupSheet};
 use super::{Measurement, Mount, light};
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What an IR sensor is.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,18 +53,88 @@ pub enum InfraredModel {
     },
 }
 
-impl Infrared {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    opening_rad: f64,
+    rays: u64,
+    range_m: f64,
+    c1_m2: Option<f64>,
+    c2: Option<f64>,
+    lookup: Option<LookupSheet>,
+    ambient_saturation_lux: Option<f64>,
+    #[serde(default)]
+    sigma: f64,
+}
+
+impl Sense for Infrared {
+    const NAME: &str = "ir";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = ();
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let multiplicative = path.sigma("sigma", sheet.sigma)?;
+        let fan = fan(path, sheet.opening_rad, PI, sheet.rays)?;
+        let range_m = path.length("range_m", sheet.range_m)?;
+        let device = Self { mount: fit.mount, fan, range_m, model: model(path, sheet)? };
+        Ok(Built { multiplicative, ..Built::new(device, levels(path, fit.bits, 1, 0.0, 1.0)?) })
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "1")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn range_m(&self) -> Option<f64> {
+        Some(self.range_m)
+    }
+
+    fn fan(&self) -> Option<&Fan> {
+        Some(&self.fan)
+    }
+
     /// The reading S in [0, 1], larger when nearer: the mean of the rays' readings (3.12).
-    pub(super) fn read(&self, at: &Measurement<'_>, stream: &mut Stream) -> f64 {
-        match &self.model {
+    fn read(&self, at: &Measurement<'_>, _: &mut (), stream: &mut Stream, values: &mut [f64]) -> Effect {
+        values[0] = match &self.model {
             InfraredModel::Phenomenological { c1_m2, c2 } => self.reflected(at, *c1_m2, *c2),
             InfraredModel::Lookup(lookup) => self.sampled(at, lookup, stream),
             InfraredModel::Ambient { saturation_lux, opening_rad } => {
                 1.0 - light::illuminance(at, &self.mount, *opening_rad) / saturation_lux
             }
-        }
+        };
+        Effect::NONE
     }
 
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(0.0, 1.0);
+    }
+}
+
+fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
+    match (sheet.c1_m2, sheet.c2, sheet.lookup, sheet.ambient_saturation_lux) {
+        (Some(c1), Some(c2), None, None) => Ok(InfraredModel::Phenomenological {
+            c1_m2: path.not_negative("c1_m2", c1)?,
+            c2: path.not_negative("c2", c2)?,
+        }),
+        (None, None, Some(samples), None) => {
+            Ok(InfraredModel::Lookup(samples.lookup(&path.field("lookup"))?))
+        }
+        (None, None, None, Some(lux)) => {
+            let saturation_lux = path.positive("ambient_saturation_lux", lux)?;
+            Ok(InfraredModel::Ambient { saturation_lux, opening_rad: sheet.opening_rad })
+        }
+        (Some(_), None, None, None) => Err(path.field("c2").error("goes with c1_m2 and is missing")),
+        (None, Some(_), None, None) => Err(path.field("c1_m2").error("goes with c2 and is missing")),
+        _ => Err(path.error("needs exactly one of: `c1_m2` with `c2`, `lookup`, `ambient_saturation_lux`")),
+    }
+}
+
+impl Infrared {
     fn reflected(&self, at: &Measurement<'_>, c1_m2: f64, c2: f64) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.range_m);

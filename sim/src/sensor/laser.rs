@@ -7,11 +7,18 @@
 //! Deviation: 682 of 1024 steps are the URG-04LX's; the notes speak of 683 directions, which counts the step
 //! after the last as well.
 
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
 use core::ops::Range;
 
 use baudbot_geometry::{Fan, Pose, Ray, angle, math};
+use serde::Deserialize;
 
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::{Measurement, Mount};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
 
 /// What a laser range finder is.
@@ -31,6 +38,81 @@ pub struct Laser {
     pub clockwise: bool,
 }
 
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    opening_rad: f64,
+    rays: u64,
+    #[serde(default)]
+    min_m: f64,
+    range_m: f64,
+    #[serde(default)]
+    sweep_ms: f64,
+    #[serde(default)]
+    clockwise: bool,
+}
+
+impl Sense for Laser {
+    const NAME: &str = "laser";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = ();
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range_m = path.length("range_m", sheet.range_m)?;
+        let device = Self {
+            mount: fit.mount,
+            fan: fan(path, sheet.opening_rad, TAU, sheet.rays)?,
+            min_m: path.within("min_m", sheet.min_m, 0.0, range_m)?,
+            range_m,
+            sweep_ns: path.ms("sweep_ms", sheet.sweep_ms, 0.0, 1e6)?,
+            clockwise: sheet.clockwise,
+        };
+        let encodings = levels(path, fit.bits, device.rays(), -1.0, range_m)?;
+        Ok(Built::new(device, encodings))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component { name: "", unit: "m", count: self.rays() }]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn range_m(&self) -> Option<f64> {
+        Some(self.range_m)
+    }
+
+    fn fan(&self) -> Option<&Fan> {
+        Some(&self.fan)
+    }
+
+    /// Takes all rays of a scan, as if it began now.
+    fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
+        self.take(at, 0..values.len(), at.now, values);
+        Effect::NONE
+    }
+
+    /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.
+    fn bound(&self, values: &mut [f64]) {
+        for value in values {
+            if *value != NOTHING {
+                *value = value.clamp(self.min_m, self.range_m);
+            }
+        }
+    }
+
+    fn nothing(&self) -> Option<f64> {
+        Some(NOTHING)
+    }
+
+    fn unmeasured(&self, values: &mut [f64]) {
+        values.fill(NOTHING);
+    }
+}
+
 impl Laser {
     /// How many rays a scan has.
     pub fn rays(&self) -> usize {
@@ -44,7 +126,7 @@ impl Laser {
     }
 
     /// Takes the rays `which` of a scan that started at `start`; all of them must fall into the tick.
-    pub(super) fn read(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
+    pub(super) fn take(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
         if which.is_empty() {
             return;
         }
@@ -76,15 +158,6 @@ impl Laser {
     /// Where in the fan the rays of a scan are: the other way round if it sweeps so.
     fn places(&self, rays: Range<usize>) -> Range<usize> {
         if self.clockwise { self.rays() - rays.end..self.rays() - rays.start } else { rays }
-    }
-
-    /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.
-    pub(super) fn bound(&self, values: &mut [f64]) {
-        for value in values {
-            if *value != NOTHING {
-                *value = value.clamp(self.min_m, self.range_m);
-            }
-        }
     }
 }
 

@@ -3,10 +3,18 @@
 //! A lamp of intensity I at distance d gives I cos θ / d² lux on a surface that is turned away by θ (the inverse
 //! square law and Lambert's cosine). Walls cast shadows; light is not reflected.
 
-use baudbot_geometry::{Direction, Ray, angle, math};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{PI, TAU};
 
+use baudbot_geometry::{Direction, Ray, angle, math};
+use serde::Deserialize;
+
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::LowPass;
 use super::{Measurement, Mount};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// A sensor of illuminance.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,11 +29,55 @@ pub struct LightSensor {
     pub lag_s: f64,
 }
 
-impl LightSensor {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    #[serde(default = "half_turn")]
+    opening_rad: f64,
+    range_lux: f64,
+    #[serde(default)]
+    lag_s: f64,
+}
+
+pub(super) fn half_turn() -> f64 {
+    PI
+}
+
+impl Sense for LightSensor {
+    const NAME: &str = "light";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = LowPass;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let range_lux = path.positive("range_lux", sheet.range_lux)?;
+        let device = Self {
+            mount: fit.mount,
+            opening_rad: path.within("opening_rad", sheet.opening_rad, 0.0, TAU)?,
+            range_lux,
+            lag_s: path.within("lag_s", sheet.lag_s, 0.0, 1e3)?,
+        };
+        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, range_lux)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "lx")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
     /// Illuminance, in lux.
-    pub(super) fn read(&self, at: &Measurement<'_>, filter: &mut LowPass) -> f64 {
+    fn read(&self, at: &Measurement<'_>, filter: &mut LowPass, _: &mut Stream, values: &mut [f64]) -> Effect {
         let lux = illuminance(at, &self.mount, self.opening_rad);
-        filter.follow(lux, self.lag_s, at.now)
+        values[0] = filter.follow(lux, self.lag_s, at.now);
+        Effect::NONE
+    }
+
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(0.0, self.range_lux);
     }
 }
 

@@ -11,11 +11,13 @@
 //! (3.2) is computed as a weighted mean, which gives exactly the samples where the sensor was measured.
 
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
 use core::f64::consts::FRAC_PI_2;
 
+use serde::Deserialize;
+
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// Samples of a real sensor, taken at several distances and, maybe, angles.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,19 +29,25 @@ pub struct Lookup {
     samples: Vec<Vec<Vec<f64>>>,
 }
 
-/// Why samples are no lookup table.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {problem}")]
-pub struct LookupError {
-    /// Where, for instance `samples[3][0]`: the samples at the fourth distance and the first angle.
-    pub place: String,
-    /// What is wrong.
-    pub problem: String,
+/// The fields of a table of samples.
+#[derive(Debug, Deserialize)]
+#[serde(expecting = "a table of samples (only the program that reads scenario files can look at a file)")]
+#[serde(deny_unknown_fields)]
+pub struct Sheet {
+    distances_m: Vec<f64>,
+    #[serde(default)]
+    angles_rad: Vec<f64>,
+    samples: Vec<Vec<Vec<f64>>>,
 }
 
-impl LookupError {
-    fn new(place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { place: place.into(), problem: problem.into() }
+impl Sheet {
+    /// The samples, whose table stands at `path`.
+    ///
+    /// # Errors
+    /// As [`Lookup::new`], with the whole path.
+    pub fn lookup(self, path: &Path) -> Result<Lookup, FieldError> {
+        Lookup::new(self.distances_m, self.angles_rad, self.samples)
+            .map_err(|error| path.field(&error.path).error(error.problem))
     }
 }
 
@@ -55,14 +63,14 @@ impl Lookup {
         distances_m: Vec<f64>,
         angles_rad: Vec<f64>,
         samples: Vec<Vec<Vec<f64>>>,
-    ) -> Result<Self, LookupError> {
+    ) -> Result<Self, FieldError> {
         check_axis("distances_m", &distances_m, f64::MAX)?;
         if !angles_rad.is_empty() {
             check_axis("angles_rad", &angles_rad, FRAC_PI_2)?;
         }
         if samples.len() != distances_m.len() {
             let problem = format!("{} rows for {} distances", samples.len(), distances_m.len());
-            return Err(LookupError::new("samples", problem));
+            return Err(FieldError::new("samples", problem));
         }
         for (i, row) in samples.iter().enumerate() {
             check_row(i, row, angles_rad.len())?;
@@ -114,42 +122,42 @@ fn interpolate(from: f64, to: f64, weight: f64) -> f64 {
     (1.0 - weight) * from + weight * to
 }
 
-fn check_axis(name: &str, axis: &[f64], max: f64) -> Result<(), LookupError> {
+fn check_axis(name: &str, axis: &[f64], max: f64) -> Result<(), FieldError> {
     if axis.len() < 2 {
-        return Err(LookupError::new(name, format!("must be at least 2 to interpolate, is {}", axis.len())));
+        return Err(FieldError::new(name, format!("must be at least 2 to interpolate, is {}", axis.len())));
     }
     for (i, &at) in axis.iter().enumerate() {
         let place = || format!("{name}[{i}]");
         if !at.is_finite() || at < 0.0 {
-            return Err(LookupError::new(place(), format!("must be a number not below 0, is {at}")));
+            return Err(FieldError::new(place(), format!("must be a number not below 0, is {at}")));
         }
         if at > max {
-            return Err(LookupError::new(place(), format!("must not be above {max}, is {at}")));
+            return Err(FieldError::new(place(), format!("must not be above {max}, is {at}")));
         }
         if i > 0 && at <= axis[i - 1] {
             let problem = format!("must be above the one before, {}, is {at}", axis[i - 1]);
-            return Err(LookupError::new(place(), problem));
+            return Err(FieldError::new(place(), problem));
         }
     }
     Ok(())
 }
 
-fn check_row(distance: usize, row: &[Vec<f64>], angles: usize) -> Result<(), LookupError> {
+fn check_row(distance: usize, row: &[Vec<f64>], angles: usize) -> Result<(), FieldError> {
     if row.len() != angles.max(1) {
         let problem = match angles {
             0 => format!("without angles a row is one list of samples, has {}", row.len()),
             _ => format!("{} lists of samples for {angles} angles", row.len()),
         };
-        return Err(LookupError::new(format!("samples[{distance}]"), problem));
+        return Err(FieldError::new(format!("samples[{distance}]"), problem));
     }
     for (angle, samples) in row.iter().enumerate() {
         let place = format!("samples[{distance}][{angle}]");
         if samples.is_empty() {
-            return Err(LookupError::new(place, "a hole: there must be at least one sample"));
+            return Err(FieldError::new(place, "a hole: there must be at least one sample"));
         }
         if let Some(i) = samples.iter().position(|sample| !sample.is_finite()) {
             let problem = format!("must be a finite number, is {}", samples[i]);
-            return Err(LookupError::new(format!("{place}[{i}]"), problem));
+            return Err(FieldError::new(format!("{place}[{i}]"), problem));
         }
     }
     Ok(())

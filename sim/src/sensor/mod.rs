@@ -10,6 +10,7 @@ mod floor;
 mod gps;
 mod gyroscope;
 mod infrared;
+mod kind;
 mod laser;
 mod light;
 mod lookup;
@@ -24,13 +25,13 @@ mod sonar;
 mod touch;
 mod voltage;
 
-use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, angle, math};
+use baudbot_geometry::{Fan, Pose};
 use baudbot_wire::Encoding;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 
 pub use accelerometer::Accelerometer;
 pub use battery::BatteryGauge;
@@ -42,10 +43,13 @@ pub use floor::FloorSensor;
 pub use gps::Gps;
 pub use gyroscope::Gyroscope;
 pub use infrared::{Infrared, InfraredModel};
+pub use kind::{Built, Component, Fit, Place};
+pub(crate) use kind::{Effect, Memory};
+use kind::{Part, Sense};
 pub use laser::Laser;
 pub(crate) use laser::NOTHING;
 pub use light::LightSensor;
-pub use lookup::{Lookup, LookupError};
+pub use lookup::{Lookup, Sheet as LookupSheet};
 pub use mount::Mount;
 pub use noise::{Drift, Dropout, Noise, Spikes};
 pub use odometer::Odometer;
@@ -64,8 +68,9 @@ use crate::drive::Motion;
 use crate::port::Port;
 use crate::random::Stream;
 use crate::robot::RobotSpec;
-use crate::scene::{Ping, Scene};
+use crate::scene::Scene;
 use crate::schedule::Schedule;
+use crate::sheet::{FieldError, Fields, Path};
 use crate::time::SimTime;
 
 /// What a sensor is: a device, when it is read, and how its values cross the wire.
@@ -87,77 +92,6 @@ pub struct Sensor {
     pub port: Option<Port>,
     /// How each value crosses the wire; as many as `device.values()`.
     pub encodings: Vec<Encoding>,
-}
-
-/// The kinds of sensor that there are.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs, reason = "each variant is its payload's documentation")]
-pub enum Device {
-    Infrared(Infrared),
-    VoltageRanger(VoltageRanger),
-    Sonar(Sonar),
-    Laser(Laser),
-    LineCamera(LineCamera),
-    Encoders(Encoders),
-    StepCounter(StepCounter),
-    Odometer(Odometer),
-    Compass(Compass),
-    Accelerometer(Accelerometer),
-    Gyroscope(Gyroscope),
-    Gps(Gps),
-    Whisker(Whisker),
-    Bumper(Bumper),
-    Photoresistor(Photoresistor),
-    Light(LightSensor),
-    Field(FieldSensor),
-    Microphone(Microphone),
-    Floor(FloorSensor),
-    Battery(BatteryGauge),
-}
-
-/// The state that a device keeps between two reads.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Memory {
-    None,
-    Odometer(odometer::Estimate),
-    Encoders(encoder::Seen),
-    Filter(lowpass::LowPass),
-    Accelerometer([lowpass::LowPass; 2]),
-    Gps(Box<gps::Wander>),
-    Touch(touch::Contact),
-}
-
-impl Memory {
-    /// Whether a device can remember this that remembered `first` before its first read.
-    pub(crate) fn is_sound(&self, first: &Self) -> bool {
-        let is_kind = core::mem::discriminant(self) == core::mem::discriminant(first);
-        is_kind
-            && match self {
-                Self::None | Self::Touch(_) => true,
-                Self::Odometer(estimate) => estimate.is_sound(),
-                Self::Encoders(seen) => seen.is_sound(),
-                Self::Filter(filter) => filter.is_sound(),
-                Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
-                Self::Gps(wander) => wander.is_sound(),
-            }
-    }
-}
-
-/// A part of a reading: what its column in a table is called, with its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Component {
-    /// Empty if the sensor has only this one.
-    pub name: &'static str,
-    /// SI unit, `1` for a ratio.
-    pub unit: &'static str,
-    /// How many values it has: 1, or as many as a scan has rays.
-    pub count: usize,
-}
-
-impl Component {
-    const fn one(name: &'static str, unit: &'static str) -> Self {
-        Self { name, unit, count: 1 }
-    }
 }
 
 /// What a device measures with: the frozen scene, and the robot's own body and motion.
@@ -183,266 +117,197 @@ impl Measurement<'_> {
     }
 }
 
-/// What reading a device does besides giving values.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Effect {
-    /// How long the device keeps the microcontroller waiting, in nanoseconds.
-    pub(crate) wait_ns: u64,
-    /// A pulse that others hear.
-    pub(crate) ping: Option<Ping>,
+macro_rules! devices {
+    ($($kind:ident($device:ident)),* $(,)?) => {
+        /// A device of one of the kinds that there are.
+        #[derive(Clone, Debug, PartialEq)]
+        #[allow(missing_docs, reason = "each variant is its payload's documentation")]
+        pub enum Device {
+            $($kind($device)),*
+        }
+
+        /// The kinds of sensor that there are.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        #[allow(missing_docs, reason = "each is documented as a device")]
+        pub enum SensorKind {
+            $($kind),*
+        }
+
+        impl SensorKind {
+            /// All kinds.
+            pub const ALL: [Self; Self::NAMES.len()] = [$(Self::$kind),*];
+
+            /// The names of all kinds.
+            pub const NAMES: [&str; [$($device::NAME),*].len()] = [$($device::NAME),*];
+
+            /// What scenarios call it.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $device::NAME),*
+                }
+            }
+
+            /// Where sensors of this kind sit.
+            pub fn place(self) -> Place {
+                match self {
+                    $(Self::$kind => $device::PLACE),*
+                }
+            }
+
+            /// The sensor of this kind whose table stands at `path`.
+            ///
+            /// # Errors
+            /// Names the field that is wrong, and how.
+            pub fn build(self, fields: impl Fields, path: &Path, fit: Fit<'_>) -> Result<Built<Device>, FieldError> {
+                match self {
+                    $(Self::$kind => Ok($device::new(fields.read(path)?, path, fit)?.map(Device::$kind))),*
+                }
+            }
+        }
+
+        impl Device {
+            /// Its kind.
+            pub fn sensor_kind(&self) -> SensorKind {
+                match self {
+                    $(Self::$kind(_) => SensorKind::$kind),*
+                }
+            }
+
+            /// The components of a reading, in order.
+            pub fn components(&self) -> Vec<Component> {
+                match self {
+                    $(Self::$kind(device) => device.components()),*
+                }
+            }
+
+            /// Where it sits and which way it looks, if that matters.
+            pub fn mount(&self) -> Option<&Mount> {
+                match self {
+                    $(Self::$kind(device) => device.mount()),*
+                }
+            }
+
+            /// How far it looks, in metres, if it looks.
+            pub fn range_m(&self) -> Option<f64> {
+                match self {
+                    $(Self::$kind(device) => device.range_m()),*
+                }
+            }
+
+            /// The rays that it looks along, if it does.
+            pub fn fan(&self) -> Option<&Fan> {
+                match self {
+                    $(Self::$kind(device) => device.fan()),*
+                }
+            }
+
+            /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.
+            pub fn longest_wait_ns(&self) -> u64 {
+                match self {
+                    $(Self::$kind(device) => device.longest_wait_ns()),*
+                }
+            }
+
+            /// Whether its readings are disturbed by [`Noise`].
+            pub fn is_analog(&self) -> bool {
+                match self {
+                    $(Self::$kind(_) => $device::IS_ANALOG),*
+                }
+            }
+
+            /// What the device knows before its first read.
+            pub(crate) fn remember(&self, start: &Pose, stream: &mut Stream) -> Memory {
+                match self {
+                    $(Self::$kind(device) => device.remember(start, stream).into()),*
+                }
+            }
+
+            /// Reads the device; `values` gets one value a component.
+            ///
+            /// # Panics
+            /// If the memory is that of another kind: a device is made with its memory, and a state that is loaded is
+            /// [checked](Memory::is_sound).
+            pub(crate) fn read(
+                &self,
+                at: &Measurement<'_>,
+                memory: &mut Memory,
+                stream: &mut Stream,
+                values: &mut [f64],
+            ) -> Effect {
+                match self {
+                    $(Self::$kind(device) => device.read(at, own(memory), stream, values)),*
+                }
+            }
+
+            /// Brings readings that noise took farther back to what the device can tell at all.
+            pub(crate) fn bound(&self, values: &mut [f64]) {
+                match self {
+                    $(Self::$kind(device) => device.bound(values)),*
+                }
+            }
+
+            /// The value that stands for nothing in range, which noise does not touch.
+            fn nothing(&self) -> Option<f64> {
+                match self {
+                    $(Self::$kind(device) => device.nothing()),*
+                }
+            }
+
+            /// What the microcontroller reads from a device that has measured nothing yet.
+            pub(crate) fn unmeasured(&self, values: &mut [f64]) {
+                match self {
+                    $(Self::$kind(device) => device.unmeasured(values)),*
+                }
+            }
+        }
+    };
+}
+
+devices! {
+    Infrared(Infrared),
+    VoltageRanger(VoltageRanger),
+    Sonar(Sonar),
+    Laser(Laser),
+    LineCamera(LineCamera),
+    Encoders(Encoders),
+    StepCounter(StepCounter),
+    Odometer(Odometer),
+    Compass(Compass),
+    Accelerometer(Accelerometer),
+    Gyroscope(Gyroscope),
+    Gps(Gps),
+    Whisker(Whisker),
+    Bumper(Bumper),
+    Photoresistor(Photoresistor),
+    Light(LightSensor),
+    Field(FieldSensor),
+    Microphone(Microphone),
+    Floor(FloorSensor),
+    Battery(BatteryGauge),
+}
+
+/// The memory as that of the device that it was made for.
+fn own<P: Part>(memory: &mut Memory) -> &mut P {
+    P::of(memory).expect("a device is made with its memory")
 }
 
 impl Device {
-    /// What the scenario calls this kind.
+    /// What the scenario calls its kind.
     pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Infrared(_) => "ir",
-            Self::VoltageRanger(_) => "ir-voltage",
-            Self::Sonar(_) => "sonar",
-            Self::Laser(_) => "laser",
-            Self::LineCamera(_) => "line-camera",
-            Self::Encoders(_) => "encoders",
-            Self::StepCounter(_) => "steps",
-            Self::Odometer(_) => "odometer",
-            Self::Compass(_) => "compass",
-            Self::Accelerometer(_) => "accelerometer",
-            Self::Gyroscope(_) => "gyroscope",
-            Self::Gps(_) => "gps",
-            Self::Whisker(_) => "whisker",
-            Self::Bumper(_) => "bumper",
-            Self::Photoresistor(_) => "photoresistor",
-            Self::Light(_) => "light",
-            Self::Field(_) => "field",
-            Self::Microphone(_) => "microphone",
-            Self::Floor(_) => "floor",
-            Self::Battery(_) => "battery",
-        }
-    }
-
-    /// The components of a reading, in order.
-    pub fn components(&self) -> Vec<Component> {
-        let one = Component::one;
-        match self {
-            Self::Infrared(_) | Self::Floor(_) | Self::Field(_) | Self::Microphone(_) => {
-                alloc::vec![one("", "1")]
-            }
-            Self::VoltageRanger(_) => alloc::vec![one("", "V")],
-            Self::Sonar(_) => alloc::vec![one("", "m")],
-            Self::Laser(laser) => alloc::vec![Component { name: "", unit: "m", count: laser.rays() }],
-            Self::LineCamera(camera) => {
-                let many = |name, unit| Component { name, unit, count: camera.columns() };
-                alloc::vec![many("red", "1"), many("green", "1"), many("blue", "1"), many("depth_m", "m")]
-            }
-            Self::Encoders(_) => alloc::vec![one("left", "count"), one("right", "count")],
-            Self::StepCounter(_) => alloc::vec![one("left", "count"), one("right", "count")],
-            Self::Odometer(_) => {
-                alloc::vec![one("x_m", "m"), one("y_m", "m"), one("heading_rad", "rad")]
-            }
-            Self::Compass(_) => alloc::vec![one("", "rad")],
-            Self::Accelerometer(_) => {
-                alloc::vec![one("forward_m_s2", "m/s^2"), one("left_m_s2", "m/s^2")]
-            }
-            Self::Gyroscope(_) => alloc::vec![one("", "rad/s")],
-            Self::Gps(_) => {
-                alloc::vec![
-                    one("latitude_deg", "deg"),
-                    one("longitude_deg", "deg"),
-                    one("fix", "1"),
-                    one("speed_m_s", "m/s"),
-                    one("course_rad", "rad"),
-                ]
-            }
-            Self::Whisker(_) | Self::Bumper(_) => alloc::vec![one("", "1")],
-            Self::Photoresistor(_) => alloc::vec![one("", "count")],
-            Self::Light(_) => alloc::vec![one("", "lx")],
-            Self::Battery(_) => alloc::vec![one("voltage_v", "V"), one("charge", "1")],
-        }
+        self.sensor_kind().name()
     }
 
     /// How many values a reading has.
     pub fn values(&self) -> usize {
         self.components().iter().map(|component| component.count).sum()
     }
+}
 
-    /// Where it sits and which way it looks, if that matters.
-    pub fn mount(&self) -> Option<&Mount> {
-        match self {
-            Self::Infrared(device) => Some(&device.mount),
-            Self::VoltageRanger(device) => Some(&device.mount),
-            Self::Sonar(device) => Some(&device.mount),
-            Self::Laser(device) => Some(&device.mount),
-            Self::LineCamera(device) => Some(&device.mount),
-            Self::Whisker(device) => Some(&device.mount),
-            Self::Photoresistor(device) => Some(&device.light.mount),
-            Self::Light(device) => Some(&device.mount),
-            Self::Field(device) => Some(&device.mount),
-            Self::Floor(device) => Some(&device.mount),
-            Self::Bumper(device) => Some(&device.mount),
-            _ => None,
-        }
-    }
-
-    /// How far it looks, in metres, if it looks.
-    pub fn range_m(&self) -> Option<f64> {
-        match self {
-            Self::Infrared(device) => Some(device.range_m),
-            Self::VoltageRanger(device) => Some(device.range_m),
-            Self::Sonar(device) => Some(device.max_m),
-            Self::Laser(device) => Some(device.range_m),
-            Self::LineCamera(device) => Some(device.range_m),
-            Self::Whisker(device) => Some(device.length_m),
-            _ => None,
-        }
-    }
-
-    /// The rays that it looks along, if it does.
-    pub fn fan(&self) -> Option<&Fan> {
-        match self {
-            Self::Infrared(device) => Some(&device.fan),
-            Self::VoltageRanger(device) => Some(&device.fan),
-            Self::Sonar(device) => Some(&device.fan),
-            Self::Laser(device) => Some(&device.fan),
-            Self::LineCamera(device) => Some(&device.fan),
-            Self::Bumper(device) => Some(&device.fan),
-            _ => None,
-        }
-    }
-
-    /// What the device knows before its first read. An odometer is calibrated: it starts at the true pose.
-    pub(crate) fn remember(&self, start: &Pose, stream: &mut Stream) -> Memory {
-        match self {
-            Self::Odometer(_) => Memory::Odometer(odometer::Estimate::calibrated(start)),
-            Self::Encoders(_) => Memory::Encoders(encoder::Seen::default()),
-            Self::Gyroscope(_) | Self::Light(_) | Self::Photoresistor(_) => {
-                Memory::Filter(lowpass::LowPass::default())
-            }
-            Self::Accelerometer(_) => Memory::Accelerometer(Default::default()),
-            Self::Gps(gps) => Memory::Gps(Box::new(gps.start(stream))),
-            Self::Whisker(_) | Self::Bumper(_) => Memory::Touch(touch::Contact::default()),
-            _ => Memory::None,
-        }
-    }
-
-    /// Reads the device; `values` gets one value a component.
-    pub(crate) fn read(
-        &self,
-        at: &Measurement<'_>,
-        memory: &mut Memory,
-        stream: &mut Stream,
-        values: &mut [f64],
-    ) -> Effect {
-        match (self, memory) {
-            (Self::Infrared(device), _) => values[0] = device.read(at, stream),
-            (Self::VoltageRanger(device), _) => values[0] = device.read(at),
-            (Self::Sonar(device), _) => return device.read(at, stream, values),
-            (Self::Laser(device), _) => device.read(at, 0..values.len(), at.now, values),
-            (Self::LineCamera(device), _) => device.read(at, values),
-            (Self::Encoders(device), Memory::Encoders(seen)) => {
-                values.copy_from_slice(&device.read(at, seen, stream));
-            }
-            (Self::StepCounter(_), _) => values.copy_from_slice(&StepCounter::read(at)),
-            (Self::Odometer(device), Memory::Odometer(estimate)) => {
-                values.copy_from_slice(&device.read(at, estimate, stream));
-            }
-            (Self::Compass(device), _) => values[0] = device.read(at),
-            (Self::Accelerometer(device), Memory::Accelerometer(filters)) => {
-                values.copy_from_slice(&device.read(at, filters));
-            }
-            (Self::Gyroscope(device), Memory::Filter(filter)) => values[0] = device.read(at, filter),
-            (Self::Gps(device), Memory::Gps(wander)) => {
-                values.copy_from_slice(&device.read(at, wander, stream));
-            }
-            (Self::Whisker(device), Memory::Touch(contact)) => {
-                values[0] = device.read(at, contact, stream);
-            }
-            (Self::Bumper(device), Memory::Touch(contact)) => {
-                values[0] = device.read(at, contact, stream);
-            }
-            (Self::Photoresistor(device), Memory::Filter(filter)) => {
-                return device.read(at, filter, values);
-            }
-            (Self::Light(device), Memory::Filter(filter)) => values[0] = device.read(at, filter),
-            (Self::Field(device), _) => values[0] = device.read(at),
-            (Self::Microphone(_), _) => values[0] = Microphone::read(at),
-            (Self::Floor(device), _) => values[0] = device.read(at),
-            (Self::Battery(_), _) => values.copy_from_slice(&BatteryGauge::read(at)),
-            (_, _) => unreachable!("a device is created with its memory"),
-        }
-        Effect::default()
-    }
-
-    /// What the device can say at all: readings that noise took farther are brought back.
-    pub(crate) fn bound(&self, values: &mut [f64]) {
-        match self {
-            Self::Infrared(_) | Self::Floor(_) => values[0] = values[0].clamp(0.0, 1.0),
-            Self::Compass(_) => values[0] = angle::wrap(values[0]),
-            Self::VoltageRanger(device) => values[0] = values[0].clamp(0.0, device.supply_v),
-            Self::Sonar(device) => values[0] = values[0].clamp(device.min_m, device.max_m),
-            Self::Laser(device) => device.bound(values),
-            Self::LineCamera(device) => device.bound(values),
-            Self::Accelerometer(device) => {
-                values.iter_mut().for_each(|v| *v = v.clamp(-device.range_m_s2, device.range_m_s2));
-            }
-            Self::Gyroscope(device) => {
-                values[0] = values[0].clamp(-device.range_rad_s, device.range_rad_s);
-            }
-            Self::Light(device) => values[0] = values[0].clamp(0.0, device.range_lux),
-            Self::Photoresistor(device) => {
-                values[0] = math::round(values[0]).clamp(0.0, f64::from(device.max_counts));
-            }
-            Self::Microphone(_) => values[0] = values[0].max(0.0),
-            Self::Battery(_) => {
-                values[0] = values[0].max(0.0);
-                values[1] = values[1].clamp(0.0, 1.0);
-            }
-            _ => {}
-        }
-    }
-
-    /// The value that stands for nothing in range, which noise does not touch.
-    fn nothing(&self) -> Option<f64> {
-        match self {
-            Self::Laser(_) | Self::LineCamera(_) => Some(NOTHING),
-            Self::Sonar(sonar) => Some(sonar.max_m),
-            _ => None,
-        }
-    }
-
-    /// What the microcontroller reads from a device that has measured nothing yet.
-    pub(crate) fn unmeasured(&self, values: &mut [f64]) {
-        values.fill(match self {
-            Self::Laser(_) => NOTHING,
-            Self::Whisker(Whisker { switch, .. }) | Self::Bumper(Bumper { switch, .. }) => {
-                f64::from(u8::from(switch.active_low))
-            }
-            _ => 0.0,
-        });
-        if let Self::LineCamera(camera) = self {
-            values[3 * camera.columns()..].fill(NOTHING);
-        }
-    }
-
-    /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.
-    pub fn longest_wait_ns(&self) -> u64 {
-        match self {
-            Self::Sonar(sonar) => sonar.holdoff_ns + sonar.timeout_ns,
-            Self::Photoresistor(device) => u64::from(device.max_counts) * device.unit_ns,
-            _ => 0,
-        }
-    }
-
-    /// Whether its readings are disturbed by [`Noise`]. Digital readings are not: a count is right or lost,
-    /// a switch is open or closed.
-    pub fn is_analog(&self) -> bool {
-        !matches!(
-            self,
-            Self::Encoders(_)
-                | Self::StepCounter(_)
-                | Self::Odometer(_)
-                | Self::Gps(_)
-                | Self::Whisker(_)
-                | Self::Bumper(_)
-        )
+impl<'de> Deserialize<'de> for SensorKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let found = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        found.ok_or_else(|| D::Error::unknown_variant(&name, &Self::NAMES))
     }
 }
 

@@ -28,10 +28,12 @@ use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
 
 /// Noise of one sensor, applied to each of its readings in the order of the fields. 0 and `None` are off.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Noise {
     /// Standard deviation of the gain: a specimen's readings are multiplied by one N(1, σ), drawn once a run.
     pub gain_spread: f64,
@@ -54,7 +56,8 @@ pub struct Noise {
 
 /// A bias that wanders: a Gauss–Markov process of first order (Ornstein and Uhlenbeck's), stationary from the
 /// start of the run. Its values at two instants Δt apart have the correlation exp(−Δt/τ).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Drift {
     /// Standard deviation of the bias at any instant, in the reading's unit.
     pub sigma: f64,
@@ -63,7 +66,8 @@ pub struct Drift {
 }
 
 /// Readings that are far off now and then.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Spikes {
     /// That a reading has one, in [0, 1].
     pub probability: f64,
@@ -72,13 +76,17 @@ pub struct Spikes {
 }
 
 /// Readings that fail now and then.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Dropout {
     /// That a reading fails, in [0, 1].
     pub probability: f64,
     /// What all components of the reading then are, in the reading's unit.
     pub value: f64,
 }
+
+/// No sensor reads more, in any unit.
+const MAX_VALUE: f64 = 1e9;
 
 /// What a specimen keeps from reading to reading. Each list has an entry a component, or none if it is off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,6 +99,35 @@ pub(crate) struct NoiseState {
 }
 
 impl Noise {
+    /// The noise whose table stands at `path`, if each of its fields is in its range.
+    ///
+    /// # Errors
+    /// Names the first field that is not.
+    pub fn checked(self, path: &Path) -> Result<Self, FieldError> {
+        path.sigma("gain_spread", self.gain_spread)?;
+        path.sigma("offset_spread", self.offset_spread)?;
+        if let Some(Drift { sigma, time_constant_s }) = self.drift {
+            let path = path.field("drift");
+            path.positive("time_constant_s", time_constant_s)?;
+            path.sigma("sigma", sigma)?;
+            path.within("time_constant_s", time_constant_s, 1e-6, 1e9)?;
+        }
+        path.sigma("multiplicative", self.multiplicative)?;
+        path.sigma("additive", self.additive)?;
+        path.within("uniform", self.uniform, 0.0, MAX_VALUE)?;
+        if let Some(Spikes { probability, magnitude }) = self.spikes {
+            let path = path.field("spikes");
+            path.within("probability", probability, 0.0, 1.0)?;
+            path.within("magnitude", magnitude, 0.0, MAX_VALUE)?;
+        }
+        if let Some(Dropout { probability, value }) = self.dropout {
+            let path = path.field("dropout");
+            path.within("probability", probability, 0.0, 1.0)?;
+            path.within("value", value, -MAX_VALUE, MAX_VALUE)?;
+        }
+        Ok(self)
+    }
+
     /// Whether readings stay as they are and nothing is drawn.
     pub fn is_none(&self) -> bool {
         let sigmas =

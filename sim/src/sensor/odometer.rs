@@ -5,12 +5,18 @@
 //! estimate wanders even when the robot stands. A brain that wants honest odometry reads the encoders and
 //! integrates them itself.
 
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
 use baudbot_geometry::{Pose, angle, math};
 use serde::{Deserialize, Serialize};
 
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
 use super::{Measurement, noise};
 use crate::drive::Wheels;
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::sound;
 
 /// What an odometer is.
@@ -21,7 +27,7 @@ pub struct Odometer {
 }
 
 /// The odometer's state: its pose, and the wheels' travel that it has accounted for.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Estimate {
     pose: Pose,
     travel_m: Wheels,
@@ -38,14 +44,53 @@ impl Estimate {
     }
 }
 
-impl Odometer {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    #[serde(default)]
+    sigma_m: f64,
+    /// Farthest position that an odometer of few bits can tell.
+    #[serde(default = "position_range_m")]
+    position_range_m: f64,
+}
+
+fn position_range_m() -> f64 {
+    10.0
+}
+
+impl Sense for Odometer {
+    const NAME: &str = "odometer";
+    const PLACE: Place = Place::Inside;
+    const IS_ANALOG: bool = false;
+    type Sheet = Sheet;
+    type Memory = Estimate;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let sigma_m = path.sigma("sigma_m", sheet.sigma_m)?;
+        let range = path.length("position_range_m", sheet.position_range_m)?;
+        let position = level(path, fit.bits, -range, range)?;
+        let encodings = vec![position, position, level(path, fit.bits, -PI, PI)?];
+        Ok(Built::new(Self { sigma_m }, encodings))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("x_m", "m"), Component::one("y_m", "m"), Component::one("heading_rad", "rad")]
+    }
+
+    /// An odometer is calibrated: it starts at the true pose.
+    fn remember(&self, start: &Pose, _: &mut Stream) -> Estimate {
+        Estimate::calibrated(start)
+    }
+
     /// The estimated x, y (metres) and heading (radians, in (−π, π]).
-    pub(super) fn read(
+    fn read(
         &self,
         at: &Measurement<'_>,
         estimate: &mut Estimate,
         stream: &mut Stream,
-    ) -> [f64; 3] {
+        values: &mut [f64],
+    ) -> Effect {
         let sigma = if at.noise { self.sigma_m } else { 0.0 };
         let travel = at.motion.travel_m;
         let left = noise::additive(travel.left - estimate.travel_m.left, sigma, stream);
@@ -58,6 +103,7 @@ impl Odometer {
         let forward = 0.5 * (left + right);
         pose.position.x += forward * cos;
         pose.position.y += forward * sin;
-        [pose.position.x, pose.position.y, pose.heading]
+        values.copy_from_slice(&[pose.position.x, pose.position.y, pose.heading]);
+        Effect::NONE
     }
 }

@@ -144,7 +144,7 @@ impl Running {
                 let is_partial = rest.clone().next_back().is_some_and(is_later);
                 let until = if is_partial { rest.clone().find(|&i| is_later(i)) } else { None };
                 let which = self.taken..until.unwrap_or(rest.end);
-                laser.read(at, which.clone(), self.begins, &mut self.scan);
+                laser.take(at, which.clone(), self.begins, &mut self.scan);
                 self.taken = which.end;
                 if self.taken < laser.rays() {
                     return;

@@ -4,11 +4,19 @@
 //! threshold of 1.4 V in t = R C ln(5/1.4) = 1.273 R C (Boe-Bot manual, ch. 6; BASIC Stamp manual, RCTIME). The
 //! program waits all that time, in the dark up to 131 ms: a sensor that blocks the processor.
 
-use baudbot_geometry::math;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
 
+use baudbot_geometry::math;
+use serde::Deserialize;
+
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::light::{self, LightSensor};
 use super::lowpass::LowPass;
-use super::{Effect, Measurement};
+use super::{Measurement, Mount};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What a photoresistor and its capacitor are.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +35,70 @@ pub struct Photoresistor {
     pub max_counts: u32,
 }
 
-impl Photoresistor {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    #[serde(default = "light::half_turn")]
+    opening_rad: f64,
+    #[serde(default)]
+    lag_s: f64,
+    resistance_10lux_ohm: f64,
+    gamma: f64,
+    capacitance_uf: f64,
+    #[serde(default = "unit_us")]
+    unit_us: f64,
+    #[serde(default = "max_counts")]
+    max_counts: u64,
+}
+
+fn unit_us() -> f64 {
+    2.0
+}
+
+fn max_counts() -> u64 {
+    65_535
+}
+
+impl Sense for Photoresistor {
+    const NAME: &str = "photoresistor";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = LowPass;
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let light = LightSensor {
+            mount: fit.mount,
+            opening_rad: path.within("opening_rad", sheet.opening_rad, 0.0, TAU)?,
+            range_lux: f64::INFINITY,
+            lag_s: path.within("lag_s", sheet.lag_s, 0.0, 1e3)?,
+        };
+        let max_counts = path.whole_within("max_counts", sheet.max_counts, 1, u64::from(u32::MAX))? as u32;
+        let unit_ns = path.us("unit_us", sheet.unit_us, 1e6)?;
+        if unit_ns == 0 {
+            return Err(path.field("unit_us").error("must be at least a nanosecond"));
+        }
+        let device = Self {
+            light,
+            resistance_10lux_ohm: path.positive("resistance_10lux_ohm", sheet.resistance_10lux_ohm)?,
+            gamma: path.positive("gamma", sheet.gamma)?,
+            capacitance_f: path.positive("capacitance_uf", sheet.capacitance_uf)? * 1e-6,
+            unit_ns,
+            max_counts,
+        };
+        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, f64::from(max_counts))?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "count")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.light.mount)
+    }
+
     /// Counts into `values`: few in bright light, 0 if it took too long. The effect has the time that it took.
-    pub(super) fn read(&self, at: &Measurement<'_>, filter: &mut LowPass, values: &mut [f64]) -> Effect {
+    fn read(&self, at: &Measurement<'_>, filter: &mut LowPass, _: &mut Stream, values: &mut [f64]) -> Effect {
         let lux = light::illuminance(at, &self.light.mount, self.light.opening_rad);
         let lux = filter.follow(lux, self.light.lag_s, at.now);
         let counts = math::floor(self.decay_s(lux) * 1e9 / self.unit_ns as f64).max(1.0);
@@ -38,6 +107,16 @@ impl Photoresistor {
         Effect { wait_ns: counts.min(limit) as u64 * self.unit_ns, ping: None }
     }
 
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = math::round(values[0]).clamp(0.0, f64::from(self.max_counts));
+    }
+
+    fn longest_wait_ns(&self) -> u64 {
+        u64::from(self.max_counts) * self.unit_ns
+    }
+}
+
+impl Photoresistor {
     /// The time in which the capacitor falls to the threshold, in seconds.
     pub fn decay_s(&self, lux: f64) -> f64 {
         // In perfect darkness the resistance has no end.

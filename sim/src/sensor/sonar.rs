@@ -6,11 +6,18 @@
 //! Deviation: with cross-talk on, a pulse that another robot sent in the last tick and that arrives while this
 //! one listens is taken for the echo.
 
-use baudbot_geometry::{Direction, Fan, Ray, math};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
 
-use super::{Effect, Measurement, Mount};
+use baudbot_geometry::{Direction, Fan, Ray, math};
+use serde::Deserialize;
+
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
+use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
 
 /// What a sonar is.
@@ -45,9 +52,76 @@ pub enum CrossTalk {
     On,
 }
 
-impl Sonar {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    opening_rad: f64,
+    rays: u64,
+    min_m: f64,
+    max_m: f64,
+    #[serde(default = "certain")]
+    detection: f64,
+    #[serde(default = "sound_m_s")]
+    sound_m_s: f64,
+    #[serde(default)]
+    holdoff_us: f64,
+    timeout_ms: Option<f64>,
+    #[serde(default)]
+    cross_talk: bool,
+}
+
+fn certain() -> f64 {
+    1.0
+}
+
+/// The notes' figure (§1.2.2).
+fn sound_m_s() -> f64 {
+    340.0
+}
+
+impl Sense for Sonar {
+    const NAME: &str = "sonar";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = ();
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let max_m = path.length("max_m", sheet.max_m)?;
+        let sound_m_s = path.within("sound_m_s", sheet.sound_m_s, 1.0, 1e5)?;
+        let echo_ms = 2.0 * max_m / sound_m_s * 1e3;
+        let device = Self {
+            mount: fit.mount,
+            fan: fan(path, sheet.opening_rad, PI, sheet.rays)?,
+            min_m: path.within("min_m", sheet.min_m, 0.0, max_m)?,
+            max_m,
+            detection: path.within("detection", sheet.detection, 0.0, 1.0)?,
+            sound_m_s,
+            holdoff_ns: path.us("holdoff_us", sheet.holdoff_us, 1e6)?,
+            timeout_ns: path.ms("timeout_ms", sheet.timeout_ms.unwrap_or(echo_ms), 0.001, 1e6)?,
+            cross_talk: if sheet.cross_talk { CrossTalk::On } else { CrossTalk::Off },
+        };
+        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, max_m)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "m")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn range_m(&self) -> Option<f64> {
+        Some(self.max_m)
+    }
+
+    fn fan(&self) -> Option<&Fan> {
+        Some(&self.fan)
+    }
+
     /// The distance in metres into `values`; the effect has the time of flight.
-    pub(super) fn read(&self, at: &Measurement<'_>, stream: &mut Stream, values: &mut [f64]) -> Effect {
+    fn read(&self, at: &Measurement<'_>, _: &mut (), stream: &mut Stream, values: &mut [f64]) -> Effect {
         let heard = !at.noise || self.detection >= 1.0 || stream.uniform() < self.detection;
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.max_m);
@@ -62,6 +136,20 @@ impl Sonar {
         Effect { wait_ns: self.holdoff_ns + echo_ns, ping }
     }
 
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(self.min_m, self.max_m);
+    }
+
+    fn nothing(&self) -> Option<f64> {
+        Some(self.max_m)
+    }
+
+    fn longest_wait_ns(&self) -> u64 {
+        self.holdoff_ns + self.timeout_ns
+    }
+}
+
+impl Sonar {
     /// Time for the way there and back, in nanoseconds.
     pub fn echo_ns(&self, distance_m: f64) -> u64 {
         (2.0 * distance_m.max(self.min_m) / self.sound_m_s * SECOND_NS as f64 + 0.5) as u64

@@ -3,11 +3,17 @@
 //! On a real Boe-Bot the whisker pulls its pin low, so the program reads 0 when it touches: `active_low`. The
 //! contact bounces: for a while after each change the reading is either, as likely as not.
 
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
 use baudbot_geometry::{Fan, Ray};
 use serde::{Deserialize, Serialize};
 
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::{Measurement, Mount};
 use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 use crate::time::SimTime;
 
 /// A wire that sticks out.
@@ -50,26 +56,143 @@ pub(crate) struct Contact {
     changed: Option<SimTime>,
 }
 
-impl Whisker {
-    pub(super) fn read(&self, at: &Measurement<'_>, contact: &mut Contact, stream: &mut Stream) -> f64 {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WhiskerSheet {
+    length_m: f64,
+    #[serde(default)]
+    active_low: bool,
+    #[serde(default)]
+    bounce_ms: f64,
+}
+
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BumperSheet {
+    opening_rad: f64,
+    #[serde(default = "bumper_rays")]
+    rays: u64,
+    #[serde(default = "travel_m")]
+    travel_m: f64,
+    #[serde(default)]
+    active_low: bool,
+    #[serde(default)]
+    bounce_ms: f64,
+}
+
+fn bumper_rays() -> u64 {
+    9
+}
+
+fn travel_m() -> f64 {
+    0.005
+}
+
+impl Sense for Whisker {
+    const NAME: &str = "whisker";
+    const PLACE: Place = Place::Mounted;
+    const IS_ANALOG: bool = false;
+    type Sheet = WhiskerSheet;
+    type Memory = Contact;
+
+    fn new(sheet: WhiskerSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let length_m = path.length("length_m", sheet.length_m)?;
+        let switch = Switch::new(path, sheet.active_low, sheet.bounce_ms)?;
+        Ok(Built::new(Self { mount: fit.mount, length_m, switch }, levels(path, fit.bits, 1, 0.0, 1.0)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "1")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn range_m(&self) -> Option<f64> {
+        Some(self.length_m)
+    }
+
+    fn read(
+        &self,
+        at: &Measurement<'_>,
+        contact: &mut Contact,
+        stream: &mut Stream,
+        values: &mut [f64],
+    ) -> Effect {
         let pose = self.mount.world_from_sensor(at);
         let ray = Ray { origin: pose.position, direction: pose.direction() };
         let touches = self.mount.look(at, &pose, self.length_m).cast(&ray).is_some();
-        self.switch.read(touches, at, contact, stream)
+        values[0] = self.switch.read(touches, at, contact, stream);
+        Effect::NONE
+    }
+
+    fn unmeasured(&self, values: &mut [f64]) {
+        values[0] = self.switch.free();
     }
 }
 
-impl Bumper {
-    pub(super) fn read(&self, at: &Measurement<'_>, contact: &mut Contact, stream: &mut Stream) -> f64 {
+impl Sense for Bumper {
+    const NAME: &str = "bumper";
+    const PLACE: Place = Place::Rim;
+    const IS_ANALOG: bool = false;
+    type Sheet = BumperSheet;
+    type Memory = Contact;
+
+    fn new(sheet: BumperSheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        let device = Self {
+            mount: fit.mount,
+            fan: fan(path, sheet.opening_rad, TAU, sheet.rays)?,
+            travel_m: path.length("travel_m", sheet.travel_m)?,
+            switch: Switch::new(path, sheet.active_low, sheet.bounce_ms)?,
+        };
+        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, 1.0)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "1")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn fan(&self) -> Option<&Fan> {
+        Some(&self.fan)
+    }
+
+    fn read(
+        &self,
+        at: &Measurement<'_>,
+        contact: &mut Contact,
+        stream: &mut Stream,
+        values: &mut [f64],
+    ) -> Effect {
         let pose = self.mount.world_from_sensor(at);
         let reach = at.robot.drive.radius_m + self.travel_m;
         let eye = self.mount.look(at, &pose, reach);
         let pressed = eye.nearest(&pose, &self.fan).is_some();
-        self.switch.read(pressed, at, contact, stream)
+        values[0] = self.switch.read(pressed, at, contact, stream);
+        Effect::NONE
+    }
+
+    fn unmeasured(&self, values: &mut [f64]) {
+        values[0] = self.switch.free();
     }
 }
 
 impl Switch {
+    fn new(path: &Path, active_low: bool, bounce_ms: f64) -> Result<Self, FieldError> {
+        Ok(Self { active_low, bounce_ns: path.ms("bounce_ms", bounce_ms, 0.0, 1e4)? })
+    }
+
+    /// The reading of a free contact.
+    fn free(self) -> f64 {
+        f64::from(u8::from(self.active_low))
+    }
+
     fn read(self, pressed: bool, at: &Measurement<'_>, contact: &mut Contact, stream: &mut Stream) -> f64 {
         if pressed != contact.pressed {
             *contact = Contact { pressed, changed: Some(at.now) };

@@ -4,11 +4,18 @@
 //! The distance is that of the ray that comes back first. Such a sensor measures at its own pace and holds its
 //! output in between: its scenario gives it an own clock.
 
+use alloc::format;
+use alloc::vec;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 
 use baudbot_geometry::Fan;
+use serde::Deserialize;
 
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::{Measurement, Mount};
+use crate::random::Stream;
+use crate::sheet::{FieldError, Path};
 
 /// What a voltage sensor is.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,15 +34,84 @@ pub struct VoltageRanger {
     pub supply_v: f64,
 }
 
-impl VoltageRanger {
+/// The fields of its table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    opening_rad: f64,
+    rays: u64,
+    range_m: f64,
+    curve_m_v: Vec<[f64; 2]>,
+    idle_v: f64,
+    supply_v: f64,
+}
+
+impl Sense for VoltageRanger {
+    const NAME: &str = "ir-voltage";
+    const PLACE: Place = Place::Mounted;
+    type Sheet = Sheet;
+    type Memory = ();
+
+    fn new(sheet: Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError> {
+        check_curve(&path.field("curve_m_v"), &sheet.curve_m_v)?;
+        let supply_v = path.positive("supply_v", sheet.supply_v)?;
+        let device = Self {
+            mount: fit.mount,
+            fan: fan(path, sheet.opening_rad, PI, sheet.rays)?,
+            range_m: path.length("range_m", sheet.range_m)?,
+            curve: sheet.curve_m_v.into_iter().map(|[d, v]| (d, v)).collect(),
+            idle_v: path.within("idle_v", sheet.idle_v, 0.0, supply_v)?,
+            supply_v,
+        };
+        Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, supply_v)?))
+    }
+
+    fn components(&self) -> Vec<Component> {
+        vec![Component::one("", "V")]
+    }
+
+    fn mount(&self) -> Option<&Mount> {
+        Some(&self.mount)
+    }
+
+    fn range_m(&self) -> Option<f64> {
+        Some(self.range_m)
+    }
+
+    fn fan(&self) -> Option<&Fan> {
+        Some(&self.fan)
+    }
+
     /// The voltage, in volts.
-    pub(super) fn read(&self, at: &Measurement<'_>) -> f64 {
+    fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let pose = self.mount.world_from_sensor(at);
         let eye = self.mount.look(at, &pose, self.range_m);
         let nearest = eye.nearest(&pose, &self.fan);
-        nearest.map_or(self.idle_v, |distance_m| self.voltage_at(distance_m))
+        values[0] = nearest.map_or(self.idle_v, |distance_m| self.voltage_at(distance_m));
+        Effect::NONE
     }
 
+    fn bound(&self, values: &mut [f64]) {
+        values[0] = values[0].clamp(0.0, self.supply_v);
+    }
+}
+
+fn check_curve(at: &Path, curve: &[[f64; 2]]) -> Result<(), FieldError> {
+    if curve.len() < 2 {
+        return Err(at.error(format!("needs at least 2 pairs of distance and voltage, has {}", curve.len())));
+    }
+    for (i, pair) in curve.iter().enumerate() {
+        at.index(i).not_negative("distance", pair[0])?;
+        at.index(i).not_negative("voltage", pair[1])?;
+        if i > 0 && pair[0] <= curve[i - 1][0] {
+            let problem = format!("distances must increase, {} follows {}", pair[0], curve[i - 1][0]);
+            return Err(at.index(i).error(problem));
+        }
+    }
+    Ok(())
+}
+
+impl VoltageRanger {
     /// The curve at a distance in metres.
     pub fn voltage_at(&self, distance_m: f64) -> f64 {
         let after = self.curve.partition_point(|(d, _)| *d <= distance_m);

@@ -1,0 +1,275 @@
+//! What a kind of sensor is made of. Each has a file of its own beside this one, which implements [`Sense`], and a line in the
+//! list of [`Device`](super::Device).
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Fan, Pose};
+use baudbot_wire::Encoding;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{Measurement, Mount, encoder, gps, lowpass, odometer, touch};
+use crate::battery::Battery;
+use crate::random::Stream;
+use crate::scene::Ping;
+use crate::sheet::{FieldError, Path};
+use crate::surroundings::Surroundings;
+
+/// A kind of sensor: its data sheet, what it remembers, and how it reads.
+pub(crate) trait Sense: Sized {
+    /// Its name in scenarios.
+    const NAME: &'static str;
+    /// Where it sits.
+    const PLACE: Place;
+    /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
+    /// switch is open or closed.
+    const IS_ANALOG: bool = true;
+    /// The fields of its table, besides those of all sensors and those of its place.
+    type Sheet: DeserializeOwned;
+    /// What it remembers between two reads.
+    type Memory: Part;
+
+    /// The sensor whose table stands at `path`.
+    fn new(sheet: Self::Sheet, path: &Path, fit: Fit<'_>) -> Result<Built<Self>, FieldError>;
+
+    /// The components of a reading, in order.
+    fn components(&self) -> Vec<Component>;
+
+    /// Where it sits and which way it looks, if that matters.
+    fn mount(&self) -> Option<&Mount> {
+        None
+    }
+
+    /// How far it looks, in metres, if it looks.
+    fn range_m(&self) -> Option<f64> {
+        None
+    }
+
+    /// The rays that it looks along, if it does.
+    fn fan(&self) -> Option<&Fan> {
+        None
+    }
+
+    /// What it knows before its first read.
+    fn remember(&self, _start: &Pose, _stream: &mut Stream) -> Self::Memory {
+        Self::Memory::default()
+    }
+
+    /// Reads the device; `values` gets one value a component.
+    fn read(
+        &self,
+        at: &Measurement<'_>,
+        memory: &mut Self::Memory,
+        stream: &mut Stream,
+        values: &mut [f64],
+    ) -> Effect;
+
+    /// Brings readings that noise took farther back to what the device can tell at all.
+    fn bound(&self, _values: &mut [f64]) {}
+
+    /// The value that stands for nothing in range, which noise does not touch.
+    fn nothing(&self) -> Option<f64> {
+        None
+    }
+
+    /// What the microcontroller reads from a device that has measured nothing yet.
+    fn unmeasured(&self, values: &mut [f64]) {
+        values.fill(0.0);
+    }
+
+    /// The longest time that the device itself keeps the microcontroller waiting, in nanoseconds.
+    fn longest_wait_ns(&self) -> u64 {
+        0
+    }
+}
+
+/// Where the sensors of a kind sit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Somewhere in the body, it does not matter where.
+    Inside,
+    /// Anywhere, with a [`Mount`].
+    Mounted,
+    /// In the centre, looking somewhere: a part of the rim.
+    Rim,
+}
+
+/// What a sensor is fitted to.
+#[derive(Debug)]
+pub struct Fit<'a> {
+    /// Where it sits.
+    pub mount: Mount,
+    /// Bits of each value on the wire, if the scenario says how many.
+    pub bits: Option<u64>,
+    /// What feeds its robot.
+    pub battery: Option<&'a Battery>,
+    /// What there is to sense besides shapes.
+    pub surroundings: &'a Surroundings,
+}
+
+/// A device, how its values cross the wire, and the noise that its own fields ask for.
+#[derive(Clone, Debug)]
+pub struct Built<D> {
+    /// The device.
+    pub device: D,
+    /// The encoding of each value.
+    pub encodings: Vec<Encoding>,
+    /// Standard deviation of multiplicative noise.
+    pub multiplicative: f64,
+    /// Standard deviation of additive noise.
+    pub additive: f64,
+}
+
+impl<D> Built<D> {
+    pub(super) fn new(device: D, encodings: Vec<Encoding>) -> Self {
+        Self { device, encodings, multiplicative: 0.0, additive: 0.0 }
+    }
+
+    pub(super) fn map<T>(self, into: impl FnOnce(D) -> T) -> Built<T> {
+        let Self { device, encodings, multiplicative, additive } = self;
+        Built { device: into(device), encodings, multiplicative, additive }
+    }
+}
+
+/// The encodings of `values` values that all lie between `min` and `max`.
+pub(super) fn levels(
+    path: &Path,
+    bits: Option<u64>,
+    values: usize,
+    min: f64,
+    max: f64,
+) -> Result<Vec<Encoding>, FieldError> {
+    Ok(alloc::vec![level(path, bits, min, max)?; values])
+}
+
+/// The encoding of a value between `min` and `max`.
+pub(super) fn level(path: &Path, bits: Option<u64>, min: f64, max: f64) -> Result<Encoding, FieldError> {
+    let Some(bits) = bits else { return Ok(Encoding::Float64) };
+    let bits = path.whole_within("bits", bits, 1, 32)? as u8;
+    Ok(Encoding::Level { bits, min, max })
+}
+
+/// The encodings of two counters.
+pub(super) fn counters(path: &Path, bits: Option<u64>) -> Result<Vec<Encoding>, FieldError> {
+    let Some(bits) = bits else { return Ok(alloc::vec![Encoding::Float64; 2]) };
+    if bits < 8 {
+        return Err(path.field("bits").error(alloc::format!("a counter has 8 to 32 bits, not {bits}")));
+    }
+    let bits = path.whole_within("bits", bits, 8, 32)? as u8;
+    Ok(alloc::vec![Encoding::Counter { bits }; 2])
+}
+
+/// The largest value that a sensor of so many bits can tell, where nothing else says it.
+pub(super) fn maximum(path: &Path, max: Option<f64>, bits: Option<u64>) -> Result<f64, FieldError> {
+    match (max, bits) {
+        (Some(max), _) => path.positive("max", max),
+        (None, None) => Ok(f64::MAX),
+        (None, Some(_)) => {
+            Err(path.field("max").error("is needed with `bits`: the value of the largest code"))
+        }
+    }
+}
+
+/// A fan of `rays` rays over `opening_rad`, which is `max_rad` at most.
+pub(super) fn fan(path: &Path, opening_rad: f64, max_rad: f64, rays: u64) -> Result<Fan, FieldError> {
+    let opening_rad = path.within("opening_rad", opening_rad, 0.0, max_rad)?;
+    Ok(Fan::new(opening_rad, path.whole_within("rays", rays, 1, 10_000)? as usize))
+}
+
+/// The data sheet of a kind that has no fields of its own.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct NoFields {}
+
+/// A part of a reading: what its column in a table is called, with its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// Empty if the sensor has only this one.
+    pub name: &'static str,
+    /// SI unit, `1` for a ratio.
+    pub unit: &'static str,
+    /// How many values it has: 1, or as many as a scan has rays.
+    pub count: usize,
+}
+
+impl Component {
+    pub(super) const fn one(name: &'static str, unit: &'static str) -> Self {
+        Self { name, unit, count: 1 }
+    }
+}
+
+/// What reading a device does besides giving values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Effect {
+    /// How long the device keeps the microcontroller waiting, in nanoseconds.
+    pub(crate) wait_ns: u64,
+    /// A pulse that others hear.
+    pub(crate) ping: Option<Ping>,
+}
+
+impl Effect {
+    /// Nothing besides.
+    pub(super) const NONE: Self = Self { wait_ns: 0, ping: None };
+}
+
+/// The state that a device keeps between two reads. It is part of the world's state: the order of its variants is the form in
+/// which states are saved and hashed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Memory {
+    None(()),
+    Odometer(odometer::Estimate),
+    Encoders(encoder::Seen),
+    Filter(lowpass::LowPass),
+    Accelerometer([lowpass::LowPass; 2]),
+    Gps(Box<gps::Wander>),
+    Touch(touch::Contact),
+}
+
+impl Memory {
+    /// Whether a device can remember this that remembered `first` before its first read.
+    pub(crate) fn is_sound(&self, first: &Self) -> bool {
+        let is_kind = core::mem::discriminant(self) == core::mem::discriminant(first);
+        is_kind
+            && match self {
+                Self::None(()) | Self::Touch(_) => true,
+                Self::Odometer(estimate) => estimate.is_sound(),
+                Self::Encoders(seen) => seen.is_sound(),
+                Self::Filter(filter) => filter.is_sound(),
+                Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
+                Self::Gps(wander) => wander.is_sound(),
+            }
+    }
+}
+
+/// What devices of some kind remember, as a part of [`Memory`].
+pub(crate) trait Part: Default + Into<Memory> {
+    /// `None` if it is the memory of another kind.
+    fn of(memory: &mut Memory) -> Option<&mut Self>;
+}
+
+macro_rules! parts {
+    ($($variant:ident($part:ty)),* $(,)?) => {$(
+        impl From<$part> for Memory {
+            fn from(part: $part) -> Self {
+                Self::$variant(part)
+            }
+        }
+
+        impl Part for $part {
+            fn of(memory: &mut Memory) -> Option<&mut Self> {
+                if let Memory::$variant(part) = memory { Some(part) } else { None }
+            }
+        }
+    )*};
+}
+
+parts! {
+    None(()),
+    Odometer(odometer::Estimate),
+    Encoders(encoder::Seen),
+    Filter(lowpass::LowPass),
+    Accelerometer([lowpass::LowPass; 2]),
+    Gps(Box<gps::Wander>),
+    Touch(touch::Contact),
+}

@@ -1,0 +1,139 @@
+//! Data sheets: how the fields of a file are read and checked, and how errors name them.
+//!
+//! Each method of [`Path`] that takes a field and its value gives the value back if it is in the range that it must be in,
+//! and an error with the path of the field if it is not.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+use crate::printable::Printable;
+
+/// What is wrong with a field. Path and problem are [printable](crate::printable), whatever they quote.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{path}: {problem}")]
+pub struct FieldError {
+    /// Where, for instance `robots[2].sensors.front.range_m`.
+    pub path: String,
+    /// What is wrong, and how to fix it.
+    pub problem: String,
+}
+
+impl FieldError {
+    /// An error at a path; the empty path is the file itself.
+    pub fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        let path = Some(path.into()).filter(|path| !path.is_empty());
+        let path = path.unwrap_or_else(|| "scenario".into());
+        Self { path: Printable(path).to_string(), problem: Printable(problem.into()).to_string() }
+    }
+}
+
+/// The fields of a table, in whatever format the file has.
+pub trait Fields {
+    /// Reads the fields; the table stands at `path`.
+    ///
+    /// # Errors
+    /// Names the field that is missing, unknown, or of the wrong type.
+    fn read<T: DeserializeOwned>(self, path: &Path) -> Result<T, FieldError>;
+}
+
+/// A place in the file, for error messages.
+#[derive(Clone, Debug)]
+pub struct Path(String);
+
+impl Path {
+    /// The path of the file itself.
+    pub fn root() -> Self {
+        Self(String::new())
+    }
+
+    /// The path of a field.
+    pub fn field(&self, name: &str) -> Self {
+        Self(if self.0.is_empty() { name.into() } else { format!("{}.{name}", self.0) })
+    }
+
+    /// The path of an entry of a list.
+    pub fn index(&self, i: usize) -> Self {
+        Self(format!("{}[{i}]", self.0))
+    }
+
+    /// The path as it stands in messages; empty for the file itself.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// The error that something is wrong with what stands here.
+    pub fn error(&self, problem: impl Into<String>) -> FieldError {
+        FieldError::new(self.0.clone(), problem)
+    }
+
+    /// A finite number.
+    pub fn finite(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.rule(field, value, value.is_finite(), "must be a finite number")
+    }
+
+    /// A number above 0.
+    pub fn positive(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.rule(field, value, value.is_finite() && value > 0.0, "must be positive")
+    }
+
+    /// A coordinate in metres: no arena is a million metres wide.
+    pub fn coordinate(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.finite(field, value)?;
+        self.within(field, value, -MAX_M, MAX_M)
+    }
+
+    /// A length in metres.
+    pub fn length(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.positive(field, value)?;
+        self.within(field, value, MIN_M, MAX_M)
+    }
+
+    /// A standard deviation.
+    pub fn sigma(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.not_negative(field, value)?;
+        self.within(field, value, 0.0, MAX_SIGMA)
+    }
+
+    /// A number of 0 or more.
+    pub fn not_negative(&self, field: &str, value: f64) -> Result<f64, FieldError> {
+        self.rule(field, value, value.is_finite() && value >= 0.0, "must not be negative")
+    }
+
+    /// A number in a closed interval.
+    pub fn within(&self, field: &str, value: f64, min: f64, max: f64) -> Result<f64, FieldError> {
+        self.rule(field, value, value >= min && value <= max, &format!("must be within {min} and {max}"))
+    }
+
+    /// A whole number in a closed interval.
+    pub fn whole_within(&self, field: &str, value: u64, min: u64, max: u64) -> Result<u64, FieldError> {
+        if (min..=max).contains(&value) {
+            return Ok(value);
+        }
+        Err(self.field(field).error(format!("must be within {min} and {max}, is {value}")))
+    }
+
+    /// Milliseconds to nanoseconds.
+    pub fn ms(&self, field: &str, value: f64, min_ms: f64, max_ms: f64) -> Result<u64, FieldError> {
+        Ok(to_ns(self.within(field, value, min_ms, max_ms)?, 1e6))
+    }
+
+    /// Microseconds to nanoseconds.
+    pub fn us(&self, field: &str, value: f64, max_us: f64) -> Result<u64, FieldError> {
+        Ok(to_ns(self.within(field, value, 0.0, max_us)?, 1e3))
+    }
+
+    fn rule(&self, field: &str, value: f64, sound: bool, rule: &str) -> Result<f64, FieldError> {
+        if sound { Ok(value) } else { Err(self.field(field).error(format!("{rule}, is {value}"))) }
+    }
+}
+
+const MAX_M: f64 = 1e6;
+const MIN_M: f64 = 1e-6;
+const MAX_SIGMA: f64 = 1e3;
+
+fn to_ns(value: f64, factor: f64) -> u64 {
+    (value * factor + 0.5) as u64
+}
