@@ -11,6 +11,7 @@
 //! 5. [`ray`] finds how far one ray runs before it meets one shape, and [`fan`] spreads the rays of one
 //!    sensor.
 //! 6. [`index`] finds what one ray meets first among many shapes.
+//! 7. [`wheels`] relates the speeds of two wheels to the motion between them.
 //!
 //! A simulator needs [`Pose`], [`Fan`] and [`Index`]; the rest is what these are made of.
 //!
@@ -48,6 +49,7 @@ pub mod segment;
 pub mod sweep;
 mod vectors;
 
+pub mod wheels;
 pub use bounds::Bounds;
 pub use circle::Circle;
 pub use crowd::Crowd;
@@ -57,3 +59,4 @@ pub use pose::{Direction, Point, Pose, Vector};
 pub use ray::Ray;
 pub use segment::Segment;
 pub use sweep::Sweep;
+pub use wheels::Twist;

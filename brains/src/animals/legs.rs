@@ -1,6 +1,7 @@
 //! From an animal's motion to the wheels of a robot.
 
 use baudbot_client::{Action, Body, Signals, Turn};
+use baudbot_geometry::Twist;
 
 use crate::courier::Courier;
 
@@ -30,9 +31,8 @@ impl Legs {
     /// Moves so: (2.2), (2.3), with signals in proportion to the wheels' speeds. If a wheel is too slow for that,
     /// the robot goes the same way more slowly.
     pub(super) fn walk(&mut self, motion: Motion, turn: &Turn) -> Action {
-        let aside_m_s = self.half_track_m * motion.turn_rate_rad_s;
-        let left = (motion.speed_m_s - aside_m_s) / self.full_speed_m_s;
-        let right = (motion.speed_m_s + aside_m_s) / self.full_speed_m_s;
+        let body = Twist { forward: motion.speed_m_s, turn: motion.turn_rate_rad_s };
+        let [left, right] = body.wheels(self.half_track_m).map(|speed_m_s| speed_m_s / self.full_speed_m_s);
         let largest = left.abs().max(right.abs()).max(1.0);
         self.send(Signals { left: left / largest, right: right / largest }, turn)
     }

@@ -20,8 +20,8 @@ impl Accelerometer {
     /// Forwards and to the left, in m/s².
     pub(super) fn read(&self, at: &Measurement<'_>, filters: &mut [LowPass; 2]) -> [f64; 2] {
         let motion = at.motion;
-        let (speed, turn_rate) = at.over_ground();
-        let felt = [motion.acceleration_m_s2, speed * turn_rate];
+        let body = at.over_ground();
+        let felt = [motion.acceleration_m_s2, body.forward * body.turn];
         let time_constant = time_constant_s(self.bandwidth_hz);
         let mut readings = [0.0; 2];
         for ((reading, filter), felt) in readings.iter_mut().zip(filters).zip(felt) {

@@ -80,7 +80,7 @@ impl Gps {
             return [latitude, longitude, 0.0, 0.0, 0.0];
         }
         let noise = if at.noise && self.speed_sigma_m_s > 0.0 { stream.normal() } else { 0.0 };
-        let speed = (at.over_ground().0 + self.speed_sigma_m_s * noise).abs();
+        let speed = (at.over_ground().forward + self.speed_sigma_m_s * noise).abs();
         let backwards = if at.motion.speed_m_s < 0.0 { core::f64::consts::PI } else { 0.0 };
         [latitude, longitude, 1.0, speed, angle::wrap(at.motion.pose.heading + backwards)]
     }

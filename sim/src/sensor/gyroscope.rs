@@ -18,7 +18,6 @@ pub struct Gyroscope {
 impl Gyroscope {
     /// Turn rate in rad/s, positive to the left.
     pub(super) fn read(&self, at: &Measurement<'_>, filter: &mut LowPass) -> f64 {
-        let (_, turn_rate) = at.over_ground();
-        filter.follow(turn_rate, time_constant_s(self.bandwidth_hz), at.now)
+        filter.follow(at.over_ground().turn, time_constant_s(self.bandwidth_hz), at.now)
     }
 }

@@ -27,7 +27,7 @@ use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, angle, math};
+use baudbot_geometry::{Fan, Pose, Twist, angle, math};
 use baudbot_wire::Encoding;
 use serde::{Deserialize, Serialize};
 
@@ -174,8 +174,8 @@ pub(crate) struct Measurement<'a> {
 }
 
 impl Measurement<'_> {
-    /// The robot's speed and turn rate over ground, whatever its wheels do.
-    fn over_ground(&self) -> (f64, f64) {
+    /// The robot's motion over ground, whatever its wheels do.
+    fn over_ground(&self) -> Twist {
         self.scene.surroundings.over_ground(&self.robot.drive, self.motion)
     }
 }

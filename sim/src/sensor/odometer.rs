@@ -5,7 +5,7 @@
 //! estimate wanders even when the robot stands. A brain that wants honest odometry reads the encoders and
 //! integrates them itself.
 
-use baudbot_geometry::{Pose, angle, math};
+use baudbot_geometry::{Pose, Twist, angle, math};
 use serde::{Deserialize, Serialize};
 
 use super::{Measurement, noise};
@@ -53,9 +53,9 @@ impl Odometer {
         estimate.travel_m = travel;
 
         let pose = &mut estimate.pose;
-        pose.heading = angle::wrap(pose.heading + (right - left) / (2.0 * at.robot.drive.half_track_m));
+        let Twist { forward, turn } = Twist::of_wheels([left, right], at.robot.drive.half_track_m);
+        pose.heading = angle::wrap(pose.heading + turn);
         let (sin, cos) = math::sin_cos(pose.heading);
-        let forward = 0.5 * (left + right);
         pose.position.x += forward * cos;
         pose.position.y += forward * sin;
         [pose.position.x, pose.position.y, pose.heading]
