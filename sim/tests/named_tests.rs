@@ -15,7 +15,7 @@ fn each_test_that_a_page_names_is_there() {
     let mut functions = BTreeSet::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     for folder in ["geometry", "wire", "sim", "brains", "cli", "tests"] {
-        for sources in ["src", "tests"] {
+        for sources in ["src", "tests", "examples"] {
             collect(&root.join(folder).join(sources), &mut functions);
         }
     }
