@@ -42,6 +42,7 @@ pub mod mapping;
 pub mod navigate;
 pub mod navigation;
 pub mod odometry;
+pub mod parameter;
 pub mod planning;
 pub mod potential;
 pub mod process;
@@ -55,11 +56,12 @@ pub mod vfh;
 pub mod wander;
 
 mod anew;
+mod awaited;
 mod beat;
 mod chance;
 mod courier;
 mod feelers;
-mod parameter;
+mod kinds;
 mod standard;
 #[cfg(test)]
 mod test_body;

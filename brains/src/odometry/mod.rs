@@ -34,8 +34,8 @@ use std::f64::consts::TAU;
 use baudbot_client::{Body, Encoding, Turn};
 use baudbot_geometry::{Pose, math};
 
+use crate::awaited::Awaited;
 use crate::estimate::Estimate;
-use crate::process::Awaited;
 use arrivals::Arrivals;
 use step::Step;
 
