@@ -41,6 +41,7 @@ mod tests {
     use super::*;
     use crate::catalogue;
     use crate::description::Description;
+    use crate::kinds::KINDS;
     use crate::registry::Registry;
     use crate::test_body::{body, turn};
 
@@ -82,7 +83,7 @@ mod tests {
             ("nose", "field", 0.0),
             ("laser", "laser", 0.0),
         ]);
-        for name in catalogue::kinds() {
+        for name in KINDS.iter().map(|kind| kind.name) {
             let mut brain = catalogue::brain(name, 1, &body).unwrap();
             assert!(commands(&mut brain, &body, 1_000_000_000), "{name}");
             commands(&mut brain, &body, 100_000_000_000);

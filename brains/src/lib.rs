@@ -11,7 +11,7 @@
 //!    [`decision`] it chooses.
 //! 4. Pieces: [`behavior`] and [`cognition`] have processes; [`odometry`], [`scanner`], [`localization`],
 //!    [`mapping`], [`slam`], [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are
-//!    what these think with; [`decision_theory`] is on its own.
+//!    what these think with.
 //!
 //! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
@@ -34,7 +34,6 @@ pub mod composed;
 pub mod constant;
 pub mod coverage;
 pub mod decision;
-pub mod decision_theory;
 pub mod description;
 pub mod estimate;
 pub mod exploration;
@@ -43,6 +42,7 @@ pub mod mapping;
 pub mod navigate;
 pub mod navigation;
 pub mod odometry;
+pub mod parameter;
 pub mod planning;
 pub mod potential;
 pub mod process;
@@ -56,11 +56,12 @@ pub mod vfh;
 pub mod wander;
 
 mod anew;
+mod awaited;
 mod beat;
 mod chance;
 mod courier;
 mod feelers;
-mod parameter;
+mod kinds;
 mod standard;
 #[cfg(test)]
 mod test_body;

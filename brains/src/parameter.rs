@@ -1,6 +1,9 @@
-//! A brain's parameters as data, for command lines and help.
+//! Parameters of brains and processes: as data, for command lines and help, and what can be wrong with them.
 
+use std::fmt::Display;
 use std::ops::RangeInclusive;
+
+use thiserror::Error;
 
 /// One parameter of a brain whose parameters are a `P`.
 pub(crate) struct Parameter<P> {
@@ -17,3 +20,62 @@ pub(crate) const SIGNAL: RangeInclusive<f64> = -10.0..=10.0;
 
 /// Probabilities, and other parts of a whole.
 pub(crate) const PROBABILITY: RangeInclusive<f64> = 0.0..=1.0;
+
+/// Why parameters make no sense, or not for this robot.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ParameterError {
+    /// A number that the parameter cannot be.
+    #[error("{parameter}: must be {allowed}, is {found}")]
+    Range {
+        /// Which parameter.
+        parameter: String,
+        /// What it can be.
+        allowed: String,
+        /// The number given.
+        found: f64,
+    },
+    /// Another value that makes no sense.
+    #[error("{parameter}: {problem}")]
+    Value {
+        /// Which parameter.
+        parameter: String,
+        /// What is wrong with it, or what would be right.
+        problem: String,
+    },
+    /// The parameters cannot be read, or the robot has not what they ask for.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl ParameterError {
+    pub(crate) fn range(parameter: impl Display, allowed: impl Display, found: f64) -> Self {
+        Self::Range { parameter: parameter.to_string(), allowed: allowed.to_string(), found }
+    }
+
+    pub(crate) fn value(parameter: impl Display, problem: impl Display) -> Self {
+        Self::Value { parameter: parameter.to_string(), problem: problem.to_string() }
+    }
+}
+
+/// All of these numbers must be finite and above 0.
+pub(crate) fn check_positive<N: Display>(
+    named: impl IntoIterator<Item = (N, f64)>,
+) -> Result<(), ParameterError> {
+    let mut named = named.into_iter();
+    let wrong = named.find(|(_, value)| !(value.is_finite() && *value > 0.0));
+    wrong.map_or(Ok(()), |(name, value)| Err(ParameterError::range(name, "positive", value)))
+}
+
+/// All of these numbers must be finite and 0 or above.
+pub(crate) fn check_not_negative<N: Display>(
+    named: impl IntoIterator<Item = (N, f64)>,
+) -> Result<(), ParameterError> {
+    let mut named = named.into_iter();
+    let wrong = named.find(|(_, value)| !(value.is_finite() && *value >= 0.0));
+    wrong.map_or(Ok(()), |(name, value)| {
+        Err(ParameterError::Value {
+            parameter: name.to_string(),
+            problem: format!("must not be negative, is {value}"),
+        })
+    })
+}

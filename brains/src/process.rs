@@ -5,11 +5,10 @@
 //! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
 //! reads that.
 
-use std::fmt;
-
 use baudbot_client::{Signals, Turn};
 use baudbot_geometry::Point;
 
+pub use crate::awaited::Awaited;
 use crate::estimate::Estimate;
 use crate::mapping::Occupancy;
 use crate::odometry::Odometry;
@@ -54,21 +53,6 @@ pub struct Beliefs {
     pub intention: String,
     /// The sensor that a process waits for in this step, if one does.
     pub awaited: Option<Awaited>,
-}
-
-/// A sensor that somebody waits for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Awaited {
-    /// Its name.
-    pub sensor: String,
-    /// When its last reading came, in nanoseconds; 0 if none has.
-    pub since_ns: u64,
-}
-
-impl fmt::Display for Awaited {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "waits for `{}` since {:.2} s", self.sensor, self.since_ns as f64 * 1e-9)
-    }
 }
 
 /// A process that drives.

@@ -9,9 +9,8 @@ use baudbot_client::Body;
 use serde::de::DeserializeOwned;
 use toml::Table;
 
-use crate::behavior::whole::Whole;
-use crate::catalogue;
 use crate::chance::Chance;
+use crate::parameter::ParameterError;
 use crate::process::{CognitiveProcess, MotorBehavior};
 
 /// What a process is made from.
@@ -34,20 +33,21 @@ impl Kit<'_> {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.name))
     }
 
-    /// Says in words why no process can raise the Γ of this motor behaviour, which its `parameter` names.
-    pub(crate) fn check_raised(&self, parameter: &str, behavior: &str) -> Result<(), String> {
+    /// A process can raise the Γ of this motor behaviour, which its `parameter` names.
+    pub(crate) fn check_raised(&self, parameter: &str, behavior: &str) -> Result<(), ParameterError> {
         if !self.motors.contains(&behavior) {
             let known = self.motors.join(", ");
-            return Err(format!("{parameter}: there is no motor behaviour `{behavior}`; there are: {known}"));
+            let problem = format_args!("there is no motor behaviour `{behavior}`; there are: {known}");
+            return Err(ParameterError::value(parameter, problem));
         }
         if !self.by_utility {
-            return Err(format!("{parameter}: needs a decision by utilities"));
+            return Err(ParameterError::value(parameter, "needs a decision by utilities"));
         }
         Ok(())
     }
 }
 
-type Make<P> = Box<dyn Fn(Table, Kit<'_>) -> Result<Box<P>, String> + Send + Sync>;
+type Make<P> = Box<dyn Fn(Table, Kit<'_>) -> Result<Box<P>, ParameterError> + Send + Sync>;
 
 /// Kinds of motor behaviours and of cognitive processes.
 #[derive(Default)]
@@ -63,8 +63,12 @@ impl Registry {
     }
 
     /// Adds a kind of motor behaviour. `make` gets its parameters as they are in the description, with defaults where those
-    /// have any, and says in words why it cannot be made: `range_m: must be positive, is -1`.
-    pub fn motor<P, B>(&mut self, kind: &'static str, make: fn(P, Kit<'_>) -> Result<B, String>) -> &mut Self
+    /// have any, and says why it cannot be made: `range_m: must be positive, is -1`.
+    pub fn motor<P, B>(
+        &mut self,
+        kind: &'static str,
+        make: impl Fn(P, Kit<'_>) -> Result<B, ParameterError> + Send + Sync + 'static,
+    ) -> &mut Self
     where
         P: DeserializeOwned + 'static,
         B: MotorBehavior + 'static,
@@ -75,28 +79,11 @@ impl Registry {
         self
     }
 
-    /// Adds all brains of the [catalogue](crate::catalogue) as motor behaviours, by their names.
-    pub(crate) fn brains(&mut self) -> &mut Self {
-        for name in catalogue::kinds() {
-            let make = move |table, kit: Kit<'_>| {
-                let settings: BTreeMap<String, f64> = read(table)?;
-                let settings: Vec<_> =
-                    settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-                let description = format!("{name}:{}", settings.join(","));
-                let brain =
-                    catalogue::brain(&description, kit.seed, kit.body).map_err(|error| error.to_string())?;
-                Ok(Box::new(Whole::new(brain)) as Box<dyn MotorBehavior>)
-            };
-            self.motors.insert(name, Box::new(make));
-        }
-        self
-    }
-
     /// Adds a kind of cognitive process.
     pub fn cognitive<P, C>(
         &mut self,
         kind: &'static str,
-        make: fn(P, Kit<'_>) -> Result<C, String>,
+        make: impl Fn(P, Kit<'_>) -> Result<C, ParameterError> + Send + Sync + 'static,
     ) -> &mut Self
     where
         P: DeserializeOwned + 'static,
@@ -144,13 +131,13 @@ pub(crate) enum Unmade {
     /// There is no such kind, but these.
     Kind(Vec<&'static str>),
     /// What is wrong with its parameters.
-    Parameters(String),
+    Parameters(ParameterError),
 }
 
 /// Parameters, by name.
-fn read<P: DeserializeOwned>(table: Table) -> Result<P, String> {
+fn read<P: DeserializeOwned>(table: Table) -> Result<P, ParameterError> {
     serde_path_to_error::deserialize(table).map_err(|error| {
         let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
-        if path == "." { problem } else { format!("{path}: {problem}") }
+        if path == "." { ParameterError::Other(problem) } else { ParameterError::value(path, problem) }
     })
 }

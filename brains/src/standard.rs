@@ -1,4 +1,8 @@
-//! The kinds of processes that this crate has, besides its brains.
+//! The kinds of processes that this crate has, its brains that are written in Rust among them.
+
+use std::collections::BTreeMap;
+
+use baudbot_client::Brain;
 
 use crate::behavior::charge::Charge;
 use crate::behavior::follow_path::FollowPath;
@@ -7,6 +11,7 @@ use crate::behavior::go_to::GoTo;
 use crate::behavior::home::Home;
 use crate::behavior::taxis::Taxis;
 use crate::behavior::turn_away::TurnAway;
+use crate::behavior::whole::Whole;
 use crate::behavior::{follow_path, go_to, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
@@ -16,16 +21,20 @@ use crate::cognition::slam::{self, MakeMap};
 use crate::coverage::{self, CoverRows};
 use crate::exploration::behavior::ExploreFloor;
 use crate::exploration::brain as explore;
+use crate::kinds::{KINDS, Kind};
+use crate::parameter::ParameterError;
 use crate::potential::PotentialField;
-use crate::registry::Registry;
+use crate::registry::{Kit, Registry};
 use crate::vfh::Vfh;
 
 impl Registry {
     /// All kinds of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::new();
+        for kind in KINDS {
+            registry.motor(kind.name, |settings, kit| whole(kind, &settings, &kit));
+        }
         registry
-            .brains()
             .motor("charge", |parameters, kit| Charge::new(kit.name, parameters, kit.body))
             .motor("cover_rows", |parameters: coverage::Parameters, kit| {
                 CoverRows::new(&parameters, kit.body)
@@ -52,4 +61,15 @@ impl Registry {
             .cognitive("slam", |parameters: slam::Parameters, kit| MakeMap::new(&parameters, &kit));
         registry
     }
+}
+
+/// A brain as a motor behaviour, with these parameters.
+fn whole(
+    kind: &'static Kind,
+    settings: &BTreeMap<String, f64>,
+    kit: &Kit<'_>,
+) -> Result<Whole<Box<dyn Brain + Send>>, ParameterError> {
+    let settings: Vec<_> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    let brain = kind.brain(&settings.join(","), kit.seed, kit.body);
+    Ok(Whole::new(brain.map_err(|error| ParameterError::Other(error.to_string()))?))
 }

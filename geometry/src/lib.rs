@@ -10,7 +10,8 @@
 //!    chain of segments, and [`bounds`] is the box around shapes.
 //! 5. [`ray`] finds how far one ray runs before it meets one shape, and [`fan`] spreads the rays of one
 //!    sensor.
-//! 6. [`index`] finds what one ray meets first among many shapes.
+//! 6. [`index`] finds what one ray meets first among many shapes; [`grid`] is for what else is done with square cells.
+//! 7. [`wheels`] relates the speeds of two wheels to the motion between them.
 //!
 //! A simulator needs [`Pose`], [`Fan`] and [`Index`]; the rest is what these are made of.
 //!
@@ -38,6 +39,7 @@ pub mod bounds;
 pub mod circle;
 pub mod crowd;
 pub mod fan;
+pub mod grid;
 pub mod index;
 pub mod math;
 pub mod normal;
@@ -47,6 +49,7 @@ pub mod ray;
 pub mod segment;
 pub mod sweep;
 mod vectors;
+pub mod wheels;
 
 pub use bounds::Bounds;
 pub use circle::Circle;
@@ -57,3 +60,4 @@ pub use pose::{Direction, Point, Pose, Vector};
 pub use ray::Ray;
 pub use segment::Segment;
 pub use sweep::Sweep;
+pub use wheels::Twist;

@@ -43,6 +43,24 @@ impl Segment {
         (to - self.nearest_point(to)).norm_squared()
     }
 
+    /// The x between which the segment lies where its y is within a range, or of its end next to the range.
+    #[must_use]
+    pub fn x_range(&self, bottom: f64, top: f64) -> (f64, f64) {
+        let (low, high) =
+            if self.start.y <= self.end.y { (self.start, self.end) } else { (self.end, self.start) };
+        let x_at = |y: f64| {
+            if y <= low.y {
+                low.x
+            } else if y >= high.y {
+                high.x
+            } else {
+                low.x + (high.x - low.x) * ((y - low.y) / (high.y - low.y))
+            }
+        };
+        let (a, b) = (x_at(bottom), x_at(top));
+        if a <= b { (a, b) } else { (b, a) }
+    }
+
     /// Whether the segments have a point in common, an end included.
     ///
     /// Decided by the signs of rounded numbers: a gap or an overlap of the size of a rounding error may be

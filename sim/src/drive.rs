@@ -10,7 +10,7 @@
 //! - ARSim feeds its motors wheel speeds computed with half the half track. `motor_track_factor` is that
 //!   quirk: 0.5 in ARSim's preset, 1 (equations 2.2 and 2.3) everywhere else.
 
-use baudbot_geometry::{Pose, angle, math};
+use baudbot_geometry::{Pose, Twist, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::motor::{MotorNoise, Motors, Steps};
@@ -97,6 +97,11 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// The motion as the wheels roll.
+    pub(crate) fn rolled(&self) -> Twist {
+        Twist { forward: self.speed_m_s, turn: self.turn_rate_rad_s }
+    }
+
     pub(crate) fn is_sound(&self) -> bool {
         let steps = self.steps.unwrap_or_default();
         let steps = [steps.left, steps.right].map(|steps| [steps.commanded_steps, steps.lost_steps]);
@@ -170,32 +175,30 @@ impl Drive {
 
     /// Wheels that hold their speeds give the robot its own: (2.5), (2.6).
     fn roll(&self, motion: &mut Motion, wheels: Wheels, dt: f64) {
-        let rim =
-            Wheels { left: self.wheel_radius_m * wheels.left, right: self.wheel_radius_m * wheels.right };
-        let speed = (rim.left + rim.right) / 2.0;
-        motion.acceleration_m_s2 = (speed - motion.speed_m_s) / dt;
-        motion.speed_m_s = speed;
-        motion.turn_rate_rad_s = (rim.right - rim.left) / (2.0 * self.half_track_m);
+        let rims = [wheels.left, wheels.right].map(|speed| self.wheel_radius_m * speed);
+        let body = Twist::of_wheels(rims, self.half_track_m);
+        motion.acceleration_m_s2 = (body.forward - motion.speed_m_s) / dt;
+        (motion.speed_m_s, motion.turn_rate_rad_s) = (body.forward, body.turn);
     }
 
     /// The pose follows the speeds: (3.18)–(3.22).
     fn advance(&self, motion: &mut Motion, slip: Option<Wheels>, dt: f64) {
-        let (rolled, turned) = (motion.speed_m_s, motion.turn_rate_rad_s);
-        let (speed, turn_rate) = slip.map_or((rolled, turned), |slip| self.slipping(rolled, turned, slip));
-        motion.pose.heading = angle::wrap(motion.pose.heading + turn_rate * dt);
+        let rolled = motion.rolled();
+        let moved = slip.map_or(rolled, |slip| self.slipping(rolled, slip));
+        motion.pose.heading = angle::wrap(motion.pose.heading + moved.turn * dt);
         let (sin, cos) = math::sin_cos(motion.pose.heading);
-        motion.pose.position.x += speed * cos * dt;
-        motion.pose.position.y += speed * sin * dt;
+        motion.pose.position.x += moved.forward * cos * dt;
+        motion.pose.position.y += moved.forward * sin * dt;
         motion.wheel_speed_rad_s = self.wheel_speeds(motion);
-        motion.travel_m.left += (rolled - self.half_track_m * turned) * dt;
-        motion.travel_m.right += (rolled + self.half_track_m * turned) * dt;
+        let [left_m_s, right_m_s] = rolled.wheels(self.half_track_m);
+        motion.travel_m.left += left_m_s * dt;
+        motion.travel_m.right += right_m_s * dt;
     }
 
-    /// Speed over ground and turn rate of a body whose wheels roll as if it moved with these, but slip.
-    pub(crate) fn slipping(&self, speed: f64, turn_rate: f64, slip: Wheels) -> (f64, f64) {
-        let left = (1.0 - slip.left) * (speed - self.half_track_m * turn_rate);
-        let right = (1.0 - slip.right) * (speed + self.half_track_m * turn_rate);
-        (0.5 * (left + right), (right - left) / (2.0 * self.half_track_m))
+    /// The motion over ground of a body whose wheels roll as if it moved so, but slip.
+    pub(crate) fn slipping(&self, rolled: Twist, slip: Wheels) -> Twist {
+        let [left, right] = rolled.wheels(self.half_track_m);
+        Twist::of_wheels([(1.0 - slip.left) * left, (1.0 - slip.right) * right], self.half_track_m)
     }
 
     /// After something else has changed a robot's speeds, the wheels roll as they say.
@@ -232,11 +235,9 @@ impl Drive {
 
     /// (2.2), (2.3) divided by the wheel's radius (2.1).
     fn wheel_speeds(&self, motion: &Motion) -> Wheels {
-        let turning = self.motor_track_factor * self.half_track_m * motion.turn_rate_rad_s;
-        Wheels {
-            left: (motion.speed_m_s - turning) / self.wheel_radius_m,
-            right: (motion.speed_m_s + turning) / self.wheel_radius_m,
-        }
+        let rims = motion.rolled().wheels(self.motor_track_factor * self.half_track_m);
+        let [left, right] = rims.map(|speed| speed / self.wheel_radius_m);
+        Wheels { left, right }
     }
 }
 

@@ -5,8 +5,7 @@ use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use baudbot_geometry::angle;
-use baudbot_wire::{line_image, nmea, scip};
+use baudbot_wire::{line_image, nmea, port, scip};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message};
@@ -177,12 +176,32 @@ impl Format {
         }
     }
 
-    /// Looks for the end of a message in what has come so far, and takes it out.
-    fn hear(&self, device: &Device, message: &mut Vec<u8>, at: SimTime) -> Heard {
-        match self {
-            Self::Scip(_) => hear_scip(device, message, at),
-            Self::LineImage => hear_line_image(device, message),
-            Self::Nmea { .. } => hear_nmea(message, at),
+    /// Takes a message out of what has come so far, if one ends there.
+    fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Heard {
+        let format = match self {
+            Self::Scip(_) => port::Format::Scip,
+            Self::LineImage => port::Format::LineImage { message_len: self.message_len(device) },
+            Self::Nmea { .. } => port::Format::Nmea,
+        };
+        let skip = match format.find(received) {
+            port::Found::Message { skip } => skip,
+            port::Found::Beginning { skip } => {
+                received.drain(..skip);
+                return Heard::Nothing;
+            }
+            port::Found::Junk => {
+                received.clear();
+                return Heard::Bad;
+            }
+        };
+        let message = core::mem::take(received);
+        let mut values = vec![0.0; device.values()];
+        match format.read(&message[skip..], at.as_ns(), &mut values) {
+            Ok(port::Message::Reading { sampled_at_ns }) => {
+                Heard::Reading(values, sampled_at_ns.map(SimTime::from_ns))
+            }
+            Ok(port::Message::Other) => Heard::Nothing,
+            Err(_) => Heard::Bad,
         }
     }
 }
@@ -194,81 +213,6 @@ fn depth_mm(depth_m: f64) -> u16 {
 
 /// Why writing cannot fail.
 const FITS: &str = "the buffer is as long as the message";
-
-/// The end of a scan is two line feeds in a row.
-fn hear_scip(device: &Device, message: &mut Vec<u8>, at: SimTime) -> Heard {
-    if !message.ends_with(b"\n\n") {
-        return Heard::Nothing;
-    }
-    let bytes = core::mem::take(message);
-    let Ok(scan) = scip::parse(&bytes) else { return Heard::Bad };
-    if scan.format.points() != device.values() {
-        return Heard::Bad;
-    }
-    let metres = |range: Option<u32>| range.map_or(crate::sensor::NOTHING, |mm| f64::from(mm) * 1e-3);
-    // The clock of the message has 24 bits: of the instants that it may mean, the last.
-    let now_ms = at.as_ns() / 1_000_000;
-    let age_ms = (now_ms.wrapping_sub(scan.time_ms.into())) & 0xff_ffff;
-    let sampled_at = SimTime::from_ns(now_ms.saturating_sub(age_ms) * 1_000_000);
-    Heard::Reading(scan.ranges_mm().map(metres).collect(), Some(sampled_at))
-}
-
-/// The header says how long an image is; bytes that begin none are thrown away.
-fn hear_line_image(device: &Device, message: &mut Vec<u8>) -> Heard {
-    let Device::LineCamera(camera) = device else { return Heard::Bad };
-    let length = line_image::encoded_len(camera.columns() as u16, camera.rows);
-    loop {
-        match line_image::message_len(message) {
-            Ok(None) => return Heard::Nothing,
-            Ok(Some(found)) if found == length && message.len() < length => return Heard::Nothing,
-            Ok(Some(found)) if found == length => break,
-            Ok(Some(_)) => message.drain(..1),
-            Err(line_image::ParseError::Sync { skip }) => message.drain(..skip),
-            Err(_) => message.drain(..1),
-        };
-        if message.is_empty() {
-            return Heard::Bad;
-        }
-    }
-    let bytes = core::mem::take(message);
-    let Ok(image) = line_image::parse(&bytes) else { return Heard::Bad };
-    let n = camera.columns();
-    let mut values = vec![0.0; device.values()];
-    for (i, column) in image.columns().enumerate() {
-        for (channel, level) in column.rgb.into_iter().enumerate() {
-            values[channel * n + i] = f64::from(level) / 255.0;
-        }
-        let depth_m = f64::from(column.depth_mm) * 1e-3;
-        values[3 * n + i] = if column.depth_mm == 0 { crate::sensor::NOTHING } else { depth_m };
-    }
-    Heard::Reading(values, None)
-}
-
-/// The sentence with everything that the reading needs is the RMC, which comes last.
-fn hear_nmea(message: &mut Vec<u8>, at: SimTime) -> Heard {
-    if !message.ends_with(b"\n") {
-        return Heard::Nothing;
-    }
-    let line = core::mem::take(message);
-    match nmea::parse(&line) {
-        Err(_) => Heard::Bad,
-        Ok(nmea::Sentence::Rmc(rmc)) => {
-            let (latitude, longitude) =
-                rmc.position.map_or((0.0, 0.0), |p| (p.latitude_deg, p.longitude_deg));
-            let fix = f64::from(u8::from(rmc.position.is_some()));
-            let of_north = |deg: f64| angle::wrap(core::f64::consts::FRAC_PI_2 - deg.to_radians());
-            let course_rad = rmc.course_deg.map_or(0.0, of_north);
-            // The time of day: of the instants that it may mean, the last.
-            let now_ms = at.as_ns() / 1_000_000;
-            let age_ms = |ms: u32| (now_ms % DAY_MS + DAY_MS).saturating_sub(ms.into()) % DAY_MS;
-            let at_ms = |ms| now_ms.saturating_sub(age_ms(ms));
-            let sampled_at = rmc.time_utc_ms.map(|ms| SimTime::from_ns(at_ms(ms) * 1_000_000));
-            let values = vec![latitude, longitude, fix, rmc.speed_m_s.unwrap_or(0.0), course_rad];
-            Heard::Reading(values, sampled_at)
-        }
-        Ok(_) => Heard::Nothing,
-    }
-}
 
 const DAY_MS: u64 = 86_400_000;
 
@@ -327,32 +271,12 @@ mod tests {
 
     #[test]
     fn a_fix_survives_its_sentence_to_less_than_a_fifth_of_a_metre() {
-        let mut message = gps_message(false, SimTime::from_ns(1_000_000_000), &[57.7, 11.97, 1.0, 0.5, 0.25]);
-        let Heard::Reading(values, _) = hear_nmea(&mut message, SimTime::from_ns(1_100_000_000)) else {
-            panic!("no reading")
-        };
+        let bytes = gps_message(false, SimTime::from_ns(1_000_000_000), &[57.7, 11.97, 1.0, 0.5, 0.25]);
+        let mut values = [0.0; 5];
+        port::Format::Nmea.read(&bytes, 1_100_000_000, &mut values).unwrap();
         let metres = (values[0] - 57.7).hypot(values[1] - 11.97) * 111_195.0;
         assert!(metres < 0.2, "{metres}");
         assert_eq!(values[2], 1.0);
         assert!((values[3] - 0.5).abs() < 0.005 && (values[4] - 0.25).abs() < 1e-3, "{values:?}");
-    }
-
-    #[test]
-    fn without_a_fix_nothing_of_it_is_made_up() {
-        let mut message = gps_message(false, SimTime::from_ns(0), &[57.7, 11.97, 0.0, 0.0, 0.0]);
-        let heard = hear_nmea(&mut message, SimTime::from_ns(0));
-        assert_eq!(heard, Heard::Reading(vec![0.0; 5], Some(SimTime::from_ns(0))));
-    }
-
-    #[test]
-    fn a_fix_after_midnight_is_of_its_own_day() {
-        let ms = |ms: u64| SimTime::from_ns(ms * 1_000_000);
-        for (sampled, heard) in
-            [(1_000, 1_400), (2 * DAY_MS + 7, 2 * DAY_MS + 400), (DAY_MS - 5, DAY_MS + 300)]
-        {
-            let mut message = gps_message(false, ms(sampled), &[57.7, 11.97, 1.0, 0.5, 0.25]);
-            let Heard::Reading(_, at) = hear_nmea(&mut message, ms(heard)) else { panic!("no reading") };
-            assert_eq!(at, Some(ms(sampled)));
-        }
     }
 }

@@ -3,7 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Point, math, polygon};
+use baudbot_geometry::{Circle, Point, Twist, math, polygon};
 
 use crate::drive::{Drive, Motion, Wheels};
 use crate::time::SimTime;
@@ -170,10 +170,10 @@ impl Surroundings {
         Some(Wheels { left: wheel(drive.half_track_m), right: wheel(-drive.half_track_m) })
     }
 
-    /// A robot's true speed and turn rate, which are those that its wheels roll with but for slip.
-    pub(crate) fn over_ground(&self, drive: &Drive, motion: &Motion) -> (f64, f64) {
-        let rolled = (motion.speed_m_s, motion.turn_rate_rad_s);
-        self.slip_of(drive, motion).map_or(rolled, |slip| drive.slipping(rolled.0, rolled.1, slip))
+    /// A robot's true motion, which is that of its rolling wheels but for slip.
+    pub(crate) fn over_ground(&self, drive: &Drive, motion: &Motion) -> Twist {
+        let rolled = motion.rolled();
+        self.slip_of(drive, motion).map_or(rolled, |slip| drive.slipping(rolled, slip))
     }
 
     /// Power of the chargers at a point, in watts.

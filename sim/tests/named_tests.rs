@@ -16,7 +16,9 @@ fn each_test_that_a_page_names_is_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     for package in fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path()) {
         if package.join("Cargo.toml").exists() {
-            ["src", "tests"].iter().for_each(|sources| collect(&package.join(sources), &mut functions));
+            ["src", "tests", "examples"]
+                .iter()
+                .for_each(|sources| collect(&package.join(sources), &mut functions));
         }
     }
     assert!(functions.len() > 1000, "found only {} functions", functions.len());

@@ -57,7 +57,9 @@ impl Encoding {
     pub const fn len(self) -> usize {
         match self {
             Self::Float64 => 8,
-            _ => self.bits().div_ceil(8) as usize,
+            Self::Level { .. } | Self::Signed { .. } | Self::Counter { .. } => {
+                self.bits().div_ceil(8) as usize
+            }
         }
     }
 
@@ -67,7 +69,7 @@ impl Encoding {
         let len = self.len();
         let bytes = match self {
             Self::Float64 => value.to_bits(),
-            _ => self.code(value),
+            Self::Level { .. } | Self::Signed { .. } | Self::Counter { .. } => self.code(value),
         }
         .to_le_bytes();
         let Some(out) = out.get_mut(..len) else { return 0 };
@@ -160,7 +162,7 @@ impl Encoding {
             Self::Signed { limit, .. } if !(limit * self.top() as f64).is_finite() || limit <= 0.0 => {
                 Err(LayoutError::Range { min: -limit, max: limit })
             }
-            _ => Ok(()),
+            Self::Float64 | Self::Level { .. } | Self::Signed { .. } | Self::Counter { .. } => Ok(()),
         }
     }
 
@@ -197,7 +199,7 @@ impl Encoding {
         match self {
             Self::Signed { .. } => (1 << (self.bits() - 1)) - 1,
             Self::Level { .. } => (1 << self.bits()) - 1,
-            _ => 0,
+            Self::Float64 | Self::Counter { .. } => 0,
         }
     }
 
@@ -432,7 +434,7 @@ mod tests {
         match encoding {
             Encoding::Level { min, max, .. } => (min, max),
             Encoding::Signed { limit, .. } => (-limit, limit),
-            _ => unreachable!("only ranges are drawn"),
+            Encoding::Float64 | Encoding::Counter { .. } => unreachable!("only ranges are drawn"),
         }
     }
 }

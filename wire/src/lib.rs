@@ -16,7 +16,8 @@
 //!
 //! Apart from these stand the formats of sensors that have a wire of their own: [`scip`], a laser range finder;
 //! [`nmea`], a satellite navigation receiver; [`line_image`], a line camera. Each message is written into the caller's
-//! buffer and read from the bytes of one whole message.
+//! buffer and read from the bytes of one whole message. [`port`] finds their messages among bytes as they come, and turns
+//! them into the values of a reading.
 //!
 //! # A frame of readings
 //!
@@ -92,6 +93,7 @@ pub mod layout;
 pub mod line_image;
 pub mod message;
 pub mod nmea;
+pub mod port;
 pub mod scip;
 pub mod values;
 

@@ -1,8 +1,10 @@
 //! From an animal's motion to the wheels of a robot.
 
 use baudbot_client::{Action, Body, Signals, Turn};
+use baudbot_geometry::Twist;
 
 use crate::courier::Courier;
+use crate::parameter::Parameter;
 
 /// How an animal moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,26 +15,38 @@ pub struct Motion {
     pub turn_rate_rad_s: f64,
 }
 
+/// The parameter that says how fast the robot is, of which the data sheet says nothing.
+pub(super) const fn full_speed<P>(field: fn(&mut P) -> &mut f64) -> Parameter<P> {
+    let meaning = "speed of the robot with the signal 1, in m/s";
+    Parameter { name: "full_speed_m_s", meaning, range: 0.01..=100.0, field }
+}
+
 /// A robot's wheels as an animal's legs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Legs {
     half_track_m: f64,
     full_speed_m_s: f64,
     courier: Courier,
+    stepped_ns: u64,
 }
 
 impl Legs {
     /// Legs of a robot that does `full_speed_m_s` with the signal 1.
     pub(super) fn new(body: &Body, full_speed_m_s: f64) -> Self {
-        Self { half_track_m: body.half_track_m, full_speed_m_s, courier: Courier::new(body) }
+        Self { half_track_m: body.half_track_m, full_speed_m_s, courier: Courier::new(body), stepped_ns: 0 }
+    }
+
+    /// Seconds since the step before; in the first one since the start of the run.
+    pub(super) fn seconds_since_last(&mut self, turn: &Turn) -> f64 {
+        let before_ns = std::mem::replace(&mut self.stepped_ns, turn.at_ns);
+        turn.at_ns.saturating_sub(before_ns) as f64 * 1e-9
     }
 
     /// Moves so: (2.2), (2.3), with signals in proportion to the wheels' speeds. If a wheel is too slow for that,
     /// the robot goes the same way more slowly.
     pub(super) fn walk(&mut self, motion: Motion, turn: &Turn) -> Action {
-        let aside_m_s = self.half_track_m * motion.turn_rate_rad_s;
-        let left = (motion.speed_m_s - aside_m_s) / self.full_speed_m_s;
-        let right = (motion.speed_m_s + aside_m_s) / self.full_speed_m_s;
+        let body = Twist { forward: motion.speed_m_s, turn: motion.turn_rate_rad_s };
+        let [left, right] = body.wheels(self.half_track_m).map(|speed_m_s| speed_m_s / self.full_speed_m_s);
         let largest = left.abs().max(right.abs()).max(1.0);
         self.send(Signals { left: left / largest, right: right / largest }, turn)
     }

@@ -3,7 +3,6 @@
 //! | animal | shows | from |
 //! |---|---|---|
 //! | [`ecoli`] | chemotaxis with a memory, by choosing between two behaviours | §4.4.2, (4.1) |
-//! | [`colony`] | how *E. coli* gather where the attractant is | Fig. 4.2 |
 //! | [`stentor`] | choosing one of five behaviours by utility | (7.11)–(7.15) |
 //! | [`woodlice`] | kinesis: they gather in the damp, where they move little | §4.4.2 |
 //! | [`larva`] | taxis away from light, and a reflex that tires | §4.4.1, §4.4.2 |
@@ -14,10 +13,10 @@
 //! equations for the first three and words for the others; where a number is ours, the model says so.
 //!
 //! [`ecoli::EColiBrain`], [`stentor::StentorBrain`], [`woodlice::WoodlouseBrain`], [`larva::LarvaBrain`] and
-//! [`ant::AntBrain`] put such a model into a robot.
+//! [`ant::AntBrain`] put such a model into a robot. How a colony of *E. coli* gathers where the attractant is, Fig. 4.2, shows
+//! `cargo run -p baudbot-brains --example colony`.
 
 pub mod ant;
-pub mod colony;
 pub mod ecoli;
 pub mod larva;
 pub mod stentor;

@@ -1,7 +1,7 @@
 //! A dish to put robots into that do as animals do: no dynamics, no delays, and walls that hold.
 
 use baudbot_client::{Body, Brain, Sensor, Signals};
-use baudbot_geometry::{Point, Pose, Vector};
+use baudbot_geometry::{Point, Pose, Twist, Vector};
 
 use crate::test_body::turn;
 
@@ -38,11 +38,11 @@ impl Dish {
     }
 
     fn roll(&mut self) {
-        let [left, right] = [self.signals.left, self.signals.right].map(|signal| signal * FULL_SPEED_M_S);
-        let turn_rate = (right - left) / (2.0 * self.body.half_track_m);
-        let way = Vector::new(0.5 * (left + right) * STEP_S, 0.0);
+        let wheels = [self.signals.left, self.signals.right].map(|signal| signal * FULL_SPEED_M_S);
+        let Twist { forward, turn } = Twist::of_wheels(wheels, self.body.half_track_m);
+        let way = Vector::new(forward * STEP_S, 0.0);
         let Pose { position, heading } =
-            self.pose.compose(&Pose { position: Point::from(way), heading: turn_rate * STEP_S });
+            self.pose.compose(&Pose { position: Point::from(way), heading: turn * STEP_S });
         let held = |m: f64| m.clamp(-self.half_side_m, self.half_side_m);
         self.pose = Pose::new(held(position.x), held(position.y), heading);
     }

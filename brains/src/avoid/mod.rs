@@ -114,10 +114,12 @@ impl Avoid {
         match self.state {
             State::Escape(way) if nearest >= p.clear_reading => State::Escape(way),
             State::Stroll(way) if nearest >= p.turn_reading => State::Escape(way),
-            _ if nearest >= p.turn_reading => State::Escape(self.way_out()),
+            State::Drive | State::Stroll(_) | State::Escape(_) if nearest >= p.turn_reading => {
+                State::Escape(self.way_out())
+            }
             State::Stroll(way) if !self.chance.happens(p.stop_stroll_rate_hz * seconds) => State::Stroll(way),
             State::Drive if self.chance.happens(p.stroll_rate_hz * seconds) => State::Stroll(self.any_way()),
-            _ => State::Drive,
+            State::Drive | State::Stroll(_) | State::Escape(_) => State::Drive,
         }
     }
 

@@ -5,6 +5,7 @@ use baudbot_geometry::{Point, math};
 use serde::Deserialize;
 
 use super::steering::{Helm, Steering};
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 use crate::senses::Source;
 
@@ -63,19 +64,17 @@ impl Charge {
     /// battery is.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(name: &str, parameters: Parameters, body: &Body) -> Result<Self, String> {
-        if let Some(problem) = parameters.steering.problem() {
-            return Err(problem);
-        }
+    /// See [`ParameterError`].
+    pub fn new(name: &str, parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
+        parameters.steering.check()?;
         if parameters.reached_m <= 0.0 {
-            return Err(format!("reached_m: must be positive, is {}", parameters.reached_m));
+            return Err(ParameterError::range("reached_m", "positive", parameters.reached_m));
         }
         if !(parameters.full > 0.0 && parameters.full <= 1.0) {
-            return Err(format!("full: must be above 0 and at most 1, is {}", parameters.full));
+            return Err(ParameterError::range("full", "above 0 and at most 1", parameters.full));
         }
-        let battery =
-            Source::parse(&parameters.battery, body).map_err(|error| format!("battery: {error}"))?;
+        let battery = Source::parse(&parameters.battery, body)
+            .map_err(|error| ParameterError::value("battery", error))?;
         let [x, y] = parameters.charger_m;
         let helm = Helm::new(parameters.steering);
         Ok(Self { name: name.to_owned(), charger: Point::new(x, y), parameters, battery, helm })

@@ -3,6 +3,7 @@
 use baudbot_client::{Body, Signals};
 use serde::Deserialize;
 
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 
 /// How it follows.
@@ -52,18 +53,17 @@ impl FollowWall {
     /// For a robot with this body; an error if it has no such sensor.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let Some(sensor) = body.sensor_index(&parameters.sensor) else {
             let known: Vec<_> = body.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
-            return Err(format!(
-                "sensor: there is no `{}`; there are: {}",
-                parameters.sensor,
-                known.join(", ")
-            ));
+            let problem =
+                format_args!("there is no `{}`; there are: {}", parameters.sensor, known.join(", "));
+            return Err(ParameterError::value("sensor", problem));
         };
         if parameters.limit < 0.0 {
-            return Err(format!("limit: must not be negative, is {}", parameters.limit));
+            let problem = format_args!("must not be negative, is {}", parameters.limit);
+            return Err(ParameterError::value("limit", problem));
         }
         let is_distance = body.sensors[sensor].kind != "ir";
         Ok(Self { parameters, sensor, is_distance })

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::steering::{Helm, Steering, braking};
 use crate::navigation::Goals;
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 
 /// Where it goes.
@@ -40,12 +41,10 @@ impl GoTo {
     /// At its start.
     ///
     /// # Errors
-    /// If the parameters make no sense, in words.
-    pub fn new(parameters: &Parameters) -> Result<Self, String> {
+    /// If the parameters make no sense.
+    pub fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         let Parameters { points_m, reached_m, again, steering } = parameters;
-        if let Some(problem) = steering.problem() {
-            return Err(problem);
-        }
+        steering.check()?;
         Ok(Self { goals: Goals::new("points_m", points_m, *reached_m, *again)?, helm: Helm::new(*steering) })
     }
 

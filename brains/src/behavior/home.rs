@@ -9,6 +9,7 @@ use baudbot_geometry::{Point, Pose, angle, math};
 use serde::Deserialize;
 
 use crate::animals::ant::{self, Ant, Phase, Sensed};
+use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::process::{Moment, MotorBehavior};
 use crate::registry::Kit;
 use crate::senses::Source;
@@ -72,12 +73,12 @@ impl Home {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, in words.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+    /// If the parameters make no sense.
+    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
         let p = &parameters;
         check(p)?;
         let nest = p.nest.as_deref().map(|nest| Source::parse(nest, kit.body)).transpose();
-        let nest = nest.map_err(|error| format!("nest: {error}"))?;
+        let nest = nest.map_err(|error| ParameterError::value("nest", error))?;
         let legs = ant::Parameters {
             speed_m_s: p.speed_m_s,
             turn_rad_s: p.turn_rad_s,
@@ -121,25 +122,18 @@ impl Home {
     }
 }
 
-fn check(p: &Parameters) -> Result<(), String> {
-    let positive = [
+fn check(p: &Parameters) -> Result<(), ParameterError> {
+    check_positive([
         ("near_m", p.near_m),
         ("pitch_m", p.pitch_m),
         ("speed_m_s", p.speed_m_s),
         ("turn_rad_s", p.turn_rad_s),
         ("steering_hz", p.steering_hz),
         ("full_speed_m_s", p.full_speed_m_s),
-    ];
-    if let Some((name, value)) = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0))
-    {
-        return Err(format!("{name}: must be positive, is {value}"));
-    }
-    let others = [("out_m", p.out_m), ("meander_hz", p.meander_hz)];
-    if let Some((name, value)) = others.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
-        return Err(format!("{name}: must not be negative, is {value}"));
-    }
+    ])?;
+    check_not_negative([("out_m", p.out_m), ("meander_hz", p.meander_hz)])?;
     if p.nest_above.is_nan() {
-        return Err("nest_above: must be a number".to_owned());
+        return Err(ParameterError::value("nest_above", "must be a number"));
     }
     Ok(())
 }
@@ -182,7 +176,7 @@ mod tests {
     fn made(parameters: Parameters, seed: u64) -> Result<Home, String> {
         let body = body(&[("nose", "field", 0.0)]);
         let kit = Kit { name: "home", body: &body, seed, motors: &["home"], by_utility: true };
-        Home::new(parameters, &kit)
+        Home::new(parameters, &kit).map_err(|error| error.to_string())
     }
 
     /// Drives for ten minutes at most, or until it is home; its home is moved by so much once it returns. The way by phases,

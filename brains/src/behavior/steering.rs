@@ -4,6 +4,8 @@ use baudbot_client::Signals;
 use baudbot_geometry::{Point, Pose, angle, math};
 use serde::Deserialize;
 
+use crate::parameter::{ParameterError, check_positive};
+
 /// Constants of Section 6.2.2, and what a signal is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -120,18 +122,16 @@ const BRAKING_M: f64 = 0.3;
 const SLOWEST: f64 = 0.25;
 
 impl Steering {
-    /// What is wrong with it, if something is.
-    pub(crate) fn problem(&self) -> Option<String> {
-        let positive = [
+    /// All numbers must be positive.
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        check_positive([
             ("steering.gain", self.gain),
             ("steering.speed_m_s", self.speed_m_s),
             ("steering.rotation_m_s", self.rotation_m_s),
             ("steering.rotate_above_rad", self.rotate_above_rad),
             ("steering.rotate_until_rad", self.rotate_until_rad),
             ("steering.full_speed_m_s", self.full_speed_m_s),
-        ];
-        let wrong = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
-        wrong.map(|(name, value)| format!("{name}: must be positive, is {value}"))
+        ])
     }
 }
 

@@ -4,6 +4,7 @@
 use baudbot_client::{Body, Signals};
 use serde::Deserialize;
 
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 
 /// How it goes.
@@ -42,12 +43,13 @@ impl Taxis {
     /// For a robot with this body; an error if it has not these sensors.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let find = |field: &str, name: &str| {
             body.sensor_index(name).ok_or_else(|| {
                 let known: Vec<_> = body.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
-                format!("{field}: there is no sensor `{name}`; there are: {}", known.join(", "))
+                let problem = format_args!("there is no sensor `{name}`; there are: {}", known.join(", "));
+                ParameterError::value(field, problem)
             })
         };
         let sensors = [find("left", &parameters.left)?, find("right", &parameters.right)?];

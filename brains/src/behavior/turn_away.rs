@@ -4,6 +4,7 @@
 use baudbot_client::{Body, Signals};
 use serde::Deserialize;
 
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 
 /// How it turns.
@@ -43,8 +44,8 @@ impl TurnAway {
     /// For a robot with this body; an error if it has nothing that sees how near something is on both sides.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let eyes = body.sensors.iter().enumerate().filter_map(|(sensor, described)| {
             let bearing_rad = baudbot_geometry::angle::wrap(described.mount?.heading_rad);
             let is_seeing = matches!(described.kind.as_str(), "ir" | "sonar");
@@ -57,8 +58,8 @@ impl TurnAway {
         });
         let eyes: Vec<_> = eyes.collect();
         if !(eyes.iter().any(|eye| eye.is_left) && eyes.iter().any(|eye| !eye.is_left)) {
-            return Err("needs sensors of kind `ir` or `sonar` that look ahead to the left and to the right"
-                .to_owned());
+            let needed = "needs sensors of kind `ir` or `sonar` that look ahead to the left and to the right";
+            return Err(ParameterError::Other(needed.to_owned()));
         }
         Ok(Self { turn: parameters.turn, eyes, leftwards: false })
     }

@@ -1,48 +1,15 @@
 //! All brains by name, and the text that describes one: `NAME[:PARAMETER=NUMBER,…]`, or `FILE.toml[:PATH=NUMBER,…]` for one
 //! that is [described](crate::description) in a file.
 
-mod error;
-mod kinds;
-mod nearest;
 mod repertoires;
-
-use std::ops::RangeInclusive;
 
 use baudbot_client::{Body, Brain};
 
 use crate::anew::Anew;
-pub use error::CatalogueError;
-use kinds::KINDS;
-pub use nearest::nearest_first;
+pub use crate::kinds::{CatalogueError, Entry, Setting, nearest_first};
+use crate::kinds::{KINDS, Kind};
 use repertoires::Text;
 pub(crate) use repertoires::text_of;
-
-/// A kind of brain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
-    /// What it is called.
-    pub name: &'static str,
-    /// What it does, in a line.
-    pub summary: String,
-    /// What can be set; of a brain that is described in TOML any number can be, by its path.
-    pub parameters: Vec<Setting>,
-    /// Two kinds of sensors that it needs together: readings of the first are of no use before those of the second have come
-    /// that cover their instants.
-    pub together: Option<[&'static str; 2]>,
-}
-
-/// A parameter of a kind of brain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// What it is called.
-    pub name: &'static str,
-    /// What it means, with its unit.
-    pub meaning: &'static str,
-    /// Its value if it is not set.
-    pub default: f64,
-    /// The values that it can be set to.
-    pub range: RangeInclusive<f64>,
-}
 
 /// Makes the brain that `description` describes, such as `wander` or `constant:left=0.5,right=-0.5`, for a
 /// robot with this body. If a parameter is set twice, the last counts. When its time goes back, because the world was
@@ -56,8 +23,7 @@ pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain 
         let description = text.read(settings)?;
         return Ok(Box::new(Anew::new(move |body: &Body| text.brain(&description, seed, body), body)?));
     }
-    let (kind, settings) = (kind(name)?, settings.to_owned());
-    Ok(Box::new(Anew::new(move |body: &Body| kind.make(&settings, seed, body), body)?))
+    kind(name)?.brain(settings, seed, body)
 }
 
 /// Whether there is a brain of this name, or a file. Nothing is said of whether it fits any robot.
@@ -96,7 +62,7 @@ pub fn takes(description: &str, parameter: &str) -> bool {
     parameters(description).contains(&parameter) || is_path()
 }
 
-fn kind(name: &str) -> Result<&'static kinds::Kind, CatalogueError> {
+fn kind(name: &str) -> Result<&'static Kind, CatalogueError> {
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
         let known = nearest_first(name, catalogue().into_iter().map(|entry| entry.name));
         CatalogueError::Brain { name: name.to_owned(), known }
@@ -105,17 +71,9 @@ fn kind(name: &str) -> Result<&'static kinds::Kind, CatalogueError> {
 
 /// All kinds of brains, for help texts, in the order of their names.
 pub fn catalogue() -> Vec<Entry> {
-    let mut all: Vec<_> = KINDS.iter().map(kinds::Kind::entry).chain(repertoires::entries()).collect();
+    let mut all: Vec<_> = KINDS.iter().map(Kind::entry).chain(repertoires::entries()).collect();
     all.sort_by_key(|entry| entry.name);
     all
-}
-
-/// Who makes maps of scans, or finds itself by them, must know where each was taken.
-const PLACED_SCANS: Option<[&str; 2]> = Some(["laser", "odometer"]);
-
-/// The brains that are written in Rust.
-pub(crate) fn kinds() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|kind| kind.name)
 }
 
 #[cfg(test)]
@@ -123,6 +81,7 @@ mod tests {
     use baudbot_client::Action;
 
     use super::*;
+    use crate::kinds::PLACED_SCANS;
     use crate::test_body::{body, turn};
 
     fn error(description: &str) -> String {

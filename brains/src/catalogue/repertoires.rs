@@ -5,10 +5,9 @@ use std::{fs, io};
 
 use baudbot_client::Body;
 
-use super::error::CatalogueError;
-use super::{Entry, PLACED_SCANS};
 use crate::composed::Composed;
 use crate::description::{Description, DescriptionError, edited};
+use crate::kinds::{CatalogueError, Entry, PLACED_SCANS};
 use crate::registry::Registry;
 
 /// The text of a description, and where it is from.

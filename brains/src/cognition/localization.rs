@@ -11,6 +11,7 @@ use crate::Chance;
 use crate::estimate::Estimate;
 use crate::localization::laser::{self, Shrink};
 use crate::localization::{Map, refine};
+use crate::parameter::ParameterError;
 use crate::process::{CognitiveProcess, Moment};
 use crate::registry::Kit;
 use crate::scan::Scan;
@@ -83,15 +84,16 @@ impl Localize {
     /// For a robot with this body; an error if it has no such laser.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
         let Parameters { laser, every_s, rays, .. } = parameters;
         let scanner = Scanner::new(kit.body, laser, *rays)?;
         if !(0.0..=1e6).contains(every_s) {
-            return Err(format!("every_s: must be from 0 to 1000000, is {every_s}"));
+            return Err(ParameterError::range("every_s", "from 0 to 1000000", *every_s));
         }
         if !(1..=100_000).contains(&parameters.iterations) {
-            return Err(format!("iterations: must be from 1 to 100000, is {}", parameters.iterations));
+            let found = parameters.iterations as f64;
+            return Err(ParameterError::range("iterations", "from 1 to 100000", found));
         }
         if let Some(stop) = &parameters.stop {
             kit.check_raised("stop", stop)?;

@@ -5,6 +5,7 @@ use baudbot_geometry::Pose;
 use serde::Deserialize;
 
 use crate::odometry::{self, OVERDUE_NS, Odometry};
+use crate::parameter::{ParameterError, check_not_negative};
 use crate::process::{Awaited, CognitiveProcess, Moment};
 
 /// What it counts by.
@@ -38,16 +39,15 @@ impl CountWheels {
     /// For a robot with this body; an error if it has no such sensor.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let Some(known) = odometry::Parameters::of(body, &parameters.sensor) else {
             let (robot, sensor) = (&body.name, &parameters.sensor);
-            return Err(format!("sensor: robot `{robot}` has no encoders and no odometer called `{sensor}`"));
+            let problem = format_args!("robot `{robot}` has no encoders and no odometer called `{sensor}`");
+            return Err(ParameterError::value("sensor", problem));
         };
         let variance_m2_per_m = parameters.variance_m2_per_m;
-        if !(variance_m2_per_m.is_finite() && variance_m2_per_m >= 0.0) {
-            return Err(format!("variance_m2_per_m: must not be negative, is {variance_m2_per_m}"));
-        }
+        check_not_negative([("variance_m2_per_m", variance_m2_per_m)])?;
         let is_odometer = body.sensor(&parameters.sensor).is_some_and(|sensor| sensor.kind == "odometer");
         let start = parameters.start.map(|[x, y, heading]| Pose::new(x, y, heading));
         let start = start.or_else(|| (!is_odometer).then(|| Pose::new(0.0, 0.0, 0.0)));

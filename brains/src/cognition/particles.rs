@@ -14,6 +14,7 @@ use crate::localization::Map;
 use crate::localization::map::VirtualLaser;
 use crate::localization::particles::{self, Particles};
 use crate::odometry::Odometry;
+use crate::parameter::{ParameterError, check_positive};
 use crate::process::{CognitiveProcess, Moment};
 use crate::registry::Kit;
 use crate::scan::Scan;
@@ -82,21 +83,18 @@ impl Disperse {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or the robot has no such laser, in words.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, String> {
-        for (name, value) in [("sure_m", parameters.sure_m), ("every_m", parameters.every_m)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("{name}: must be positive, is {value}"));
-            }
-        }
+    /// If a parameter makes no sense, or the robot has no such laser.
+    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+        check_positive([("sure_m", parameters.sure_m), ("every_m", parameters.every_m)])?;
         if !(1..=100_000).contains(&parameters.particles) {
-            return Err(format!("particles: must be from 1 to 100000, is {}", parameters.particles));
+            let found = parameters.particles as f64;
+            return Err(ParameterError::range("particles", "from 1 to 100000", found));
         }
         if parameters.beams == 0 {
-            return Err("beams: must be at least 1".to_owned());
+            return Err(ParameterError::value("beams", "must be at least 1"));
         }
         if parameters.walls_m.is_empty() {
-            return Err("walls_m: without walls nobody finds out where it is".to_owned());
+            return Err(ParameterError::value("walls_m", "without walls nobody finds out where it is"));
         }
         let map = map_of(&parameters.walls_m)?;
         let scanner = Scanner::new(kit.body, &parameters.laser, parameters.beams)?;
@@ -206,7 +204,9 @@ mod tests {
         let walls = "walls_m = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 3.0]]\n";
         let parameters =
             toml::from_str(&format!("{walls}{toml}")).map_err(|error| error.message().to_owned());
-        parameters.and_then(|parameters| Disperse::new(parameters, &kit)).err().unwrap_or_default()
+        let made = parameters
+            .and_then(|parameters| Disperse::new(parameters, &kit).map_err(|error| error.to_string()));
+        made.err().unwrap_or_default()
     }
 
     #[test]
@@ -216,7 +216,10 @@ mod tests {
         let empty = toml::from_str("walls_m = []").unwrap();
         let body = body(&[("laser", "laser", 0.0)]);
         let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
-        assert!(Disperse::new(empty, &kit).is_err_and(|error| error.starts_with("walls_m: without walls")));
+        assert!(
+            Disperse::new(empty, &kit)
+                .is_err_and(|error| error.to_string().starts_with("walls_m: without walls"))
+        );
         assert_eq!(refused("beams = 0"), "beams: must be at least 1");
         assert_eq!(refused("sure_m = 0"), "sure_m: must be positive, is 0");
         assert_eq!(refused("laser = \"urg\""), "laser: robot `alice` has no laser called `urg`");

@@ -8,6 +8,7 @@ use baudbot_client::Body;
 use serde::Deserialize;
 
 use crate::feelers::{Feelers, Near};
+use crate::parameter::{ParameterError, check_positive};
 use crate::process::{CognitiveProcess, Moment};
 use crate::registry::Kit;
 
@@ -51,16 +52,12 @@ impl DetectProximity {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead, in words.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+    /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead.
+    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
         let Parameters { near_m, near_reading, raise, gamma } = parameters;
-        for (name, value) in [("near_m", near_m), ("near_reading", near_reading)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("{name}: must be positive, is {value}"));
-            }
-        }
+        check_positive([("near_m", near_m), ("near_reading", near_reading)])?;
         if !gamma.is_finite() {
-            return Err(format!("gamma: must be finite, is {gamma}"));
+            return Err(ParameterError::range("gamma", "finite", gamma));
         }
         if let Some(name) = &raise {
             kit.check_raised("raise", name)?;
@@ -73,8 +70,9 @@ impl DetectProximity {
     }
 }
 
-fn lacks(body: &Body) -> String {
-    format!("robot `{}` has no sensor of kind `ir` or `sonar` that looks ahead", body.name)
+fn lacks(body: &Body) -> ParameterError {
+    let problem = format!("robot `{}` has no sensor of kind `ir` or `sonar` that looks ahead", body.name);
+    ParameterError::Other(problem)
 }
 
 impl CognitiveProcess for DetectProximity {
@@ -103,7 +101,8 @@ mod tests {
 
     fn made(toml: &str, body: &Body) -> Result<DetectProximity, String> {
         let kit = Kit { name: "proximity", body, seed: 1, motors: &["stand", "go"], by_utility: true };
-        DetectProximity::new(toml::from_str(toml).map_err(|error| error.message().to_owned())?, &kit)
+        let parameters = toml::from_str(toml).map_err(|error| error.message().to_owned())?;
+        DetectProximity::new(parameters, &kit).map_err(|error| error.to_string())
     }
 
     #[test]

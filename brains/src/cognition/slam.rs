@@ -6,6 +6,7 @@
 
 use serde::Deserialize;
 
+use crate::parameter::ParameterError;
 use crate::process::{CognitiveProcess, Moment};
 use crate::registry::Kit;
 use crate::scanner::Scanner;
@@ -51,20 +52,21 @@ impl MakeMap {
     /// For a robot with this body; an error if it has no such laser.
     ///
     /// # Errors
-    /// In words.
-    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, String> {
+    /// See [`ParameterError`].
+    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
         let &Parameters { ref laser, cell_m, rays } = parameters;
         if !(0.01..=1.0).contains(&cell_m) {
-            return Err(format!("cell_m: must be from 0.01 to 1, is {cell_m}"));
+            return Err(ParameterError::range("cell_m", "from 0.01 to 1", cell_m));
         }
         if rays < LEAST_RAYS {
-            return Err(format!("rays: must be at least {LEAST_RAYS}, is {rays}: fewer match no map"));
+            let problem = format_args!("must be at least {LEAST_RAYS}, is {rays}: fewer match no map");
+            return Err(ParameterError::value("rays", problem));
         }
         let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_client::Sensor::values);
         if laser_rays < LEAST_RAYS {
-            return Err(format!(
-                "laser: `{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least"
-            ));
+            let problem =
+                format_args!("`{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least");
+            return Err(ParameterError::value("laser", problem));
         }
         let scanner = Scanner::new(kit.body, laser, usize::MAX)?;
         let slam = Slam::new(slam::Parameters { cell_m, rays, ..slam::Parameters::default() });

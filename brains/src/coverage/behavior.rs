@@ -12,6 +12,7 @@ use super::regions::{Parts, Region, Rows, regions};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Method, Pursuit, Way};
+use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::planning::ThetaStar;
 use crate::process::{Moment, MotorBehavior};
 
@@ -94,27 +95,18 @@ impl CoverRows {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, in words.
-    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+    /// If the parameters make no sense.
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = parameters;
-        if let Some(problem) = p.steering.problem() {
-            return Err(problem);
-        }
+        p.steering.check()?;
         let row_m = p.row_m.unwrap_or(1.5 * body.radius_m);
-        let positive = [
+        check_positive([
             ("row_m", row_m),
             ("look_ahead_m", p.look_ahead_m),
             ("reached_m", p.reached_m),
             ("stray_m", p.stray_m),
-        ];
-        for (name, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("{name}: must be positive, is {value}"));
-            }
-        }
-        if !(p.clearance_m.is_finite() && p.clearance_m >= 0.0) {
-            return Err(format!("clearance_m: must not be negative, is {}", p.clearance_m));
-        }
+        ])?;
+        check_not_negative([("clearance_m", p.clearance_m)])?;
         let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, Method::ThetaStar)?;
         let apart = ((row_m / p.cell_m + ROUNDING) as usize).max(1);
         Ok(Self {

@@ -4,7 +4,9 @@
 //! of these is a region that grows. Where a stretch parts, or two join, regions end and others begin; and also where an end
 //! of a stretch jumps, so that no strip is left beside a step in a wall (that is not in Choset and Pignon).
 
-use crate::planning::{Cell, Grid, Moves};
+use baudbot_geometry::grid::{Cell, Rectangle};
+
+use crate::planning::{Grid, Moves};
 
 /// Stretches of free cells, line after line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,8 +28,8 @@ pub enum Rows {
 impl Rows {
     fn cell(self, line: usize, place: usize) -> Cell {
         match self {
-            Self::AlongX => Cell { column: place, row: line },
-            Self::AlongY => Cell { column: line, row: place },
+            Self::AlongX => Cell { column: place as i32, row: line as i32 },
+            Self::AlongY => Cell { column: line as i32, row: place as i32 },
         }
     }
 
@@ -57,7 +59,7 @@ impl Region {
 /// The free cells of a grid in parts: from each cell of a part ways lead to all others of it, and to no others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parts {
-    columns: usize,
+    cells: Rectangle,
     /// Of each cell the part it belongs to, row by row.
     numbers: Vec<Option<u32>>,
 }
@@ -65,7 +67,7 @@ pub struct Parts {
 impl Parts {
     /// Those of this grid.
     pub fn new(grid: &Grid) -> Self {
-        let mut parts = Self { columns: grid.columns(), numbers: vec![None; grid.columns() * grid.rows()] };
+        let mut parts = Self { cells: grid.extent(), numbers: vec![None; grid.len()] };
         let mut number = 0;
         for cell in grid.cells().filter(|&cell| grid.is_free(cell)) {
             if parts.of(cell).is_none() {
@@ -78,13 +80,13 @@ impl Parts {
 
     /// To which part a cell of the grid belongs; a blocked one to none.
     pub fn of(&self, cell: Cell) -> Option<u32> {
-        self.numbers[cell.row * self.columns + cell.column]
+        self.numbers[self.cells.number(cell)?]
     }
 
     fn fill(&mut self, grid: &Grid, from: Cell, number: u32) {
         let mut open = vec![from];
         while let Some(cell) = open.pop() {
-            if self.numbers[cell.row * self.columns + cell.column].replace(number).is_none() {
+            if self.numbers[grid.number(cell)].replace(number).is_none() {
                 open.extend(Moves::Four.neighbours(grid, cell).map(|(next, _)| next));
             }
         }
@@ -195,7 +197,7 @@ mod tests {
                 for (i, &(from, to)) in region.stretches.iter().enumerate() {
                     for place in from..=to {
                         let cell = rows.cell(region.first_line + i, place);
-                        count[cell.row * 7 + cell.column] += 1;
+                        count[grid.number(cell)] += 1;
                     }
                 }
             }

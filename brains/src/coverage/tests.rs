@@ -22,7 +22,7 @@ const WALLS: [[f64; 4]; 10] = [
 fn made(more: &str) -> Result<CoverRows, String> {
     let toml = format!("walls_m = {WALLS:?}\n{more}");
     let parameters = toml::from_str(&toml).map_err(|error| error.message().to_owned())?;
-    CoverRows::new(&parameters, &body(&[]))
+    CoverRows::new(&parameters, &body(&[])).map_err(|error| error.to_string())
 }
 
 /// Drives until it has covered all: the places on the way.

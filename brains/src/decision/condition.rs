@@ -1,5 +1,7 @@
 //! Conditions such as `front > 0.5`, for the methods of decision that have no utilities.
 
+use thiserror::Error;
+
 /// A state variable that is compared with a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
@@ -17,31 +19,63 @@ enum Comparison {
     GreaterOrEqual,
 }
 
+/// Why a text is no condition.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ConditionError {
+    /// It is not a name, a comparison and a number.
+    #[error("`{text}` is no condition such as `{known} > 0.5`")]
+    Form {
+        /// The text given.
+        text: String,
+        /// A state variable that there is.
+        known: String,
+    },
+    /// There is no such state variable.
+    #[error("there is no state variable `{name}`; there are: {}", known.join(", "))]
+    Variable {
+        /// The name given.
+        name: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// It does not compare.
+    #[error("`{found}` does not compare; there are: <, <=, >, >=")]
+    Comparison {
+        /// What stands there.
+        found: String,
+    },
+    /// It compares with no number.
+    #[error("`{found}` is no number")]
+    Number {
+        /// What stands there.
+        found: String,
+    },
+}
+
 impl Condition {
     /// From a text: `VARIABLE < NUMBER`, or with `<=`, `>` or `>=`. `variables` are their names, in order.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
-    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, String> {
+    /// What is wrong with it.
+    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, ConditionError> {
         let parts: Vec<_> = text.split_whitespace().collect();
         let &[name, comparison, number] = parts.as_slice() else {
-            return Err(format!(
-                "`{text}` is no condition such as `{} > 0.5`",
-                variables.first().unwrap_or(&"z")
-            ));
+            let known = (*variables.first().unwrap_or(&"z")).to_owned();
+            return Err(ConditionError::Form { text: text.to_owned(), known });
         };
         let Some(variable) = variables.iter().position(|variable| *variable == name) else {
-            return Err(format!("there is no state variable `{name}`; there are: {}", variables.join(", ")));
+            let known = variables.iter().map(|&variable| variable.to_owned()).collect();
+            return Err(ConditionError::Variable { name: name.to_owned(), known });
         };
         let comparison = match comparison {
             "<" => Comparison::Less,
             "<=" => Comparison::LessOrEqual,
             ">" => Comparison::Greater,
             ">=" => Comparison::GreaterOrEqual,
-            other => return Err(format!("`{other}` does not compare; there are: <, <=, >, >=")),
+            other => return Err(ConditionError::Comparison { found: other.to_owned() }),
         };
         let is_number = number.parse().ok().filter(|number: &f64| number.is_finite());
-        let number = is_number.ok_or_else(|| format!("`{number}` is no number"))?;
+        let number = is_number.ok_or_else(|| ConditionError::Number { found: number.to_owned() })?;
         Ok(Self { variable, comparison, number })
     }
 
@@ -70,7 +104,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        let problem = |text| Condition::parse(text, &["a", "b"]).unwrap_err();
+        let problem = |text| Condition::parse(text, &["a", "b"]).unwrap_err().to_string();
         assert_eq!(problem("a"), "`a` is no condition such as `a > 0.5`");
         assert_eq!(problem("c > 1"), "there is no state variable `c`; there are: a, b");
         assert_eq!(problem("a = 1"), "`=` does not compare; there are: <, <=, >, >=");

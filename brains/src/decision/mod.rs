@@ -15,7 +15,7 @@ pub mod machine;
 pub mod tree;
 pub mod utility;
 
-pub use condition::Condition;
+pub use condition::{Condition, ConditionError};
 pub use layers::Layers;
 pub use machine::{Machine, Transition};
 pub use tree::{Node, Tree};

@@ -88,11 +88,18 @@ impl Utility {
     }
 }
 
-/// The greatest of these utilities: its place. Of equal ones it is the first.
+/// The place of the greatest of these utilities, of equal ones the first: what a rational agent does (§7.2), and (7.13).
+/// `None` if there is none; what is not a number is never chosen.
+///
+/// ```
+/// use baudbot_brains::decision::utility::greatest;
+/// assert_eq!(greatest([0.1, 0.7, 0.7, -2.0]), Some(1));
+/// assert_eq!(greatest([]), None);
+/// ```
 pub fn greatest(utilities: impl IntoIterator<Item = f64>) -> Option<usize> {
     let mut best = None;
     for (place, value) in utilities.into_iter().enumerate() {
-        if best.is_none_or(|(_, greatest)| value > greatest) {
+        if !value.is_nan() && best.is_none_or(|(_, greatest)| value > greatest) {
             best = Some((place, value));
         }
     }
@@ -227,5 +234,12 @@ mod tests {
     fn of_equal_utilities_the_first_is_the_greatest() {
         assert_eq!(greatest([0.1, 0.5, 0.5, -1.0]), Some(1));
         assert_eq!(greatest([]), None);
+    }
+
+    #[test]
+    fn the_first_of_the_best_is_chosen() {
+        assert_eq!(greatest([f64::NAN, -3.0, -2.0, f64::NAN, -2.0]), Some(2));
+        assert_eq!(greatest([f64::NAN]), None);
+        assert_eq!(greatest([f64::NEG_INFINITY]), Some(0));
     }
 }

@@ -42,7 +42,9 @@ fn problem(table: &str, name: &str, process: &RawProcess, unmade: Unmade) -> Des
             format!("{table}.{name}.kind"),
             format!("there is no kind `{}`; there are: {}", process.kind, known.join(", ")),
         ),
-        Unmade::Parameters(problem) => DescriptionError::new(format!("{table}.{name}.parameters"), problem),
+        Unmade::Parameters(problem) => {
+            DescriptionError::new(format!("{table}.{name}.parameters"), problem.to_string())
+        }
     }
 }
 
@@ -110,7 +112,7 @@ impl<'a> Names<'a> {
     fn conditions(&self, path: &str, texts: &[String]) -> Result<Vec<Condition>> {
         let parse = |(i, text): (usize, &String)| {
             Condition::parse(text, &self.variables)
-                .map_err(|problem| DescriptionError::new(format!("{path}[{i}]"), problem))
+                .map_err(|error| DescriptionError::new(format!("{path}[{i}]"), error.to_string()))
         };
         texts.iter().enumerate().map(parse).collect()
     }
@@ -154,7 +156,7 @@ impl<'a> Names<'a> {
         Ok(match raw {
             RawNode::Leaf(text) if text.contains(char::is_whitespace) => {
                 let condition = Condition::parse(text, &self.variables);
-                Node::Condition(condition.map_err(|problem| DescriptionError::new(path, problem))?)
+                Node::Condition(condition.map_err(|error| DescriptionError::new(path, error.to_string()))?)
             }
             RawNode::Leaf(name) => Node::Behavior(self.behavior(path, name)?),
             RawNode::Select { select } => Node::Select(all("select", select)?),

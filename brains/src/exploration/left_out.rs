@@ -6,7 +6,7 @@ use std::fmt;
 use baudbot_geometry::math;
 
 use crate::mapping::disc::Disc;
-use crate::mapping::frontier::{Dark, groups, sides};
+use crate::mapping::frontier::{Dark, groups};
 use crate::mapping::{Cell, Occupancy};
 
 /// What a robot that is done has not seen, though it knows of it.
@@ -72,7 +72,7 @@ impl Rest<'_> {
         let is_in = |covered: &[bool], cell| self.grid.place(cell).is_some_and(|place| covered[place]);
         let is_covered = |cell: Cell| is_in(&covered, cell);
         let touches = |group: &[Cell], covered: &[bool]| {
-            group.iter().flat_map(|cell| sides(*cell)).any(|cell| is_in(covered, cell))
+            group.iter().flat_map(|cell| cell.sides()).any(|cell| is_in(covered, cell))
         };
         let (near, far): (Vec<_>, Vec<_>) =
             groups(&self.dark.edge(|_| false)).into_iter().partition(|group| touches(group, &covered));
@@ -81,7 +81,7 @@ impl Rest<'_> {
         // What would be open if proximity had found nothing is barred; what would not is narrow.
         let could_reach = far.iter().filter(|group| touches(group, &covered_but)).flatten();
         let barred = self.beyond(could_reach, is_covered);
-        let is_narrow = |cell: &&Cell| !sides(**cell).any(|cell| barred.contains(&cell));
+        let is_narrow = |cell: &&Cell| !cell.sides().any(|cell| barred.contains(&cell));
         let narrow = self.beyond(self.wanted.iter().filter(is_narrow), is_covered);
         let [barred, openings] = [barred, narrow].map(|cells| self.mouths(&cells, is_covered));
         LeftOut { openings, width_m: least_width_m(self.half_width_m, self.grid.cell_m()), barred, unseen }
@@ -115,10 +115,10 @@ impl Rest<'_> {
     ) -> BTreeSet<Cell> {
         let is_beyond = |cell: &Cell| self.is_clear(*cell) && !is_covered(*cell);
         let mut found = BTreeSet::new();
-        let mut waiting: Vec<_> = edge.flat_map(|cell| sides(*cell)).filter(is_beyond).collect();
+        let mut waiting: Vec<_> = edge.flat_map(|cell| cell.sides()).filter(is_beyond).collect();
         while let Some(cell) = waiting.pop() {
             if found.insert(cell) {
-                waiting.extend(sides(cell).filter(is_beyond));
+                waiting.extend(cell.sides().filter(is_beyond));
             }
         }
         found
@@ -126,7 +126,7 @@ impl Rest<'_> {
 
     /// How many openings there are from where the robot can be to these cells.
     fn mouths(&self, cells: &BTreeSet<Cell>, is_covered: impl Fn(Cell) -> bool) -> usize {
-        let is_mouth = |cell: &Cell| sides(*cell).any(|beside| is_covered(beside) && self.is_clear(beside));
+        let is_mouth = |cell: &Cell| cell.sides().any(|beside| is_covered(beside) && self.is_clear(beside));
         groups(&cells.iter().copied().filter(is_mouth).collect::<Vec<_>>()).len()
     }
 

@@ -15,11 +15,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use baudbot_geometry::grid::Cell;
 use baudbot_geometry::{Point, Segment, Vector, math};
 
 use super::disc::Disc;
 use super::frontier::Dark;
-use super::occupancy::{Cell, Occupancy, Occupied};
+use super::occupancy::{Occupancy, Occupied};
 
 /// Which cells of a grid are open.
 #[derive(Clone, Debug)]
@@ -135,8 +136,7 @@ impl<'a> Floor<'a> {
 /// Whether a cell is occupied and beside one that is not.
 fn is_surface(grid: &Occupancy, cell: Cell) -> bool {
     let is_occupied = |cell| grid.state(cell) == Occupied::Occupied;
-    is_occupied(cell)
-        && [(1, 0), (0, 1), (-1, 0), (0, -1)].into_iter().any(|(x, y)| !is_occupied(cell.offset(x, y)))
+    is_occupied(cell) && cell.sides().any(|beside| !is_occupied(beside))
 }
 
 /// Something is at this point: cells around it that are not as far away have less room.

@@ -7,9 +7,10 @@
 //! dark. What is narrower lies between two rays of a laser, or beside a wall that it met at an acute angle; it is taken to be
 //! free to go and to look through, if nothing else is in the way.
 
+use baudbot_geometry::grid::Cell;
 use baudbot_geometry::{Vector, math};
 
-use super::occupancy::{Cell, Occupancy, Occupied};
+use super::occupancy::{Occupancy, Occupied};
 
 /// What of a grid is dark.
 #[derive(Clone, Debug)]
@@ -68,7 +69,8 @@ impl<'a> Dark<'a> {
     #[must_use]
     pub fn edge(&self, but: impl Fn(&Cell) -> bool) -> Vec<Cell> {
         let free = self.grid.cells().filter(|&cell| self.grid.state(cell) == Occupied::Free);
-        let edge: Vec<_> = free.flat_map(sides).filter(|cell| self.is_dark(*cell) && !but(cell)).collect();
+        let edge: Vec<_> =
+            free.flat_map(Cell::sides).filter(|cell| self.is_dark(*cell) && !but(cell)).collect();
         let least = side(self.grid) + 1;
         groups(&edge).into_iter().filter(|group| group.len() >= least).flatten().collect()
     }
@@ -94,7 +96,7 @@ impl<'a> Dark<'a> {
 /// Whether a cell is still to be seen: nothing is known of it, and it is beside a free one.
 #[must_use]
 pub fn is_edge(grid: &Occupancy, cell: Cell) -> bool {
-    grid.state(cell) == Occupied::Unknown && sides(cell).any(|beside| grid.state(beside) == Occupied::Free)
+    grid.state(cell) == Occupied::Unknown && cell.sides().any(|beside| grid.state(beside) == Occupied::Free)
 }
 
 /// Those of some cells that touch, at a corner too, in groups.
@@ -113,11 +115,6 @@ pub fn groups(cells: &[Cell]) -> Vec<Vec<Cell>> {
         groups.push(group);
     }
     groups
-}
-
-/// The four cells beside one.
-pub(crate) fn sides(cell: Cell) -> impl Iterator<Item = Cell> {
-    [(1, 0), (0, 1), (-1, 0), (0, -1)].into_iter().map(move |(columns, rows)| cell.offset(columns, rows))
 }
 
 /// The side of a square that counts, in cells.

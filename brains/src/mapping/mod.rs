@@ -5,9 +5,9 @@ pub mod floor;
 pub mod frontier;
 pub mod occupancy;
 pub mod placed;
-mod raster;
 mod shown;
 
+pub use baudbot_geometry::grid::Cell;
 pub use floor::Floor;
-pub use occupancy::{Cell, Occupancy, Occupied};
+pub use occupancy::{Occupancy, Occupied};
 pub use placed::{PlacedScan, View};

@@ -9,20 +9,11 @@
 
 use std::ops::Range;
 
-use baudbot_geometry::{Point, math};
+use baudbot_geometry::Point;
+use baudbot_geometry::grid::{self, Cell, Grid, Rectangle};
 
 use super::disc::Disc;
 use super::placed::PlacedScan;
-use super::raster::line;
-
-/// A square of the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Cell {
-    /// Its x, in cells.
-    pub column: i32,
-    /// Its y, in cells.
-    pub row: i32,
-}
 
 /// What is known of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,11 +29,8 @@ pub enum Occupied {
 /// A grid over that part of the plane that was seen. It grows as needed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occupancy {
-    cell_m: f64,
-    /// The cell of the first value.
-    first: Cell,
-    columns: i32,
-    rows: i32,
+    /// The origin of the world is a corner of cells.
+    grid: Grid,
     log_odds: Vec<f32>,
     /// For each cell where rays have ended in it.
     ends: Vec<Ends>,
@@ -68,28 +56,6 @@ impl Ends {
     }
 }
 
-impl Cell {
-    /// The cell around a point that is given in units of a cell's side.
-    #[must_use]
-    pub fn at(point: Point) -> Self {
-        // Conversions saturate, and what is not a number is 0.
-        Self { column: math::floor(point.x) as i32, row: math::floor(point.y) as i32 }
-    }
-
-    /// The cell so many columns and rows away.
-    #[must_use]
-    pub fn offset(self, columns: i32, rows: i32) -> Self {
-        Self { column: self.column.saturating_add(columns), row: self.row.saturating_add(rows) }
-    }
-
-    /// The square of the distance between two cells' centres, in cells.
-    #[must_use]
-    pub fn distance_squared(self, other: Self) -> i64 {
-        let (x, y) = (self.column.abs_diff(other.column), self.row.abs_diff(other.row));
-        i64::from(x) * i64::from(x) + i64::from(y) * i64::from(y)
-    }
-}
-
 impl Occupancy {
     /// A grid of cells with this side, in metres, of which nothing is known.
     ///
@@ -98,26 +64,26 @@ impl Occupancy {
     #[must_use]
     pub fn new(cell_m: f64) -> Self {
         assert!(cell_m > 0.0, "a cell has a side");
-        let first = Cell { column: 0, row: 0 };
-        Self { cell_m, first, columns: 0, rows: 0, log_odds: vec![], ends: vec![], changed: vec![], scans: 0 }
+        let grid = Grid { origin: Point::origin(), cell_m, cells: Rectangle::default() };
+        Self { grid, log_odds: vec![], ends: vec![], changed: vec![], scans: 0 }
     }
 
     /// Side of a cell, in metres.
     #[must_use]
     pub fn cell_m(&self) -> f64 {
-        self.cell_m
+        self.grid.cell_m
     }
 
     /// The cell around a point.
     #[must_use]
     pub fn cell(&self, point: Point) -> Cell {
-        Cell::at(point / self.cell_m)
+        self.grid.cell_at(point)
     }
 
     /// The centre of a cell, in metres in the world.
     #[must_use]
     pub fn center(&self, cell: Cell) -> Point {
-        Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5) * self.cell_m
+        self.grid.center(cell)
     }
 
     /// l of a cell; 0 if nothing is known of it.
@@ -141,36 +107,30 @@ impl Occupancy {
 
     /// The cells that the grid has, known or not, row by row.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
-        let (first, columns) = (self.first, self.columns);
-        (0..self.rows).flat_map(move |row| (0..columns).map(move |column| first.offset(column, row)))
+        self.grid.cells.cells()
     }
 
     /// How many columns and rows it has.
     pub(crate) fn size(&self) -> [usize; 2] {
-        [self.columns as usize, self.rows as usize]
+        [self.grid.cells.columns as usize, self.grid.cells.rows as usize]
     }
 
     /// The place of a cell in the order of [`cells`](Self::cells); `None` if the grid has not grown so far.
     pub(crate) fn place(&self, cell: Cell) -> Option<usize> {
-        let (column, row) =
-            (cell.column.checked_sub(self.first.column)?, cell.row.checked_sub(self.first.row)?);
-        let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
-        is_in.then(|| row as usize * self.columns as usize + column as usize)
+        self.grid.cells.number(cell)
     }
 
     /// The cell at a place in the order of [`cells`](Self::cells).
     pub(crate) fn cell_of(&self, place: usize) -> Cell {
-        let columns = self.columns as usize;
-        self.first.offset((place % columns) as i32, (place / columns) as i32)
+        self.grid.cells.cell(place)
     }
 
     /// The places of a disc's cells around this one, row by row, as far as the grid has them.
     pub(crate) fn places(&self, center: Cell, disc: &Disc) -> impl Iterator<Item = Range<usize>> {
         disc.rows.iter().filter_map(move |&(row, half)| {
             let row = center.row.checked_add(row)?;
-            let from = center.column.saturating_sub(half).max(self.first.column);
-            let last = self.first.column.saturating_add(self.columns - 1);
-            let until = center.column.saturating_add(half).min(last);
+            let from = center.column.saturating_sub(half).max(self.grid.cells.first.column);
+            let until = center.column.saturating_add(half).min(self.grid.cells.last().column);
             let range = self.place(Cell { column: from, row })?..=self.place(Cell { column: until, row })?;
             (from <= until).then(|| *range.start()..range.end() + 1)
         })
@@ -183,7 +143,7 @@ impl Occupancy {
 
     /// All cells that the straight line between two points goes through, in order.
     pub fn line(&self, from: Point, to: Point) -> impl Iterator<Item = Cell> + use<> {
-        line(from / self.cell_m, to / self.cell_m)
+        grid::line(self.grid.grid_from_world(from), self.grid.grid_from_world(to))
     }
 
     /// Adds a scan. Says whether it did: a scan that would make the grid larger than 4 million cells is left out.
@@ -231,7 +191,7 @@ impl Occupancy {
         if self.log_odds[place] <= 0.0 {
             self.ends[place].count = 0.0;
         }
-        let aside = (end - self.center(cell)) / self.cell_m;
+        let aside = (end - self.center(cell)) / self.grid.cell_m;
         self.ends[place].add([aside.x, aside.y]);
     }
 
@@ -241,7 +201,7 @@ impl Occupancy {
     pub fn surface(&self, cell: Cell) -> Option<Point> {
         let place = self.place(cell).filter(|place| self.log_odds[*place] > 0.0)?;
         let [x, y] = self.ends[place].aside.map(f64::from);
-        Some(self.center(cell) + baudbot_geometry::Vector::new(x, y) * self.cell_m)
+        Some(self.center(cell) + baudbot_geometry::Vector::new(x, y) * self.grid.cell_m)
     }
 
     /// Changes a cell, unless this scan already did.
@@ -256,7 +216,7 @@ impl Occupancy {
     /// Makes the grid so large that it has these points' cells; says whether that is not too large.
     fn grow(&mut self, points: impl Iterator<Item = Point>) -> bool {
         let is_new = self.log_odds.is_empty();
-        let old = (!is_new).then(|| (self.first, self.first.offset(self.columns - 1, self.rows - 1)));
+        let old = (!is_new).then(|| (self.grid.cells.first, self.grid.cells.last()));
         let cells = points.map(|point| (self.cell(point), self.cell(point)));
         let union = |a: (Cell, Cell), b: (Cell, Cell)| {
             let low = Cell { column: a.0.column.min(b.0.column), row: a.0.row.min(b.0.row) };
@@ -278,9 +238,8 @@ impl Occupancy {
         if columns.saturating_mul(rows) > MOST_CELLS {
             return false;
         }
-        let before =
-            std::mem::replace(self, Self { first: low, scans: self.scans, ..Self::new(self.cell_m) });
-        (self.columns, self.rows) = (columns as i32, rows as i32);
+        let before = std::mem::replace(self, Self { scans: self.scans, ..Self::new(self.grid.cell_m) });
+        self.grid.cells = Rectangle::between(low, high);
         self.log_odds = vec![0.0; (columns * rows) as usize];
         self.ends = vec![Ends::default(); self.log_odds.len()];
         self.changed = vec![0; self.log_odds.len()];
@@ -373,7 +332,7 @@ mod tests {
         }
         assert_eq!(states(&grid, 0..7), ".....#?");
         assert_eq!(states(&grid, 100..107), ".....#?");
-        assert_eq!(grid.cells().count(), (grid.columns * grid.rows) as usize);
+        assert_eq!(grid.cells().count(), grid.grid.cells.count());
         assert_eq!(grid.cells().filter(|cell| grid.state(*cell) == Occupied::Occupied).count(), 3);
     }
 

@@ -1,9 +1,10 @@
 //! A grid for people who look.
 
 use baudbot_client::GridMap;
+use baudbot_geometry::grid::Cell;
 use baudbot_geometry::math;
 
-use super::occupancy::{Cell, Occupancy};
+use super::occupancy::Occupancy;
 
 impl Occupancy {
     /// The grid as observers are shown it: a byte a cell, from 0, free for sure, to 254, occupied for sure, and 255 where

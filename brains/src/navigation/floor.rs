@@ -5,6 +5,7 @@ use std::task::{Poll, ready};
 use baudbot_geometry::{Point, Segment, Vector};
 use serde::Deserialize;
 
+use crate::parameter::{ParameterError, check_positive};
 use crate::planning::{Cell, CellGrid, End, Grid, PlanError, ThetaStar, line_of_sight};
 
 /// Where the centre of a body may be, between walls, and ways for it.
@@ -33,17 +34,20 @@ impl Floor {
     ///
     /// # Errors
     /// If there is no such grid, in words that begin with the name of the field.
-    pub fn new(walls_m: &[[f64; 4]], cell_m: f64, clearance_m: f64, method: Method) -> Result<Self, String> {
+    pub fn new(
+        walls_m: &[[f64; 4]],
+        cell_m: f64,
+        clearance_m: f64,
+        method: Method,
+    ) -> Result<Self, ParameterError> {
         if let Some(i) = walls_m.iter().position(|wall| !wall.iter().all(|m| m.is_finite())) {
-            return Err(format!("walls_m[{i}]: must be four finite numbers"));
+            return Err(ParameterError::value(format_args!("walls_m[{i}]"), "must be four finite numbers"));
         }
-        if !(cell_m.is_finite() && cell_m > 0.0) {
-            return Err(format!("cell_m: must be positive, is {cell_m}"));
-        }
+        check_positive([("cell_m", cell_m)])?;
         let wall = |&[x, y, u, v]: &[f64; 4]| Segment { start: Point::new(x, y), end: Point::new(u, v) };
         let walls: Vec<_> = walls_m.iter().map(wall).collect();
-        let grid =
-            Grid::from_segments(&walls, cell_m, clearance_m).map_err(|error| format!("walls_m: {error}"))?;
+        let grid = Grid::from_segments(&walls, cell_m, clearance_m)
+            .map_err(|error| ParameterError::value("walls_m", error))?;
         let cells = (method == Method::ConvexCells).then(|| CellGrid::new(grid.clone()));
         Ok(Self { walls, grid, cells })
     }

@@ -2,6 +2,8 @@
 
 use baudbot_geometry::Point;
 
+use crate::parameter::{ParameterError, check_positive};
+
 /// A list of goals, and which of them is next.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Goals {
@@ -16,22 +18,20 @@ impl Goals {
     /// first if it goes round `again`.
     ///
     /// # Errors
-    /// If there is none, or a number makes no sense, in words.
+    /// If there is none, or a number makes no sense.
     pub(crate) fn new(
         name: &str,
         points_m: &[[f64; 2]],
         reached_m: f64,
         again: bool,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, ParameterError> {
         if points_m.is_empty() {
-            return Err(format!("{name}: has no point"));
+            return Err(ParameterError::value(name, "has no point"));
         }
         if let Some(i) = points_m.iter().position(|point| !point.iter().all(|m| m.is_finite())) {
-            return Err(format!("{name}[{i}]: must be two finite numbers"));
+            return Err(ParameterError::value(format_args!("{name}[{i}]"), "must be two finite numbers"));
         }
-        if !(reached_m.is_finite() && reached_m > 0.0) {
-            return Err(format!("reached_m: must be positive, is {reached_m}"));
-        }
+        check_positive([("reached_m", reached_m)])?;
         let points = points_m.iter().map(|&[x, y]| Point::new(x, y)).collect();
         Ok(Self { points, reached_m, again, next: 0 })
     }
@@ -119,8 +119,9 @@ mod tests {
 
     #[test]
     fn what_makes_no_sense_is_said() {
-        let problem =
-            |points: &[[f64; 2]], reached_m| Goals::new("goals_m", points, reached_m, false).unwrap_err();
+        let problem = |points: &[[f64; 2]], reached_m| {
+            Goals::new("goals_m", points, reached_m, false).unwrap_err().to_string()
+        };
         assert_eq!(problem(&[], 0.1), "goals_m: has no point");
         assert_eq!(problem(&[[0.0, 0.0], [f64::NAN, 0.0]], 0.1), "goals_m[1]: must be two finite numbers");
         assert_eq!(problem(&[[0.0, 0.0]], 0.0), "reached_m: must be positive, is 0");

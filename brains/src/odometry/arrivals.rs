@@ -1,6 +1,6 @@
 //! How late a sensor's readings come, and how often.
 
-use crate::process::Awaited;
+use crate::awaited::Awaited;
 
 /// When the readings of a sensor come, and how old they are then.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -34,8 +34,8 @@ use std::f64::consts::TAU;
 use baudbot_client::{Body, Encoding, Turn};
 use baudbot_geometry::{Pose, math};
 
+use crate::awaited::Awaited;
 use crate::estimate::Estimate;
-use crate::process::Awaited;
 use arrivals::Arrivals;
 use step::Step;
 
@@ -181,10 +181,10 @@ impl Odometry {
     /// were missed are in the next reading; but between two of them a wheel must not make half the modulus.
     pub fn encoders(&mut self, at_ns: u64, counts: [f64; 2]) {
         if let Some(Last::Counts(before)) = self.last.replace(Last::Counts(counts)) {
-            let [left, right] = [0, 1].map(|i| {
+            let ways_m = [0, 1].map(|i| {
                 self.parameters.m_per_count[i] * unwrapped(counts[i] - before[i], self.parameters.modulus)
             });
-            self.advance(at_ns, Step::of_wheels(left, right, self.parameters.half_track_m));
+            self.advance(at_ns, Step::of_wheels(ways_m, self.parameters.half_track_m));
         }
     }
 

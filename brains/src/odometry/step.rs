@@ -1,6 +1,6 @@
 //! The way between two readings.
 
-use baudbot_geometry::{Point, Pose, math};
+use baudbot_geometry::{Point, Pose, Twist, math};
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2};
 
 use crate::estimate::Estimate;
@@ -22,20 +22,13 @@ impl Default for Step {
 
 impl Step {
     /// That of wheels which went so far, in metres, at constant speeds.
-    pub(super) fn of_wheels(left_m: f64, right_m: f64, half_track_m: f64) -> Self {
-        let turn = (right_m - left_m) / (2.0 * half_track_m);
-        let chord = 0.5 * (left_m + right_m) * chord_of_arc(turn);
-        let (sin, cos) = math::sin_cos(0.5 * turn);
-        Self { then_from_now: Pose::new(chord * cos, chord * sin, turn), ways_m: [left_m, right_m] }
+    pub(super) fn of_wheels(ways_m: [f64; 2], half_track_m: f64) -> Self {
+        Self { then_from_now: Twist::of_wheels(ways_m, half_track_m).then_from_now(), ways_m }
     }
 
     /// A motion of which the wheels' ways are guessed: those of the arc with this chord and this turn.
     pub(super) fn of_motion(then_from_now: Pose, half_track_m: f64) -> Self {
-        let turn = then_from_now.heading;
-        let (sin, cos) = math::sin_cos(0.5 * turn);
-        let chord = then_from_now.position.coords.dot(&Vector2::new(cos, sin));
-        let (way, aside) = (chord / chord_of_arc(turn), half_track_m * turn);
-        Self { then_from_now, ways_m: [way - aside, way + aside] }
+        Self { then_from_now, ways_m: Twist::towards(&then_from_now).wheels(half_track_m) }
     }
 
     /// This one and then another.
@@ -99,10 +92,3 @@ impl Step {
 const SMALL_M: f64 = 0.1;
 /// ... and a turn that is wider, in radians.
 const SMALL_RAD: f64 = 0.1;
-
-/// How long the chord of an arc is, as a part of the arc, by the angle of the arc.
-fn chord_of_arc(turn_rad: f64) -> f64 {
-    let half = 0.5 * turn_rad;
-    // By its series, where the quotient has no digits.
-    if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { math::sin(half) / half }
-}

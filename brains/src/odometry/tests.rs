@@ -223,7 +223,7 @@ fn only_the_changes_of_an_odometer_count() {
 
 #[test]
 fn of_an_odometer_the_wheels_are_guessed_as_they_were() {
-    let wheels = Step::of_wheels(0.3, 0.5, HALF_TRACK_M);
+    let wheels = Step::of_wheels([0.3, 0.5], HALF_TRACK_M);
     let start = Estimate::exact(Pose::new(0.0, 0.0, 0.0));
     let [driven, guessed] = [wheels, Step::of_motion(wheels.then_from_now, HALF_TRACK_M)]
         .map(|s| s.apply(&start, HALF_TRACK_M, 1e-4));

@@ -1,26 +1,15 @@
 //! The plane in square cells, each free or blocked: the right panel of Fig. 6.5.
 
-use baudbot_geometry::{Bounds, Point, Vector, math};
+use baudbot_geometry::grid::{self, Cell, Rectangle};
+use baudbot_geometry::{Bounds, Point, Vector};
 use thiserror::Error;
-
-/// A cell by its place in the grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Cell {
-    /// How many cells are to its left, towards lesser x.
-    pub column: usize,
-    /// How many cells are below it, towards lesser y.
-    pub row: usize,
-}
 
 /// Square cells, `columns` to the right and `rows` upwards, each of which is free or blocked.
 ///
 /// Cells are numbered row by row. A grid has one cell or more and no more than [`Grid::MOST_CELLS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    columns: usize,
-    rows: usize,
-    cell_m: f64,
-    origin: Point,
+    grid: grid::Grid,
     blocked: Vec<bool>,
 }
 
@@ -92,7 +81,8 @@ impl Grid {
         check("cell_m", "positive", cell_m, cell_m > 0.0)?;
         check("origin's x", "finite", origin.x, true)?;
         check("origin's y", "finite", origin.y, true)?;
-        Ok(Self { columns, rows, cell_m, origin, blocked: vec![false; cells] })
+        let extent = Rectangle { first: Cell::default(), columns: columns as i32, rows: rows as i32 };
+        Ok(Self { grid: grid::Grid { origin, cell_m, cells: extent }, blocked: vec![false; cells] })
     }
 
     /// The least grid of free cells that covers these bounds, from their least corner on.
@@ -101,73 +91,75 @@ impl Grid {
     /// As [`Grid::new`].
     pub fn covering(bounds: &Bounds, cell_m: f64) -> Result<Self, GridError> {
         check("cell_m", "positive", cell_m, cell_m > 0.0)?;
-        let cells = |size_m: f64| math::ceil(size_m / cell_m - ROUNDING).max(1.0) as usize;
-        let size = bounds.size();
-        Self::new(cells(size.x), cells(size.y), cell_m, bounds.min)
+        let (columns, rows) = grid::Grid::size(bounds, cell_m, ROUNDING);
+        Self::new(columns as usize, rows as usize, cell_m, bounds.min)
     }
 
     /// How many cells are in a row.
     pub fn columns(&self) -> usize {
-        self.columns
+        self.grid.cells.columns as usize
     }
 
     /// How many rows there are.
     pub fn rows(&self) -> usize {
-        self.rows
+        self.grid.cells.rows as usize
     }
 
     /// Length of a cell's side, in metres.
     pub fn cell_m(&self) -> f64 {
-        self.cell_m
+        self.grid.cell_m
     }
 
     /// The corner with the least coordinates.
     pub fn origin(&self) -> Point {
-        self.origin
+        self.grid.origin
+    }
+
+    /// The cells that it has.
+    pub fn extent(&self) -> Rectangle {
+        self.grid.cells
     }
 
     /// All cells, row by row.
-    pub fn cells(&self) -> impl Iterator<Item = Cell> {
-        let columns = self.columns;
-        (0..self.blocked.len()).map(move |number| Cell { column: number % columns, row: number / columns })
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+        self.grid.cells.cells()
     }
 
     /// Whether the cell belongs to the grid.
     pub fn contains(&self, cell: Cell) -> bool {
-        cell.column < self.columns && cell.row < self.rows
+        self.grid.cells.contains(cell)
     }
 
     /// Whether the cell belongs to the grid and nothing blocks it.
     pub fn is_free(&self, cell: Cell) -> bool {
-        self.contains(cell) && !self.blocked[self.number(cell)]
+        self.grid.cells.number(cell).is_some_and(|number| !self.blocked[number])
     }
 
     /// Blocks a cell. One outside of the grid is blocked anyway.
     pub fn block(&mut self, cell: Cell) {
-        if self.contains(cell) {
-            let number = self.number(cell);
+        if let Some(number) = self.grid.cells.number(cell) {
             self.blocked[number] = true;
         }
     }
 
-    /// The middle of a cell.
+    /// The middle of a cell: half a side from its corner. [`grid::Grid::center`] rounds once less, but plans must stay
+    /// the same to the last bit.
     pub fn center(&self, cell: Cell) -> Point {
-        self.corner(cell) + Vector::new(0.5, 0.5) * self.cell_m
+        self.corner(cell) + Vector::new(0.5, 0.5) * self.grid.cell_m
     }
 
     /// The corner of a cell with the least coordinates.
     pub fn corner(&self, cell: Cell) -> Point {
-        self.origin + Vector::new(cell.column as f64, cell.row as f64) * self.cell_m
+        self.grid.corner(cell)
     }
 
     /// The cell in which a point lies; `None` outside of the grid. A point between two cells lies in the one with
     /// greater coordinates.
     pub fn cell_at(&self, point: Point) -> Option<Cell> {
-        let place = (point - self.origin) / self.cell_m;
-        // Also false for what is not a number.
-        let inside = place.x >= 0.0 && place.y >= 0.0;
-        let cell = Cell { column: place.x as usize, row: place.y as usize };
-        (inside && self.contains(cell)).then_some(cell)
+        let place = self.grid.grid_from_world(point);
+        // What is not a number would be in cell 0.
+        let is_somewhere = !place.x.is_nan() && !place.y.is_nan();
+        Some(Cell::at(place)).filter(|&cell| is_somewhere && self.contains(cell))
     }
 
     /// How many cells there are.
@@ -177,12 +169,12 @@ impl Grid {
 
     /// Which cell in order it is.
     pub(crate) fn number(&self, cell: Cell) -> usize {
-        cell.row * self.columns + cell.column
+        self.grid.cells.number(cell).expect("a cell of this grid")
     }
 
     /// The cell of this number.
     pub(super) fn cell(&self, number: usize) -> Cell {
-        Cell { column: number % self.columns, row: number / self.columns }
+        self.grid.cells.cell(number)
     }
 }
 

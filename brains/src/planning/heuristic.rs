@@ -2,9 +2,8 @@
 
 use std::f64::consts::SQRT_2;
 
+use baudbot_geometry::grid::Cell;
 use baudbot_geometry::math;
-
-use super::grid::Cell;
 
 /// How the way between two cells is estimated, in cells, as if there were no walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +20,8 @@ pub enum Heuristic {
 impl Heuristic {
     /// The estimate, in cells.
     pub fn estimate(self, from: Cell, to: Cell) -> f64 {
-        let columns = from.column.abs_diff(to.column) as f64;
-        let rows = from.row.abs_diff(to.row) as f64;
+        let columns = f64::from(from.column.abs_diff(to.column));
+        let rows = f64::from(from.row.abs_diff(to.row));
         match self {
             Self::Manhattan => columns + rows,
             Self::Euclidean => math::hypot(columns, rows),

@@ -4,9 +4,10 @@
 //! point of it is as far from each wall as the clearance says: body and margin. So a robot whose centre stays
 //! within free cells touches nothing, whatever curve it drives there, and convex cells can be made of free ones.
 
+use baudbot_geometry::grid::Cell;
 use baudbot_geometry::{Bounds, Point, Segment, Vector, math, polygon};
 
-use super::grid::{Cell, Grid, GridError, check};
+use super::grid::{Grid, GridError, check};
 
 impl Grid {
     /// The grid that covers these walls, with the cells blocked that are nearer to one than `clearance_m`, in
@@ -54,20 +55,20 @@ impl Grid {
     /// The cells that have a point in the box between two corners, and a few around them.
     pub(crate) fn within(&self, least: Point, greatest: Point) -> impl Iterator<Item = Cell> + use<> {
         let place = |m: f64, origin_m: f64| math::floor((m - origin_m) / self.cell_m());
-        let range = |from: f64, to: f64, count: usize| {
-            // A cast to an unsigned number ends at 0 and at its largest value.
-            (from - 1.0).max(0.0) as usize..((to + 2.0).max(0.0) as usize).min(count)
+        let range = |from: f64, to: f64, count: i32| {
+            // A cast ends at the largest number.
+            (from - 1.0).max(0.0) as i32..((to + 2.0).max(0.0) as i32).min(count)
         };
+        let extent = self.extent();
         let columns =
-            range(place(least.x, self.origin().x), place(greatest.x, self.origin().x), self.columns());
-        let rows = range(place(least.y, self.origin().y), place(greatest.y, self.origin().y), self.rows());
+            range(place(least.x, self.origin().x), place(greatest.x, self.origin().x), extent.columns);
+        let rows = range(place(least.y, self.origin().y), place(greatest.y, self.origin().y), extent.rows);
         rows.flat_map(move |row| columns.clone().map(move |column| Cell { column, row }))
     }
 
     /// The distance between a cell, as a solid square, and a wall, in metres.
     fn distance_m(&self, cell: Cell, wall: &Segment) -> f64 {
-        let corner =
-            |columns, rows| self.corner(Cell { column: cell.column + columns, row: cell.row + rows });
+        let corner = |columns, rows| self.corner(cell.offset(columns, rows));
         let (low, high) = ([corner(0, 0), corner(1, 0)], [corner(0, 1), corner(1, 1)]);
         // A straight line that cuts through a square parts one corner from the opposite one, so it crosses a
         // diagonal.
@@ -96,12 +97,8 @@ mod tests {
     }
 
     fn picture(grid: &Grid) -> Vec<String> {
-        let row = |row| {
-            (0..grid.columns())
-                .map(|column| if grid.is_free(Cell { column, row }) { '.' } else { '#' })
-                .collect()
-        };
-        (0..grid.rows()).map(row).collect()
+        let letters: Vec<_> = grid.cells().map(|cell| if grid.is_free(cell) { '.' } else { '#' }).collect();
+        letters.chunks(grid.columns()).map(|row| row.iter().collect()).collect()
     }
 
     #[test]

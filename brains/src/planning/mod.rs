@@ -41,8 +41,9 @@ mod walker;
 #[cfg(test)]
 mod tests;
 
+pub use baudbot_geometry::grid::Cell;
 pub use cells::{CellGrid, Door, Route};
-pub use grid::{Cell, Grid, GridError};
+pub use grid::{Grid, GridError};
 pub use heuristic::Heuristic;
 pub use moves::Moves;
 pub use plan::{End, Plan, PlanError};

@@ -2,7 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::grid::{Cell, Grid};
+use baudbot_geometry::grid::Cell;
+
+use super::grid::Grid;
 
 /// Which steps lead from a cell to its neighbours. A straight step is 1 cell long, a diagonal one √2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,19 +26,16 @@ impl Moves {
             Self::Eight | Self::EightNoCut => &STEPS[..],
         };
         steps.iter().filter_map(move |&(columns, rows)| {
-            // Below 0 it wraps to a number far outside of any grid.
-            let column = cell.column.wrapping_add_signed(columns);
-            let row = cell.row.wrapping_add_signed(rows);
             let diagonal = columns != 0 && rows != 0;
-            let beside = [Cell { column, row: cell.row }, Cell { column: cell.column, row }];
+            let beside = [cell.offset(columns, 0), cell.offset(0, rows)];
             let cuts = self == Self::EightNoCut && diagonal && !beside.iter().all(|&cell| grid.is_free(cell));
-            let next = Cell { column, row };
+            let next = cell.offset(columns, rows);
             (grid.is_free(next) && !cuts).then_some((next, if diagonal { SQRT_2 } else { 1.0 }))
         })
     }
 }
 
-const STEPS: [(isize, isize); 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+const STEPS: [(i32, i32); 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
 
 #[cfg(test)]
 mod tests {

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use baudbot_geometry::Point;
+use baudbot_geometry::grid::Cell;
 use thiserror::Error;
 
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 
 /// A way through a grid, and what was looked at to find it.
 #[derive(Clone, Debug, PartialEq)]

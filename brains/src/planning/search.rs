@@ -10,8 +10,10 @@
 //! [`walk`](super::walk). Fig. 6.9 stops once the target has been reached, by which we mean once it is the current
 //! node: a shorter way to it can be found until then.
 
+use baudbot_geometry::grid::Cell;
+
 use super::best_first::{self, Found, Graph};
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 use super::heuristic::Heuristic;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};

@@ -1,8 +1,9 @@
 //! Grids as text, for examples and tests.
 
 use baudbot_geometry::Point;
+use baudbot_geometry::grid::Cell;
 
-use super::grid::{Cell, Grid, GridError};
+use super::grid::{Grid, GridError};
 
 /// A grid that was drawn as text, with the marks that are in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +33,8 @@ impl Grid {
                 return Err(GridError::Ragged { line: row + 1, found: cells, expected: columns });
             }
             for (column, found) in line.chars().enumerate() {
-                let cell = Cell { column, row };
+                // A grid has fewer cells than an i32 can count.
+                let cell = Cell { column: column as i32, row: row as i32 };
                 match found {
                     '.' => {}
                     '#' => grid.block(cell),

@@ -7,8 +7,10 @@
 
 use std::task::Poll;
 
+use baudbot_geometry::grid::Cell;
+
 use super::best_first::{Graph, Search};
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 use super::heuristic::Heuristic;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};

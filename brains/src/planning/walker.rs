@@ -5,7 +5,9 @@
 //! neighbours have been visited it stands still, though the target could be reached: the notes say that it may get
 //! stuck. What it finds is a way, as long as the walk was.
 
-use super::grid::{Cell, Grid};
+use baudbot_geometry::grid::Cell;
+
+use super::grid::Grid;
 use super::heuristic::Heuristic;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};

@@ -21,6 +21,7 @@ use super::lock::Lock;
 use super::terrain::Terrain;
 use crate::behavior::Steering;
 use crate::behavior::steering::Helm;
+use crate::parameter::{ParameterError, check_positive};
 use crate::process::{Moment, MotorBehavior};
 use crate::vfh::sight;
 
@@ -86,14 +87,12 @@ impl PotentialField {
     /// At its start, for a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, in words.
-    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
-        if let Some(problem) = parameters.steering.problem() {
-            return Err(problem);
-        }
+    /// If the parameters make no sense.
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
+        parameters.steering.check()?;
         let after_s = parameters.escape_after_s;
         if !(after_s == 0.0 || (1.0..=1e6).contains(&after_s)) {
-            return Err(format!("escape_after_s: must be 0 or from 1 to 1000000, is {after_s}"));
+            return Err(ParameterError::range("escape_after_s", "0 or from 1 to 1000000", after_s));
         }
         check(&parameters)?;
         let (waypoints, helm) =
@@ -295,17 +294,14 @@ impl PotentialField {
 }
 
 /// What makes no sense among the potentials.
-fn check(parameters: &Parameters) -> Result<(), String> {
+fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let named = [("obstacles", &parameters.obstacles), ("waypoints", &parameters.waypoints)];
     let named = named
         .into_iter()
         .flat_map(|(name, all)| all.iter().enumerate().map(move |(i, one)| (format!("{name}[{i}]"), *one)));
     for (name, potential) in [("goal".to_owned(), parameters.goal)].into_iter().chain(named) {
-        for (field, value) in [("beta_m", potential.beta_m), ("gamma_m", potential.gamma_m)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("{name}.{field}: must be positive, is {value}"));
-            }
-        }
+        let sizes = [("beta_m", potential.beta_m), ("gamma_m", potential.gamma_m)];
+        check_positive(sizes.map(|(field, value)| (format!("{name}.{field}"), value)))?;
     }
     Ok(())
 }
@@ -447,7 +443,7 @@ mod tests {
         let bad = Potential { x_m: 0.0, y_m: 0.0, alpha: 1.0, beta_m: 1.0, gamma_m: 0.0 };
         let mut parameters = wedge(0.0, Vec::new()).parameters;
         parameters.waypoints.push(bad);
-        let problem = PotentialField::new(parameters, &body(&[])).unwrap_err();
+        let problem = PotentialField::new(parameters, &body(&[])).unwrap_err().to_string();
         assert_eq!(problem, "waypoints[0].gamma_m: must be positive, is 0");
     }
 }

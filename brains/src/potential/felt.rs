@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Direction, Point, Pose, Vector, math};
 
+use crate::parameter::ParameterError;
 use crate::process::Beliefs;
 use crate::vfh::sight::{self, Infrared};
 
@@ -43,23 +44,22 @@ impl Felt {
     /// That of a robot with this body: by the sensors that are named, or by all infra-red sensors and sonars that sit on it.
     ///
     /// # Errors
-    /// If a parameter makes no sense, in words.
-    pub(super) fn new(parameters: &sight::Parameters, body: &Body) -> Result<Self, String> {
+    /// If a parameter makes no sense.
+    pub(super) fn new(parameters: &sight::Parameters, body: &Body) -> Result<Self, ParameterError> {
         let infrared = parameters.ir.unwrap_or(ARSIM);
         if !(infrared.c1_m2.is_finite() && infrared.c1_m2 > 0.0 && infrared.c2.is_finite()) {
-            return Err("sight.ir: c1_m2 must be positive, and c2 finite".to_owned());
+            return Err(ParameterError::value("sight.ir", "c1_m2 must be positive, and c2 finite"));
         }
         if let Some(rad) = parameters.cone_rad.filter(|rad| !(*rad > 0.0 && *rad <= std::f64::consts::PI)) {
-            return Err(format!("sight.cone_rad: must be above 0 and at most π, is {rad}"));
+            return Err(ParameterError::range("sight.cone_rad", "above 0 and at most π", rad));
         }
         let eye = |(i, sensor): (usize, &Sensor)| eye(parameters, infrared, i, sensor, body.radius_m);
         let eyes: Vec<_> = body.sensors.iter().enumerate().filter_map(eye).collect();
         for name in &parameters.names {
             if !eyes.iter().any(|eye| body.sensors[eye.sensor].name == *name) {
                 let robot = &body.name;
-                return Err(format!(
-                    "sight.names: robot `{robot}` has no sonar or ir called `{name}` on its body"
-                ));
+                let problem = format_args!("robot `{robot}` has no sonar or ir called `{name}` on its body");
+                return Err(ParameterError::value("sight.names", problem));
             }
         }
         let radius_m = body.radius_m;
@@ -431,7 +431,7 @@ mod tests {
         assert!(!felt.is_blind(500_000_000) && felt.is_blind(500_000_001));
         assert!(Felt::new(&sight::Parameters::default(), &body(&[])).unwrap().is_senseless());
         let named = |name: &str| sight::Parameters { names: vec![name.to_owned()], ..Default::default() };
-        let problem = Felt::new(&named("eye"), &robot()).unwrap_err();
+        let problem = Felt::new(&named("eye"), &robot()).unwrap_err().to_string();
         assert_eq!(problem, "sight.names: robot `alice` has no sonar or ir called `eye` on its body");
     }
 }

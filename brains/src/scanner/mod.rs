@@ -10,9 +10,10 @@ use std::collections::VecDeque;
 
 use baudbot_client::{Body, Sweep, Turn};
 
+use crate::awaited::Awaited;
 use crate::localization::deskew::{self, deskew};
 use crate::odometry::Odometry;
-use crate::process::Awaited;
+use crate::parameter::ParameterError;
 use crate::scan::Scan;
 
 /// What takes scans.
@@ -34,27 +35,28 @@ impl Scanner {
     ///
     /// # Errors
     /// In words, if the body has no such laser, or its data sheet does not say what must be known of it.
-    pub fn new(body: &Body, laser: &str, rays: usize) -> Result<Self, String> {
+    pub fn new(body: &Body, laser: &str, rays: usize) -> Result<Self, ParameterError> {
         let sensor = body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
+        let wrong = |problem: String| ParameterError::value("laser", problem);
         let sensor =
-            sensor.ok_or_else(|| format!("laser: robot `{}` has no laser called `{laser}`", body.name))?;
+            sensor.ok_or_else(|| wrong(format!("robot `{}` has no laser called `{laser}`", body.name)))?;
         let sheet = &body.sensors[sensor];
         let missing = |what: &str| {
-            format!("laser: the data sheet of `{laser}` does not say {what}: is the server older?")
+            wrong(format!("the data sheet of `{laser}` does not say {what}: is the server older?"))
         };
         let mount = sheet.mount.ok_or_else(|| missing("where it sits"))?;
         if mount.turret.is_some() {
-            return Err(format!(
-                "laser: `{laser}` sits on a turret, and scans from there are not understood"
-            ));
+            return Err(wrong(format!(
+                "`{laser}` sits on a turret, and scans from there are not understood"
+            )));
         }
         let opening_rad = sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
         if !(opening_rad > 0.0 && sheet.values() > 1) {
-            return Err(format!("laser: the rays of `{laser}` all go one way, which makes no scan"));
+            return Err(wrong(format!("the rays of `{laser}` all go one way, which makes no scan")));
         }
         let sweep = sheet.sweep.ok_or_else(|| missing("how it sweeps"))?;
         if rays == 0 {
-            return Err("rays: must be at least 1".to_owned());
+            return Err(ParameterError::value("rays", "must be at least 1"));
         }
         Ok(Self { sensor, sweep, rays, name: laser.to_owned(), heard_ns: 0, waiting: VecDeque::new() })
     }

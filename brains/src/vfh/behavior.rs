@@ -12,6 +12,7 @@ use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
 use crate::navigation::Goals;
 use crate::odometry::Odometry;
+use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::process::{Moment, MotorBehavior};
 
 /// Where it goes, and what it heeds on its way.
@@ -160,23 +161,25 @@ impl Vfh {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, or it sees nothing, in words.
-    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, String> {
+    /// If the parameters make no sense, or it sees nothing.
+    pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = &parameters;
-        if let Some(problem) = p.steering.problem() {
-            return Err(problem);
-        }
+        p.steering.check()?;
         check(p)?;
         let most_m = 0.5 * (body.radius_m + p.clearance_m);
         if p.cell_m > most_m {
             let problem = "must be at most half of the body's radius with its clearance";
-            return Err(format!("cell_m: {problem}, {most_m}, is {}", p.cell_m));
+            return Err(ParameterError::value(
+                "cell_m",
+                format_args!("{problem}, {most_m}, is {}", p.cell_m),
+            ));
         }
         let (sight, slowest_m_s) = (Sight::new(&p.sight, body)?, Memory::slowest_m_s(p.cell_m));
         if sight.tells_walkers() && p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
             let why = "with cells of `cell_m` who is slower cannot be told from what stands";
             let found = p.walker_m_s;
-            return Err(format!("walker_m_s: must be 0, or at least {slowest_m_s}, is {found}: {why}"));
+            let problem = format_args!("must be 0, or at least {slowest_m_s}, is {found}: {why}");
+            return Err(ParameterError::value("walker_m_s", problem));
         }
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         Ok(Self {
@@ -298,8 +301,8 @@ impl Vfh {
 }
 
 /// What makes no sense.
-fn check(p: &Parameters) -> Result<(), String> {
-    let positive = [
+fn check(p: &Parameters) -> Result<(), ParameterError> {
+    check_positive([
         ("window_m", p.window_m),
         ("cell_m", p.cell_m),
         ("forget_s", p.forget_s),
@@ -308,31 +311,23 @@ fn check(p: &Parameters) -> Result<(), String> {
         ("slow_m", p.slow_m),
         ("halt_s", p.halt_s),
         ("stale_s", p.stale_s),
-    ];
-    for (name, value) in positive {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(format!("{name}: must be positive, is {value}"));
-        }
-    }
+    ])?;
     let others = [
         ("clearance_m", p.clearance_m),
         ("turn_radius_m", p.turn_radius_m),
         ("stop_m", p.stop_m),
         ("walker_m_s", p.walker_m_s),
     ];
-    for (name, value) in others.into_iter().chain(p.costs.map(|cost| ("costs", cost))) {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(format!("{name}: must not be negative, is {value}"));
-        }
-    }
+    check_not_negative(others.into_iter().chain(p.costs.map(|cost| ("costs", cost))))?;
     if p.cell_m * 1000.0 < p.window_m {
-        return Err(format!("cell_m: must be at least a thousandth of window_m, is {}", p.cell_m));
+        return Err(ParameterError::range("cell_m", "at least a thousandth of window_m", p.cell_m));
     }
     if !(8..=720).contains(&p.sectors) {
-        return Err(format!("sectors: must be from 8 to 720, is {}", p.sectors));
+        return Err(ParameterError::range("sectors", "from 8 to 720", p.sectors as f64));
     }
     if !(p.low..1.0).contains(&p.high) {
-        return Err(format!("high: must not be below low, and below 1, is {}", p.high));
+        let problem = format_args!("must not be below low, and below 1, is {}", p.high);
+        return Err(ParameterError::value("high", problem));
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ use baudbot_client::{Body, Sensor, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
+use crate::parameter::ParameterError;
 use crate::process::{Awaited, Beliefs};
 use crate::scan::Scan;
 use crate::scanner::Scanner;
@@ -64,12 +65,15 @@ impl Sight {
     /// That of a robot with this body.
     ///
     /// # Errors
-    /// If it has no such sensor, or something is missing that its data sheet does not say, in words.
-    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+    /// If it has no such sensor, or something is missing that its data sheet does not say.
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let mut sight = Self { lasers: Vec::new(), cones: Vec::new() };
         for i in chosen(parameters, body)? {
             let sensor = &body.sensors[i];
-            let problem = || format!("sight: sensor `{}` has no range, or no place on the body", sensor.name);
+            let problem = || {
+                let problem = format_args!("sensor `{}` has no range, or no place on the body", sensor.name);
+                ParameterError::value("sight", problem)
+            };
             fixed(sensor).ok_or_else(problem)?;
             if sensor.kind == "laser" {
                 sight.lasers.push(Scanner::new(body, &sensor.name, usize::MAX)?);
@@ -163,11 +167,12 @@ impl Infrared {
 }
 
 /// The sensors that count, by their places on the data sheet.
-fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, String> {
+fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, ParameterError> {
     let find = |name: &String| {
         let sensor = body.sensor_index(name).filter(|&i| KINDS.contains(&body.sensors[i].kind.as_str()));
         sensor.ok_or_else(|| {
-            format!("sight.names: robot `{}` has no laser, sonar or ir called `{name}`", body.name)
+            let problem = format_args!("robot `{}` has no laser, sonar or ir called `{name}`", body.name);
+            ParameterError::value("sight.names", problem)
         })
     };
     if !parameters.names.is_empty() {
@@ -179,7 +184,10 @@ fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, String> {
         sensors.filter(|(_, sensor)| sensor.kind == *kind && is_fixed(sensor)).map(|(i, _)| i).collect()
     };
     let found = KINDS.iter().map(of_kind).find(|sensors| !sensors.is_empty());
-    found.ok_or_else(|| format!("robot `{}` has no sensor of kind `laser`, `sonar` or `ir`", body.name))
+    found.ok_or_else(|| {
+        let problem = format!("robot `{}` has no sensor of kind `laser`, `sonar` or `ir`", body.name);
+        ParameterError::Other(problem)
+    })
 }
 
 /// The range and the place of a sensor that sits on the body and not on a turret.
@@ -189,18 +197,21 @@ fn fixed(sensor: &Sensor) -> Option<(f64, Pose)> {
     Some((range_m, Pose::new(mount.x_m, mount.y_m, mount.heading_rad)))
 }
 
-fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, String> {
+fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError> {
     // One ray alone does not say how wide a sensor opens.
     let of_sheet = sensor.opening_rad.filter(|opening_rad| *opening_rad > 0.0).map(|rad| rad.min(PI));
     let opening_rad = parameters.cone_rad.or(of_sheet).unwrap_or(CONE_RAD);
     if !(opening_rad > 0.0 && opening_rad <= PI) {
-        return Err(format!("sight.cone_rad: must be above 0 and at most π, is {opening_rad}"));
+        return Err(ParameterError::range("sight.cone_rad", "above 0 and at most π", opening_rad));
     }
     if sensor.kind == "sonar" {
         return Ok(Cone { opening_rad, infrared: None });
     }
     let constants = parameters.ir.filter(|ir| ir.c1_m2 > 0.0 && ir.c2.is_finite());
-    let missing = || format!("sight.ir: c1_m2 and c2 of (3.13) must be given for sensor `{}`", sensor.name);
+    let missing = || {
+        let problem = format_args!("c1_m2 and c2 of (3.13) must be given for sensor `{}`", sensor.name);
+        ParameterError::value("sight.ir", problem)
+    };
     Ok(Cone { opening_rad, infrared: Some(constants.ok_or_else(missing)?) })
 }
 
@@ -306,7 +317,7 @@ mod tests {
         let seen = |toml: &str| Sight::new(&parameters(toml), &body).map(|sight| sight.cones.len());
         assert_eq!(seen(""), Ok(2));
         assert_eq!(seen("names = [\"front\"]\nir = { c1_m2 = 0.03, c2 = 0.1 }"), Ok(1));
-        let problem = |toml: &str| seen(toml).unwrap_err();
+        let problem = |toml: &str| seen(toml).unwrap_err().to_string();
         assert_eq!(
             problem("names = [\"eye\"]"),
             "sight.names: robot `alice` has no laser, sonar or ir called `eye`"
@@ -322,10 +333,11 @@ mod tests {
     fn what_a_data_sheet_lacks_is_said() {
         let mut body = body(&[("urg", "laser", 0.0)]);
         body.sensors[0].opening_rad = None;
-        let problem = Sight::new(&Parameters::default(), &body).unwrap_err();
+        let problem = Sight::new(&Parameters::default(), &body).unwrap_err().to_string();
         let lacks = "laser: the data sheet of `urg` does not say how wide it opens: is the server older?";
         assert_eq!(problem, lacks);
-        let problem = Sight::new(&Parameters::default(), &crate::test_body::body(&[])).unwrap_err();
+        let problem =
+            Sight::new(&Parameters::default(), &crate::test_body::body(&[])).unwrap_err().to_string();
         assert_eq!(problem, "robot `alice` has no sensor of kind `laser`, `sonar` or `ir`");
     }
 }

@@ -26,7 +26,7 @@ fn robot() -> Body {
 
 fn made(more: &str) -> Result<Vfh, String> {
     let parameters = toml::from_str(more).map_err(|error| error.message().to_owned())?;
-    Vfh::new(parameters, &robot())
+    Vfh::new(parameters, &robot()).map_err(|error| error.to_string())
 }
 
 /// A square room of 5 m × 5 m with these pillars.

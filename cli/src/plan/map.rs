@@ -30,7 +30,7 @@ fn bounds(arena: &Arena) -> Option<Bounds> {
 
 /// Cells as few boxes: each a run of them in a row. They are to be in the order of rows.
 pub(super) fn runs(grid: &Grid, which: impl Fn(Cell) -> bool) -> Vec<Bounds> {
-    let mut runs: Vec<(Cell, usize)> = Vec::new();
+    let mut runs: Vec<(Cell, i32)> = Vec::new();
     for cell in grid.cells().filter(|&cell| which(cell)) {
         match runs.last_mut() {
             Some((first, length)) if first.row == cell.row && first.column + *length == cell.column => {
@@ -39,10 +39,9 @@ pub(super) fn runs(grid: &Grid, which: impl Fn(Cell) -> bool) -> Vec<Bounds> {
             _ => runs.push((cell, 1)),
         }
     }
-    let corner = |column, row| grid.corner(Cell { column, row });
-    let of_run = |(first, length): (Cell, usize)| Bounds {
+    let of_run = |(first, length): (Cell, i32)| Bounds {
         min: grid.corner(first),
-        max: corner(first.column + length, first.row + 1),
+        max: grid.corner(first.offset(length, 1)),
     };
     runs.into_iter().map(of_run).collect()
 }
@@ -74,8 +73,7 @@ mod tests {
         let pillar = scenario.arena().pillars()[0].circle;
         for cell in grid.cells() {
             let least = grid.corner(cell);
-            let square =
-                Bounds { min: least, max: grid.corner(Cell { column: cell.column + 1, row: cell.row + 1 }) };
+            let square = Bounds { min: least, max: grid.corner(cell.offset(1, 1)) };
             let wall = least.x.min(least.y).min(4.0 - square.max.x).min(3.0 - square.max.y);
             let clear = wall > 0.2 - 1e-6 && square.distance(pillar.center) > 0.5 - 1e-6;
             assert_eq!(grid.is_free(cell), clear, "{cell:?}");

@@ -187,7 +187,7 @@ impl<'a> Task<'a> {
         });
         Route {
             blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
-            looked_at: map::runs(&self.grid, |cell| way.touched.contains(&(cell.row, cell.column))),
+            looked_at: map::runs(&self.grid, |cell| way.touched.contains(&cell)),
             cells: way.cells.clone(),
             start: cell(self.from).filter(|_| is_grid),
             target: cell(self.to).filter(|_| is_grid),
@@ -222,7 +222,7 @@ fn place(point: Point) -> String {
 }
 
 fn square(grid: &Grid, cell: Cell) -> Bounds {
-    Bounds { min: grid.corner(cell), max: grid.corner(Cell { column: cell.column + 1, row: cell.row + 1 }) }
+    Bounds { min: grid.corner(cell), max: grid.corner(cell.offset(1, 1)) }
 }
 
 /// To a tenth of a millimetre, so that lengths can be compared.

@@ -15,8 +15,8 @@ pub(super) struct Way {
     pub(super) length_m: f64,
     /// Cells whose neighbours were looked at.
     pub(super) expanded: usize,
-    /// Cells that were looked at, places in the grid's order.
-    pub(super) touched: BTreeSet<(usize, usize)>,
+    /// Cells that were looked at.
+    pub(super) touched: BTreeSet<Cell>,
     /// The convex cells, of the method that has these.
     pub(super) cells: Vec<Bounds>,
     /// It did not get to the target.
@@ -52,7 +52,7 @@ impl Way {
             points: bends(&plan.points(grid)),
             length_m: plan.length_m,
             expanded: plan.expanded.len(),
-            touched: plan.touched.iter().map(place).collect(),
+            touched: plan.touched.iter().copied().collect(),
             cells: Vec::new(),
             is_stuck: false,
         }
@@ -64,7 +64,7 @@ impl Way {
             length_m: points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
             points: bends(&points),
             expanded: walked.len(),
-            touched: touched.iter().map(place).collect(),
+            touched: touched.iter().copied().collect(),
             cells: Vec::new(),
             is_stuck: true,
         }
@@ -81,10 +81,6 @@ impl Way {
             is_stuck: false,
         })
     }
-}
-
-fn place(cell: &Cell) -> (usize, usize) {
-    (cell.row, cell.column)
 }
 
 /// Without the points at which a line goes straight on.

@@ -12,7 +12,7 @@ use crate::math;
 use crate::pose::{Point, Vector};
 use crate::segment::Segment;
 
-/// Square cells, counted row by row from the lower left corner.
+/// Square cells, counted row by row from the lower left corner. It is no [`Grid`](crate::grid::Grid), whose module says why.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// The lower left corner of the box around all shapes.
@@ -75,14 +75,13 @@ impl Layout {
 
     /// Visits the cells that the segment touches, or misses by less than the margin, once each.
     pub(super) fn segment_cells(&self, segment: &Segment, mut visit: impl FnMut(usize)) {
-        let (a, b) = (self.grid_from_world(segment.start), self.grid_from_world(segment.end));
-        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        let [start, end] = [segment.start, segment.end].map(|end| Point::from(self.grid_from_world(end)));
+        let in_grid = Segment { start, end };
+        let around = Bounds::of_segment(&in_grid);
         let margin = self.margin();
-        for row in self.row(low.y - margin)..=self.row(high.y + margin) {
-            // The part of the segment in this row runs between these two x.
-            let bottom = x_at(low, high, row as f64 * self.cell - margin);
-            let top = x_at(low, high, (row + 1) as f64 * self.cell + margin);
-            let (left, right) = if bottom <= top { (bottom, top) } else { (top, bottom) };
+        for row in self.row(around.min.y - margin)..=self.row(around.max.y + margin) {
+            let (bottom, top) = (row as f64 * self.cell - margin, (row + 1) as f64 * self.cell + margin);
+            let (left, right) = in_grid.x_range(bottom, top);
             for column in self.column(left - margin)..=self.column(right + margin) {
                 visit(row * self.columns + column);
             }
@@ -168,17 +167,6 @@ fn entries(segments: &[Segment], circles: &[Circle], cell: f64) -> f64 {
 fn place(coordinate: f64, cell: f64, count: usize) -> usize {
     // The conversion rounds down, and takes negative numbers and NaN to 0.
     ((coordinate / cell) as usize).min(count - 1)
-}
-
-/// The x at which the segment reaches a height, or that of the end next to it.
-fn x_at(low: Vector, high: Vector, y: f64) -> f64 {
-    if y <= low.y {
-        low.x
-    } else if y >= high.y {
-        high.x
-    } else {
-        low.x + (high.x - low.x) * ((y - low.y) / (high.y - low.y))
-    }
 }
 
 /// More cells than this for a shape cost more to walk than they save.

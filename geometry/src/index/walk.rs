@@ -3,6 +3,10 @@
 //!
 //! *Deviations.* The distance to each border is computed afresh from the border's number. The paper adds up
 //! one step at a time, which is quicker, but the sum of many steps drifts away from the border.
+//!
+//! The lines of [`grid`](crate::grid) end in a cell that is known beforehand. A ray ends with the first shape that it
+//! meets, or where it leaves the grid, and needs of each cell how far away its exit is; nothing else in the crate is done
+//! as often. So this walk stays by itself.
 
 use super::layout::Layout;
 use crate::ray::Ray;

@@ -3,7 +3,6 @@
 mod entry;
 mod outlines;
 mod raster;
-mod rectangles;
 mod ros;
 mod shape;
 mod svg;

@@ -7,9 +7,16 @@ use image::codecs::png::PngDecoder;
 use image::codecs::pnm::PnmDecoder;
 use image::{ImageDecoder, ImageError, ImageResult};
 
-use super::rectangles::Bitmap;
 use crate::error::FileError;
 use crate::file;
+
+/// Which cells of a map are occupied, by rows from the top.
+#[derive(Debug)]
+pub(crate) struct Bitmap {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) cells: Vec<bool>,
+}
 
 /// Reads an image and asks of each pixel whether it is occupied. The question has the pixel's brightness,
 /// from 0 (black) to 1, which is the mean of its colours; a pixel that one can see through has none.

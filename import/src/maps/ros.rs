@@ -9,12 +9,12 @@
 
 use std::path::Path;
 
+use baudbot_geometry::grid::{Growth, Rectangle, cover};
 use baudbot_geometry::math;
 use serde::Deserialize;
 
 use super::entry::Unknown;
 use super::raster;
-use super::rectangles::{Rectangle, cover};
 use super::shape::{MAX_POSITION, MAX_SHAPES, Shape, tidy};
 use crate::error::FileError;
 use crate::file;
@@ -26,17 +26,18 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileEr
     })?;
     let map = description.check().map_err(|problem| FileError::new(path, problem))?;
     let image = path.parent().unwrap_or_else(|| Path::new("")).join(&map.image);
-    let bitmap = raster::read(&image, |brightness| map.is_occupied(brightness, unknown))?;
-    let rows = bitmap.height;
-    let Some(rectangles) = cover(bitmap, MAX_SHAPES) else {
+    let mut bitmap = raster::read(&image, |brightness| map.is_occupied(brightness, unknown))?;
+    let rectangles = cover(&mut bitmap.cells, bitmap.width, Growth::RowFirst);
+    let rectangles: Vec<_> = rectangles.take(MAX_SHAPES + 1).collect();
+    if rectangles.len() > MAX_SHAPES {
         let problem = format!(
             "takes more than {MAX_SHAPES} rectangles: rid the map of single dark cells, or use a coarser one"
         );
         return Err(FileError::new(&image, problem));
-    };
+    }
     rectangles
         .iter()
-        .map(|rectangle| map.shape(rectangle, rows))
+        .map(|rectangle| map.shape(rectangle, bitmap.height))
         .collect::<Result<_, _>>()
         .map_err(|problem| FileError::new(path, problem))
 }
@@ -160,13 +161,15 @@ impl Map {
         if p > 1.0 || (self.free..=self.occupied).contains(&p) { is_taken } else { p > self.occupied }
     }
 
+    /// A rectangle of cells as a polygon. Rows are counted from the top of an image with so many.
     fn shape(&self, rectangle: &Rectangle, rows: usize) -> Result<Shape, String> {
         let [x, y] = self.origin;
         let (sin, cos) = self.turn;
-        let (left, right) = (rectangle.left, rectangle.left + rectangle.width);
-        let (top, bottom) = (rows - rectangle.top, rows - rectangle.top - rectangle.height);
+        let (left, right) = (rectangle.first.column, rectangle.first.column + rectangle.columns);
+        let top = rows as i32 - rectangle.first.row;
+        let bottom = top - rectangle.rows;
         let points = [[left, bottom], [right, bottom], [right, top], [left, top]].map(|[column, row]| {
-            let (along, up) = (column as f64 * self.resolution, row as f64 * self.resolution);
+            let (along, up) = (f64::from(column) * self.resolution, f64::from(row) * self.resolution);
             [tidy(x + (along * cos - up * sin)), tidy(y + (along * sin + up * cos))]
         });
         if let Some([x, y]) = points.iter().find(|point| point.iter().any(|x| x.abs() > MAX_POSITION)) {

@@ -10,6 +10,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
+use baudbot_geometry::Twist;
 use baudbot_proto::v1;
 use baudbot_sim::Pose;
 
@@ -135,12 +136,11 @@ impl Wheels {
 
     /// The pose after the counters went from some numbers to others; none if that is nowhere.
     fn rolled(&self, from: Pose, before: [f64; 2], now: [f64; 2]) -> Option<Pose> {
-        let [left_m, right_m] = [0, 1].map(|i| self.way_per_count_m * self.counted(before[i], now[i]));
-        let turn_rad = (right_m - left_m) / (2.0 * self.half_track_m);
-        let (sin, cos) = (from.heading + 0.5 * turn_rad).sin_cos();
-        let way_m = 0.5 * (left_m + right_m);
-        let (x_m, y_m) = (from.position.x + way_m * cos, from.position.y + way_m * sin);
-        sound_pose(x_m, y_m, (from.heading + turn_rad).rem_euclid(TAU))
+        let ways_m = [0, 1].map(|i| self.way_per_count_m * self.counted(before[i], now[i]));
+        let Twist { forward, turn } = Twist::of_wheels(ways_m, self.half_track_m);
+        let (sin, cos) = (from.heading + 0.5 * turn).sin_cos();
+        let (x_m, y_m) = (from.position.x + forward * cos, from.position.y + forward * sin);
+        sound_pose(x_m, y_m, (from.heading + turn).rem_euclid(TAU))
     }
 
     /// How far a counter went on, the shorter way round if it wraps.

@@ -10,31 +10,31 @@
 
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Point, Segment, Shape, math, polygon};
+use baudbot_geometry::grid::{Cell, Grid, MARGIN};
+use baudbot_geometry::{Circle, Point, Segment, Shape, polygon};
 
 use super::bits::Bits;
-use super::grid::{Grid, MARGIN};
 use crate::arena::Arena;
 
 /// The cells that can be reached.
 pub(super) fn free(arena: &Arena, grid: &Grid, starts: &[Point]) -> Bits {
     let barriers = Barriers::new(arena, grid);
-    let mut found = Bits::new(grid.cells());
+    let mut found = Bits::new(grid.cells.count());
     let mut open = Vec::new();
-    let mut find = |open: &mut Vec<(usize, usize)>, column, row| {
-        let cell = grid.cell(column, row).filter(|&cell| !barriers.pillars.contains(cell));
-        if cell.is_some_and(|cell| found.insert(cell)) {
-            open.push((column, row));
+    let mut find = |open: &mut Vec<Cell>, cell| {
+        let number = grid.cells.number(cell).filter(|&number| !barriers.pillars.contains(number));
+        if number.is_some_and(|number| found.insert(number)) {
+            open.push(cell);
         }
     };
     for &start in starts {
-        for (column, row) in first_cells(arena, grid, start) {
-            find(&mut open, column, row);
+        for cell in first_cells(arena, grid, start) {
+            find(&mut open, cell);
         }
     }
-    while let Some((column, row)) = open.pop() {
-        for next in barriers.steps(grid, column, row).into_iter().flatten() {
-            find(&mut open, next.0, next.1);
+    while let Some(cell) = open.pop() {
+        for next in barriers.steps(grid, cell).into_iter().flatten() {
+            find(&mut open, next);
         }
     }
     found
@@ -42,20 +42,15 @@ pub(super) fn free(arena: &Arena, grid: &Grid, starts: &[Point]) -> Bits {
 
 /// The cell that a robot starts in; if something stands between the robot and that cell's centre, those of
 /// the eight around it to which the way is free.
-fn first_cells(arena: &Arena, grid: &Grid, start: Point) -> Vec<(usize, usize)> {
-    let place = grid.grid_from_world(start);
-    let (column, row) = (math::floor(place.x), math::floor(place.y));
-    let in_reach = |dx: f64, dy: f64| {
-        let (x, y) = (column + dx, row + dy);
-        let in_grid = x >= 0.0 && y >= 0.0 && x < grid.columns as f64 && y < grid.rows as f64;
-        let cell = in_grid.then_some((x as usize, y as usize));
-        cell.filter(|&(column, row)| is_in_sight(arena, grid, start, grid.center(column, row)))
-    };
-    if let Some(own) = in_reach(0.0, 0.0) {
+fn first_cells(arena: &Arena, grid: &Grid, start: Point) -> Vec<Cell> {
+    let own = grid.cell_at(start);
+    let in_reach =
+        |cell: &Cell| grid.cells.contains(*cell) && is_in_sight(arena, grid, start, grid.center(*cell));
+    if in_reach(&own) {
         return [own].into();
     }
-    let around = [-1.0, 0.0, 1.0].map(|dy| [-1.0, 0.0, 1.0].map(|dx| in_reach(dx, dy)));
-    around.into_iter().flatten().flatten().collect()
+    let around = (-1..=1).flat_map(|row| (-1..=1).map(move |column| own.offset(column, row)));
+    around.filter(in_reach).collect()
 }
 
 /// Whether neither a wall nor a pillar is between the start and the centre, which is in no solid polygon.
@@ -88,9 +83,9 @@ struct Barriers {
 
 impl Barriers {
     fn new(arena: &Arena, grid: &Grid) -> Self {
-        let none = || Bits::new(grid.cells());
+        let none = || Bits::new(grid.cells.count());
         let mut barriers = Self { pillars: none(), right: none(), above: none() };
-        let all = Bits::full(grid.cells());
+        let all = Bits::full(grid.cells.count());
         for circle in arena.index().circles() {
             grid.in_disc(circle, |cells| barriers.pillars.insert_range(cells, &all));
         }
@@ -102,42 +97,38 @@ impl Barriers {
 
     fn add(&mut self, grid: &Grid, wall: &Segment) {
         let wall = in_grid(grid, wall);
-        let blocks = |column, row, rightwards| {
-            let cell = grid.cell(column, row)?;
-            meets(&wall, &step(column, row, rightwards)).then_some(cell)
+        let blocks = |cell, rightwards| {
+            let number = grid.cells.number(cell)?;
+            meets(&wall, &step(cell, rightwards)).then_some(number)
         };
         // A wall meets a step in one of the two cells that the step joins.
-        grid.along(&wall, |column, row| {
-            for column in [Some(column), column.checked_sub(1)].into_iter().flatten() {
-                if let Some(cell) = blocks(column, row, true) {
-                    self.right.insert(cell);
-                }
+        grid.along(&wall, |cell| {
+            for number in [cell, cell.offset(-1, 0)].into_iter().filter_map(|cell| blocks(cell, true)) {
+                self.right.insert(number);
             }
-            for row in [Some(row), row.checked_sub(1)].into_iter().flatten() {
-                if let Some(cell) = blocks(column, row, false) {
-                    self.above.insert(cell);
-                }
+            for number in [cell, cell.offset(0, -1)].into_iter().filter_map(|cell| blocks(cell, false)) {
+                self.above.insert(number);
             }
         });
     }
 
     /// Where one can go from a cell; some of it may be beyond the grid.
-    fn steps(&self, grid: &Grid, column: usize, row: usize) -> [Option<(usize, usize)>; 4] {
-        let is_open = |walls: &Bits, column, row| grid.cell(column, row).is_some_and(|c| !walls.contains(c));
-        let left = column.checked_sub(1).filter(|&left| is_open(&self.right, left, row));
-        let below = row.checked_sub(1).filter(|&below| is_open(&self.above, column, below));
+    fn steps(&self, grid: &Grid, cell: Cell) -> [Option<Cell>; 4] {
+        let is_open =
+            |walls: &Bits, cell| grid.cells.number(cell).is_some_and(|number| !walls.contains(number));
+        let (left, below) = (cell.offset(-1, 0), cell.offset(0, -1));
         [
-            is_open(&self.right, column, row).then_some((column + 1, row)),
-            is_open(&self.above, column, row).then_some((column, row + 1)),
-            left.map(|left| (left, row)),
-            below.map(|below| (column, below)),
+            is_open(&self.right, cell).then_some(cell.offset(1, 0)),
+            is_open(&self.above, cell).then_some(cell.offset(0, 1)),
+            is_open(&self.right, left).then_some(left),
+            is_open(&self.above, below).then_some(below),
         ]
     }
 }
 
 /// From a cell's centre to that of the cell on its right, or else of the one above. In the grid frame.
-fn step(column: usize, row: usize, rightwards: bool) -> Segment {
-    let start = Point::new(column as f64 + 0.5, row as f64 + 0.5);
+fn step(cell: Cell, rightwards: bool) -> Segment {
+    let start = Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5);
     let end =
         if rightwards { Point::new(start.x + 1.0, start.y) } else { Point::new(start.x, start.y + 1.0) };
     Segment { start, end }

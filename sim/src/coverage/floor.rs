@@ -2,11 +2,11 @@
 
 use alloc::vec::Vec;
 
+use baudbot_geometry::grid::{Cell, Grid, MARGIN};
 use baudbot_geometry::{Bounds, Index, Point, math};
 
 use super::bits::Bits;
 use super::fill;
-use super::grid::{self, Grid};
 use crate::arena::Arena;
 
 /// The most cells that a floor may have.
@@ -81,7 +81,7 @@ impl Floor {
             return Err(FloorError::CellSize { cell_m });
         }
         is_affordable(&bounds, arena.index(), cell_m)?;
-        let grid = Grid::new(&bounds, cell_m);
+        let grid = Grid::over(&bounds, cell_m);
         let free = fill::free(arena, &grid, starts);
         if free.count() == 0 {
             return Err(FloorError::NothingFree { cell_m });
@@ -92,7 +92,7 @@ impl Floor {
     /// The lower left corner of the grid, in metres.
     #[must_use]
     pub fn corner(&self) -> Point {
-        self.grid.min
+        self.grid.origin
     }
 
     /// The side of a cell, in metres.
@@ -104,25 +104,25 @@ impl Floor {
     /// The number of columns of the grid.
     #[must_use]
     pub fn columns(&self) -> usize {
-        self.grid.columns
+        self.grid.cells.columns as usize
     }
 
     /// The number of rows of the grid.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.grid.rows
+        self.grid.cells.rows as usize
     }
 
     /// The centre of a cell, in metres.
     #[must_use]
     pub fn center(&self, column: usize, row: usize) -> Point {
-        self.grid.center(column, row)
+        self.grid.center(Cell { column: column as i32, row: row as i32 })
     }
 
     /// Whether the cell is free. There is none beyond the grid.
     #[must_use]
     pub fn is_free(&self, column: usize, row: usize) -> bool {
-        self.grid.cell(column, row).is_some_and(|cell| self.free.contains(cell))
+        self.number(column, row).is_some_and(|number| self.free.contains(number))
     }
 
     /// How many cells are free: at least one.
@@ -135,7 +135,13 @@ impl Floor {
     /// are, and so on. They add up to all cells of the grid.
     #[must_use]
     pub fn free_runs(&self) -> Vec<u32> {
-        self.free.runs(self.grid.cells())
+        self.free.runs(self.grid.cells.count())
+    }
+
+    /// The number of a cell, if the grid has it.
+    pub(super) fn number(&self, column: usize, row: usize) -> Option<usize> {
+        let cell = Cell { column: column.try_into().ok()?, row: row.try_into().ok()? };
+        self.grid.cells.number(cell)
     }
 
     pub(super) fn grid(&self) -> &Grid {
@@ -150,7 +156,7 @@ impl Floor {
 /// Whether there are neither too many cells nor too many along all walls.
 fn is_affordable(bounds: &Bounds, shapes: &Index, cell_m: f64) -> Result<(), FloorError> {
     let cells = |cell_m: f64| {
-        let (columns, rows) = grid::count(bounds, cell_m);
+        let (columns, rows) = Grid::size(bounds, cell_m, MARGIN);
         columns * rows
     };
     if cells(cell_m) > MAX_CELLS as f64 {

@@ -22,8 +22,6 @@
 mod bits;
 mod fill;
 mod floor;
-mod grid;
-mod ray;
 
 use alloc::vec::Vec;
 
@@ -48,13 +46,13 @@ impl Coverage {
     /// Nothing is covered yet, and nothing sensed.
     #[must_use]
     pub fn new(floor: &Floor) -> Self {
-        let none = Bits::new(floor.grid().cells());
+        let none = Bits::new(floor.grid().cells.count());
         Self { covered: none.clone(), sensed: none }
     }
 
     /// Whether it is of this floor: of as many cells, none of them one that nobody can reach.
     pub(crate) fn is_of(&self, floor: &Floor) -> bool {
-        let none = Bits::new(floor.grid().cells());
+        let none = Bits::new(floor.grid().cells.count());
         let is_in = |cells: &Bits| cells.words() == none.words() && cells.is_within(floor.free());
         is_in(&self.covered) && is_in(&self.sensed)
     }
@@ -79,10 +77,11 @@ impl Coverage {
     /// Half a nanometre at either end is left out: an obstacle often stands on the border of a cell, and what
     /// is behind it must not be sensed because of a rounding. Walls are not looked for.
     pub fn sense_ray(&mut self, floor: &Floor, from: Point, to: Point) {
-        ray::cells(floor.grid(), from, to, |cell| {
-            if floor.free().contains(cell) {
-                self.sensed.insert(cell);
-            }
+        let grid = floor.grid();
+        let numbers = grid.line(from, to, HAIR_M).filter_map(|cell| grid.cells.number(cell));
+        // Not a `for` loop: rays are many, and this walks through the parts of the iterator one after the other.
+        numbers.filter(|&number| floor.free().contains(number)).for_each(|number| {
+            self.sensed.insert(number);
         });
     }
 
@@ -113,24 +112,27 @@ impl Coverage {
     /// The covered cells as lengths of runs, counted as in [`Floor::free_runs`].
     #[must_use]
     pub fn covered_runs(&self, floor: &Floor) -> Vec<u32> {
-        self.covered.runs(floor.grid().cells())
+        self.covered.runs(floor.grid().cells.count())
     }
 
     /// The sensed cells as lengths of runs, counted as in [`Floor::free_runs`].
     #[must_use]
     pub fn sensed_runs(&self, floor: &Floor) -> Vec<u32> {
-        self.sensed.runs(floor.grid().cells())
+        self.sensed.runs(floor.grid().cells.count())
     }
 
     /// Whether the cell is covered. There is none beyond the grid.
     #[must_use]
     pub fn is_covered(&self, floor: &Floor, column: usize, row: usize) -> bool {
-        floor.grid().cell(column, row).is_some_and(|cell| self.covered.contains(cell))
+        floor.number(column, row).is_some_and(|number| self.covered.contains(number))
     }
 
     /// Whether the cell is sensed. There is none beyond the grid.
     #[must_use]
     pub fn is_sensed(&self, floor: &Floor, column: usize, row: usize) -> bool {
-        floor.grid().cell(column, row).is_some_and(|cell| self.sensed.contains(cell))
+        floor.number(column, row).is_some_and(|number| self.sensed.contains(number))
     }
 }
+
+/// How much of a ray is left out at either end: more than roundings, less than anything of interest.
+const HAIR_M: f64 = 0.5e-9;

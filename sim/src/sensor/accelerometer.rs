@@ -58,8 +58,8 @@ impl Sense for Accelerometer {
         values: &mut [f64],
     ) -> Effect {
         let motion = at.motion;
-        let (speed, turn_rate) = at.over_ground();
-        let felt = [motion.acceleration_m_s2, speed * turn_rate];
+        let body = at.over_ground();
+        let felt = [motion.acceleration_m_s2, body.forward * body.turn];
         let time_constant = time_constant_s(self.bandwidth_hz);
         for ((reading, filter), felt) in values.iter_mut().zip(filters).zip(felt) {
             *reading = filter.follow(felt, time_constant, at.now);

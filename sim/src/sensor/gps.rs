@@ -144,7 +144,7 @@ impl Sense for Gps {
             return Effect::NONE;
         }
         let noise = if at.noise && self.speed_sigma_m_s > 0.0 { stream.normal() } else { 0.0 };
-        let speed = (at.over_ground().0 + self.speed_sigma_m_s * noise).abs();
+        let speed = (at.over_ground().forward + self.speed_sigma_m_s * noise).abs();
         let backwards = if at.motion.speed_m_s < 0.0 { PI } else { 0.0 };
         let course = angle::wrap(at.motion.pose.heading + backwards);
         values.copy_from_slice(&[latitude, longitude, 1.0, speed, course]);

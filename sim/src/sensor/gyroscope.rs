@@ -50,8 +50,7 @@ impl Sense for Gyroscope {
 
     /// Turn rate in rad/s, positive to the left.
     fn read(&self, at: &Measurement<'_>, filter: &mut LowPass, _: &mut Stream, values: &mut [f64]) -> Effect {
-        let (_, turn_rate) = at.over_ground();
-        values[0] = filter.follow(turn_rate, time_constant_s(self.bandwidth_hz), at.now);
+        values[0] = filter.follow(at.over_ground().turn, time_constant_s(self.bandwidth_hz), at.now);
         Effect::NONE
     }
 

@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::ops::Range;
 
-use baudbot_geometry::{Fan, Pose, Ray, angle, math};
+use baudbot_geometry::{Fan, Pose, Ray, Twist, angle, math};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
@@ -130,7 +130,7 @@ impl Laser {
         if which.is_empty() {
             return;
         }
-        if self.sweep_ns == 0 || at.over_ground() == (0.0, 0.0) {
+        if self.sweep_ns == 0 || at.over_ground() == Twist::default() {
             return self.read_at_once(at, which, start, values);
         }
         for i in which {
@@ -167,11 +167,11 @@ pub(crate) const NOTHING: f64 = -1.0;
 /// The robot's pose at an instant of the tick, at its present speed and turn rate.
 fn carried_on(at: &Measurement<'_>, instant: SimTime) -> Pose {
     let dt = instant.min(at.tick_end).since(at.tick_start) as f64 / SECOND_NS as f64;
-    let (speed_m_s, turn_rate_rad_s) = at.over_ground();
+    let body = at.over_ground();
     let mut pose = at.motion.pose;
-    pose.heading = angle::wrap(pose.heading + turn_rate_rad_s * dt);
+    pose.heading = angle::wrap(pose.heading + body.turn * dt);
     let (sin, cos) = math::sin_cos(pose.heading);
-    pose.position.x += speed_m_s * dt * cos;
-    pose.position.y += speed_m_s * dt * sin;
+    pose.position.x += body.forward * dt * cos;
+    pose.position.y += body.forward * dt * sin;
     pose
 }

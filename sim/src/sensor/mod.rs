@@ -28,7 +28,7 @@ mod voltage;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose};
+use baudbot_geometry::{Fan, Pose, Twist};
 use baudbot_wire::Encoding;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -111,8 +111,8 @@ pub(crate) struct Measurement<'a> {
 }
 
 impl Measurement<'_> {
-    /// The robot's speed and turn rate over ground, whatever its wheels do.
-    fn over_ground(&self) -> (f64, f64) {
+    /// The robot's motion over ground, whatever its wheels do.
+    fn over_ground(&self) -> Twist {
         self.scene.surroundings.over_ground(&self.robot.drive, self.motion)
     }
 }

@@ -9,7 +9,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use baudbot_geometry::{Pose, angle, math};
+use baudbot_geometry::{Pose, Twist, angle, math};
 use serde::{Deserialize, Serialize};
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
@@ -98,9 +98,9 @@ impl Sense for Odometer {
         estimate.travel_m = travel;
 
         let pose = &mut estimate.pose;
-        pose.heading = angle::wrap(pose.heading + (right - left) / (2.0 * at.robot.drive.half_track_m));
+        let Twist { forward, turn } = Twist::of_wheels([left, right], at.robot.drive.half_track_m);
+        pose.heading = angle::wrap(pose.heading + turn);
         let (sin, cos) = math::sin_cos(pose.heading);
-        let forward = 0.5 * (left + right);
         pose.position.x += forward * cos;
         pose.position.y += forward * sin;
         values.copy_from_slice(&[pose.position.x, pose.position.y, pose.heading]);

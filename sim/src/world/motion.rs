@@ -181,7 +181,7 @@ impl World {
     /// How far a robot has come.
     fn note_way(&mut self, scenario: &Scenario, own: usize, dt: f64) {
         let robot = &mut self.state.robots[own];
-        let (speed, _) = scenario.surroundings.over_ground(&scenario.robots()[own].drive, &robot.motion);
+        let speed = scenario.surroundings.over_ground(&scenario.robots()[own].drive, &robot.motion).forward;
         robot.counters.distance_m += (speed * dt).abs();
     }
 

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use baudbot_client::{Action, Body, Brain, Turn};
 
 use super::{Larva, Parameters as LarvaParameters};
-use crate::animals::legs::{Legs, Motion};
+use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
 use crate::chance::Chance;
 use crate::parameter::Parameter;
@@ -77,12 +77,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         range: 0.01..=10.0,
         field: |p| &mut p.larva.swing_hz,
     },
-    Parameter {
-        name: "full_speed_m_s",
-        meaning: "speed of the robot with the signal 1, in m/s",
-        range: 0.01..=100.0,
-        field: |p| &mut p.full_speed_m_s,
-    },
+    full_speed(|p| &mut p.full_speed_m_s),
 ];
 
 /// A brain that turns from the brighter side, until it is tired of it.
@@ -94,7 +89,6 @@ pub struct LarvaBrain {
     legs: Legs,
     larva: Larva,
     turn_rad_s: f64,
-    stepped_ns: u64,
     /// Until when it turns about.
     about_until_ns: u64,
 }
@@ -109,7 +103,6 @@ impl LarvaBrain {
             legs: Legs::new(body, parameters.full_speed_m_s),
             larva: Larva::new(parameters.larva),
             turn_rad_s: parameters.larva.turn_rad_s,
-            stepped_ns: 0,
             about_until_ns: 0,
         })
     }
@@ -137,8 +130,7 @@ impl LarvaBrain {
 
 impl Brain for LarvaBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
-        self.stepped_ns = turn.at_ns;
+        let dt_s = self.legs.seconds_since_last(turn);
         self.eyes.look(turn);
         self.feel(turn);
         let motion = if self.eyes.is_numb(turn.at_ns) {

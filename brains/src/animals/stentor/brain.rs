@@ -10,7 +10,7 @@
 use baudbot_client::{Action, Belief, Body, Brain, Turn, Utility};
 
 use super::{Behaviour, Parameters as CellParameters, Stentor};
-use crate::animals::legs::{Legs, Motion};
+use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
 use crate::chance::Chance;
 use crate::parameter::Parameter;
@@ -100,12 +100,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         range: 0.0..=10.0,
         field: |p| &mut p.detach_m_s,
     },
-    Parameter {
-        name: "full_speed_m_s",
-        meaning: "speed of the robot with the signal 1, in m/s",
-        range: 0.01..=100.0,
-        field: |p| &mut p.full_speed_m_s,
-    },
+    full_speed(|p| &mut p.full_speed_m_s),
 ];
 
 /// A brain of five behaviours, the strongest of which it takes only when the others do not help.
@@ -119,7 +114,6 @@ pub struct StentorBrain {
     behaviour: Behaviour,
     /// To the left if positive.
     turn_rad_s: f64,
-    stepped_ns: u64,
 }
 
 impl StentorBrain {
@@ -134,7 +128,6 @@ impl StentorBrain {
             cell: Stentor::new(parameters.cell),
             behaviour: Behaviour::Feed,
             turn_rad_s: parameters.turn_rad_s,
-            stepped_ns: 0,
         })
     }
 
@@ -175,8 +168,7 @@ impl StentorBrain {
 
 impl Brain for StentorBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
-        self.stepped_ns = turn.at_ns;
+        let dt_s = self.legs.seconds_since_last(turn);
         self.sense.look(turn);
         if self.sense.is_numb(turn.at_ns) {
             return self.legs.walk(Motion::default(), turn);

@@ -17,7 +17,7 @@ pub(crate) mod brain;
 pub use brain::{Parameters as BrainParameters, StentorBrain};
 
 use super::leaky_integrator::LeakyIntegrator;
-use crate::decision_theory::choose;
+use crate::decision::utility::greatest;
 
 /// What a Stentor does, in the order of what it costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,7 +79,7 @@ impl Stentor {
     /// What it does, (7.13); of equal utilities the cheapest behaviour. Then it feels a concentration for `dt_s`
     /// seconds, by Euler's method.
     pub fn step(&mut self, concentration: f64, dt_s: f64) -> Behaviour {
-        let chosen = choose(&self.utilities()).unwrap_or(0);
+        let chosen = greatest(self.utilities()).unwrap_or(0);
         self.avoidance.iter_mut().for_each(|integrator| integrator.step(concentration, dt_s));
         BEHAVIOURS[chosen]
     }

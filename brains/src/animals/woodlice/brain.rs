@@ -3,7 +3,7 @@
 use baudbot_client::{Action, Body, Brain, Turn};
 
 use super::{Parameters as LouseParameters, Woodlouse};
-use crate::animals::legs::{Legs, Motion};
+use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
 use crate::chance::Chance;
 use crate::parameter::Parameter;
@@ -60,12 +60,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         range: 0.0..=100.0,
         field: |p| &mut p.louse.turn_hz,
     },
-    Parameter {
-        name: "full_speed_m_s",
-        meaning: "speed of the robot with the signal 1, in m/s",
-        range: 0.01..=100.0,
-        field: |p| &mut p.full_speed_m_s,
-    },
+    full_speed(|p| &mut p.full_speed_m_s),
 ];
 
 /// A brain that wanders quickly in the dry and slowly in the damp.
@@ -75,7 +70,6 @@ pub struct WoodlouseBrain {
     sense: Sense,
     legs: Legs,
     louse: Woodlouse,
-    stepped_ns: u64,
 }
 
 impl WoodlouseBrain {
@@ -86,7 +80,6 @@ impl WoodlouseBrain {
             sense: Sense::new(body, &["field", "light", "photoresistor"])?,
             legs: Legs::new(body, parameters.full_speed_m_s),
             louse: Woodlouse::new(parameters.louse),
-            stepped_ns: 0,
         })
     }
 }
@@ -94,8 +87,7 @@ impl WoodlouseBrain {
 impl Brain for WoodlouseBrain {
     fn step(&mut self, turn: &Turn) -> Action {
         self.sense.look(turn);
-        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
-        self.stepped_ns = turn.at_ns;
+        let dt_s = self.legs.seconds_since_last(turn);
         let motion = if self.sense.is_numb(turn.at_ns) {
             Motion::default()
         } else {

@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::steering::{Helm, Steering, braking};
 use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Pursuit, Way};
+use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::planning::ThetaStar;
 use crate::process::{Moment, MotorBehavior};
 
@@ -94,20 +95,12 @@ impl FollowPath {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, a goal is too near to a wall, or no way leads from one goal to the next, in words.
-    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, String> {
+    /// If the parameters make no sense, a goal is too near to a wall, or no way leads from one goal to the next.
+    pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = parameters;
-        if let Some(problem) = p.steering.problem() {
-            return Err(problem);
-        }
-        for (name, value) in [("look_ahead_m", p.look_ahead_m), ("stray_m", p.stray_m)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(format!("{name}: must be positive, is {value}"));
-            }
-        }
-        if !(p.clearance_m.is_finite() && p.clearance_m >= 0.0) {
-            return Err(format!("clearance_m: must not be negative, is {}", p.clearance_m));
-        }
+        p.steering.check()?;
+        check_positive([("look_ahead_m", p.look_ahead_m), ("stray_m", p.stray_m)])?;
+        check_not_negative([("clearance_m", p.clearance_m)])?;
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, p.method)?;
         Ok(Self {
@@ -130,8 +123,8 @@ impl FollowPath {
         self.goals.has_arrived()
     }
 
-    /// Makes sure that there is a way to the goal. Pending until there is one; an error in words if there is none.
-    fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Poll<Result<(), String>> {
+    /// Makes sure that there is a way to the goal. Pending until there is one; an error if there is none.
+    fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Poll<Result<(), NoWay>> {
         let place = self.goals.next();
         let is_followed = match &mut self.pursuit {
             Some((to, pursuit)) if *to == place => pursuit.advance(here) <= self.stray_m,
@@ -141,18 +134,15 @@ impl FollowPath {
             return Poll::Ready(Ok(()));
         }
         self.pursuit = None;
-        let problem = |from: Point| {
-            format!("goals_m[{place}]: no way leads there from ({:.2} m, {:.2} m)", from.x, from.y)
-        };
         if self.retry.is_some_and(|(to, retry_ns)| to == place && at_ns < retry_ns) {
-            return Poll::Ready(Err(problem(here)));
+            return Poll::Ready(Err(NoWay { goal: place, from: here }));
         }
         let from = self.planned.filter(|(to, _)| *to == place).map_or(here, |(_, from)| from);
         self.planned = Some((place, from));
         let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut { CELLS_A_STEP }));
         self.planned = None;
         self.retry = way.is_err().then_some((place, at_ns.saturating_add(RETRY_NS)));
-        self.follow(place, way.map_err(|_| problem(from))?);
+        self.follow(place, way.map_err(|_| NoWay { goal: place, from })?);
         Poll::Ready(Ok(()))
     }
 
@@ -184,12 +174,23 @@ impl FollowPath {
     }
 }
 
+/// No way leads to a goal, by its place in the list, from where the robot is.
+#[derive(Debug, thiserror::Error)]
+#[error("goals_m[{goal}]: no way leads there from ({:.2} m, {:.2} m)", from.x, from.y)]
+struct NoWay {
+    goal: usize,
+    from: Point,
+}
+
 /// The ways from goal to goal: what can be known of them before it is known where the robot is.
-fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, String> {
+fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, ParameterError> {
     let place = |point: &Point| format!("({} m, {} m)", point.x, point.y);
     if let Some(i) = goals.iter().position(|goal| !floor.is_free(*goal)) {
         let why = "is outside of the map, or nearer to a wall than the body's radius and `clearance_m` allow";
-        return Err(format!("goals_m[{i}]: {} {why}", place(&goals[i])));
+        return Err(ParameterError::value(
+            format_args!("goals_m[{i}]"),
+            format_args!("{} {why}", place(&goals[i])),
+        ));
     }
     let before = |i: usize| i.checked_sub(1).or_else(|| again.then_some(goals.len() - 1));
     let way = |i: usize| {
@@ -197,7 +198,8 @@ fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Po
         let (from, to) = (&goals[before], &goals[i]);
         floor.way(*from, *to).map(Some).map_err(|_| {
             let why = "with the body's radius and `clearance_m` on both sides";
-            format!("goals_m[{i}]: no way leads to {} from {}, {why}", place(to), place(from))
+            let problem = format_args!("no way leads to {} from {}, {why}", place(to), place(from));
+            ParameterError::value(format_args!("goals_m[{i}]"), problem)
         })
     };
     (0..goals.len()).map(way).collect()
@@ -223,7 +225,7 @@ impl MotorBehavior for FollowPath {
         };
         let wait = match self.plan(here, goal, moment.turn.at_ns) {
             Poll::Ready(Ok(())) => None,
-            Poll::Ready(Err(problem)) => Some(problem),
+            Poll::Ready(Err(no_way)) => Some(no_way.to_string()),
             Poll::Pending => Some("plans its way".to_owned()),
         };
         if let Some(why) = wait {

@@ -12,7 +12,7 @@ const WALLS: &str = "walls_m = [[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3,
 fn made(more: &str) -> Result<FollowPath, String> {
     let parameters =
         toml::from_str(&format!("{WALLS}\n{more}")).map_err(|error| error.message().to_owned())?;
-    FollowPath::new(&parameters, &body(&[]))
+    FollowPath::new(&parameters, &body(&[])).map_err(|error| error.to_string())
 }
 
 /// One step at this pose: the wheels' speeds, in metres a second, and what it says.

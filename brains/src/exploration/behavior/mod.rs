@@ -12,6 +12,7 @@ use super::brain::{PARAMETERS, Parameters};
 use super::scout::{self, Scout};
 use crate::mapping::PlacedScan;
 use crate::odometry::Odometry;
+use crate::parameter::ParameterError;
 use crate::process::{Moment, MotorBehavior};
 use crate::scanner::Scanner;
 
@@ -31,22 +32,30 @@ impl ExploreFloor {
     /// For a robot with this body, by its first laser that sits on that.
     ///
     /// # Errors
-    /// If a parameter makes no sense, or the robot has no laser of which scans can be made, in words.
-    pub fn new(mut parameters: Parameters, body: &Body) -> Result<Self, String> {
+    /// If a parameter makes no sense, or the robot has no laser of which scans can be made.
+    pub fn new(mut parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         if parameters.slam != 0.0 {
-            return Err("slam: a process of kind `slam` beside this one makes the map".to_owned());
+            let problem = "a process of kind `slam` beside this one makes the map";
+            return Err(ParameterError::value("slam", problem));
         }
         for parameter in PARAMETERS {
             let (found, range) = (*(parameter.field)(&mut parameters), &parameter.range);
             if !range.contains(&found) {
                 let (least, most) = (range.start(), range.end());
-                return Err(format!("{}: must be from {least} to {most}, is {found}", parameter.name));
+                let allowed = format_args!("from {least} to {most}");
+                return Err(ParameterError::range(parameter.name, allowed, found));
             }
         }
-        let no_laser =
-            || format!("robot `{}` has no sensor of kind `laser` that sits on its body", body.name);
+        let no_laser = || {
+            let problem =
+                format!("robot `{}` has no sensor of kind `laser` that sits on its body", body.name);
+            ParameterError::Other(problem)
+        };
         let laser = scout::laser(body).ok_or_else(no_laser)?;
-        let no_range = || format!("the data sheet of `{}` does not say how far it sees", laser.name);
+        let no_range = || {
+            let problem = format!("the data sheet of `{}` does not say how far it sees", laser.name);
+            ParameterError::Other(problem)
+        };
         Ok(Self {
             stale_ns: parameters.stale_ns(),
             scanner: Scanner::new(body, &laser.name, usize::MAX)?,

@@ -18,7 +18,8 @@ fn robot() -> Body {
 }
 
 fn made(toml: &str) -> Result<ExploreFloor, String> {
-    ExploreFloor::new(toml::from_str(toml).map_err(|error| error.message().to_owned())?, &robot())
+    let parameters = toml::from_str(toml).map_err(|error| error.message().to_owned())?;
+    ExploreFloor::new(parameters, &robot()).map_err(|error| error.to_string())
 }
 
 /// Its step at this instant, with a new scan of a round room if `is_seen`, for a robot whose odometry has come to `known_ns`.
@@ -83,6 +84,6 @@ fn what_makes_no_sense_is_refused() {
     assert_eq!(refused("cell_m = 0.001"), "cell_m: must be from 0.02 to 10, is 0.001");
     assert!(refused("metod = 1").contains("unknown field `metod`"), "{}", refused("metod = 1"));
     let blind = body(&[("odometer", "odometer", 0.0)]);
-    let refused = ExploreFloor::new(Parameters::default(), &blind).err().unwrap();
+    let refused = ExploreFloor::new(Parameters::default(), &blind).err().unwrap().to_string();
     assert_eq!(refused, "robot `alice` has no sensor of kind `laser` that sits on its body");
 }

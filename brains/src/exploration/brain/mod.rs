@@ -13,11 +13,11 @@ use baudbot_client::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use super::Command;
 use super::scout::{self, Scout};
+use crate::awaited::Awaited;
 use crate::estimate::Estimate;
 use crate::mapping::{Occupancy, PlacedScan};
 use crate::navigate::ODOMETER;
 use crate::odometry::{self, Odometry};
-use crate::process::Awaited;
 use crate::scanner::Scanner;
 use crate::slam::{self, Slam};
 

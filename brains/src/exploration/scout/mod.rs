@@ -112,7 +112,7 @@ impl Scout {
     pub(super) fn path(&self) -> Option<Point> {
         match self.command {
             Command::Drive { to } => Some(to),
-            _ => None,
+            Command::Wait | Command::Turn { .. } | Command::Done(_) | Command::Failed(_) => None,
         }
     }
 

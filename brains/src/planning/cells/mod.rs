@@ -11,13 +11,14 @@
 //! between two of them in the same cell. With one node a cell, as in the notes, how far it is across a large cell
 //! does not depend on where one enters and leaves: in an office, ways then were up to a third longer than need be.
 
+use baudbot_geometry::grid::{Cell, Rectangle};
 use baudbot_geometry::{Bounds, Point, Segment};
 
 use super::crossing::Crossing;
 use super::funnel::tighten;
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 use super::plan::{End, PlanError};
-use super::rectangles::{Rectangle, merge};
+use super::rectangles::merge;
 
 /// The free part of a [`Grid`], covered with convex cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,25 +132,23 @@ pub(super) fn middle(side: &Segment) -> Point {
 /// A rectangle of fine cells as a box. Neighbours compute a common corner from the same cell, so it has the same
 /// bits.
 fn bounds(grid: &Grid, rectangle: &Rectangle) -> Bounds {
-    let Rectangle { least, greatest } = rectangle;
-    let beyond = Cell { column: greatest.column + 1, row: greatest.row + 1 };
-    Bounds { min: grid.corner(*least), max: grid.corner(beyond) }
+    Bounds { min: grid.corner(rectangle.first), max: grid.corner(rectangle.last().offset(1, 1)) }
 }
 
 /// The doors through the right and the upper side of a rectangle.
 fn sides(grid: &Grid, owners: &[Option<usize>], rectangle: &Rectangle) -> Vec<(usize, Segment)> {
-    let Rectangle { least, greatest } = *rectangle;
-    let (column, row) = (greatest.column + 1, greatest.row + 1);
+    let (least, Cell { column, row }) = (rectangle.first, rectangle.last().offset(1, 1));
+    let extent = grid.extent();
     let owner = |cell: Cell| owners[grid.number(cell)].filter(|_| grid.is_free(cell));
     let mut sides = Vec::new();
-    if column < grid.columns() {
+    if column < extent.columns {
         let rows = runs(least.row..row, |row| owner(Cell { column, row }));
         sides.extend(rows.into_iter().map(|(to, from_row, to_row)| {
             let (start, end) = (Cell { column, row: to_row }, Cell { column, row: from_row });
             (to, Segment { start: grid.corner(start), end: grid.corner(end) })
         }));
     }
-    if row < grid.rows() {
+    if row < extent.rows {
         let columns = runs(least.column..column, |column| owner(Cell { column, row }));
         sides.extend(columns.into_iter().map(|(to, from_column, to_column)| {
             let (start, end) = (Cell { column: from_column, row }, Cell { column: to_column, row });
@@ -160,11 +159,8 @@ fn sides(grid: &Grid, owners: &[Option<usize>], rectangle: &Rectangle) -> Vec<(u
 }
 
 /// Places in a row that belong to the same owner: the owner, the first of them, and the one after the last.
-fn runs(
-    places: std::ops::Range<usize>,
-    owner: impl Fn(usize) -> Option<usize>,
-) -> Vec<(usize, usize, usize)> {
-    let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+fn runs(places: std::ops::Range<i32>, owner: impl Fn(i32) -> Option<usize>) -> Vec<(usize, i32, i32)> {
+    let mut runs: Vec<(usize, i32, i32)> = Vec::new();
     for place in places {
         let Some(owner) = owner(place) else { continue };
         match runs.last_mut() {

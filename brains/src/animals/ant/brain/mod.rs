@@ -16,7 +16,7 @@ use baudbot_geometry::{Direction, Vector, angle, math};
 
 use super::landmarks::{self, Landmark};
 use super::{Ant, Parameters as AntParameters, Phase, Sensed};
-use crate::animals::legs::{Legs, Motion};
+use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 
@@ -89,12 +89,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
         range: 0.0..=100.0,
         field: |p| &mut p.aside_m,
     },
-    Parameter {
-        name: "full_speed_m_s",
-        meaning: "speed of the robot with the signal 1, in m/s",
-        range: 0.01..=100.0,
-        field: |p| &mut p.full_speed_m_s,
-    },
+    full_speed(|p| &mut p.full_speed_m_s),
 ];
 
 /// A brain that finds home by a vector and a snapshot.
@@ -115,7 +110,6 @@ pub struct AntBrain {
     landmarks: Option<Vec<Landmark>>,
     scanned_ns: u64,
     left_ns: Option<u64>,
-    stepped_ns: u64,
     /// Where to it turned aside last, 1 for left and -1 for right, and when.
     aside: Option<(f64, u64)>,
 }
@@ -160,7 +154,6 @@ impl AntBrain {
             landmarks: None,
             scanned_ns: 0,
             left_ns: None,
-            stepped_ns: 0,
             aside: None,
         })
     }
@@ -276,8 +269,7 @@ impl AntBrain {
 
 impl Brain for AntBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = turn.at_ns.saturating_sub(self.stepped_ns) as f64 * 1e-9;
-        self.stepped_ns = turn.at_ns;
+        let dt_s = self.legs.seconds_since_last(turn);
         let distance_m = self.look(turn);
         let motion = self.walk(turn, distance_m, dt_s).unwrap_or_default();
         self.legs.walk(motion, turn)

@@ -4,31 +4,18 @@
 //! expected payoff, so that is infinite, and yet nobody pays much to play. To somebody who has W, Bernoulli says,
 //! an amount is worth its logarithm; then the game is worth a small fee.
 
-use super::curve::Curve;
+use crate::curve::Curve;
 
 /// The subjective value P_s of playing for a fee r, of somebody who has W: (7.3). `None` unless W is positive and
 /// something is left after the fee and the smallest prize, W − r + 2 > 0.
-///
-/// ```
-/// use baudbot_brains::decision_theory::st_petersburg::subjective_payoff;
-/// // Somebody who has 1000 should pay 10.95, but not 10.96.
-/// assert!(subjective_payoff(1000.0, 10.95) > Some(0.0));
-/// assert!(subjective_payoff(1000.0, 10.96) < Some(0.0));
-/// assert_eq!(subjective_payoff(10.0, 12.0), None);
-/// ```
-pub fn subjective_payoff(wealth: f64, fee: f64) -> Option<f64> {
+pub(crate) fn subjective_payoff(wealth: f64, fee: f64) -> Option<f64> {
     let possible = wealth > 0.0 && wealth.is_finite() && wealth - fee + 2.0 > 0.0 && fee.is_finite();
     possible.then(|| payoff(wealth, fee, TERMS))
 }
 
 /// The largest fee at which playing is worth something, or at least nothing: where P_s is 0. `None` unless W is
 /// positive.
-///
-/// ```
-/// use baudbot_brains::decision_theory::st_petersburg::highest_fee;
-/// assert!(highest_fee(1000.0).is_some_and(|fee| (fee - 10.953_813).abs() < 1e-6));
-/// ```
-pub fn highest_fee(wealth: f64) -> Option<f64> {
+pub(crate) fn highest_fee(wealth: f64) -> Option<f64> {
     if !(wealth > 0.0 && wealth.is_finite()) {
         return None;
     }

@@ -1,10 +1,16 @@
 //! The kinds of brains that are written in Rust.
 
+mod error;
+mod nearest;
+
+use std::ops::RangeInclusive;
+
 use baudbot_client::{Body, Brain};
 
-use super::error::CatalogueError;
-use super::nearest::nearest_first;
-use super::{Entry, PLACED_SCANS, Setting};
+pub use error::CatalogueError;
+pub use nearest::nearest_first;
+
+use crate::anew::Anew;
 use crate::animals::ant::brain::{self as ant, AntBrain};
 use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
 use crate::animals::larva::brain::{self as larva, LarvaBrain};
@@ -15,9 +21,36 @@ use crate::exploration::brain as explore;
 use crate::parameter::Parameter;
 use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigate, wander};
 
+/// A kind of brain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub summary: String,
+    /// What can be set; of a brain that is described in TOML any number can be, by its path.
+    pub parameters: Vec<Setting>,
+    /// Two kinds of sensors that it needs together: readings of the first are of no use before those of the second have come
+    /// that cover their instants.
+    pub together: Option<[&'static str; 2]>,
+}
+
+/// A parameter of a kind of brain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it means, with its unit.
+    pub meaning: &'static str,
+    /// Its value if it is not set.
+    pub default: f64,
+    /// The values that it can be set to.
+    pub range: RangeInclusive<f64>,
+}
+
 /// A kind of brain, and how one is made.
-pub(super) struct Kind {
-    pub(super) name: &'static str,
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
     summary: &'static str,
     settings: fn() -> Vec<Setting>,
     make: fn(&Wish<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
@@ -34,15 +67,17 @@ struct Wish<'a> {
 }
 
 /// All of them, in the order of their names.
-pub(super) const KINDS: &[Kind] = &[
+pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "ant",
         summary: "goes out on a winding way and home by its vector and by what it remembers of landmarks",
         settings: || settings(ant::PARAMETERS),
         make: |wish| {
-            let brain = AntBrain::new(wish.parameters(ant::PARAMETERS)?, wish.chance(), wish.body);
-            let needed = "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`";
-            Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
+            wish.sensing(
+                ant::PARAMETERS,
+                AntBrain::new,
+                "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`",
+            )
         },
         together: None,
     },
@@ -50,10 +85,7 @@ pub(super) const KINDS: &[Kind] = &[
         name: "avoid",
         summary: "wanders without running into what its infra-red sensors see",
         settings: || settings(avoid::PARAMETERS),
-        make: |wish| {
-            let avoid = Avoid::new(wish.parameters(avoid::PARAMETERS)?, wish.chance(), wish.body);
-            Ok(Box::new(avoid.ok_or_else(|| wish.lacks("a sensor of kind `ir` that looks ahead"))?))
-        },
+        make: |wish| wish.sensing(avoid::PARAMETERS, Avoid::new, "a sensor of kind `ir` that looks ahead"),
         together: None,
     },
     Kind {
@@ -68,10 +100,11 @@ pub(super) const KINDS: &[Kind] = &[
         summary: "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
         settings: || settings(ecoli::PARAMETERS),
         make: |wish| {
-            let brain = EColiBrain::new(wish.parameters(ecoli::PARAMETERS)?, wish.chance(), wish.body);
-            Ok(Box::new(
-                brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
-            ))
+            wish.sensing(
+                ecoli::PARAMETERS,
+                EColiBrain::new,
+                "a sensor of kind `field`, `light` or `photoresistor`",
+            )
         },
         together: None,
     },
@@ -92,10 +125,11 @@ pub(super) const KINDS: &[Kind] = &[
         summary: "crawls away from light as a fly's larva does, by swinging its head, until it is tired of it",
         settings: || settings(larva::PARAMETERS),
         make: |wish| {
-            let brain = LarvaBrain::new(wish.parameters(larva::PARAMETERS)?, wish.chance(), wish.body);
-            Ok(Box::new(
-                brain.ok_or_else(|| wish.lacks("a sensor of kind `light`, `photoresistor` or `field`"))?,
-            ))
+            wish.sensing(
+                larva::PARAMETERS,
+                LarvaBrain::new,
+                "a sensor of kind `light`, `photoresistor` or `field`",
+            )
         },
         together: None,
     },
@@ -117,9 +151,11 @@ pub(super) const KINDS: &[Kind] = &[
         summary: "sits still; against what troubles it turns, backs off, contracts and at last drives off",
         settings: || settings(stentor::PARAMETERS),
         make: |wish| {
-            let brain = StentorBrain::new(wish.parameters(stentor::PARAMETERS)?, wish.chance(), wish.body);
-            let needed = "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`";
-            Ok(Box::new(brain.ok_or_else(|| wish.lacks(needed))?))
+            wish.sensing(
+                stentor::PARAMETERS,
+                StentorBrain::new,
+                "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`",
+            )
         },
         together: None,
     },
@@ -135,17 +171,18 @@ pub(super) const KINDS: &[Kind] = &[
         summary: "is quick where it is dry and slow where it is damp, and so stays where it is damp",
         settings: || settings(woodlice::PARAMETERS),
         make: |wish| {
-            let brain = WoodlouseBrain::new(wish.parameters(woodlice::PARAMETERS)?, wish.chance(), wish.body);
-            Ok(Box::new(
-                brain.ok_or_else(|| wish.lacks("a sensor of kind `field`, `light` or `photoresistor`"))?,
-            ))
+            wish.sensing(
+                woodlice::PARAMETERS,
+                WoodlouseBrain::new,
+                "a sensor of kind `field`, `light` or `photoresistor`",
+            )
         },
         together: None,
     },
 ];
 
 impl Kind {
-    pub(super) fn entry(&self) -> Entry {
+    pub(crate) fn entry(&self) -> Entry {
         Entry {
             name: self.name,
             summary: self.summary.to_owned(),
@@ -154,16 +191,22 @@ impl Kind {
         }
     }
 
-    /// Makes one for a robot with this body.
-    pub(super) fn make(
-        &self,
+    /// Makes one for a robot with this body, with `PARAMETER=NUMBER,…`. It begins anew when its time goes back.
+    pub(crate) fn brain(
+        &'static self,
         settings: &str,
         seed: u64,
         body: &Body,
     ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
-        (self.make)(&Wish { brain: self.name, settings, seed, body })
+        let settings = settings.to_owned();
+        let make =
+            move |body: &Body| (self.make)(&Wish { brain: self.name, settings: &settings, seed, body });
+        Ok(Box::new(Anew::new(make, body)?))
     }
 }
+
+/// Who makes maps of scans, or finds itself by them, must know where each was taken.
+pub(crate) const PLACED_SCANS: Option<[&str; 2]> = Some(["laser", "odometer"]);
 
 fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {
     let mut defaults = P::default();
@@ -179,6 +222,17 @@ fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {
 impl Wish<'_> {
     fn chance(&self) -> Chance {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.brain))
+    }
+
+    /// A brain that cannot be without some sensors.
+    fn sensing<P: Default, B: Brain + Send + 'static>(
+        &self,
+        known: &[Parameter<P>],
+        new: fn(P, Chance, &Body) -> Option<B>,
+        needed: &'static str,
+    ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
+        let brain = new(self.parameters(known)?, self.chance(), self.body);
+        Ok(Box::new(brain.ok_or_else(|| self.lacks(needed))?))
     }
 
     fn lacks(&self, needed: &'static str) -> CatalogueError {

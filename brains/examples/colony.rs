@@ -1,4 +1,8 @@
-//! A colony of *E. coli* in a dish: Fig. 4.2.
+//! A colony of *E. coli* in a dish: Wahde 2016, Fig. 4.2.
+//!
+//! ```sh
+//! cargo run -p baudbot-brains --example colony
+//! ```
 //!
 //! The attractant has a Gaussian peak in the middle of a square, at whose sides cells are held. A cell moves all
 //! the time: straight on while it swims, and while it tumbles along headings that are drawn anew again and again.
@@ -13,24 +17,39 @@
 
 use std::f64::consts::TAU;
 
+use baudbot_brains::Chance;
+use baudbot_brains::animals::ecoli::{Behaviour, EColi, Parameters as CellParameters};
 use baudbot_geometry::{Direction, Point, math};
 
-use super::ecoli::{Behaviour, EColi, Parameters as CellParameters};
-use crate::Chance;
+fn main() {
+    let mut colony = Colony::new(Parameters::default(), CELLS, Chance::new(1, "colony"));
+    println!("time [s]  mean distance to the peak [m]  part that swims");
+    for second in 0..=10 {
+        let swimming: usize = if second == 0 { 0 } else { (0..100).map(|_| colony.step(0.01)).sum() };
+        println!(
+            "{second:>8}  {:>29.3}  {:>15.2}",
+            colony.mean_distance_m(),
+            swimming as f64 / (100 * CELLS) as f64
+        );
+    }
+}
+
+/// As many as in the figure.
+const CELLS: usize = 100;
 
 /// A dish and its cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
+struct Parameters {
     /// What each cell is.
-    pub cell: CellParameters,
+    cell: CellParameters,
     /// The dish goes from minus this to plus this in x and y.
-    pub half_side_m: f64,
+    half_side_m: f64,
     /// σ of the attractant exp(−r²/2σ²).
-    pub width_m: f64,
+    width_m: f64,
     /// Of a cell that swims, and of one that tumbles.
-    pub speed_m_s: f64,
+    speed_m_s: f64,
     /// How often a cell that tumbles takes a new heading, per second.
-    pub tumble_hz: f64,
+    tumble_hz: f64,
 }
 
 impl Default for Parameters {
@@ -42,7 +61,7 @@ impl Default for Parameters {
 
 /// Cells in a dish.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Colony {
+struct Colony {
     parameters: Parameters,
     cells: Vec<Cell>,
     chance: Chance,
@@ -57,7 +76,7 @@ struct Cell {
 
 impl Colony {
     /// Cells all over the dish, at random, each of which remembers the concentration where it is.
-    pub fn new(parameters: Parameters, cells: usize, mut chance: Chance) -> Self {
+    fn new(parameters: Parameters, cells: usize, mut chance: Chance) -> Self {
         let cell = |_| {
             let mut coordinate = || parameters.half_side_m * (2.0 * chance.uniform() - 1.0);
             let position = Point::new(coordinate(), coordinate());
@@ -70,13 +89,18 @@ impl Colony {
     }
 
     /// All cells live on for `dt_s` seconds. Says how many of them swim.
-    pub fn step(&mut self, dt_s: f64) -> usize {
+    fn step(&mut self, dt_s: f64) -> usize {
         self.step_as(dt_s, |brain, concentration, _| brain.step(concentration, dt_s))
     }
 
     /// Where the cells are.
-    pub fn positions(&self) -> impl ExactSizeIterator<Item = Point> {
+    fn positions(&self) -> impl ExactSizeIterator<Item = Point> {
         self.cells.iter().map(|cell| cell.position)
+    }
+
+    /// How far they are from the peak, in metres.
+    fn mean_distance_m(&self) -> f64 {
+        self.positions().map(|position| position.coords.norm()).sum::<f64>() / self.cells.len() as f64
     }
 
     fn step_as(&mut self, dt_s: f64, choose: impl Fn(&mut EColi, f64, &mut Chance) -> Behaviour) -> usize {
@@ -109,7 +133,6 @@ mod tests {
     use super::*;
 
     const STEPS: usize = 1000;
-    const CELLS: usize = 100;
 
     /// What becomes of a colony in 10 s.
     struct Outcome {
@@ -119,17 +142,13 @@ mod tests {
         swimming: f64,
     }
 
-    fn mean_distance(colony: &Colony) -> f64 {
-        colony.positions().map(|position| position.coords.norm()).sum::<f64>() / CELLS as f64
-    }
-
     fn run(seed: u64, choose: impl Fn(&mut EColi, f64, &mut Chance) -> Behaviour) -> Outcome {
         let mut colony = Colony::new(Parameters::default(), CELLS, Chance::new(seed, "colony"));
-        let before = mean_distance(&colony);
+        let before = colony.mean_distance_m();
         let swum: usize = (0..STEPS).map(|_| colony.step_as(0.01, &choose)).sum();
         let within = colony.positions().filter(|position| position.coords.norm() < 0.5).count();
         Outcome {
-            ratio: mean_distance(&colony) / before,
+            ratio: colony.mean_distance_m() / before,
             within_sigma: within as f64 / CELLS as f64,
             swimming: swum as f64 / (STEPS * CELLS) as f64,
         }

@@ -2,21 +2,21 @@
 
 use thiserror::Error;
 
-use super::curve::Curve;
+use crate::curve::Curve;
 
 /// Consequences, each with its probability. The probabilities add up to 1.
 ///
 /// A consequence is a number: an amount of money, or whatever a utility is a function of. Where utilities are given
 /// outright, as in (7.6), they can stand for the amounts, and [`expected_payoff`](Self::expected_payoff) is U(c).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lottery {
+pub(crate) struct Lottery {
     /// Probability and amount.
     outcomes: Vec<(f64, f64)>,
 }
 
 /// Why there is no such lottery.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum LotteryError {
+pub(crate) enum LotteryError {
     /// A probability that is none.
     #[error("outcome {outcome}: its probability must be from 0 to 1, not {found}")]
     Probability {
@@ -47,15 +47,7 @@ impl Lottery {
     /// # Errors
     /// If a probability is not from 0 to 1, an amount is not finite, or the sum of probabilities is off by more
     /// than 10⁻⁹.
-    ///
-    /// ```
-    /// use baudbot_brains::decision_theory::Lottery;
-    /// // Two bets with the same odds, (7.1) and what follows: the second is worth more, and few people take it.
-    /// assert_eq!(Lottery::new(&[(0.5, 3.0), (0.5, -2.0)])?.expected_payoff(), 0.5);
-    /// assert_eq!(Lottery::new(&[(0.5, 300_000.0), (0.5, -200_000.0)])?.expected_payoff(), 50_000.0);
-    /// # Ok::<(), baudbot_brains::decision_theory::LotteryError>(())
-    /// ```
-    pub fn new(outcomes: &[(f64, f64)]) -> Result<Self, LotteryError> {
+    pub(crate) fn new(outcomes: &[(f64, f64)]) -> Result<Self, LotteryError> {
         for (outcome, &(probability, amount)) in outcomes.iter().enumerate() {
             if !(0.0..=1.0).contains(&probability) {
                 return Err(LotteryError::Probability { outcome, found: probability });
@@ -72,18 +64,18 @@ impl Lottery {
     }
 
     /// The expected payoff Σ pₖ cₖ: (7.1).
-    pub fn expected_payoff(&self) -> f64 {
+    pub(crate) fn expected_payoff(&self) -> f64 {
         self.expected_utility(|amount| amount)
     }
 
     /// The expected utility Σ pₖ u(cₖ): (7.5). What cannot happen does not count, whatever its utility.
-    pub fn expected_utility(&self, utility: impl Fn(f64) -> f64) -> f64 {
+    pub(crate) fn expected_utility(&self, utility: impl Fn(f64) -> f64) -> f64 {
         let possible = self.outcomes.iter().filter(|(probability, _)| *probability > 0.0);
         possible.map(|&(probability, amount)| probability * utility(amount)).sum()
     }
 
     /// The amount that, for certain, is worth as much as the lottery.
-    pub fn certainty_equivalent(&self, curve: &Curve) -> f64 {
+    pub(crate) fn certainty_equivalent(&self, curve: &Curve) -> f64 {
         curve.amount(self.expected_utility(|amount| curve.utility(amount)))
     }
 }
@@ -94,6 +86,13 @@ mod tests {
 
     fn lottery(outcomes: &[(f64, f64)]) -> Lottery {
         Lottery::new(outcomes).unwrap()
+    }
+
+    /// Two bets with the same odds, (7.1) and what follows: the second is worth more, and few people take it.
+    #[test]
+    fn bets_of_euros_and_of_fortunes() {
+        assert_eq!(lottery(&[(0.5, 3.0), (0.5, -2.0)]).expected_payoff(), 0.5);
+        assert_eq!(lottery(&[(0.5, 300_000.0), (0.5, -200_000.0)]).expected_payoff(), 50_000.0);
     }
 
     #[test]

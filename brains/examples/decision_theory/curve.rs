@@ -7,7 +7,7 @@ use baudbot_geometry::math;
 
 /// The utility u(x) of an amount x. But for [`Curve::Logarithmic`] nothing is worth 0 and `top` is worth 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Curve {
+pub(crate) enum Curve {
     /// x / top.
     Linear {
         /// The amount that is worth 1.
@@ -36,7 +36,7 @@ pub enum Curve {
 
 /// What somebody thinks of a risk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Attitude {
+pub(crate) enum Attitude {
     /// Prefers the expected payoff for certain: u'' < 0.
     Averse,
     /// Does not care: u'' = 0.
@@ -48,14 +48,7 @@ pub enum Attitude {
 impl Curve {
     /// The exponential curve on which `amount` has this utility, and `top` has 1. `None` unless the amount is
     /// between 0 and `top` and the utility between 0 and 1.
-    ///
-    /// ```
-    /// use baudbot_brains::decision_theory::Curve;
-    /// let curve = Curve::exponential_through(30.0, 0.5, 100.0);
-    /// let Some(Curve::Exponential { tolerance, .. }) = curve else { panic!("{curve:?}") };
-    /// assert!((tolerance - 55.5225).abs() < 1e-4);
-    /// ```
-    pub fn exponential_through(amount: f64, utility: f64, top: f64) -> Option<Self> {
+    pub(crate) fn exponential_through(amount: f64, utility: f64, top: f64) -> Option<Self> {
         if !is_inside(amount, utility, top) {
             return None;
         }
@@ -75,26 +68,13 @@ impl Curve {
     }
 
     /// The power law on which `amount` has this utility, and `top` has 1. `None` as above.
-    ///
-    /// ```
-    /// use baudbot_brains::decision_theory::Curve;
-    /// let curve = Curve::power_through(30.0, 0.5, 100.0);
-    /// let Some(Curve::Power { exponent, .. }) = curve else { panic!("{curve:?}") };
-    /// assert!((exponent - 0.575717).abs() < 1e-6);
-    /// ```
-    pub fn power_through(amount: f64, utility: f64, top: f64) -> Option<Self> {
+    pub(crate) fn power_through(amount: f64, utility: f64, top: f64) -> Option<Self> {
         let exponent = math::ln(utility) / math::ln(amount / top);
         is_inside(amount, utility, top).then_some(Self::Power { top, exponent })
     }
 
     /// u(x).
-    ///
-    /// ```
-    /// use baudbot_brains::decision_theory::Curve;
-    /// let curve = Curve::Linear { top: 200.0 };
-    /// assert_eq!(curve.utility(50.0), 0.25);
-    /// ```
-    pub fn utility(&self, amount: f64) -> f64 {
+    pub(crate) fn utility(&self, amount: f64) -> f64 {
         match *self {
             Self::Linear { top } => amount / top,
             Self::Exponential { top, tolerance } => exponential(amount, 1.0 / tolerance, top),
@@ -104,7 +84,7 @@ impl Curve {
     }
 
     /// The amount of this utility: the inverse of [`utility`](Self::utility).
-    pub fn amount(&self, utility: f64) -> f64 {
+    pub(crate) fn amount(&self, utility: f64) -> f64 {
         match *self {
             Self::Linear { top } => utility * top,
             Self::Exponential { top, tolerance } => {
@@ -116,7 +96,7 @@ impl Curve {
     }
 
     /// What somebody with this curve thinks of risks: the sign of u''.
-    pub fn attitude(&self) -> Attitude {
+    pub(crate) fn attitude(&self) -> Attitude {
         let bend = match *self {
             Self::Linear { .. } => 0.0,
             Self::Exponential { tolerance, .. } => -tolerance,
@@ -190,6 +170,7 @@ mod tests {
 
     #[test]
     fn amount_undoes_utility() {
+        assert_eq!(Curve::Linear { top: 200.0 }.utility(50.0), 0.25);
         let curves = [
             Curve::Linear { top: 100.0 },
             Curve::Exponential { top: 100.0, tolerance: 30.0 },

@@ -1,0 +1,18 @@
+//! What a brain waits for, said to people who look.
+
+use std::fmt;
+
+/// A sensor that somebody waits for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Awaited {
+    /// Its name.
+    pub sensor: String,
+    /// When its last reading came, in nanoseconds; 0 if none has.
+    pub since_ns: u64,
+}
+
+impl fmt::Display for Awaited {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "waits for `{}` since {:.2} s", self.sensor, self.since_ns as f64 * 1e-9)
+    }
+}

@@ -1,0 +1,209 @@
+//! The cells along a straight line, in order: J. Amanatides and A. Woo, *A Fast Voxel Traversal Algorithm for Ray
+//! Tracing*, Eurographics 1987.
+//!
+//! *Deviations.* The first and the last cell are computed beforehand, so that the walk ends whatever is rounded.
+//! [`line`] adds up the distances from border to border, as the paper does; [`Grid::line`] computes each afresh
+//! from the border's number, so that nothing adds up. Where a line meets a corner, the two may differ in which of
+//! the cells beside it they visit; results that depend on the one must not change to the other.
+
+use core::iter;
+
+use super::{Cell, Grid};
+use crate::math;
+use crate::pose::Point;
+
+/// All cells that the line between two points, in units of a cell's side, goes through, in order and with both ends'
+/// cells. Where it goes through a corner, it goes through one of the cells beside it too, so that neighbours in the
+/// list have a side in common.
+pub fn line(from: Point, to: Point) -> impl Iterator<Item = Cell> {
+    let (first, last) = (Cell::at(from), Cell::at(to));
+    let way = to - from;
+    staircase(first, last, summed(from.x, way.x, first.column), summed(from.y, way.y, first.row))
+}
+
+impl Grid {
+    /// Those cells of the grid that the line between two points runs through, in order, without a little of the line
+    /// at either end, in metres. None if the line is not longer than that, or not finite.
+    pub fn line(&self, from: Point, to: Point, left_out_m: f64) -> impl Iterator<Item = Cell> + use<> {
+        self.clipped(from, to, left_out_m).into_iter().flatten()
+    }
+
+    fn clipped(&self, from: Point, to: Point, left_out_m: f64) -> Option<impl Iterator<Item = Cell> + use<>> {
+        let origin = self.grid_from_world(from);
+        let way = self.grid_from_world(to) - origin;
+        let length = math::hypot(way.x, way.y);
+        let left_out = left_out_m / self.cell_m;
+        let part = Part { enter: left_out, leave: length - left_out };
+        // Not for NaN, and not for a ray without end.
+        let goes = length.is_finite() && part.enter < part.leave && self.cells.count() > 0;
+        if !goes {
+            return None;
+        }
+        let slope = way / length;
+        let columns = (self.cells.first.column, self.cells.columns);
+        let rows = (self.cells.first.row, self.cells.rows);
+        let inside = part.within(origin.x, slope.x, columns).within(origin.y, slope.y, rows);
+        if inside.enter > inside.leave {
+            return None;
+        }
+        let cell = |distance| {
+            let place = |origin, slope, (first, count)| {
+                (math::floor(origin + slope * distance) as i32).clamp(first, first + count - 1)
+            };
+            Cell { column: place(origin.x, slope.x, columns), row: place(origin.y, slope.y, rows) }
+        };
+        let (first, last) = (cell(inside.enter), cell(inside.leave));
+        let x = exact(origin.x, slope.x, first.column, last.column);
+        let y = exact(origin.y, slope.y, first.row, last.row);
+        Some(staircase(first, last, x, y))
+    }
+}
+
+/// The cells from one to another, with a side in common each. `x` and `y` are how far along the line its borders
+/// between columns and between rows are, in order: the nearer one is crossed next.
+fn staircase(
+    first: Cell,
+    last: Cell,
+    mut x: impl Iterator<Item = f64>,
+    mut y: impl Iterator<Item = f64>,
+) -> impl Iterator<Item = Cell> {
+    let towards = |first: i32, last: i32| if last > first { 1 } else { -1 };
+    let (right, up) = (towards(first.column, last.column), towards(first.row, last.row));
+    let mut beyond = move || x.next().unwrap_or(f64::INFINITY);
+    let mut above = move || y.next().unwrap_or(f64::INFINITY);
+    let (mut next_x, mut next_y) = (beyond(), above());
+    let steps = first.column.abs_diff(last.column) + first.row.abs_diff(last.row);
+    let mut cell = first;
+    iter::once(first).chain((0..steps).map(move |_| {
+        // Near the end rounding may ask for a step beyond it.
+        let is_across = cell.row == last.row || (cell.column != last.column && next_x <= next_y);
+        if is_across {
+            cell.column += right;
+            next_x = beyond();
+        } else {
+            cell.row += up;
+            next_y = above();
+        }
+        cell
+    }))
+}
+
+/// The borders of columns, or of rows, from this place on, as parts of the way: each is the sum of those before.
+fn summed(from: f64, way: f64, place: i32) -> impl Iterator<Item = f64> {
+    let border = if way > 0.0 { f64::from(place) + 1.0 } else { f64::from(place) };
+    let first = if way == 0.0 { f64::INFINITY } else { (border - from) / way };
+    let gap = 1.0 / way.abs();
+    iter::successors(Some(first), move |next| Some(next + gap))
+}
+
+/// The same, as distances along a line with this slope from one place to another: each is computed by itself.
+fn exact(origin: f64, slope: f64, first: i32, last: i32) -> impl Iterator<Item = f64> {
+    let (border, step) = if last > first { (first + 1, 1) } else { (first, -1) };
+    iter::successors(Some(border), move |border| Some(border + step))
+        .map(move |border| (f64::from(border) - origin) / slope)
+}
+
+/// From which to which distance along a line, in sides of a cell.
+struct Part {
+    enter: f64,
+    leave: f64,
+}
+
+impl Part {
+    /// The part of this where one coordinate is within so many places from the first on.
+    fn within(self, origin: f64, slope: f64, (first, count): (i32, i32)) -> Self {
+        let (low, high) = (f64::from(first), f64::from(first) + f64::from(count));
+        if slope == 0.0 {
+            let leave = if (low..=high).contains(&origin) { self.leave } else { f64::NEG_INFINITY };
+            return Self { leave, ..self };
+        }
+        let (a, b) = ((low - origin) / slope, (high - origin) / slope);
+        let (enter, leave) = if a <= b { (a, b) } else { (b, a) };
+        Self { enter: self.enter.max(enter), leave: self.leave.min(leave) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::bounds::Bounds;
+    use crate::segment::Segment;
+
+    fn cells(from: (f64, f64), to: (f64, f64)) -> Vec<(i32, i32)> {
+        let cells = line(Point::new(from.0, from.1), Point::new(to.0, to.1));
+        cells.map(|cell| (cell.column, cell.row)).collect()
+    }
+
+    #[test]
+    fn a_line_goes_through_all_cells_between_its_ends() {
+        assert_eq!(cells((0.5, 0.5), (2.5, 1.5)), [(0, 0), (1, 0), (1, 1), (2, 1)]);
+        assert_eq!(cells((0.5, 0.5), (-1.5, 0.6)), [(0, 0), (-1, 0), (-2, 0)]);
+        assert_eq!(cells((0.2, 0.2), (0.8, 0.9)), [(0, 0)]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn every_line_arrives_and_its_cells_are_neighbours(
+            whole in prop::bool::ANY,
+            ends in [-10.0..10.0_f64, -10.0..10.0, -10.0..10.0, -10.0..10.0],
+        ) {
+            let [x0, y0, x1, y1] = ends.map(|end| if whole { end.round() } else { end });
+            let (from, to) = (Point::new(x0, y0), Point::new(x1, y1));
+            let cells: Vec<_> = line(from, to).collect();
+            prop_assert_eq!(cells.last(), Some(&Cell::at(to)), "{} to {}", from, to);
+            for pair in cells.windows(2) {
+                let (a, b) = (pair[0], pair[1]);
+                prop_assert_eq!(a.column.abs_diff(b.column) + a.row.abs_diff(b.row), 1, "{} to {}", from, to);
+            }
+            for cell in cells {
+                let center = Point::new(f64::from(cell.column) + 0.5, f64::from(cell.row) + 0.5);
+                let off = Segment { start: from, end: to }.distance(center);
+                prop_assert!(off <= 0.5_f64.sqrt() + 1e-9, "{} to {} is not in {:?}", from, to, cell);
+            }
+        }
+    }
+
+    /// Three columns and two rows, 1 m each; a hair of the ends is left out.
+    fn walk(from: (f64, f64), to: (f64, f64)) -> Vec<usize> {
+        let grid = Grid::over(&Bounds { min: Point::origin(), max: Point::new(3.0, 2.0) }, 1.0);
+        let cells = grid.line(Point::new(from.0, from.1), Point::new(to.0, to.1), 0.5e-9);
+        cells.filter_map(|cell| grid.cells.number(cell)).collect()
+    }
+
+    #[test]
+    fn cells_in_order() {
+        assert_eq!(walk((0.5, 0.5), (2.5, 0.5)), [0, 1, 2]);
+        assert_eq!(walk((2.5, 1.5), (0.5, 0.5)), [5, 4, 1, 0]);
+        assert_eq!(walk((0.5, 0.5), (0.5, 1.5)), [0, 3]);
+        assert_eq!(walk((0.2, 0.2), (0.3, 0.3)), [0]);
+    }
+
+    #[test]
+    fn what_is_behind_a_wall_on_a_border_is_not_met() {
+        assert_eq!(walk((0.5, 0.5), (2.0, 0.5)), [0, 1]);
+        assert_eq!(walk((2.0, 0.5), (0.5, 0.5)), [1, 0], "nor behind the sensor");
+        assert_eq!(walk((0.5, 0.5), (0.5, 2.0)), [0, 3]);
+    }
+
+    #[test]
+    fn from_outside_and_beside() {
+        assert_eq!(walk((-9.0, 0.5), (9.0, 0.5)), [0, 1, 2]);
+        assert_eq!(walk((1.5, 9.0), (1.5, -9.0)), [4, 1]);
+        assert!(walk((-9.0, 0.5), (-1.0, 0.5)).is_empty());
+        assert!(walk((-1.0, 2.5), (4.0, 2.5)).is_empty());
+        assert!(walk((-1.0, 1.0), (1.0, 4.0)).is_empty(), "past the corner");
+    }
+
+    #[test]
+    fn nonsense_meets_nothing() {
+        assert!(walk((0.5, 0.5), (0.5, 0.5)).is_empty(), "no length");
+        assert!(walk((f64::NAN, 0.5), (0.5, 0.5)).is_empty());
+        assert!(walk((0.5, 0.5), (f64::INFINITY, 0.5)).is_empty());
+        assert!(walk((0.5, 0.5), (f64::MAX, f64::MAX)).is_empty());
+    }
+}
