@@ -49,7 +49,7 @@ impl Estimate {
             x_m: position.x,
             y_m: position.y,
             heading_rad: *heading,
-            covariance_m2: vec![covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
+            covariance_m2: Some([covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]]),
         }
     }
 

@@ -3,18 +3,18 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use baudbot_brain::{
+    Action, Actuator, Belief, Body, Component, Encoding, Firmware, GridMap, Mount, Port, Protocol, Reading,
+    Sensor, Signals, Sweep, Until,
+};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request;
 use baudbot_proto::v1::attach_response::Response;
 use baudbot_proto::v1::encoding::Kind;
 use baudbot_proto::v1::robot_step::Output;
-use baudbot_wire::Encoding;
 
-use crate::body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
-use crate::brain::Action;
 use crate::error::Breach;
 use crate::session::{Answer, Event, Hello, Part, Welcome};
-use crate::turn::{Reading, Signals, Until};
 
 /// The first request.
 pub(crate) fn hello(hello: &Hello) -> v1::AttachRequest {
@@ -37,8 +37,37 @@ pub(crate) fn step<'a>(turn: u64, answers: impl Iterator<Item = (usize, Answer<'
 }
 
 /// What is shown to people.
-pub(crate) fn annotate(robot: usize, belief: v1::Belief) -> v1::AttachRequest {
-    request(Request::Annotate(v1::Annotate { robot: robot as u32, belief: Some(belief) }))
+pub(crate) fn annotate(robot: usize, shown: Belief) -> v1::AttachRequest {
+    request(Request::Annotate(v1::Annotate { robot: robot as u32, belief: Some(belief(shown)) }))
+}
+
+fn belief(belief: Belief) -> v1::Belief {
+    let Belief { state, utilities, pose, particles, path, map } = belief;
+    v1::Belief {
+        state,
+        utilities: utilities
+            .into_iter()
+            .map(|u| v1::Utility { name: u.name, value: u.value, active: u.active })
+            .collect(),
+        pose: pose.map(|p| v1::BelievedPose {
+            x_m: p.x_m,
+            y_m: p.y_m,
+            heading_rad: p.heading_rad,
+            covariance_m2: p.covariance_m2.map_or_else(Vec::new, Vec::from),
+        }),
+        particles: particles
+            .into_iter()
+            .map(|p| v1::Particle { x_m: p.x_m, y_m: p.y_m, heading_rad: p.heading_rad, weight: p.weight })
+            .collect(),
+        path: path.into_iter().map(|p| v1::Point { x_m: p.x_m, y_m: p.y_m }).collect(),
+        map: map.map(|GridMap { x_m, y_m, cell_m, columns, cells }| v1::GridMap {
+            x_m,
+            y_m,
+            cell_m,
+            columns,
+            cells,
+        }),
+    }
 }
 
 /// What came in answer to the Hello for `robots`.

@@ -2,8 +2,8 @@
 
 use std::error::Error as StdError;
 
+use baudbot_brain::LayoutError;
 use baudbot_proto::{REASON, RESTART};
-use baudbot_wire::LayoutError;
 use thiserror::Error;
 use tonic::Code;
 

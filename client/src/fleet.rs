@@ -2,13 +2,10 @@
 
 use std::sync::Arc;
 
-use baudbot_proto::v1::Belief;
+use baudbot_brain::{Action, Belief, Body, Turn};
 
-use crate::body::Body;
-use crate::brain::Action;
 use crate::error::Error;
 use crate::session::{Answer, Session};
-use crate::turn::Turn;
 
 /// Robots that this program holds together; a robot is known by its place in [`bodies`](Self::bodies).
 #[derive(Debug)]

@@ -45,31 +45,27 @@
 //! ```
 
 mod address;
-mod body;
-mod brain;
 mod client;
 mod comeback;
 mod convert;
 mod error;
 mod fleet;
-mod listener;
 mod raw;
 mod robot;
+mod run;
 mod session;
 mod stream;
-mod turn;
-mod wire;
 
-pub use baudbot_proto::v1::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
-pub use baudbot_wire::Encoding;
+pub use baudbot_brain::{
+    Action, Actuator, Belief, BelievedPose, Body, Brain, Component, Encoding, Firmware, GridMap, Mount,
+    Particle, Point, Port, Protocol, RawCommands, RawReadings, RawTurn, Reading, Sensor, Signals, Sweep,
+    Turn, Until, Utility, WireLayout,
+};
 
-pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
-pub use brain::{Action, Brain, Summary, run, run_fleet};
 pub use client::{Client, connect};
 pub use comeback::come_back;
 pub use error::{Breach, Error};
 pub use fleet::Fleet;
-pub use raw::{RawRobot, RawTurn};
+pub use raw::RawRobot;
 pub use robot::Robot;
-pub use turn::{Reading, Signals, Turn, Until};
-pub use wire::{RawCommands, RawReadings, WireLayout};
+pub use run::{Summary, run, run_fleet};

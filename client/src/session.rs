@@ -3,16 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use baudbot_proto::v1::Belief;
+use baudbot_brain::{Action, Belief, Body, Reading, Until};
 use tonic::transport::Channel;
 
-use crate::body::Body;
-use crate::brain::Action;
 use crate::client::Client;
 use crate::convert;
 use crate::error::Error;
 use crate::stream::Stream;
-use crate::turn::{Reading, Until};
 
 /// Who attaches to what.
 #[derive(Clone, Debug)]

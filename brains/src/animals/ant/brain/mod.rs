@@ -293,7 +293,7 @@ impl Brain for AntBrain {
         let nest = self.nest?;
         let at = nest - self.ant.home();
         let heading_rad = self.headings.back()?.1;
-        let pose = BelievedPose { x_m: at.x, y_m: at.y, heading_rad, covariance_m2: Vec::new() };
+        let pose = BelievedPose { x_m: at.x, y_m: at.y, heading_rad, covariance_m2: None };
         let path = [at, nest].map(|point| Point { x_m: point.x, y_m: point.y });
         Some(Belief { state: state.to_owned(), pose: Some(pose), path: path.to_vec(), ..Belief::default() })
     }

@@ -1,9 +1,11 @@
-//! What a brain may know of its robot's body: its maker's data sheet.
+//! A robot's data sheet: all that a brain knows of its robot's body.
+
+use alloc::string::String;
+use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
 
-use crate::brain::Action;
-use crate::wire::WireLayout;
+use crate::action::Action;
 
 /// A robot as its data sheet has it. Nothing of it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -196,19 +198,5 @@ impl Body {
             Firmware { protocol: Protocol::Framed { .. } | Protocol::Khepera, .. } => Action::poll(),
             Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
         }
-    }
-
-    /// What both ends of the cable have agreed on, to be used with `baudbot-wire`.
-    pub fn layout(&self) -> WireLayout {
-        WireLayout::new(self)
-    }
-
-    /// How long a command is on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
-    /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
-    /// commands more often than that fills the cable's buffer, and its commands come ever later.
-    pub fn command_ns(&self) -> u64 {
-        let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };
-        let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
-        bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
     }
 }

@@ -1,6 +1,8 @@
 //! The laptop's end of a sensor's own cable: what a laser, a line camera or a satellite receiver says, byte by byte.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use baudbot_wire::{line_image, nmea, scip};
 
@@ -80,7 +82,7 @@ impl Listener {
         if !ends {
             return None;
         }
-        let message = std::mem::take(&mut self.message);
+        let message = core::mem::take(&mut self.message);
         let said = match self.format {
             Format::Scip => scan(&message, at_ns)?,
             Format::LineImage { .. } => image(&message)?,

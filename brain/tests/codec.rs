@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use baudbot_client::{
+use baudbot_brain::{
     Actuator, Body, Component, Encoding, Firmware, Port, Protocol, RawCommands, RawReadings, RawTurn, Sensor,
     Signals,
 };
