@@ -45,7 +45,10 @@ pub use baudbot_wire::{Encoding, LayoutError};
 
 pub use action::{Action, Signals, Until};
 pub use belief::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
-pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
+pub use body::{
+    Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Protocol, Sensor,
+    SensorKind, Sweep,
+};
 pub use brain::Brain;
 pub use layout::WireLayout;
 pub use raw::{RawCommands, RawReadings, RawTurn};

@@ -1,6 +1,6 @@
 //! Where a robot believes it is, and how sure it is of that.
 
-use baudbot_client::BelievedPose;
+use baudbot_brain::BelievedPose;
 use baudbot_geometry::{Pose, math};
 use nalgebra::{Matrix3, Vector3};
 

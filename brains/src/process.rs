@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use baudbot_client::{Signals, Turn};
+use baudbot_brain::{Signals, Turn};
 use baudbot_geometry::Point;
 
 use crate::estimate::Estimate;

@@ -15,6 +15,9 @@
 //! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. A program that loses its server
 //! [comes back](come_back()) if it wants to.
 //!
+//! What a brain sees and does is the crate `baudbot-brain`, all of which is here, too. A brain that is to run without a
+//! server, such as in a browser, needs that crate alone.
+//!
 //! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
 //! does what a brain of messages does.
 //!
@@ -47,9 +50,9 @@
 mod address;
 mod client;
 mod comeback;
-mod convert;
 mod error;
 mod fleet;
+mod protocol;
 mod raw;
 mod robot;
 mod run;
@@ -57,14 +60,15 @@ mod session;
 mod stream;
 
 pub use baudbot_brain::{
-    Action, Actuator, Belief, BelievedPose, Body, Brain, Component, Encoding, Firmware, GridMap, Mount,
-    Particle, Point, Port, Protocol, RawCommands, RawReadings, RawTurn, Reading, Sensor, Signals, Sweep,
-    Turn, Until, Utility, WireLayout,
+    Action, Actuator, ActuatorKind, Belief, BelievedPose, Body, Brain, Component, Encoding, Firmware,
+    GridMap, MotorKind, Mount, Particle, Point, Port, PortFormat, Protocol, RawCommands, RawReadings,
+    RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
 };
 
+pub use baudbot_proto::convert::Breach;
 pub use client::{Client, connect};
 pub use comeback::come_back;
-pub use error::{Breach, Error};
+pub use error::Error;
 pub use fleet::Fleet;
 pub use raw::RawRobot;
 pub use robot::Robot;

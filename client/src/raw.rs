@@ -6,7 +6,8 @@ use std::time::Duration;
 use baudbot_brain::{Body, RawTurn, Until};
 
 use crate::error::Error;
-use crate::session::{Answer, Session};
+use crate::protocol::Answer;
+use crate::session::Session;
 
 /// A robot that this program holds, reading and writing the bytes of its cable as from a serial port.
 ///

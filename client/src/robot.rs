@@ -6,7 +6,8 @@ use std::time::Duration;
 use baudbot_brain::{Action, Belief, Body, Signals, Turn};
 
 use crate::error::Error;
-use crate::session::{Answer, Session};
+use crate::protocol::Answer;
+use crate::session::Session;
 
 /// A robot that this program holds; the server en- and decodes the bytes of its cable.
 #[derive(Debug)]

@@ -1,11 +1,15 @@
 //! A robot's data sheet: all that a brain knows of its robot's body.
 
+mod kind;
+
 use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
 
 use crate::action::Action;
+
+pub use kind::{ActuatorKind, MotorKind, PortFormat, SensorKind};
 
 /// A robot as its data sheet has it. Nothing of it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +26,8 @@ pub struct Body {
     pub signal_limit: Option<f64>,
     /// How a motor signal crosses the wire.
     pub motor_encoding: Encoding,
-    /// What turns the wheels: `dc`, `velocity`, `servo` or `stepper`; text, as a newer server may have others.
-    pub motor_kind: String,
+    /// What turns the wheels.
+    pub motor_kind: MotorKind,
     /// Actuators besides the wheels, in the order of [`Action::others`].
     pub actuators: Vec<Actuator>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
@@ -48,9 +52,8 @@ pub struct Body {
 pub struct Actuator {
     /// Its name, unique among the robot's actuators.
     pub name: String,
-    /// `turret`, `lamp` or `speaker`; text, as a newer server may have others. Of a lamp and a speaker 1 is full
-    /// strength, and 0 and less is nothing.
-    pub kind: String,
+    /// What it does with its signal.
+    pub kind: ActuatorKind,
     /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
     /// farther from 0, and no farther than either end.
     pub range_rad: Option<[f64; 2]>,
@@ -61,9 +64,8 @@ pub struct Actuator {
 pub struct Sensor {
     /// Its name, unique on its robot.
     pub name: String,
-    /// What the scenario calls it, such as `ir`, `sonar`, `laser`, `encoders` or `compass`; text, as a newer
-    /// server may have others.
-    pub kind: String,
+    /// What it measures, and how.
+    pub kind: SensorKind,
     /// The parts of a reading, in order.
     pub components: Vec<Component>,
     /// Time between two samples, in nanoseconds.
@@ -97,9 +99,8 @@ pub struct Sweep {
 /// A sensor's own cable to the laptop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
-    /// What is said on it: `scip2`, `line-image` or `nmea`; text, as a newer server may have others. The modules
-    /// of `baudbot-wire` read them.
-    pub format: String,
+    /// What is said on it.
+    pub format: PortFormat,
     /// Bytes of one message.
     pub message_bytes: u64,
     /// Bits a second; `None` if the cable is ideal.

@@ -6,7 +6,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use baudbot_wire::{line_image, nmea, scip};
 
-use crate::body::Sensor;
+use crate::body::{PortFormat, Sensor};
 use crate::turn::Reading;
 
 /// Listens to one port.
@@ -46,11 +46,11 @@ impl Listener {
     /// `None` if the sensor has no port, or one of a format that is not known here.
     pub(crate) fn new(sensor: &Sensor) -> Option<Self> {
         let port = sensor.port.as_ref()?;
-        let format = match port.format.as_str() {
-            "scip2" => Format::Scip,
-            "line-image" => Format::LineImage { length: usize::try_from(port.message_bytes).ok()? },
-            "nmea" => Format::Nmea,
-            _ => return None,
+        let format = match port.format {
+            PortFormat::Scip2 => Format::Scip,
+            PortFormat::LineImage => Format::LineImage { length: usize::try_from(port.message_bytes).ok()? },
+            PortFormat::Nmea => Format::Nmea,
+            PortFormat::Other(_) => return None,
         };
         Some(Self { format, values: sensor.values(), message: Vec::new(), sequence: 0 })
     }

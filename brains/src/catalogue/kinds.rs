@@ -1,6 +1,6 @@
 //! The kinds of brains that are written in Rust.
 
-use baudbot_client::{Body, Brain};
+use baudbot_brain::{Body, Brain};
 
 use super::error::CatalogueError;
 use super::nearest::nearest_first;

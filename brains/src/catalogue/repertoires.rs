@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 
 use super::error::CatalogueError;
 use super::{Entry, PLACED_SCANS};

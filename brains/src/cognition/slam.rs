@@ -60,7 +60,7 @@ impl MakeMap {
         if rays < LEAST_RAYS {
             return Err(format!("rays: must be at least {LEAST_RAYS}, is {rays}: fewer match no map"));
         }
-        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_client::Sensor::values);
+        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_brain::Sensor::values);
         if laser_rays < LEAST_RAYS {
             return Err(format!(
                 "laser: `{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least"

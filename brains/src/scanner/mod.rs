@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use baudbot_client::{Body, Sweep, Turn};
+use baudbot_brain::{Body, SensorKind, Sweep, Turn};
 
 use crate::localization::deskew::{self, deskew};
 use crate::odometry::Odometry;
@@ -35,7 +35,8 @@ impl Scanner {
     /// # Errors
     /// In words, if the body has no such laser, or its data sheet does not say what must be known of it.
     pub fn new(body: &Body, laser: &str, rays: usize) -> Result<Self, String> {
-        let sensor = body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
+        let sensor =
+            body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == SensorKind::Laser);
         let sensor =
             sensor.ok_or_else(|| format!("laser: robot `{}` has no laser called `{laser}`", body.name))?;
         let sheet = &body.sensors[sensor];

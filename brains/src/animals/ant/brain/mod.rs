@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Turn};
+use baudbot_brain::{Action, Belief, BelievedPose, Body, Brain, Point, SensorKind, Turn};
 use baudbot_geometry::{Direction, Vector, angle, math};
 
 use super::landmarks::{self, Landmark};
@@ -137,16 +137,17 @@ struct Places {
 impl AntBrain {
     /// A brain at its nest. `None` if the robot has no laser of which is known how it sweeps, or no odometer.
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
-        let place = |kind: &str| body.sensors.iter().position(|sensor| sensor.kind == kind);
-        let laser = place("laser")?;
+        let place = |kind: SensorKind| body.sensors.iter().position(|sensor| sensor.kind == kind);
+        let laser = place(SensorKind::Laser)?;
         let places = Places {
             laser,
             range_m: body.sensors[laser].range_m.unwrap_or(f64::INFINITY),
             opening_rad: body.sensors[laser].opening_rad?,
             clockwise: body.sensors[laser].sweep?.clockwise,
             mount_rad: body.sensors[laser].mount.unwrap_or_default().heading_rad,
-            odometer: place("odometer").filter(|&place| body.sensors[place].components.len() >= 3)?,
-            compass: place("compass"),
+            odometer: place(SensorKind::Odometer)
+                .filter(|&place| body.sensors[place].components.len() >= 3)?,
+            compass: place(SensorKind::Compass),
         };
         Some(Self {
             parameters,
