@@ -1,6 +1,6 @@
 //! A brain that begins anew when its time does: after a reset of the world, or when that goes back to an earlier state.
 
-use baudbot_client::{Action, Belief, Body, Brain, Turn};
+use baudbot_brain::{Action, Belief, Body, Brain, Turn};
 
 /// A brain, and how it is made. Whoever remembers when it last did something would otherwise wait until then comes again.
 pub(crate) struct Anew<B, F> {

@@ -4,7 +4,7 @@
 //! late, between that message and the next, and so on for ever: each command answers a message that is nearly a period old.
 //! Who has missed a message so lets the next one come first.
 
-use baudbot_client::{Body, Turn};
+use baudbot_brain::{Body, Turn};
 
 /// When the microcontroller's messages come.
 #[derive(Clone, Copy, Debug, PartialEq)]

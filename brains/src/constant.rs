@@ -1,6 +1,6 @@
 //! The same signals in every step.
 
-use baudbot_client::{Action, Brain, Turn};
+use baudbot_brain::{Action, Brain, Turn};
 
 use crate::parameter::{Parameter, SIGNAL};
 

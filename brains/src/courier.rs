@@ -1,6 +1,6 @@
 //! Commands, no more of them than the cable takes.
 
-use baudbot_client::{Action, Body, Signals, Turn};
+use baudbot_brain::{Action, Body, Signals, Turn};
 
 use crate::beat::Beat;
 

@@ -1,6 +1,6 @@
 //! Where a robot believes it is, and how sure it is of that.
 
-use baudbot_client::BelievedPose;
+use baudbot_brain::BelievedPose;
 use baudbot_geometry::{Pose, math};
 use nalgebra::{Matrix3, Vector3};
 
@@ -49,7 +49,7 @@ impl Estimate {
             x_m: position.x,
             y_m: position.y,
             heading_rad: *heading,
-            covariance_m2: vec![covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
+            covariance_m2: Some([covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]]),
         }
     }
 

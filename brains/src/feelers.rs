@@ -1,7 +1,7 @@
 //! What a robot feels close ahead: its infra-red sensors and sonars. They should be mounted lower than the laser, and see what
 //! that looks over.
 
-use baudbot_client::{Body, Mount, Sensor, Turn};
+use baudbot_brain::{Body, Mount, Sensor, SensorKind, Turn};
 use baudbot_geometry::{Direction, Point, Pose};
 
 /// The infra-red sensors and sonars of a robot that sit on its body and look ahead.
@@ -50,14 +50,16 @@ impl Feelers {
         let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
             sensor,
             robot_from_sensor: mount(described),
-            is_sonar: described.kind == "sonar",
+            is_sonar: described.kind == SensorKind::Sonar,
             half_rad: 0.5 * described.opening_rad.unwrap_or(0.0),
             is_near: false,
             value: 0.0,
         };
         let sensors = body.sensors.iter().enumerate();
         let feelers = sensors
-            .filter(|(_, sensor)| is_fixed(sensor) && ["ir", "sonar"].contains(&sensor.kind.as_str()))
+            .filter(|(_, sensor)| {
+                is_fixed(sensor) && matches!(sensor.kind, SensorKind::Infrared | SensorKind::Sonar)
+            })
             .map(feeler);
         let feelers = feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect();
         Self { feelers, radius_m: body.radius_m, near }

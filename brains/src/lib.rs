@@ -3,8 +3,8 @@
 //!
 //! From what a brain is to what it is made of:
 //!
-//! 1. [`catalogue`] has all brains by name, and makes one from a text such as `wander:turn=0.6`. [`program`] is the rest of a
-//!    program that runs one.
+//! 1. [`catalogue`] has all brains by name, and makes one from a text such as `wander:turn=0.6`. With the feature `program`
+//!    the module `program` is the rest of a program that runs one.
 //! 2. Brains that are written out: [`Avoid`], [`Constant`], [`Explore`], [`Navigate`], [`Wander`], and the [`animals`].
 //! 3. Brains of many processes: [`process`] says what motor behaviours and cognitive processes are, [`description`] reads
 //!    such a brain from TOML with the kinds of a [`registry`], [`composed`] is one at work. By [`senses`] and
@@ -13,13 +13,13 @@
 //!    [`mapping`], [`slam`], [`exploration`], [`planning`], [`navigation`], [`coverage`], [`vfh`] and [`potential`] are
 //!    what these think with.
 //!
-//! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_client::Brain)
+//! A brain is a model of parameters, which never change, and a state; [`Brain::step`](baudbot_brain::Brain)
 //! has no clock and no input or output, and chance comes from a [`Chance`] named after robot and brain, so
 //! that the same turns give the same actions.
 //!
 //! ```
 //! use baudbot_brains::catalogue;
-//! # fn check(body: &baudbot_client::Body) -> Result<(), catalogue::CatalogueError> {
+//! # fn check(body: &baudbot_brain::Body) -> Result<(), catalogue::CatalogueError> {
 //! let mut brain = catalogue::brain("avoid:forward=0.4", 7, body)?;
 //! # Ok(())
 //! # }
@@ -46,6 +46,7 @@ pub mod parameter;
 pub mod planning;
 pub mod potential;
 pub mod process;
+#[cfg(feature = "program")]
 pub mod program;
 pub mod registry;
 pub mod scan;

@@ -7,7 +7,7 @@
 //! Deviation: the listing's robot always has an odometer reading. Ours waits, in state 0, until the first
 //! one has come over the cable.
 
-use baudbot_client::{Action, Brain, Turn};
+use baudbot_brain::{Action, Brain, Turn};
 
 use crate::parameter::{PROBABILITY, Parameter, SIGNAL};
 
@@ -106,7 +106,7 @@ impl Brain for Navigate {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_client::{Firmware, Protocol};
+    use baudbot_brain::{Firmware, Protocol};
 
     use super::*;
     use crate::test_body::{body, turn};

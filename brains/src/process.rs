@@ -5,7 +5,7 @@
 //! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
 //! reads that.
 
-use baudbot_client::{Signals, Turn};
+use baudbot_brain::{Signals, Turn};
 use baudbot_geometry::Point;
 
 pub use crate::awaited::Awaited;

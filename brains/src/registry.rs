@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 use serde::de::DeserializeOwned;
 use toml::Table;
 

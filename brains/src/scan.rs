@@ -4,7 +4,7 @@
 //! *Deviations.* The notes set a distance to −1 if nothing was within range (§6.3.1). On the wire it is so; here it is
 //! infinite, so that it is farther than any other. NaN is the distance of a ray of which nothing is known.
 
-use baudbot_client::{Reading, Sensor};
+use baudbot_brain::{Reading, Sensor, SensorKind};
 use baudbot_geometry::Pose;
 
 /// The distances along equally spaced rays, from right to left.
@@ -26,7 +26,10 @@ impl Scan {
     #[must_use]
     pub fn of(sensor: &Sensor, reading: &Reading) -> Option<Self> {
         let (range_m, mount, opening_rad) = (sensor.range_m?, sensor.mount?, sensor.opening_rad?);
-        if sensor.kind != LASER || mount.turret.is_some() || reading.values.len() != sensor.values() {
+        if sensor.kind != SensorKind::Laser
+            || mount.turret.is_some()
+            || reading.values.len() != sensor.values()
+        {
             return None;
         }
         let mut distances_m: Vec<_> = reading.values.iter().map(|&value| distance(value, range_m)).collect();
@@ -81,12 +84,9 @@ fn distance(value: f64, range_m: f64) -> f64 {
     }
 }
 
-/// What a data sheet calls a laser range finder.
-const LASER: &str = "laser";
-
 #[cfg(test)]
 mod tests {
-    use baudbot_client::Sweep;
+    use baudbot_brain::Sweep;
 
     use super::*;
     use crate::test_body::{body, turn};

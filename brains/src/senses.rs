@@ -1,7 +1,7 @@
 //! The sensory preprocessing system of Wahde 2016, Section 8.2.1: from the readings of all sensors to a few **state
 //! variables** z, by which a brain decides: weighted sums (8.1), minima (8.2), maxima (8.3), and small neural networks.
 
-use baudbot_client::{Body, Turn};
+use baudbot_brain::{Body, SensorKind, Turn};
 use baudbot_geometry::math;
 
 /// How state variables are made of readings.
@@ -161,7 +161,7 @@ fn is_fresh(news_ns: Option<&Option<u64>>, at_ns: u64, stale_s: Option<f64>) -> 
 fn readings<'a>(source: &'a Source, turn: &'a Turn, is_there: bool) -> impl Iterator<Item = f64> + 'a {
     let reading = turn.readings.get(source.sensor).and_then(Option::as_ref).filter(|_| is_there);
     let sensor = turn.body.sensors.get(source.sensor);
-    let beyond = sensor.filter(|sensor| sensor.kind == "laser").and_then(|sensor| sensor.range_m);
+    let beyond = sensor.filter(|sensor| sensor.kind == SensorKind::Laser).and_then(|sensor| sensor.range_m);
     source.values.clone().map(move |place| {
         let value = reading.and_then(|reading| reading.values.get(place)).copied().unwrap_or(0.0);
         beyond.filter(|_| value < 0.0).unwrap_or(value)

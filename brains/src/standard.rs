@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use baudbot_client::Brain;
+use baudbot_brain::Brain;
 
 use crate::behavior::charge::Charge;
 use crate::behavior::follow_path::FollowPath;

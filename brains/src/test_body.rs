@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use baudbot_client::{Body, Component, Encoding, Firmware, Mount, Protocol, Reading, Sensor, Sweep, Turn};
+use baudbot_brain::{
+    Body, Component, Encoding, Firmware, MotorKind, Mount, Protocol, Reading, Sensor, Sweep, Turn,
+};
 
 /// A body with sensors of these names, kinds and headings.
 pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
@@ -11,7 +13,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         |count| Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count };
     let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
         name: name.to_owned(),
-        kind: kind.to_owned(),
+        kind: kind.into(),
         components: match kind {
             "odometer" => vec![component(1); 3],
             "laser" => vec![component(3)],
@@ -37,7 +39,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         firmware: Firmware { protocol: Protocol::Framed { ages: true }, period_ns: Some(20_000_000) },
         baud: Some(9600),
         bits_per_character: Some(10),
-        motor_kind: "dc".to_owned(),
+        motor_kind: MotorKind::Dc,
         actuators: Vec::new(),
         onboard: false,
         operations_per_s: None,

@@ -8,7 +8,7 @@
 //! A wart of the listing that we keep: its "left turn" drives the left wheel forwards and the right one
 //! backwards, which turns the robot to its right. With equal probabilities nobody notices.
 
-use baudbot_client::{Action, Brain, Signals, Turn};
+use baudbot_brain::{Action, Brain, Signals, Turn};
 
 use crate::chance::Chance;
 use crate::parameter::{PROBABILITY, Parameter, SIGNAL};

@@ -2,15 +2,16 @@
 
 use std::time::Duration;
 
+use baudbot_proto::v1;
 use tonic::transport::Channel;
 
 use crate::address;
-use crate::convert;
 use crate::error::Error;
 use crate::fleet::Fleet;
+use crate::protocol;
 use crate::raw::RawRobot;
 use crate::robot::Robot;
-use crate::session::{Hello, Session};
+use crate::session::Session;
 
 /// Connects to the server at `HOST:PORT`, `http://HOST:PORT` or `unix:/PATH`.
 ///
@@ -109,18 +110,16 @@ impl Client {
     }
 
     async fn session(&self, world: &str, robots: &[&str], raw: bool) -> Result<Session, Error> {
-        let robots = robots.iter().map(|&robot| robot.to_owned()).collect();
-        let Self { brain, memory_bytes, thinks_as_scenario, .. } = self;
-        let hello = Hello {
+        let mode = if raw { v1::PortMode::Raw } else { v1::PortMode::Messages };
+        let hello = v1::Hello {
             world: world.to_owned(),
-            robots,
-            raw,
-            brain: brain.clone(),
-            memory_bytes: *memory_bytes,
-            thinks_as_scenario: *thinks_as_scenario,
+            robots: robots.iter().map(|&robot| robot.to_owned()).collect(),
+            mode: mode.into(),
+            brain: self.brain.clone(),
+            memory_bytes: self.memory_bytes,
+            thinks_as_scenario: self.thinks_as_scenario,
+            stop_when_gone: false,
         };
-        let mut session = Session::open(self.channel.clone(), &hello).await?;
-        session.publishes_every_ns = convert::nanoseconds(self.publishes_every);
-        Ok(session)
+        Session::open(self.channel.clone(), hello, protocol::nanoseconds(self.publishes_every)).await
     }
 }

@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use baudbot_proto::v1::Belief;
+use baudbot_brain::{Action, Belief, Body, Turn};
 
-use crate::body::Body;
-use crate::brain::Action;
 use crate::error::Error;
-use crate::session::{Answer, Session};
-use crate::turn::Turn;
+use crate::protocol::{Answer, Part};
+use crate::session::Session;
 
 /// Robots that this program holds together; a robot is known by its place in [`bodies`](Self::bodies).
 #[derive(Debug)]
@@ -54,7 +52,7 @@ impl Fleet {
     pub async fn turns(&mut self) -> Result<Option<Vec<(usize, Turn)>>, Error> {
         let Some((tick, parts)) = self.session.turn().await? else { return Ok(None) };
         let bodies = self.bodies();
-        let turn = |part: crate::session::Part| {
+        let turn = |part: Part| {
             let body = Arc::clone(&bodies[part.robot]);
             (part.robot, Turn { tick, at_ns: part.at_ns, readings: part.readings, body })
         };

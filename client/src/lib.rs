@@ -15,6 +15,9 @@
 //! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. A program that loses its server
 //! [comes back](come_back()) if it wants to.
 //!
+//! What a brain sees and does is the crate `baudbot-brain`, all of which is here, too. A brain that is to run without a
+//! server, such as in a browser, needs that crate alone.
+//!
 //! A raw brain brings its own codec, or takes [`RawReadings`] and [`RawCommands`], with which it sees and
 //! does what a brain of messages does.
 //!
@@ -45,31 +48,28 @@
 //! ```
 
 mod address;
-mod body;
-mod brain;
 mod client;
 mod comeback;
-mod convert;
 mod error;
 mod fleet;
-mod listener;
+mod protocol;
 mod raw;
 mod robot;
+mod run;
 mod session;
 mod stream;
-mod turn;
-mod wire;
 
-pub use baudbot_proto::v1::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
-pub use baudbot_wire::Encoding;
+pub use baudbot_brain::{
+    Action, Actuator, ActuatorKind, Belief, BelievedPose, Body, Brain, Component, Encoding, Firmware,
+    GridMap, MotorKind, Mount, Particle, Point, Port, PortFormat, Protocol, RawCommands, RawReadings,
+    RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
+};
 
-pub use body::{Actuator, Body, Component, Firmware, Mount, Port, Protocol, Sensor, Sweep};
-pub use brain::{Action, Brain, Summary, run, run_fleet};
+pub use baudbot_proto::convert::Breach;
 pub use client::{Client, connect};
 pub use comeback::come_back;
-pub use error::{Breach, Error};
+pub use error::Error;
 pub use fleet::Fleet;
-pub use raw::{RawRobot, RawTurn};
+pub use raw::RawRobot;
 pub use robot::Robot;
-pub use turn::{Reading, Signals, Turn, Until};
-pub use wire::{RawCommands, RawReadings, WireLayout};
+pub use run::{Summary, run, run_fleet};

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::body::Body;
+use baudbot_brain::{Body, RawTurn, Until};
+
 use crate::error::Error;
-use crate::session::{Answer, Session};
-use crate::turn::Until;
+use crate::protocol::Answer;
+use crate::session::Session;
 
 /// A robot that this program holds, reading and writing the bytes of its cable as from a serial port.
 ///
@@ -15,27 +16,6 @@ use crate::turn::Until;
 #[derive(Debug)]
 pub struct RawRobot {
     session: Session,
-}
-
-/// A raw brain's step.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RawTurn {
-    /// Number of the tick.
-    pub tick: u64,
-    /// The instant of the step, by the laptop's clock, in nanoseconds of simulated time since the start.
-    pub at_ns: u64,
-    /// What arrived since the last step.
-    pub bytes: Vec<u8>,
-    /// What arrived since the last step on the cables of sensors' own, with the sensor's place in
-    /// [`Body::sensors`]; ports on which nothing came are left out.
-    pub ports: Vec<(usize, Vec<u8>)>,
-}
-
-impl RawTurn {
-    /// What arrived on the cable of the sensor in this place.
-    pub fn port(&self, sensor: usize) -> &[u8] {
-        self.ports.iter().find(|(place, _)| *place == sensor).map_or(&[], |(_, bytes)| bytes)
-    }
 }
 
 impl RawRobot {

@@ -3,13 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use baudbot_proto::v1::Belief;
+use baudbot_brain::{Action, Belief, Body, Signals, Turn};
 
-use crate::body::Body;
-use crate::brain::Action;
 use crate::error::Error;
-use crate::session::{Answer, Session};
-use crate::turn::{Signals, Turn};
+use crate::protocol::Answer;
+use crate::session::Session;
 
 /// A robot that this program holds; the server en- and decodes the bytes of its cable.
 #[derive(Debug)]

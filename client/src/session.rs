@@ -1,82 +1,12 @@
 //! One stream with its robots: the handshake, then turns and the answers to them.
 
-use std::sync::Arc;
-use std::time::Duration;
-
-use baudbot_proto::v1::Belief;
+use baudbot_brain::{Belief, Until};
+use baudbot_proto::v1;
 use tonic::transport::Channel;
 
-use crate::body::Body;
-use crate::brain::Action;
-use crate::client::Client;
-use crate::convert;
 use crate::error::Error;
+use crate::protocol::{self, Answer, Event, Part, Welcome};
 use crate::stream::Stream;
-use crate::turn::{Reading, Until};
-
-/// Who attaches to what.
-#[derive(Clone, Debug)]
-pub(crate) struct Hello {
-    pub(crate) world: String,
-    pub(crate) robots: Vec<String>,
-    pub(crate) raw: bool,
-    pub(crate) brain: String,
-    pub(crate) memory_bytes: Option<u64>,
-    pub(crate) thinks_as_scenario: bool,
-}
-
-/// What the server says of the world and the bodies.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Welcome {
-    pub(crate) step_ns: u64,
-    pub(crate) lockstep: bool,
-    pub(crate) bodies: Vec<Arc<Body>>,
-}
-
-/// What the server says after that.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Event {
-    Turn { number: u64, tick: u64, parts: Vec<Part> },
-    Ended,
-}
-
-/// One robot's part of a turn.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Part {
-    pub(crate) robot: usize,
-    pub(crate) at_ns: u64,
-    pub(crate) bytes: Vec<u8>,
-    pub(crate) ports: Vec<(usize, Vec<u8>)>,
-    pub(crate) readings: Vec<Option<Reading>>,
-}
-
-/// One robot's part of an answer.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Answer<'a> {
-    Act(&'a Action),
-    Write {
-        bytes: &'a [u8],
-        thinking: Option<Duration>,
-        operations: Option<u64>,
-        until: Option<Until>,
-    },
-    /// The brain waits, and nothing has come.
-    Sleep(Until),
-    /// The brain was not asked, or said nothing.
-    Nothing,
-}
-
-impl Answer<'_> {
-    /// What the brain waits for now.
-    pub(crate) fn until(&self) -> Option<Until> {
-        match self {
-            Self::Act(action) => action.until,
-            Self::Write { until, .. } => *until,
-            Self::Sleep(until) => Some(*until),
-            Self::Nothing => None,
-        }
-    }
-}
 
 /// An attached stream.
 #[derive(Debug)]
@@ -102,9 +32,16 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    pub(crate) async fn open(channel: Channel, hello: &Hello) -> Result<Self, Error> {
-        let mut stream = Stream::open(channel, convert::hello(hello)).await?;
-        let welcome = convert::welcome(stream.receive().await?, &hello.robots)?;
+    /// Opens the stream with this Hello. `publishes_every_ns`: how often the brains publish what they believe, in
+    /// nanoseconds of simulated time.
+    pub(crate) async fn open(
+        channel: Channel,
+        hello: v1::Hello,
+        publishes_every_ns: u64,
+    ) -> Result<Self, Error> {
+        let (robots, answers_all) = (hello.robots.clone(), hello.thinks_as_scenario);
+        let mut stream = Stream::open(channel, protocol::hello(hello)).await?;
+        let welcome = protocol::welcome(stream.receive().await?, &robots)?;
         let waiting = vec![None; welcome.bodies.len()];
         Ok(Self {
             stream,
@@ -115,8 +52,8 @@ impl Session {
             waiting,
             asleep: Vec::new(),
             asked: Vec::new(),
-            answers_all: hello.thinks_as_scenario,
-            publishes_every_ns: convert::nanoseconds(Client::LOOKS_EVERY),
+            answers_all,
+            publishes_every_ns,
         })
     }
 
@@ -137,7 +74,7 @@ impl Session {
                 self.answer(&[]).await?;
             }
             let Some(response) = self.stream.receive().await? else { return Ok(None) };
-            let Event::Turn { number, tick, mut parts } = convert::event(response, &self.welcome.bodies)?
+            let Event::Turn { number, tick, mut parts } = protocol::event(response, &self.welcome.bodies)?
             else {
                 self.waiting.fill(None);
                 return Ok(None);
@@ -180,19 +117,12 @@ impl Session {
         let asleep = self.asleep.drain(..).filter_map(|robot| Some((robot, Answer::Sleep(waiting[robot]?))));
         let left_out = |robot: &&usize| self.answers_all && !answers.iter().any(|(other, _)| other == *robot);
         let silent = self.asked.iter().filter(left_out).map(|&robot| (robot, Answer::Nothing));
-        let step = convert::step(self.number, answers.iter().cloned().chain(asleep).chain(silent));
+        let step = protocol::step(self.number, answers.iter().cloned().chain(asleep).chain(silent));
         Ok(self.stream.send(step).await?)
     }
 
     /// Shows people what a robot's brain believes.
     pub(crate) async fn publish(&mut self, robot: usize, belief: Belief) -> Result<(), Error> {
-        Ok(self.stream.send(convert::annotate(robot, belief)).await?)
-    }
-}
-
-impl Part {
-    fn has_news(&self) -> bool {
-        let is_new = |reading: &Option<Reading>| reading.as_ref().is_some_and(|reading| reading.readable);
-        !self.bytes.is_empty() || !self.ports.is_empty() || self.readings.iter().any(is_new)
+        Ok(self.stream.send(protocol::annotate(robot, belief)).await?)
     }
 }

@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use baudbot_brain::Body;
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::Scenario;
 
@@ -16,7 +17,6 @@ use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::nearest::{Unknown, unknown};
-use crate::pair;
 use crate::row::Task;
 use crate::setup::{self, Setup};
 
@@ -64,7 +64,7 @@ fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Erro
     for job in &jobs {
         let robots = scenario.robots().iter().filter(|spec| job.robots.contains(&spec.name));
         for spec in robots {
-            match catalogue::brain(&job.brain, 1, &pair::body(spec)) {
+            match catalogue::brain(&job.brain, 1, &Body::from(spec)) {
                 // A run may have other sensors.
                 Ok(_) | Err(CatalogueError::Sensor { .. }) => {}
                 Err(error) => return Err(Error::field(field, error.to_string())),
@@ -117,7 +117,7 @@ fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<Str
 /// What a described brain has no place for.
 fn wrong_path(setup: &Setup) -> Option<String> {
     let body =
-        |robot: &String| setup.scenario.robots().iter().find(|spec| spec.name == *robot).map(pair::body);
+        |robot: &String| setup.scenario.robots().iter().find(|spec| spec.name == *robot).map(Body::from);
     let mut all = setup.jobs.iter().flat_map(|job| job.robots.iter().map(move |robot| (job, robot)));
     all.find_map(|(job, robot)| match catalogue::brain(&job.brain, 1, &body(robot)?) {
         Err(error @ CatalogueError::Description { .. }) => Some(error.to_string()).filter(|error| {

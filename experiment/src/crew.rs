@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
-use baudbot_brains::program::shown_name;
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Device;
@@ -127,8 +126,11 @@ impl Crew {
     pub async fn attach(client: Client, world: &str, job: Job, seed: u64) -> Result<Self, CrewError> {
         let robots: Vec<_> = job.robots.iter().map(String::as_str).collect();
         // No brain of the catalogue says how long it thought.
-        let fleet =
-            client.brain(shown_name(&job.brain)).thinks_as_scenario().attach_many(world, &robots).await?;
+        let fleet = client
+            .brain(catalogue::shown_name(&job.brain))
+            .thinks_as_scenario()
+            .attach_many(world, &robots)
+            .await?;
         let make = |body| catalogue::brain(&job.brain, seed, body);
         let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
         Ok(Self { brain: job.brain, fleet, brains })

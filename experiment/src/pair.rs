@@ -2,17 +2,9 @@
 
 use std::sync::Arc;
 
+use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Reading, Turn};
 use baudbot_brains::catalogue::{self, CatalogueError};
-use baudbot_client::{
-    Action, Actuator, Belief, Body, Brain, Component, Firmware, Mount, Port, Protocol, RawCommands, Reading,
-    Sensor, Sweep, Turn,
-};
-use baudbot_sim::actuator::ActuatorKind;
-use baudbot_sim::firmware::{Mode, Protocol as SimProtocol};
-use baudbot_sim::link::Link;
-use baudbot_sim::port::Format;
 use baudbot_sim::robot::RobotSpec;
-use baudbot_sim::sensor::Device;
 use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
 
 use crate::crew::Job;
@@ -59,7 +51,7 @@ impl Driver {
         spec: &RobotSpec,
         brain: impl FnOnce(&Body) -> Result<Box<dyn Brain + Send>, PairError>,
     ) -> Result<Self, PairError> {
-        let body = Arc::new(body(spec));
+        let body = Arc::new(Body::from(spec));
         let commands = RawCommands::new(&body).expect("a scenario is read only if its messages fit the wire");
         Ok(Self { brain: brain(&body)?, body, commands })
     }
@@ -110,7 +102,7 @@ impl Pair {
         for turn in turns {
             let Some(driver) = &mut self.brains[turn.robot] else { continue };
             let view = self.world.robot(turn.robot);
-            let action = driver.brain.step(&client_turn(&driver.body, &view, self.world.tick(), turn.at));
+            let action = driver.brain.step(&turn_of(&driver.body, &view, self.world.tick(), turn.at));
             let thinking_ns = thinking_ns(view.spec(), &action);
             let bytes = match (action.signals, action.poll) {
                 (Some(signals), _) => driver.commands.command_with(signals, &action.others),
@@ -147,7 +139,7 @@ fn thinking_ns(spec: &RobotSpec, action: &Action) -> u64 {
 }
 
 /// The turn of a brain of messages, as the server gives it.
-fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
+fn turn_of(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
     let reading = |reading: &baudbot_sim::Reading| {
         (!reading.values.is_empty()).then(|| Reading {
             values: reading.values.clone(),
@@ -158,100 +150,4 @@ fn client_turn(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -
     };
     let readings = view.readings().iter().map(reading).collect();
     Turn { tick, at_ns: at.as_ns(), readings, body: Arc::clone(body) }
-}
-
-/// The data sheet of a robot, as the server gives it.
-pub fn body(spec: &RobotSpec) -> Body {
-    let (baud, bits_per_character) = characters(&spec.link);
-    let protocol = match spec.firmware.protocol {
-        SimProtocol::Framed { ages } => Protocol::Framed { ages },
-        SimProtocol::Bare { gap_ns } => Protocol::Bare { gap_ns },
-        SimProtocol::Khepera => Protocol::Khepera,
-    };
-    let period_ns = match spec.firmware.mode {
-        Mode::Stream(schedule) => Some(schedule.period_ns()),
-        Mode::Poll => None,
-    };
-    Body {
-        name: spec.name.clone(),
-        radius_m: spec.drive.radius_m,
-        half_track_m: spec.drive.half_track_m,
-        wheel_radius_m: spec.drive.wheel_radius_m,
-        signal_limit: spec.signal_limit,
-        motor_encoding: spec.firmware.motor_encoding(),
-        sensors: spec.sensors.iter().map(sensor).collect(),
-        firmware: Firmware { protocol, period_ns },
-        baud,
-        bits_per_character,
-        motor_kind: spec.drive.motor.kind().to_owned(),
-        actuators: spec.actuators.iter().map(actuator).collect(),
-        onboard: matches!(spec.link, Link::Onboard),
-        operations_per_s: spec.processor.operations_per_s,
-        ram_bytes: spec.processor.ram_bytes,
-    }
-}
-
-fn characters(link: &Link) -> (Option<u32>, Option<u32>) {
-    match link {
-        Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
-        Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character.into())),
-    }
-}
-
-fn actuator(spec: &baudbot_sim::actuator::Actuator) -> Actuator {
-    let range_rad = match &spec.kind {
-        ActuatorKind::Turret(servo) => Some(servo.range_rad),
-        ActuatorKind::Lamp { .. } | ActuatorKind::Speaker { .. } => None,
-    };
-    Actuator { name: spec.name.clone(), kind: spec.kind().to_owned(), range_rad }
-}
-
-fn sensor(spec: &baudbot_sim::sensor::Sensor) -> Sensor {
-    let mut first = 0;
-    let component = |component: &baudbot_sim::sensor::Component| {
-        let encoding = spec.encodings[first];
-        first += component.count;
-        let (name, unit) = (component.name.to_owned(), component.unit.to_owned());
-        Component { name, unit, encoding, count: component.count }
-    };
-    let components: Vec<_> = spec.device.components().iter().map(component).collect();
-    let mount = spec.device.mount().map(|mount| {
-        let (x_m, y_m) = (mount.pose.position.x, mount.pose.position.y);
-        Mount { x_m, y_m, heading_rad: mount.pose.heading, turret: mount.turret }
-    });
-    let (period_ns, phase_ns) = match spec.own_clock {
-        Some(clock) if spec.port.is_some() => (clock.period_ns, clock.phase_ns.unwrap_or(0)),
-        _ => (spec.schedule.period_ns(), spec.schedule.phase_ns()),
-    };
-    let counts_per_turn = match &spec.device {
-        Device::Encoders(encoders) => Some(encoders.counts_per_turn),
-        _ => None,
-    };
-    Sensor {
-        name: spec.name.clone(),
-        kind: spec.device.kind().to_owned(),
-        components,
-        period_ns,
-        phase_ns,
-        mount,
-        range_m: spec.device.range_m(),
-        counts_per_turn,
-        port: spec.port.as_ref().map(|own| port(own, &spec.device)),
-        opening_rad: spec.device.fan().map(|fan| fan.opening_rad()),
-        sweep: match &spec.device {
-            Device::Laser(laser) => Some(Sweep { duration_ns: laser.sweep_ns, clockwise: laser.clockwise }),
-            _ => None,
-        },
-    }
-}
-
-fn port(port: &baudbot_sim::port::Port, device: &Device) -> Port {
-    let (baud, bits_per_character) = characters(&port.link);
-    let format = match port.format {
-        Format::Scip(_) => "scip2",
-        Format::LineImage => "line-image",
-        Format::Nmea { .. } => "nmea",
-    };
-    let message_bytes = port.format.message_len(device) as u64;
-    Port { format: format.to_owned(), message_bytes, baud, bits_per_character }
 }

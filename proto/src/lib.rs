@@ -1,7 +1,10 @@
 //! The gRPC contract of baudbot.
 //!
 //! [`v1`] is generated (`proto/generate`) from `baudbot/v1/*.proto`, which also holds its documentation. Any language's gRPC
-//! tools can be given those files.
+//! tools can be given those files. The feature `brain` adds `convert`, between the contract and what a brain sees and does.
+
+#[cfg(feature = "brain")]
+pub mod convert;
 
 /// Package `baudbot.v1`: the services of the operator, the brain and the observer.
 #[allow(missing_docs, unreachable_pub, unused_qualifications, clippy::all, reason = "generated code")]

@@ -11,6 +11,8 @@ use toml::{Table, Value};
 use super::starts::numbered;
 use baudbot_sim::sheet::FieldError;
 
+use crate::ScenarioError;
+
 /// Most parts of a path; tables nested without end would exhaust the stack.
 const MAX_PARTS: usize = 16;
 
@@ -36,7 +38,11 @@ impl Override {
     ///
     /// # Errors
     /// If there is no `=` or a part of the path is empty.
-    pub fn parse(text: &str) -> Result<Self, FieldError> {
+    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
+        Ok(Self::split(text)?)
+    }
+
+    fn split(text: &str) -> Result<Self, FieldError> {
         let (path, value) = text.split_once('=').ok_or_else(|| {
             FieldError::new(
                 format!("`{text}`"),

@@ -33,6 +33,8 @@ pub mod battery;
 pub mod collision;
 pub mod coverage;
 mod curve;
+#[cfg(feature = "brain")]
+mod data_sheet;
 pub mod drive;
 pub mod fault;
 pub mod firmware;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use baudbot_brains::catalogue;
-use baudbot_client::{Action, Brain, Turn};
+use baudbot_client::{Action, Brain, SensorKind, Turn};
 use baudbot_tests::{Pair, scenario};
 use rustix::time::{ClockId, clock_gettime};
 
@@ -67,9 +67,13 @@ fn main() {
     );
     for (name, toml) in COURSES {
         let scenario = scenario(toml, &[]);
-        let body = baudbot_experiment::pair::body(&scenario.robots()[0]);
-        let rays =
-            body.sensors.iter().filter(|sensor| sensor.kind == "laser").map(|laser| laser.values()).max();
+        let body = baudbot_client::Body::from(&scenario.robots()[0]);
+        let rays = body
+            .sensors
+            .iter()
+            .filter(|sensor| sensor.kind == SensorKind::Laser)
+            .map(|laser| laser.values())
+            .max();
         let took = Arc::new(Mutex::new(Vec::new()));
         let brain = catalogue::brain(name, 1, &body).unwrap_or_else(|error| panic!("{name}: {error}"));
         let ticks = (minutes * 60.0 / (scenario.step_ns() as f64 / 1e9)) as u64;

@@ -3,7 +3,7 @@
 
 pub mod system;
 
-pub use baudbot_experiment::pair::{Pair, body};
+pub use baudbot_experiment::pair::Pair;
 
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;

@@ -150,8 +150,8 @@ async fn a_brain_learns_of_its_turret_its_laser_and_its_ports() {
     let (server, client) = scout().await;
     let robot = client.attach("w", "scout").await.unwrap();
     let body = robot.body();
-    assert_eq!((body.motor_kind.as_str(), body.onboard, body.ram_bytes), ("dc", false, None));
-    let actuators: Vec<_> = body.actuators.iter().map(|a| (a.name.as_str(), a.kind.as_str())).collect();
+    assert_eq!((body.motor_kind.name(), body.onboard, body.ram_bytes), ("dc", false, None));
+    let actuators: Vec<_> = body.actuators.iter().map(|a| (a.name.as_str(), a.kind.name())).collect();
     assert_eq!(actuators, [("lamp", "lamp"), ("head", "turret")]);
     assert_eq!(body.actuators[1].range_rad, Some([-1.0, 1.5]));
     let sensors: Vec<_> = body.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
@@ -160,10 +160,10 @@ async fn a_brain_learns_of_its_turret_its_laser_and_its_ports() {
     let laser = &body.sensors[1];
     assert_eq!((laser.components.len(), laser.values(), laser.period_ns), (1, 682, 100_000_000));
     let port = laser.port.as_ref().unwrap();
-    assert_eq!((port.format.as_str(), port.baud), ("scip2", None));
+    assert_eq!((port.format.name(), port.baud), ("scip2", None));
     let nmea = body.sensors[2].port.as_ref().unwrap();
-    assert_eq!((nmea.format.as_str(), nmea.baud), ("nmea", Some(4800)));
-    assert_eq!(body, &std::sync::Arc::new(baudbot_tests::body(&scenario(SCOUT, &[]).robots()[0])));
+    assert_eq!((nmea.format.name(), nmea.baud), ("nmea", Some(4800)));
+    assert_eq!(body, &std::sync::Arc::new(baudbot_client::Body::from(&scenario(SCOUT, &[]).robots()[0])));
     server.shutdown().await;
 }
 

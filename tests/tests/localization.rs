@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex};
 use baudbot_brains::composed::Composed;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
-use baudbot_client::{Action, Brain, Turn};
+use baudbot_client::{Action, Body, Brain, Turn};
 use baudbot_sim::Scenario;
-use baudbot_tests::{Pair, body, scenario};
+use baudbot_tests::{Pair, scenario};
 
 const SCENARIO: &str = include_str!("../../scenarios/tour.toml");
 const BRAIN: &str = include_str!("../../brains/repertoires/tour.toml");
@@ -42,7 +42,7 @@ pub(crate) type Believed = Arc<Mutex<Option<[f64; 2]>>>;
 /// A world with a brain that a text describes, and where that believes to be.
 pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (Pair, Believed) {
     let description = Description::parse(brain).unwrap();
-    let body = body(&scenario.robots()[0]);
+    let body = Body::from(&scenario.robots()[0]);
     let brain = description.brain(scenario.seed(), &body, &Registry::standard()).unwrap();
     let believed_m = Believed::default();
     let pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();

@@ -7,6 +7,7 @@ mod budget;
 mod by_hand;
 mod connections;
 mod coverage;
+mod data_sheet;
 mod determinism;
 mod devices;
 mod exploration;

@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 use baudbot_brains::Chance;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
-use baudbot_tests::{Pair, body, scenario};
+use baudbot_client::Body;
+use baudbot_tests::{Pair, scenario};
 
 const WEDGE: &str = include_str!("../../scenarios/wedge.toml");
 const WANDER: &str = include_str!("../../scenarios/wander.toml");
@@ -152,8 +153,9 @@ fn brain(trap: &Trap, knows: Knows, radius_m: f64) -> String {
 fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     let scenario = scenario(&arena(trap, knows, radius_m, start), &[]);
     let description = Description::parse(&brain(trap, knows, radius_m)).unwrap();
-    let brain =
-        description.brain(scenario.seed(), &body(&scenario.robots()[0]), &Registry::standard()).unwrap();
+    let brain = description
+        .brain(scenario.seed(), &Body::from(&scenario.robots()[0]), &Registry::standard())
+        .unwrap();
     let mut pair = Pair::with_brain(scenario, brain).unwrap();
     let arrives = |pair: &mut Pair| {
         pair.run(10);

@@ -1,6 +1,6 @@
 //! From an animal's motion to the wheels of a robot.
 
-use baudbot_client::{Action, Body, Signals, Turn};
+use baudbot_brain::{Action, Body, Signals, Turn};
 use baudbot_geometry::Twist;
 
 use crate::courier::Courier;

@@ -1,6 +1,6 @@
 //! What an animal feels, from a robot's sensors.
 
-use baudbot_client::{Body, Turn};
+use baudbot_brain::{Body, SensorKind, Turn};
 use baudbot_geometry::angle;
 
 /// What is felt on both sides.
@@ -35,7 +35,7 @@ struct Felt {
 
 impl Sense {
     /// The sensors of the first of these kinds that the robot has; `None` if it has none of any.
-    pub(super) fn new(body: &Body, kinds: &[&str]) -> Option<Self> {
+    pub(super) fn new(body: &Body, kinds: &[SensorKind]) -> Option<Self> {
         let kind = kinds.iter().find(|kind| body.sensors.iter().any(|sensor| sensor.kind == **kind))?;
         let sensors = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == *kind);
         let receptors = sensors.map(|(sensor, described)| {
@@ -44,7 +44,7 @@ impl Sense {
             let aside = if mount.heading_rad == 0.0 { mount.y_m } else { angle::wrap(mount.heading_rad) };
             Receptor { sensor, aside, felt: None }
         });
-        Some(Self { receptors: receptors.collect(), counts: *kind == "photoresistor" })
+        Some(Self { receptors: receptors.collect(), counts: *kind == SensorKind::Photoresistor })
     }
 
     /// Takes in what is new. Whether anything is.
@@ -103,20 +103,20 @@ mod tests {
     #[test]
     fn sides_are_those_of_the_sensors_headings() {
         let body = body(&[("a", "light", 0.5), ("b", "light", -0.5), ("c", "light", 5.9), ("d", "ir", 0.0)]);
-        let mut sense = Sense::new(&body, &["field", "light"]).unwrap();
+        let mut sense = Sense::new(&body, &[SensorKind::Field, SensorKind::Light]).unwrap();
         assert!(sense.is_numb(0));
         assert!(sense.look(&turn(&body, 5, &[Some(&[4.0]), Some(&[1.0]), Some(&[3.0]), Some(&[9.0])])));
         assert_eq!(sense.sides(), Some(Sides { left: 4.0, right: 2.0 }));
         assert_eq!(sense.mean(), 8.0 / 3.0);
         assert!(!sense.is_numb(STALE_NS) && sense.is_numb(STALE_NS + 6));
         assert!(!sense.look(&turn(&body, 6, &[None, None, None, Some(&[9.0])])), "no news of light");
-        assert_eq!(Sense::new(&body, &["field", "photoresistor"]), None);
+        assert_eq!(Sense::new(&body, &[SensorKind::Field, SensorKind::Photoresistor]), None);
     }
 
     #[test]
     fn one_sensor_has_no_sides() {
         let body = body(&[("eye", "photoresistor", 0.0)]);
-        let mut sense = Sense::new(&body, &["light", "photoresistor"]).unwrap();
+        let mut sense = Sense::new(&body, &[SensorKind::Light, SensorKind::Photoresistor]).unwrap();
         let mut see = |counts: f64| {
             sense.look(&turn(&body, 0, &[Some(&[counts])]));
             (sense.mean(), sense.sides())

@@ -1,6 +1,6 @@
 //! A dish to put robots into that do as animals do: no dynamics, no delays, and walls that hold.
 
-use baudbot_client::{Body, Brain, Sensor, Signals};
+use baudbot_brain::{Body, Brain, Sensor, Signals};
 use baudbot_geometry::{Point, Pose, Twist, Vector};
 
 use crate::test_body::turn;

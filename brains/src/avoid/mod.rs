@@ -20,7 +20,7 @@
 //! commands never queue, and a firmware that answers only when asked is asked once for each answer. News that came while the
 //! cable was taken are answered with the next (`beat`), if those are due soon.
 
-use baudbot_client::{Action, Body, Brain, Turn};
+use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
 use crate::beat::Beat;
 use crate::chance::Chance;
@@ -212,7 +212,7 @@ impl Avoid {
 
 /// All infra-red sensors, as nothing has been seen yet.
 fn eyes(body: &Body) -> impl Iterator<Item = Eye> {
-    let infrared = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == "ir");
+    let infrared = body.sensors.iter().enumerate().filter(|(_, sensor)| sensor.kind == SensorKind::Infrared);
     infrared.map(|(sensor, described)| {
         let heading_rad = described.mount.map_or(0.0, |mount| mount.heading_rad);
         Eye { sensor, bearing_rad: wrap(heading_rad), seen_ns: None, reading: 0.0 }

@@ -1,6 +1,6 @@
 //! Going to a charger and standing there until the battery is full.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, math};
 use serde::Deserialize;
 

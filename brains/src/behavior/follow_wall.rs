@@ -1,6 +1,6 @@
 //! Driving along a wall at a distance, by what sensors on that side see.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, SensorKind, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
@@ -65,7 +65,7 @@ impl FollowWall {
             let problem = format_args!("must not be negative, is {}", parameters.limit);
             return Err(ParameterError::value("limit", problem));
         }
-        let is_distance = body.sensors[sensor].kind != "ir";
+        let is_distance = body.sensors[sensor].kind != SensorKind::Infrared;
         Ok(Self { parameters, sensor, is_distance })
     }
 }

@@ -1,6 +1,6 @@
 //! Point-to-point navigation by the believed pose: one point after the other, straight on, more slowly near the last.
 
-use baudbot_client::Signals;
+use baudbot_brain::Signals;
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 

@@ -4,7 +4,7 @@
 //! *Deviation*: the ant has the sun for a compass. A robot that believes its odometry has none, and so its vector home errs
 //! by the power of one and a half of the way. Landmarks are left out.
 
-use baudbot_client::Signals;
+use baudbot_brain::Signals;
 use baudbot_geometry::{Point, Pose, angle, math};
 use serde::Deserialize;
 

@@ -1,6 +1,6 @@
 //! From where to go to wheel speeds: the P-regulation of Wahde 2016, Eqs. (6.4) to (6.7), with pure rotations.
 
-use baudbot_client::Signals;
+use baudbot_brain::Signals;
 use baudbot_geometry::{Point, Pose, angle, math};
 use serde::Deserialize;
 

@@ -1,7 +1,7 @@
 //! Going where two sensors sense more, or less: Braitenberg's way of phototaxis and of chemotaxis (Section 4.4.2). It
 //! compares left with right at one instant, as a tropotaxis does.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;

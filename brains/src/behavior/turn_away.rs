@@ -1,7 +1,7 @@
 //! Turning on the spot away from what is near, as a reflex: to the side that sensors on the other side chose when it began,
 //! and no other way until it ends. Who may change the way dithers in corners.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, SensorKind, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
@@ -48,12 +48,12 @@ impl TurnAway {
     pub fn new(parameters: Parameters, body: &Body) -> Result<Self, ParameterError> {
         let eyes = body.sensors.iter().enumerate().filter_map(|(sensor, described)| {
             let bearing_rad = baudbot_geometry::angle::wrap(described.mount?.heading_rad);
-            let is_seeing = matches!(described.kind.as_str(), "ir" | "sonar");
+            let is_seeing = matches!(described.kind, SensorKind::Infrared | SensorKind::Sonar);
             let counts = is_seeing && bearing_rad != 0.0 && bearing_rad.abs() <= parameters.field_rad;
             counts.then_some(Eye {
                 sensor,
                 is_left: bearing_rad > 0.0,
-                is_distance: described.kind == "sonar",
+                is_distance: described.kind == SensorKind::Sonar,
             })
         });
         let eyes: Vec<_> = eyes.collect();

@@ -1,6 +1,6 @@
 //! Any brain of this crate as a motor behaviour of a larger one: its signals count while it is active.
 
-use baudbot_client::{Brain, Signals};
+use baudbot_brain::{Brain, Signals};
 
 use crate::process::{Moment, MotorBehavior};
 

@@ -3,12 +3,13 @@
 
 mod repertoires;
 
-use baudbot_client::{Body, Brain};
+use baudbot_brain::{Body, Brain};
 
 use crate::anew::Anew;
 pub use crate::kinds::{CatalogueError, Entry, Setting, nearest_first};
 use crate::kinds::{KINDS, Kind};
 use repertoires::Text;
+#[cfg(feature = "program")]
 pub(crate) use repertoires::text_of;
 
 /// Makes the brain that `description` describes, such as `wander` or `constant:left=0.5,right=-0.5`, for a
@@ -47,6 +48,11 @@ pub fn described(description: &str) -> Result<Option<String>, CatalogueError> {
     Text::find(name)?.map(|text| text.edited(settings)).transpose()
 }
 
+/// The name that people see of the brain that `description` describes: as much of it as the contract allows, 64 bytes.
+pub fn shown_name(description: &str) -> String {
+    description[..description.floor_char_boundary(64)].to_owned()
+}
+
 /// Names of what can be set of a brain that is written in Rust; none of one that is described.
 pub fn parameters(description: &str) -> Vec<&'static str> {
     let name = description.split(':').next().unwrap_or_default();
@@ -78,7 +84,7 @@ pub fn catalogue() -> Vec<Entry> {
 
 #[cfg(test)]
 mod tests {
-    use baudbot_client::Action;
+    use baudbot_brain::Action;
 
     use super::*;
     use crate::kinds::PLACED_SCANS;
@@ -89,6 +95,12 @@ mod tests {
             Ok(_) => panic!("{description} is a brain"),
             Err(error) => error.to_string(),
         }
+    }
+
+    #[test]
+    fn long_names_are_cut_between_letters() {
+        assert_eq!(shown_name(&"ä".repeat(40)), "ä".repeat(32));
+        assert_eq!(shown_name(&format!("a{}", "ä".repeat(40))).len(), 63);
     }
 
     #[test]

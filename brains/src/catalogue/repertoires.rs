@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 
 use crate::composed::Composed;
 use crate::description::{Description, DescriptionError, edited};

@@ -1,6 +1,6 @@
 //! The cognitive process *Odometry*: where the robot is, by counting what its wheels do.
 
-use baudbot_client::Body;
+use baudbot_brain::{Body, SensorKind};
 use baudbot_geometry::Pose;
 use serde::Deserialize;
 
@@ -48,7 +48,8 @@ impl CountWheels {
         };
         let variance_m2_per_m = parameters.variance_m2_per_m;
         check_not_negative([("variance_m2_per_m", variance_m2_per_m)])?;
-        let is_odometer = body.sensor(&parameters.sensor).is_some_and(|sensor| sensor.kind == "odometer");
+        let is_odometer =
+            body.sensor(&parameters.sensor).is_some_and(|sensor| sensor.kind == SensorKind::Odometer);
         let start = parameters.start.map(|[x, y, heading]| Pose::new(x, y, heading));
         let start = start.or_else(|| (!is_odometer).then(|| Pose::new(0.0, 0.0, 0.0)));
         let known = odometry::Parameters { variance_m2_per_m, ..known };

@@ -4,7 +4,7 @@
 //! *Deviation*: the notes assume that there is such a process, and say nothing of it but that its sensors should be mounted at
 //! another height than the laser.
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 use serde::Deserialize;
 
 use crate::feelers::{Feelers, Near};

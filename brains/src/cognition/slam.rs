@@ -62,7 +62,7 @@ impl MakeMap {
             let problem = format_args!("must be at least {LEAST_RAYS}, is {rays}: fewer match no map");
             return Err(ParameterError::value("rays", problem));
         }
-        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_client::Sensor::values);
+        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_brain::Sensor::values);
         if laser_rays < LEAST_RAYS {
             let problem =
                 format_args!("`{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least");

@@ -3,7 +3,7 @@
 //! In each turn: readings become state variables ([`Senses`]); the method of decision chooses; cognitive processes do their
 //! step, then the one motor behaviour does. A motor behaviour is left before another is entered.
 
-use baudbot_client::{Action, Belief, Body, Brain, Point, Signals, Turn};
+use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use crate::courier::Courier;
 use crate::decision::utility::{self, Utility};
@@ -209,7 +209,7 @@ impl Brain for Composed {
             (Some(active), intention) => format!("{active}: {intention}"),
             (None, _) => String::new(),
         };
-        let utilities = self.utilities().map(|(name, value, active)| baudbot_client::Utility {
+        let utilities = self.utilities().map(|(name, value, active)| baudbot_brain::Utility {
             name: name.to_owned(),
             value,
             active,

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::task::{Poll, ready};
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 

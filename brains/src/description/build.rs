@@ -1,6 +1,6 @@
 //! From a description to a brain for a robot.
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 
 use super::DescriptionError;
 use super::raw::{By, Raw, RawDecision, RawNode, RawProcess, RawUtility, RawVariable};

@@ -23,7 +23,7 @@ mod build;
 mod edited;
 mod raw;
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 use toml::{Table, Value};
 
 use crate::composed::Composed;

@@ -1,6 +1,6 @@
 //! What descriptions say, and what is wrong with some.
 
-use baudbot_client::{Body, Brain, Signals};
+use baudbot_brain::{Body, Brain, Signals};
 use serde::Deserialize;
 
 use super::*;

@@ -5,7 +5,7 @@ mod nearest;
 
 use std::ops::RangeInclusive;
 
-use baudbot_client::{Body, Brain};
+use baudbot_brain::{Body, Brain};
 
 pub use error::CatalogueError;
 pub use nearest::nearest_first;

@@ -1,6 +1,6 @@
 //! A grid for people who look.
 
-use baudbot_client::GridMap;
+use baudbot_brain::GridMap;
 use baudbot_geometry::grid::Cell;
 use baudbot_geometry::math;
 

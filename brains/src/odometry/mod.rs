@@ -31,7 +31,7 @@ mod tests;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use baudbot_client::{Body, Encoding, Turn};
+use baudbot_brain::{Body, Encoding, SensorKind, Turn};
 use baudbot_geometry::{Pose, math};
 
 use crate::awaited::Awaited;
@@ -88,7 +88,7 @@ impl Parameters {
     #[must_use]
     pub fn of(body: &Body, sensor: &str) -> Option<Self> {
         let sensor = body.sensor(sensor)?;
-        let counts = if sensor.kind == ODOMETER { 1 } else { sensor.counts_per_turn? };
+        let counts = if sensor.kind == SensorKind::Odometer { 1 } else { sensor.counts_per_turn? };
         let modulus = match sensor.components.first()?.encoding {
             Encoding::Counter { bits } => Some((1_u64 << bits.min(32)) as f64),
             Encoding::Float64 | Encoding::Level { .. } | Encoding::Signed { .. } => None,
@@ -137,7 +137,7 @@ impl Odometry {
     pub fn read(&mut self, turn: &Turn, sensor: &str) -> bool {
         let Some(reading) = turn.reading(sensor).filter(|reading| reading.readable) else { return false };
         let at_ns = reading.sampled_at_ns.unwrap_or(turn.at_ns);
-        let is_odometer = turn.body.sensor(sensor).is_some_and(|sensor| sensor.kind == ODOMETER);
+        let is_odometer = turn.body.sensor(sensor).is_some_and(|sensor| sensor.kind == SensorKind::Odometer);
         if !reading.values.iter().all(|value| value.is_finite()) {
             return false;
         }
@@ -319,5 +319,3 @@ const EVEN_NS: u64 = 600_000_000;
 const PAST_NS: u64 = 10_000_000_000;
 /// So many poses are kept at most: those of ten seconds at 500 Hz.
 const MOST_POSES: usize = 5_000;
-/// The kind of sensor that says x, y and heading.
-const ODOMETER: &str = "odometer";

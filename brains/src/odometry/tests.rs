@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use baudbot_client::Component;
+use baudbot_brain::Component;
 
 use super::*;
 use crate::test_body::{body, turn};

@@ -10,7 +10,7 @@
 
 use std::collections::VecDeque;
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, Pose, Vector, angle, math};
 use serde::Deserialize;
 

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use baudbot_client::{Body, Sensor, Turn};
+use baudbot_brain::{Body, Sensor, SensorKind, Turn};
 use baudbot_geometry::{Direction, Point, Pose, Vector, math};
 
 use crate::parameter::ParameterError;
@@ -229,11 +229,10 @@ fn eye(
     let is_wanted = parameters.names.is_empty() || parameters.names.contains(&sensor.name);
     let mount = sensor.mount.filter(|mount| is_wanted && mount.turret.is_none())?;
     let range_m = sensor.range_m.filter(|range_m| range_m.is_finite() && *range_m > 0.0)?;
-    let infrared = match sensor.kind.as_str() {
-        "ir" => Some(infrared),
-        "sonar" => None,
-        _ => return None,
-    };
+    if !matches!(sensor.kind, SensorKind::Infrared | SensorKind::Sonar) {
+        return None;
+    }
+    let infrared = (sensor.kind == SensorKind::Infrared).then_some(infrared);
     Some(Eye {
         sensor: i,
         robot_from_sensor: Pose::new(mount.x_m, mount.y_m, mount.heading_rad),

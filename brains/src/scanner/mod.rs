@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use baudbot_client::{Body, Sweep, Turn};
+use baudbot_brain::{Body, SensorKind, Sweep, Turn};
 
 use crate::awaited::Awaited;
 use crate::localization::deskew::{self, deskew};
@@ -36,7 +36,8 @@ impl Scanner {
     /// # Errors
     /// In words, if the body has no such laser, or its data sheet does not say what must be known of it.
     pub fn new(body: &Body, laser: &str, rays: usize) -> Result<Self, ParameterError> {
-        let sensor = body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == "laser");
+        let sensor =
+            body.sensor_index(laser).filter(|&sensor| body.sensors[sensor].kind == SensorKind::Laser);
         let wrong = |problem: String| ParameterError::value("laser", problem);
         let sensor =
             sensor.ok_or_else(|| wrong(format!("robot `{}` has no laser called `{laser}`", body.name)))?;

@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use baudbot_client::Reading;
+use baudbot_brain::Reading;
 use proptest::prelude::*;
 
 use super::*;

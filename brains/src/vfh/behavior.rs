@@ -1,6 +1,6 @@
 //! The motor behaviour.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Direction, Point, Pose, Vector, angle, math};
 use serde::Deserialize;
 

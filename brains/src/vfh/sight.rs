@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use baudbot_client::{Body, Sensor, Turn};
+use baudbot_brain::{Body, Sensor, SensorKind, Turn};
 use baudbot_geometry::{Pose, math};
 use serde::Deserialize;
 
@@ -75,7 +75,7 @@ impl Sight {
                 ParameterError::value("sight", problem)
             };
             fixed(sensor).ok_or_else(problem)?;
-            if sensor.kind == "laser" {
+            if sensor.kind == SensorKind::Laser {
                 sight.lasers.push(Scanner::new(body, &sensor.name, usize::MAX)?);
             } else {
                 sight.cones.push((i, cone(parameters, sensor)?));
@@ -169,7 +169,7 @@ impl Infrared {
 /// The sensors that count, by their places on the data sheet.
 fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, ParameterError> {
     let find = |name: &String| {
-        let sensor = body.sensor_index(name).filter(|&i| KINDS.contains(&body.sensors[i].kind.as_str()));
+        let sensor = body.sensor_index(name).filter(|&i| KINDS.contains(&body.sensors[i].kind));
         sensor.ok_or_else(|| {
             let problem = format_args!("robot `{}` has no laser, sonar or ir called `{name}`", body.name);
             ParameterError::value("sight.names", problem)
@@ -178,7 +178,7 @@ fn chosen(parameters: &Parameters, body: &Body) -> Result<Vec<usize>, ParameterE
     if !parameters.names.is_empty() {
         return parameters.names.iter().map(find).collect();
     }
-    let of_kind = |kind: &&str| -> Vec<usize> {
+    let of_kind = |kind: &SensorKind| -> Vec<usize> {
         let sensors = body.sensors.iter().enumerate();
         let is_fixed = |sensor: &Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
         sensors.filter(|(_, sensor)| sensor.kind == *kind && is_fixed(sensor)).map(|(i, _)| i).collect()
@@ -204,7 +204,7 @@ fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError
     if !(opening_rad > 0.0 && opening_rad <= PI) {
         return Err(ParameterError::range("sight.cone_rad", "above 0 and at most π", opening_rad));
     }
-    if sensor.kind == "sonar" {
+    if sensor.kind == SensorKind::Sonar {
         return Ok(Cone { opening_rad, infrared: None });
     }
     let constants = parameters.ir.filter(|ir| ir.c1_m2 > 0.0 && ir.c2.is_finite());
@@ -216,7 +216,7 @@ fn cone(parameters: &Parameters, sensor: &Sensor) -> Result<Cone, ParameterError
 }
 
 /// From the one that sees best to the one that sees least.
-const KINDS: [&str; 3] = ["laser", "sonar", "ir"];
+const KINDS: [SensorKind; 3] = [SensorKind::Laser, SensorKind::Sonar, SensorKind::Infrared];
 /// How wide a sonar or an infra-red sensor opens of which nobody says so, in radians.
 const CONE_RAD: f64 = 0.5;
 /// Less than this part of a whole hit at its range is what an infra-red sensor reads of nothing.
@@ -226,7 +226,7 @@ const CONE_RAYS: usize = 7;
 
 #[cfg(test)]
 mod tests {
-    use baudbot_client::Sweep;
+    use baudbot_brain::Sweep;
 
     use super::*;
     use crate::estimate::Estimate;

@@ -1,6 +1,6 @@
 //! A robot whose wheels do at once what they are told, with a laser that sees pillars and a room's walls.
 
-use baudbot_client::{Sweep, Turn};
+use baudbot_brain::{Sweep, Turn};
 use baudbot_geometry::{Circle, Segment};
 
 use super::*;

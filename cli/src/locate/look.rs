@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use baudbot_brains::localization::Map;
 use baudbot_brains::scan::Scan;
-use baudbot_client::Reading;
-use baudbot_experiment::pair::body;
+use baudbot_client::{Body, Reading};
 use baudbot_geometry::Pose;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::robot::RobotSpec;
@@ -110,7 +109,7 @@ impl<'a> Looker<'a> {
     /// A sample as a brain takes a reading.
     fn read(&self, sample: &[f64]) -> anyhow::Result<Scan> {
         let reading = Reading { values: sample.to_vec(), sampled_at_ns: None, sequence: 0, readable: true };
-        let scan = Scan::of(&body(self.robot).sensors[self.sensor], &reading);
+        let scan = Scan::of(&Body::from(self.robot).sensors[self.sensor], &reading);
         scan.ok_or_else(|| {
             Refused::error(format!(
                 "--laser: `{}` sits on a turret, and no search takes that into account; choose another",

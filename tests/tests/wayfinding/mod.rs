@@ -8,8 +8,9 @@ mod unknown;
 use baudbot_brains::Chance;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
+use baudbot_client::Body;
 use baudbot_sim::Scenario;
-use baudbot_tests::{Pair, body, scenario};
+use baudbot_tests::{Pair, scenario};
 
 use arena::Arena;
 
@@ -43,7 +44,7 @@ fn of(pair: &Pair) -> Run {
 /// The scenario with a brain that a text describes.
 fn described(scenario: Scenario, brain: &str) -> Pair {
     let description = Description::parse(brain).unwrap_or_else(|error| panic!("{error}\n{brain}"));
-    let brain = description.brain(scenario.seed(), &body(&scenario.robots()[0]), &Registry::standard());
+    let brain = description.brain(scenario.seed(), &Body::from(&scenario.robots()[0]), &Registry::standard());
     Pair::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}"))).unwrap()
 }
 

@@ -4,7 +4,7 @@
 //! at random; and each tumble is followed by a run that lasts a while even if it gets worse. Without it a robot
 //! whose memory has settled would turn on the spot for ever, as U is 0 where X does not change.
 
-use baudbot_client::{Action, Body, Brain, Signals, Turn};
+use baudbot_brain::{Action, Body, Brain, SensorKind, Signals, Turn};
 
 use super::{Behaviour, EColi, Parameters as CellParameters};
 use crate::animals::legs::Legs;
@@ -108,7 +108,7 @@ impl EColiBrain {
         Some(Self {
             parameters,
             chance,
-            sense: Sense::new(body, &["field", "light", "photoresistor"])?,
+            sense: Sense::new(body, &[SensorKind::Field, SensorKind::Light, SensorKind::Photoresistor])?,
             legs: Legs::new(body, 1.0),
             cell: None,
             felt_ns: 0,

@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use baudbot_client::{Action, Body, Brain, Turn};
+use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
 use super::{Larva, Parameters as LarvaParameters};
 use crate::animals::legs::{Legs, Motion, full_speed};
@@ -98,8 +98,8 @@ impl LarvaBrain {
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
         Some(Self {
             chance,
-            eyes: Sense::new(body, &["light", "photoresistor", "field"])?,
-            touch: Sense::new(body, &["bumper", "whisker"]),
+            eyes: Sense::new(body, &[SensorKind::Light, SensorKind::Photoresistor, SensorKind::Field])?,
+            touch: Sense::new(body, &[SensorKind::Bumper, SensorKind::Whisker]),
             legs: Legs::new(body, parameters.full_speed_m_s),
             larva: Larva::new(parameters.larva),
             turn_rad_s: parameters.larva.turn_rad_s,

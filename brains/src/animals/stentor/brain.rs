@@ -7,7 +7,7 @@
 //! Deviations: steps longer than a twentieth of a second are divided, as Euler's method asks for. The notes do not say which
 //! way it turns: with sensors on both sides it is from the one that feels more, otherwise to a side drawn at random.
 
-use baudbot_client::{Action, Belief, Body, Brain, Turn, Utility};
+use baudbot_brain::{Action, Belief, Body, Brain, SensorKind, Turn, Utility};
 
 use super::{Behaviour, Parameters as CellParameters, Stentor};
 use crate::animals::legs::{Legs, Motion, full_speed};
@@ -123,7 +123,7 @@ impl StentorBrain {
         Some(Self {
             parameters,
             chance,
-            sense: Sense::new(body, &["field", "light", "photoresistor", "bumper", "ir"])?,
+            sense: Sense::new(body, &FELT)?,
             legs: Legs::new(body, parameters.full_speed_m_s),
             cell: Stentor::new(parameters.cell),
             behaviour: Behaviour::Feed,
@@ -188,6 +188,15 @@ impl Brain for StentorBrain {
         Some(Belief { state: state.unwrap_or_default(), utilities, ..Belief::default() })
     }
 }
+
+/// What may touch it, from what is like a particle most to what is so least.
+const FELT: [SensorKind; 5] = [
+    SensorKind::Field,
+    SensorKind::Light,
+    SensorKind::Photoresistor,
+    SensorKind::Bumper,
+    SensorKind::Infrared,
+];
 
 /// What people see of them.
 const NAMES: [(Behaviour, &str); 5] = [

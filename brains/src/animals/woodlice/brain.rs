@@ -1,6 +1,6 @@
 //! A robot that gathers in the damp, or where else a field is strong, as wood lice do.
 
-use baudbot_client::{Action, Body, Brain, Turn};
+use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
 use super::{Parameters as LouseParameters, Woodlouse};
 use crate::animals::legs::{Legs, Motion, full_speed};
@@ -77,7 +77,7 @@ impl WoodlouseBrain {
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
         Some(Self {
             chance,
-            sense: Sense::new(body, &["field", "light", "photoresistor"])?,
+            sense: Sense::new(body, &[SensorKind::Field, SensorKind::Light, SensorKind::Photoresistor])?,
             legs: Legs::new(body, parameters.full_speed_m_s),
             louse: Woodlouse::new(parameters.louse),
         })

@@ -7,7 +7,7 @@
 
 use std::task::{Poll, ready};
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 

@@ -6,7 +6,7 @@
 //! *Deviations.* As those of a [robot that explores by itself](super::brain). A scan that fitted nowhere into the map is
 //! explored by, too.
 
-use baudbot_client::{Body, Signals};
+use baudbot_brain::{Body, Signals};
 
 use super::brain::{PARAMETERS, Parameters};
 use super::scout::{self, Scout};

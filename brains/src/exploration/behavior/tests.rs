@@ -1,6 +1,6 @@
 //! What the behaviour makes of beliefs; whole explorations are among the whole system's tests.
 
-use baudbot_client::Body;
+use baudbot_brain::Body;
 use baudbot_geometry::Pose;
 
 use super::*;

@@ -9,7 +9,7 @@
 //!   [mended](crate::localization::deskew).
 //! - Lasers on a turret are not understood.
 
-use baudbot_client::{Action, Belief, Body, Brain, Point, Signals, Turn};
+use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
 use super::Command;
 use super::scout::{self, Scout};

@@ -10,7 +10,7 @@
 //! - The robot stops as soon as something is near, and takes that for true if it is so for a while: single rays are
 //!   wrong by more than a door leaves room.
 
-use baudbot_client::{Body, Sensor, Signals, Turn};
+use baudbot_brain::{Body, Sensor, SensorKind, Signals, Turn};
 use baudbot_geometry::{Point, Pose, angle, math};
 
 use super::brain::Parameters;
@@ -176,7 +176,7 @@ fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
 /// The first laser that sits on the body itself.
 pub(super) fn laser(body: &Body) -> Option<&Sensor> {
     let is_fixed = |sensor: &&Sensor| sensor.mount.is_some_and(|mount| mount.turret.is_none());
-    body.sensors.iter().filter(|sensor| sensor.kind == "laser").find(is_fixed)
+    body.sensors.iter().filter(|sensor| sensor.kind == SensorKind::Laser).find(is_fixed)
 }
 
 fn explorer(parameters: &Parameters, radius_m: f64, range_m: f64) -> Box<dyn Explorer + Send> {

@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use baudbot_client::{Action, Belief, BelievedPose, Body, Brain, Point, Turn};
+use baudbot_brain::{Action, Belief, BelievedPose, Body, Brain, Point, SensorKind, Turn};
 use baudbot_geometry::{Direction, Vector, angle, math};
 
 use super::landmarks::{self, Landmark};
@@ -131,16 +131,17 @@ struct Places {
 impl AntBrain {
     /// A brain at its nest. `None` if the robot has no laser of which is known how it sweeps, or no odometer.
     pub fn new(parameters: Parameters, chance: Chance, body: &Body) -> Option<Self> {
-        let place = |kind: &str| body.sensors.iter().position(|sensor| sensor.kind == kind);
-        let laser = place("laser")?;
+        let place = |kind: SensorKind| body.sensors.iter().position(|sensor| sensor.kind == kind);
+        let laser = place(SensorKind::Laser)?;
         let places = Places {
             laser,
             range_m: body.sensors[laser].range_m.unwrap_or(f64::INFINITY),
             opening_rad: body.sensors[laser].opening_rad?,
             clockwise: body.sensors[laser].sweep?.clockwise,
             mount_rad: body.sensors[laser].mount.unwrap_or_default().heading_rad,
-            odometer: place("odometer").filter(|&place| body.sensors[place].components.len() >= 3)?,
-            compass: place("compass"),
+            odometer: place(SensorKind::Odometer)
+                .filter(|&place| body.sensors[place].components.len() >= 3)?,
+            compass: place(SensorKind::Compass),
         };
         Some(Self {
             parameters,
@@ -285,7 +286,7 @@ impl Brain for AntBrain {
         let nest = self.nest?;
         let at = nest - self.ant.home();
         let heading_rad = self.headings.back()?.1;
-        let pose = BelievedPose { x_m: at.x, y_m: at.y, heading_rad, covariance_m2: Vec::new() };
+        let pose = BelievedPose { x_m: at.x, y_m: at.y, heading_rad, covariance_m2: None };
         let path = [at, nest].map(|point| Point { x_m: point.x, y_m: point.y });
         Some(Belief { state: state.to_owned(), pose: Some(pose), path: path.to_vec(), ..Belief::default() })
     }

@@ -1,8 +1,11 @@
 //! The laptop's end of a sensor's own cable: what a laser, a line camera or a satellite receiver says, byte by byte.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
 use baudbot_wire::port::{Format, Found, Message};
 
-use crate::body::Sensor;
+use crate::body::{PortFormat, Sensor};
 use crate::turn::Reading;
 
 /// Listens to one port.
@@ -27,11 +30,13 @@ impl Listener {
     /// `None` if the sensor has no port, or one of a format that is not known here.
     pub(crate) fn new(sensor: &Sensor) -> Option<Self> {
         let port = sensor.port.as_ref()?;
-        let format = match port.format.as_str() {
-            "scip2" => Format::Scip,
-            "line-image" => Format::LineImage { message_len: usize::try_from(port.message_bytes).ok()? },
-            "nmea" => Format::Nmea,
-            _ => return None,
+        let format = match port.format {
+            PortFormat::Scip2 => Format::Scip,
+            PortFormat::LineImage => {
+                Format::LineImage { message_len: usize::try_from(port.message_bytes).ok()? }
+            }
+            PortFormat::Nmea => Format::Nmea,
+            PortFormat::Other(_) => return None,
         };
         Some(Self { format, values: sensor.values(), message: Vec::new(), sequence: 0 })
     }
@@ -66,7 +71,7 @@ impl Listener {
                 return None;
             }
         };
-        let message = std::mem::take(&mut self.message);
+        let message = core::mem::take(&mut self.message);
         let mut values = vec![0.0; self.values];
         match self.format.read(&message[skip..], at_ns, &mut values) {
             Ok(Message::Reading { sampled_at_ns }) => Some((values, sampled_at_ns)),

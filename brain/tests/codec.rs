@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use baudbot_client::{
-    Actuator, Body, Component, Encoding, Firmware, Port, Protocol, RawCommands, RawReadings, RawTurn, Sensor,
-    Signals,
+use baudbot_brain::{
+    Actuator, ActuatorKind, Body, Component, Encoding, Firmware, MotorKind, Port, Protocol, RawCommands,
+    RawReadings, RawTurn, Sensor, SensorKind, Signals,
 };
 use baudbot_wire::{Decoder, Message, Sample, frame, line_image, scip, write_readings, write_values};
 use proptest::collection::vec;
@@ -19,7 +19,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
     };
     let sensor = |name: &str, count| Sensor {
         name: name.to_owned(),
-        kind: "ir".to_owned(),
+        kind: SensorKind::Infrared,
         components: vec![component.clone(); count],
         period_ns: 20_000_000,
         phase_ns: 0,
@@ -41,7 +41,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
         firmware: Firmware { protocol, period_ns: Some(20_000_000) },
         baud: None,
         bits_per_character: None,
-        motor_kind: "dc".to_owned(),
+        motor_kind: MotorKind::Dc,
         actuators: Vec::new(),
         onboard: false,
         operations_per_s: None,
@@ -182,7 +182,7 @@ fn with_ports() -> Arc<Body> {
     }
     body.actuators.push(Actuator {
         name: "head".into(),
-        kind: "turret".into(),
+        kind: ActuatorKind::Turret,
         range_rad: Some([-1.0, 1.0]),
     });
     Arc::new(body)

@@ -1,9 +1,15 @@
-//! What a brain may know of its robot's body: its maker's data sheet.
+//! A robot's data sheet: all that a brain knows of its robot's body.
+
+mod kind;
+
+use alloc::string::String;
+use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
 
-use crate::brain::Action;
-use crate::wire::WireLayout;
+use crate::action::Action;
+
+pub use kind::{ActuatorKind, MotorKind, PortFormat, SensorKind};
 
 /// A robot as its data sheet has it. Nothing of it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +26,8 @@ pub struct Body {
     pub signal_limit: Option<f64>,
     /// How a motor signal crosses the wire.
     pub motor_encoding: Encoding,
-    /// What turns the wheels: `dc`, `velocity`, `servo` or `stepper`; text, as a newer server may have others.
-    pub motor_kind: String,
+    /// What turns the wheels.
+    pub motor_kind: MotorKind,
     /// Actuators besides the wheels, in the order of [`Action::others`].
     pub actuators: Vec<Actuator>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
@@ -46,9 +52,8 @@ pub struct Body {
 pub struct Actuator {
     /// Its name, unique among the robot's actuators.
     pub name: String,
-    /// `turret`, `lamp` or `speaker`; text, as a newer server may have others. Of a lamp and a speaker 1 is full
-    /// strength, and 0 and less is nothing.
-    pub kind: String,
+    /// What it does with its signal.
+    pub kind: ActuatorKind,
     /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
     /// farther from 0, and no farther than either end.
     pub range_rad: Option<[f64; 2]>,
@@ -59,9 +64,8 @@ pub struct Actuator {
 pub struct Sensor {
     /// Its name, unique on its robot.
     pub name: String,
-    /// What the scenario calls it, such as `ir`, `sonar`, `laser`, `encoders` or `compass`; text, as a newer
-    /// server may have others.
-    pub kind: String,
+    /// What it measures, and how.
+    pub kind: SensorKind,
     /// The parts of a reading, in order.
     pub components: Vec<Component>,
     /// Time between two samples, in nanoseconds.
@@ -95,9 +99,8 @@ pub struct Sweep {
 /// A sensor's own cable to the laptop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
-    /// What is said on it: `scip2`, `line-image` or `nmea`; text, as a newer server may have others. The modules
-    /// of `baudbot-wire` read them.
-    pub format: String,
+    /// What is said on it.
+    pub format: PortFormat,
     /// Bytes of one message.
     pub message_bytes: u64,
     /// Bits a second; `None` if the cable is ideal.
@@ -196,19 +199,5 @@ impl Body {
             Firmware { protocol: Protocol::Framed { .. } | Protocol::Khepera, .. } => Action::poll(),
             Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
         }
-    }
-
-    /// What both ends of the cable have agreed on, to be used with `baudbot-wire`.
-    pub fn layout(&self) -> WireLayout {
-        WireLayout::new(self)
-    }
-
-    /// How long a command is on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
-    /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
-    /// commands more often than that fills the cable's buffer, and its commands come ever later.
-    pub fn command_ns(&self) -> u64 {
-        let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };
-        let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
-        bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
     }
 }

@@ -1,6 +1,7 @@
-//! What a brain gets and gives in one step.
+//! What a brain gets in one step.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
 
 use crate::body::Body;
 
@@ -29,30 +30,6 @@ pub struct Reading {
     pub sequence: u32,
     /// New since the last turn; an old value is repeated with `false`.
     pub readable: bool,
-}
-
-/// Signals for the motors; 1 is full voltage forwards.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Signals {
-    /// Left.
-    pub left: f64,
-    /// Right.
-    pub right: f64,
-}
-
-/// What a brain waits for that wants no turn without news, as a program does that reads from its serial port with a
-/// timeout.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Until {
-    /// When it wants a turn in any case, in nanoseconds of simulated time; `None`: never.
-    pub at_latest_ns: Option<u64>,
-}
-
-impl Until {
-    /// Whether the time to wait is over at this instant.
-    pub(crate) fn is_over(&self, at_ns: u64) -> bool {
-        self.at_latest_ns.is_some_and(|at_latest_ns| at_ns >= at_latest_ns)
-    }
 }
 
 impl Turn {

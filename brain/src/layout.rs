@@ -1,0 +1,85 @@
+//! The layout of the messages on a robot's cable.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use baudbot_wire::{Encoding, Layout, LayoutError, frame, khepera};
+
+use crate::body::{Body, Protocol, Sensor};
+
+/// The owner of what a [`Layout`] borrows: how each sensor's and each motor's values cross the wire.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WireLayout {
+    components: Vec<Encoding>,
+    counts: Vec<u8>,
+    /// The places of the sensors on the wire in the body.
+    pub(crate) places: Vec<usize>,
+    motors: Vec<Encoding>,
+    ages: bool,
+}
+
+impl WireLayout {
+    fn new(body: &Body) -> Self {
+        // A brain on board gets its readings without a message, unless they are lines.
+        let has_messages = !body.onboard || body.firmware.protocol == Protocol::Khepera;
+        let sensors = || body.sensors.iter().enumerate();
+        let on_wire = || sensors().filter(|(_, sensor)| has_messages && sensor.is_on_wire());
+        let counts = on_wire().map(|(_, sensor)| u8::try_from(sensor.values()).unwrap_or(u8::MAX));
+        Self {
+            components: on_wire().flat_map(|(_, sensor)| encodings(sensor)).collect(),
+            counts: counts.collect(),
+            places: on_wire().map(|(place, _)| place).collect(),
+            motors: vec![body.motor_encoding; 2 + body.actuators.len()],
+            ages: matches!(body.firmware.protocol, Protocol::Framed { ages: true }),
+        }
+    }
+
+    /// The layout.
+    pub fn borrow(&self) -> Layout<'_> {
+        Layout { components: &self.components, counts: &self.counts, motors: &self.motors, ages: self.ages }
+    }
+
+    /// Checks that messages of this protocol can be made of it.
+    ///
+    /// # Errors
+    /// If no cable can have such encodings, or the protocol cannot carry them.
+    pub fn check(&self, protocol: Protocol) -> Result<(), LayoutError> {
+        self.borrow().check()?;
+        match protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => Ok(()),
+            Protocol::Khepera => khepera::check(&self.borrow()),
+        }
+    }
+
+    /// The most bytes that a command takes on the wire.
+    fn command_wire_len(&self, protocol: Protocol) -> usize {
+        match protocol {
+            Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().command_len()),
+            Protocol::Bare { .. } => self.borrow().bare_command_len(),
+            Protocol::Khepera => khepera::command_len_max(&self.borrow()) + khepera::POLL.len(),
+        }
+    }
+}
+
+impl Body {
+    /// What both ends of the cable have agreed on, to be used with `baudbot-wire`.
+    pub fn layout(&self) -> WireLayout {
+        WireLayout::new(self)
+    }
+
+    /// How long a command is on the wire, in nanoseconds, rounded up; of lines of text the longest, with the poll
+    /// behind it; 0 on a cable without a baud rate. An adapter's or a radio's delay is not in it. A brain that
+    /// commands more often than that fills the cable's buffer, and its commands come ever later.
+    pub fn command_ns(&self) -> u64 {
+        let (Some(baud), Some(bits)) = (self.baud, self.bits_per_character) else { return 0 };
+        let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
+        bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
+    }
+}
+
+/// Those of all values of a sensor. No cable has sensors of more than 255 values; one more is enough for the
+/// layout's check to find that.
+fn encodings(sensor: &Sensor) -> impl Iterator<Item = Encoding> {
+    let values = sensor.components.iter().flat_map(|part| core::iter::repeat_n(part.encoding, part.count));
+    values.take(usize::from(u8::MAX) + 1)
+}

@@ -1,0 +1,88 @@
+//! From signals to the bytes of a cable.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use baudbot_wire::{LayoutError, frame, khepera, poll, write_command, write_values};
+
+use crate::action::Signals;
+use crate::body::{Body, Protocol};
+use crate::layout::WireLayout;
+
+/// Turns signals into the bytes of commands.
+#[derive(Clone, Debug)]
+pub struct RawCommands {
+    layout: WireLayout,
+    protocol: Protocol,
+    sequence: u8,
+    /// What was last sent to the actuators besides the wheels.
+    others: Vec<f64>,
+}
+
+impl RawCommands {
+    /// An encoder for the robot with this body.
+    ///
+    /// # Errors
+    /// As [`RawReadings::new`].
+    pub fn new(body: &Body) -> Result<Self, LayoutError> {
+        let layout = body.layout();
+        layout.check(body.firmware.protocol)?;
+        let others = vec![0.0; body.actuators.len()];
+        Ok(Self { layout, protocol: body.firmware.protocol, sequence: 0, others })
+    }
+
+    /// The bytes of a command, with a poll behind it where a command does not ask for readings; the actuators besides
+    /// the wheels get what was last sent to them, at first 0.
+    pub fn command(&mut self, signals: Signals) -> Vec<u8> {
+        self.command_with(signals, &[])
+    }
+
+    /// The bytes of a command with signals for the actuators besides the wheels, in the order of
+    /// [`Body::actuators`]. Those beyond the end of `others` get what was last sent to them, at first 0.
+    pub fn command_with(&mut self, signals: Signals, others: &[f64]) -> Vec<u8> {
+        for (last, &new) in self.others.iter_mut().zip(others) {
+            *last = new;
+        }
+        let sequence = self.sequence;
+        let signals = [signals.left, signals.right].into_iter().chain(self.others.iter().copied());
+        let (layout, mut bytes) = (self.layout.borrow(), [0; frame::MAX_PAYLOAD]);
+        // None can fail: the layout was checked and gets a value for each of its motors.
+        match self.protocol {
+            Protocol::Bare { .. } => {
+                let len = write_values(layout.motors, signals, &mut bytes).unwrap_or(0);
+                bytes[..len].to_vec()
+            }
+            Protocol::Khepera => {
+                let len = khepera::write_exchange(&layout, signals, &mut bytes).unwrap_or(0);
+                bytes[..len].to_vec()
+            }
+            Protocol::Framed { .. } => {
+                let len = write_command(&layout, sequence, signals, &mut bytes).unwrap_or(0);
+                self.next_sequence();
+                framed(&bytes[..len])
+            }
+        }
+    }
+
+    /// The bytes of a request for readings; `None` in the bare protocol, which has none.
+    pub fn poll(&mut self) -> Option<Vec<u8>> {
+        match self.protocol {
+            Protocol::Bare { .. } => None,
+            Protocol::Framed { .. } => Some(framed(&poll(self.next_sequence()))),
+            Protocol::Khepera => Some(khepera::POLL.to_vec()),
+        }
+    }
+
+    fn next_sequence(&mut self) -> u8 {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        sequence
+    }
+}
+
+fn framed(payload: &[u8]) -> Vec<u8> {
+    let mut bytes = [0; frame::MAX_FRAME];
+    // Cannot fail: no payload is longer than the layout's check permits.
+    let len = frame::encode(payload, &mut bytes).unwrap_or(0);
+    bytes[..len].to_vec()
+}

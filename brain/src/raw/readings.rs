@@ -1,0 +1,176 @@
+//! From the bytes of a cable to readings.
+
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use baudbot_wire::khepera::{Answer, Lines};
+use baudbot_wire::{BareDecoder, Decoder, Layout, LayoutError, Message, Values, clock};
+
+use super::RawTurn;
+use super::listener::Listener;
+use crate::body::{Body, Protocol};
+use crate::layout::WireLayout;
+use crate::turn::{Reading, Turn};
+
+/// Turns the bytes of [`RawTurn`]s into [`Turn`]s, by the rules by which the server does it for a brain of
+/// messages.
+///
+/// Both give the same turns, with one exception. The bare protocol marks a message that was cut short by
+/// silence, and a raw turn does not say when within the step each byte arrived. Only a silence that is
+/// certain counts here: longer than the protocol's gap even if the bytes on both sides of it arrived as
+/// near to each other as their turns permit. So if bytes were lost, this decoder may take longer to
+/// recover than the server's.
+///
+/// What comes over the cables of sensors' own is decoded, too, if its format is known here.
+#[derive(Clone, Debug)]
+pub struct RawReadings {
+    body: Arc<Body>,
+    layout: WireLayout,
+    port: Port,
+    /// Of the sensors with a port of their own, with their places.
+    listeners: Vec<(usize, Listener)>,
+    readings: Vec<Option<Reading>>,
+    /// Whole messages of readings so far; only the framed protocol has another sequence number.
+    messages: u8,
+}
+
+#[derive(Clone, Debug)]
+enum Port {
+    Framed(Decoder),
+    Bare { decoder: BareDecoder, silence: Silence },
+    Khepera(Lines),
+}
+
+impl RawReadings {
+    /// A decoder for the robot with this body, to be given each of its turns in order. A run that is reset needs a
+    /// new one, as the wire is cut and the clock starts again.
+    ///
+    /// # Errors
+    /// If the body's encodings are such as no cable can have; those of an attached robot never are.
+    pub fn new(body: Arc<Body>) -> Result<Self, LayoutError> {
+        let layout = body.layout();
+        layout.check(body.firmware.protocol)?;
+        let port = match body.firmware.protocol {
+            Protocol::Framed { .. } => Port::Framed(Decoder::new()),
+            Protocol::Bare { gap_ns } => {
+                let decoder = BareDecoder::new(layout.borrow().bare_readings_len(), gap_ns)?;
+                Port::Bare { decoder, silence: Silence::default() }
+            }
+            Protocol::Khepera => Port::Khepera(Lines::of_answers()),
+        };
+        let readings = vec![None; body.sensors.len()];
+        let listeners = body.sensors.iter().enumerate();
+        let listeners = listeners.filter_map(|(i, sensor)| Some((i, Listener::new(sensor)?))).collect();
+        Ok(Self { body, layout, port, listeners, readings, messages: 0 })
+    }
+
+    /// The turn in messages.
+    pub fn turn(&mut self, raw: &RawTurn) -> Turn {
+        for reading in self.readings.iter_mut().flatten() {
+            reading.readable = false;
+        }
+        for (place, listener) in &mut self.listeners {
+            if let Some(reading) = listener.hear(raw.port(*place), raw.at_ns) {
+                self.readings[*place] = Some(reading);
+            }
+        }
+        self.hear(raw);
+        let (readings, body) = (self.readings.clone(), Arc::clone(&self.body));
+        Turn { tick: raw.tick, at_ns: raw.at_ns, readings, body }
+    }
+
+    /// What the microcontroller says.
+    fn hear(&mut self, raw: &RawTurn) {
+        let Self { layout, port, readings, messages, .. } = self;
+        let (layout, places) = (layout.borrow(), &layout.places);
+        match port {
+            Port::Framed(decoder) => {
+                for &byte in &raw.bytes {
+                    // A damaged frame is lost, and its readings stay what they were.
+                    if let Some(Ok(payload)) = decoder.push(byte) {
+                        note_frame(readings, (&layout, places), payload, raw.at_ns);
+                    }
+                }
+            }
+            Port::Bare { decoder, silence } => {
+                let at_ns = silence.clock_ns(raw);
+                for &byte in &raw.bytes {
+                    if let Some(payload) = decoder.push(byte, at_ns) {
+                        *messages = messages.wrapping_add(1);
+                        let values = Values::new(layout.components, payload);
+                        note_all(readings, (&layout, places), values, *messages);
+                    }
+                }
+            }
+            Port::Khepera(lines) => {
+                for &byte in &raw.bytes {
+                    let Some(Ok(line)) = lines.push(byte) else { continue };
+                    if let Ok(Answer::Readings(values)) = Answer::parse(line, &layout) {
+                        *messages = messages.wrapping_add(1);
+                        note_all(readings, (&layout, places), values, *messages);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Notes the readings of a frame; a message that makes no sense is lost.
+fn note_frame(
+    readings: &mut [Option<Reading>],
+    (layout, places): (&Layout<'_>, &[usize]),
+    payload: &[u8],
+    at_ns: u64,
+) {
+    let Ok(Message::Readings(message)) = Message::parse(payload, layout) else { return };
+    let closed_ns = clock::unwrap_time(message.time_100us, at_ns);
+    for entry in message.entries() {
+        // The largest age on the wire stands for any from there on, so it tells nothing.
+        let age = entry.age_100us.filter(|&age| age < u8::MAX);
+        let age_ns = age.map(|age| u64::from(age) * clock::UNIT_NS);
+        let reading = Reading {
+            values: entry.values.collect(),
+            sampled_at_ns: age_ns.map(|age_ns| closed_ns.saturating_sub(age_ns)),
+            sequence: message.sequence.into(),
+            readable: true,
+        };
+        readings[places[entry.sensor]] = Some(reading);
+    }
+}
+
+/// Notes a message that knows no readability, so that every value that arrives is readable.
+fn note_all(
+    readings: &mut [Option<Reading>],
+    (layout, places): (&Layout<'_>, &[usize]),
+    mut values: impl Iterator<Item = f64>,
+    sequence: u8,
+) {
+    for (&place, components) in places.iter().zip(layout.sensors()) {
+        let values = values.by_ref().take(components.len()).collect();
+        readings[place] =
+            Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
+    }
+}
+
+/// A clock that goes on only while the wire is certainly silent.
+#[derive(Clone, Debug, Default)]
+struct Silence {
+    clock_ns: u64,
+    last_turn_ns: u64,
+    last_bytes_ns: u64,
+}
+
+impl Silence {
+    /// The reading of the clock for all bytes of this turn. They arrived after the turn before it, those
+    /// before them by their own turn at the latest: what lies between is silence.
+    fn clock_ns(&mut self, raw: &RawTurn) -> u64 {
+        if !raw.bytes.is_empty() {
+            let silence_ns = self.last_turn_ns.saturating_sub(self.last_bytes_ns);
+            self.clock_ns = self.clock_ns.saturating_add(silence_ns);
+            self.last_bytes_ns = raw.at_ns;
+        }
+        self.last_turn_ns = raw.at_ns;
+        self.clock_ns
+    }
+}

@@ -1,7 +1,0 @@
-//! The brain `constant` as a program of its own.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    baudbot_brains::program::main("constant")
-}
