@@ -7,9 +7,8 @@
 //!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
-//!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    `text` lays out columns and is the only way to a terminal, `viewer` leads to a page, and `foxglove` lets another
-//!    program look.
+//!    `map` an arena in characters, `alike` says for which others a robot stands, `text` lays out columns and is the only
+//!    way to a terminal, `viewer` leads to a page, and `foxglove` lets another program look. Pictures are `baudbot-plot`'s.
 //! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
@@ -25,7 +24,6 @@ mod connect;
 mod crew;
 mod csv;
 mod diagram;
-mod drawing;
 mod error;
 mod export;
 mod foxglove;

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use baudbot_sim::budget::{Cost, Mend, RobotBudget, Span, Verdict};
 
-use crate::text::{NOTHING, count, duration, handy, percent, table};
+use crate::text::{percent, table};
 
 /// All that is told of a robot.
 pub(super) fn robot(robot: &RobotBudget) -> String {

@@ -1,12 +1,11 @@
 //! The events of a window as text.
 
+use baudbot_plot::timing::{is_in, ms, what};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
 use baudbot_trace::Lane;
 
 use super::record::Window;
-use super::scale::ms;
-use super::timeline::{is_in, what};
 
 /// A line for each event of a window: when it began and how long it took, in milliseconds, who it was, and what it did.
 /// Those of the cycle that the window is about have a `*`.
