@@ -18,7 +18,7 @@ use tokio::runtime::{Builder, Runtime};
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 
-use crate::logs::Listener;
+use super::Listener;
 use crate::text::tell;
 
 /// What sends. It ends with what is still to be sent.

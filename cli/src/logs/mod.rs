@@ -1,5 +1,8 @@
 //! What is told while it happens: a log on stderr, and, if asked for, a collector of traces.
 
+#[cfg(feature = "otel")]
+mod otel;
+
 use std::io::{self, IsTerminal, Write};
 use std::str::FromStr;
 
@@ -48,7 +51,7 @@ pub(crate) enum LogFormat {
 pub(crate) struct Logs {
     /// What it holds is sent when it is dropped.
     #[cfg(feature = "otel")]
-    _export: Option<crate::otel::Export>,
+    _export: Option<otel::Export>,
 }
 
 /// A part of what hears events.
@@ -111,7 +114,7 @@ impl<W: Write> Write for EscapedJson<W> {
 
 #[cfg(feature = "otel")]
 fn export(asked: bool, listeners: &mut Vec<Listener>) -> Logs {
-    let export = asked.then(|| crate::otel::Export::start(listeners));
+    let export = asked.then(|| otel::Export::start(listeners));
     let _export = export.and_then(|export| {
         export.map_err(|error| tell!("note: {ENDPOINT}: {error}; nothing is exported")).ok()
     });
