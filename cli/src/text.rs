@@ -10,27 +10,14 @@ use std::path::Path;
 
 use anyhow::Context;
 use baudbot_plot::quantity::NOTHING;
+use baudbot_plot::text::columns;
 use baudbot_sim::printable::{Printable, PrintableLines, is_printable};
 use serde::Serialize;
 
 /// Rows of cells as lines, each column as wide as its widest cell: the first to the left, the others to the
 /// right.
 pub(crate) fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> String {
-    let width = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
-    let widths: [usize; N] = std::array::from_fn(width);
-    let mut text = String::new();
-    for row in rows {
-        let mut line = indent.to_owned();
-        for (i, cell) in row.iter().enumerate() {
-            match i {
-                0 => line += &format!("{cell:<w$}", w = widths[0]),
-                _ => line += &format!("  {cell:>w$}", w = widths[i]),
-            }
-        }
-        text += line.trim_end();
-        text.push('\n');
-    }
-    text
+    columns(indent, rows, |i| i == 0)
 }
 
 /// Names and values as lines, the values below one another.

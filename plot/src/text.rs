@@ -1,4 +1,4 @@
-//! Text that fits into the room that there is.
+//! Text that fits into the room that there is, in pictures and in columns of characters.
 
 /// The approximate width of a text, in pixels: fonts differ, and it must fit in most of them.
 pub fn width(text: &str, size: f64) -> f64 {
@@ -59,6 +59,25 @@ pub fn wrapped(text: &str, size: f64, room: f64, most: usize) -> Vec<String> {
     lines.iter().map(|line| shortened(line, size, room)).collect()
 }
 
+/// Rows of cells as lines: columns are as wide as their widest cells, and two spaces apart. Cells of columns that are
+/// `is_left` are aligned to the left, all others to the right.
+pub fn columns<R: AsRef<[String]>>(indent: &str, rows: &[R], is_left: impl Fn(usize) -> bool) -> String {
+    let rows = || rows.iter().map(AsRef::as_ref);
+    let mut widths: Vec<usize> = Vec::new();
+    for row in rows() {
+        widths.resize(widths.len().max(row.len()), 0);
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.chars().count());
+        }
+    }
+    let cell = |(i, (cell, &width)): (usize, (&String, &usize))| match is_left(i) {
+        true => format!("{cell:<width$}"),
+        false => format!("{cell:>width$}"),
+    };
+    let line = |row: &[String]| row.iter().zip(&widths).enumerate().map(cell).collect::<Vec<_>>().join("  ");
+    rows().map(|row| format!("{}\n", format!("{indent}{}", line(row)).trim_end())).collect()
+}
+
 fn lines_fit(line: &str, word: &str, size: f64, room: f64) -> bool {
     width(line, size) + width(" ", size) + width(word, size) <= room
 }
@@ -76,5 +95,13 @@ mod tests {
         assert_eq!(shortened("short", 10.0, 100.0), "short");
         let name = without_middle("ir_sensor_of_the_left_side_number_7", 10.0, 100.0);
         assert!(name.starts_with("ir_s") && name.contains('…') && name.ends_with("r_7"), "{name}");
+    }
+
+    #[test]
+    fn columns_line_up() {
+        let row = |cells: [&str; 3]| cells.map(str::to_owned);
+        let text = columns("> ", &[row(["µ", "1", ""]), row(["left", "100", ""])], |i| i == 0);
+        assert_eq!(text, "> µ       1\n> left  100\n");
+        assert_eq!(columns::<[String; 3]>("", &[], |_| true), "");
     }
 }

@@ -1,4 +1,4 @@
-//! What stands beside the plan or below it, in columns.
+//! Blocks of keys and enlargements beside the plan or below it, in columns.
 
 use crate::svg::{Canvas, Element, Place, px};
 
@@ -9,13 +9,13 @@ pub(super) struct Block {
     pub(super) height: f64,
 }
 
-/// Width of each.
+/// Width of a block, in pixels.
 pub(super) const WIDTH: f64 = 320.0;
-/// Between two.
+/// Space between two blocks, in pixels.
 pub(super) const GAP: f64 = 22.0;
 
-/// Puts blocks into columns, each into the one that ends highest so far, the first if there are several; how wide and
-/// how high all of that becomes. A column begins at a place.
+/// Puts each block into the column that ends highest so far, and returns the right and the lower end of all of them. A column
+/// begins at a place.
 pub(super) fn columns(canvas: &mut Canvas, blocks: &[Block], mut columns: Vec<Place>) -> Place {
     let mut size: Place = (0.0, 0.0);
     for block in blocks {

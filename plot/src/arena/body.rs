@@ -11,7 +11,7 @@ use crate::palette::{BODY, INK, INNER, LAMP, LAMP_RIM, ROBOT, WHITE, darker, lig
 use crate::quantity::{count, handy, length};
 use crate::svg::{Canvas, Element, arrow_head, drawn, path};
 
-/// A robot at its start.
+/// Draws a robot at its start.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     let title = format!("robot {}: {}", robot.name, count(robot.sensors.len(), "sensor"));
     canvas.open(Element::group().titled(&title));
@@ -31,7 +31,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     canvas.close("g");
 }
 
-/// How far the farthest of what is drawn is from its middle, in metres: wheels may stand out.
+/// The radius of a circle around the robot's drawing, in metres: wheels may stand out.
 pub(super) fn reach(robot: &RobotSpec) -> f64 {
     let drive = &robot.drive;
     let wheel = math::hypot(drive.half_track_m + 0.25 * drive.wheel_radius_m, drive.wheel_radius_m);
@@ -54,7 +54,7 @@ fn colors(look: &Look) -> (String, String) {
     }
 }
 
-/// Wheels as they are seen from above; those with encoders have stripes.
+/// Draws the wheels from above. Those with encoders have stripes.
 fn draw_wheels(canvas: &mut Canvas, view: &View, robot: &RobotSpec) {
     let drive = &robot.drive;
     let counted = robot.sensors.iter().find(|sensor| matches!(sensor.device, Device::Encoders(_)));

@@ -1,4 +1,4 @@
-//! What part of the world a picture shows.
+//! The part of the world that a picture shows.
 
 use baudbot_geometry::{Bounds, Circle, Point, Pose, Vector, polygon};
 use baudbot_sim::Scenario;
@@ -7,8 +7,8 @@ use baudbot_sim::mover::{Mover, Path};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::surroundings::Region;
 
-/// All that stands, moves or drives, with a margin. Zones, lamps and bells widen it by a half at most: a sun a
-/// kilometre off would leave nothing to be seen of a room.
+/// The box around walls, things and robots, with a margin. Zones, lamps and bells widen it by a half at most: next to a sun
+/// a kilometre away, a room would be a dot.
 pub(super) fn of(scenario: &Scenario) -> Bounds {
     let core = core(scenario);
     let others = others(scenario);
@@ -31,13 +31,13 @@ pub(super) fn of_disc(center: Point, radius: f64) -> Bounds {
     Bounds::of_circle(&Circle { center, radius })
 }
 
-/// A box that is larger by so much on each side.
+/// A box with a margin in metres on each side.
 pub(super) fn grown(bounds: &Bounds, by: f64) -> Bounds {
     let by = Vector::new(by, by);
     Bounds { min: bounds.min - by, max: bounds.max + by }
 }
 
-/// How far the farthest point of a thing to push is from its middle.
+/// The distance of the farthest point of a movable body from its middle, in metres.
 pub(super) fn radius(shape: &MovableShape) -> f64 {
     match shape {
         MovableShape::Ball { radius_m } => *radius_m,
@@ -95,7 +95,7 @@ fn has_walls(scenario: &Scenario) -> bool {
     !scenario.arena().polygons().is_empty() || !scenario.arena().pillars().is_empty()
 }
 
-/// In an empty plane a robot needs room for what its sensors look at.
+/// The margin in a world without walls, in metres: sensors must have room for their fans.
 fn reach(scenario: &Scenario) -> f64 {
     let of_robot = |robot: &RobotSpec| {
         let range = robot.sensors.iter().filter_map(|sensor| sensor.device.range_m()).fold(0.0, f64::max);
@@ -104,7 +104,7 @@ fn reach(scenario: &Scenario) -> f64 {
     scenario.robots().iter().map(of_robot).fold(0.0, f64::max)
 }
 
-/// With a margin, and neither too wide nor too high.
+/// A box with a margin that is neither too wide nor too high.
 fn framed(bounds: &Bounds) -> Bounds {
     let size = bounds.size();
     let long = size.x.max(size.y).max(1e-6);

@@ -1,4 +1,4 @@
-//! The plan's frame: axes in metres, a faint grid, a bar to measure with.
+//! The frame of the plan: axes in metres, a faint grid, and a scale bar.
 
 use super::labels::{Style, written};
 use super::view::View;
@@ -12,7 +12,7 @@ pub(super) const LEFT: f64 = 58.0;
 /// Room that the lower axis and the bar take, in pixels.
 pub(super) const BELOW: f64 = 62.0;
 
-/// The grid, below everything else.
+/// Draws the grid, below everything else.
 pub(super) fn grid(canvas: &mut Canvas, view: &View) {
     let (right, bottom) = (view.left + view.width(), view.top + view.height());
     let vertical = ticks(view, view.world.min.x, view.world.max.x).into_iter().map(|(x, _)| {
@@ -27,7 +27,7 @@ pub(super) fn grid(canvas: &mut Canvas, view: &View) {
     canvas.put(drawn(&lines).set("stroke", GRID).set("stroke-width", "0.7").set("fill", "none"));
 }
 
-/// The axes, on the left and below, and the bar.
+/// Draws the axes, on the left and below, and the scale bar.
 pub(super) fn axes(canvas: &mut Canvas, view: &View) {
     let bottom = view.top + view.height();
     canvas.put(view.frame().set("fill", "none").set("stroke", FRAME));
@@ -54,7 +54,7 @@ pub(super) fn axes(canvas: &mut Canvas, view: &View) {
     measure(canvas, (view.left + view.width() - view.length(bar), bottom + 32.0), bar, view.scale);
 }
 
-/// A bar that is so many metres long, from its left end.
+/// Draws a scale bar of a length in metres, from its left end.
 pub(super) fn measure(canvas: &mut Canvas, (x, y): (f64, f64), metres: f64, scale: f64) {
     let right = x + metres * scale;
     let data = path([(x, y - 4.0), (x, y), (right, y), (right, y - 4.0)]);
@@ -77,7 +77,7 @@ fn tick(x: f64, y: f64, anchor: &str, text: &str) -> Element {
     Element::new("text").number("x", x).number("y", y).set("text-anchor", anchor).text(text)
 }
 
-/// Ticks are at least so far apart.
+/// The least distance of ticks, in pixels.
 const LEAST_PX: f64 = 62.0;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What is on the floor and over it: zones, fields, lamps, and the disc that ends the run.
+//! The floor: zones, fields, lamps, and the disc that ends the run.
 
 use baudbot_geometry::{Bounds, Circle, Point, math, polygon};
 use baudbot_sim::Scenario;
@@ -12,7 +12,7 @@ use crate::quantity::{handy, length};
 use crate::svg::{Canvas, Element, Place, arrow_head, drawn, path};
 use crate::text::width;
 
-/// Hatchings and gradients that the others refer to.
+/// Writes the hatchings and gradients that other elements refer to.
 pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
     let mut hues: Vec<_> = around.zones.iter().map(|zone| ZoneUses::from(zone).color()).collect();
     hues.sort_unstable();
@@ -41,7 +41,7 @@ pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
     }
 }
 
-/// All of it, in the plan.
+/// Draws the floor of the plan.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     draw_near(canvas, view, scenario);
     // Both tell of what is far away, and would be wrong in a smaller window.
@@ -54,7 +54,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     }
 }
 
-/// What there is of it in any window.
+/// Draws the floor of any window.
 pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     let around = scenario.surroundings();
     canvas.put(view.frame().set("fill", &palette::floor(around.floor)));
@@ -74,7 +74,7 @@ pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     }
 }
 
-/// Names of zones, lamps and fields.
+/// Puts names of zones, lamps and fields.
 pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
     let around = scenario.surroundings();
     if let Some(goal) = scenario.end().goal {
@@ -219,7 +219,7 @@ fn draw_light(canvas: &mut Canvas, view: &View, light: &Light) {
     canvas.close("g");
 }
 
-/// Where a lamp is drawn: one outside is drawn at the edge.
+/// The place of a lamp. Lamps outside of the window are drawn at its edge.
 fn lamp_place(view: &View, light: &Light) -> Place {
     let (x, y) = view.at(light.position);
     if is_in(view, light) {
@@ -234,12 +234,12 @@ fn is_in(view: &View, light: &Light) -> bool {
     view.shows(&extent::of_disc(light.position, 0.0))
 }
 
-/// How bright a lamp is; a sun has many zeros.
+/// The intensity of a lamp in words: a sun has many zeros.
 pub(super) fn candela(intensity_cd: f64) -> String {
     if intensity_cd < 1e6 { format!("{} cd", handy(intensity_cd)) } else { format!("{intensity_cd:.1e} cd") }
 }
 
-/// A middle, and places below and above it.
+/// Places for a name: a middle, and places below and above it.
 fn about(view: &View, center: Point, reach: f64) -> [Place; 5] {
     let (x, y) = view.at(center);
     let near = 0.5 * reach;

@@ -1,18 +1,19 @@
-//! What the colours and the marks mean: tables of the robots' sensors, and a list of what else is drawn.
+//! Keys of colours and marks: tables of the robots' sensors, and lists of everything else.
 
 use baudbot_sim::Scenario;
+use baudbot_sim::arena::Arena;
 use baudbot_sim::sensor::{Device, Sensor};
 
 use super::block::{Block, WIDTH};
 use super::ground::candela;
 use super::kinds::Kind;
 use super::{Shown, senses};
-use crate::palette::{self, FIELDS, INK, LAMP, LAMP_RIM, MOVABLE, MOVER, PALE_INK, WHITE, ZoneUses};
+use crate::palette::{self, FIELDS, INK, LAMP, LAMP_RIM, MOVABLE, MOVER, PALE_INK, WALL, WHITE, ZoneUses};
 use crate::quantity::{NOTHING, count, length};
 use crate::svg::{Canvas, Element, drawn, px, rectangle, text};
 use crate::text::{shortened, without_middle, wrapped};
 
-/// The sensors of a kind of robot.
+/// The table of the sensors of a kind of robot.
 pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     let mut canvas = Canvas::default();
     let more = if kind.count > 1 { format!(" and {} more like it", kind.count - 1) } else { String::new() };
@@ -48,14 +49,14 @@ pub(super) fn of_kind(kind: &Kind<'_>) -> Block {
     Block { canvas, height: y - 8.0 }
 }
 
-/// That there are robots of more kinds than are told of.
+/// A note that there are robots of other kinds.
 pub(super) fn of_rest() -> Block {
     let mut canvas = Canvas::default();
     canvas.put(text((0.0, 12.0), SIZE, PALE_INK, "There are robots of other kinds, too."));
     Block { canvas, height: 14.0 }
 }
 
-/// What is said of something that was drawn, line by line, the first in bold, and what its marks mean.
+/// Notes line by line, the first in bold, and the key of marks.
 pub(super) fn of_marks(notes: &[String], marks: Vec<(Element, &'static str)>) -> Block {
     let mut canvas = Canvas::default();
     let mut y = 12.0;
@@ -75,7 +76,7 @@ pub(super) fn of_marks(notes: &[String], marks: Vec<(Element, &'static str)>) ->
     Block { canvas, height: y - 8.0 }
 }
 
-/// Zones, lamps, fields and marks, those on robots if they are drawn; none if there is nothing to tell.
+/// The key of zones, lamps, fields and marks, unless there are none.
 pub(super) fn of_surroundings(scenario: &Scenario, shown: Shown<'_>) -> Option<Block> {
     let mut canvas = Canvas::default();
     let mut y = 12.0;
@@ -122,26 +123,23 @@ fn entries(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     entries
 }
 
-/// Marks of which there is at least one in the picture.
+/// The marks that are in the picture.
 fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     let with_robots = matches!(shown, Shown::Starts);
     let with_wheels = with_robots || matches!(shown, Shown::Trails(_));
-    let arena = scenario.arena();
-    let low = arena.polygons().iter().map(|polygon| &polygon.look);
-    let mut looks = low.chain(arena.pillars().iter().map(|pillar| &pillar.look));
     let mut devices =
         scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device);
     let turrets = with_robots
         && scenario.robots().iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
     let line = |data: &str| drawn(data).set("fill", "none").set("stroke-width", "1.6");
-    let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", "#8a93a3");
+    let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", WALL);
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", MOVABLE);
     let wheel = drawn("M0 2H15V8H0ZM3 2V8M7 2V8M11 2V8").set("fill", INK).set("stroke", WHITE);
     let rays = with_robots && devices.clone().any(|device| device.fan().is_some());
     let all = [
         (rays, ray(), "a ray, with a dot where it meets something"),
         (
-            looks.any(|look| look.height_m.is_finite()),
+            has_low_walls(scenario.arena()),
             dashed.set("stroke-dasharray", "4 2"),
             "low, with its height: sensors that sit higher overlook it",
         ),
@@ -165,6 +163,11 @@ fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     all.into_iter().filter(|(is, ..)| *is).map(|(_, mark, what)| (mark, what.to_owned())).collect()
 }
 
+fn has_low_walls(arena: &Arena) -> bool {
+    let walls = arena.polygons().iter().map(|polygon| &polygon.look);
+    walls.chain(arena.pillars().iter().map(|pillar| &pillar.look)).any(|look| look.height_m.is_finite())
+}
+
 fn ray() -> Element {
     let dot = Element::new("circle").set("cx", "13").set("cy", "4").set("r", "2");
     let group =
@@ -172,7 +175,7 @@ fn ray() -> Element {
     group.with(drawn("M0 8L13 4")).with(dot.set("stroke", "none"))
 }
 
-/// Sensors that differ in name and place only stand in one row.
+/// The rows of the table: sensors that differ in name and mount only share one.
 fn alike(sensors: &[Sensor]) -> Vec<Vec<&Sensor>> {
     let key = |sensor: &Sensor| (sensor.device.kind(), range(sensor), senses::period(sensor));
     let mut rows: Vec<Vec<&Sensor>> = Vec::new();
@@ -189,7 +192,7 @@ fn range(sensor: &Sensor) -> String {
     sensor.device.range_m().map_or_else(|| NOTHING.to_owned(), length)
 }
 
-/// Draws a row; where the next one is.
+/// Draws a row, and returns where the next one begins.
 fn sensor_row(canvas: &mut Canvas, y: f64, kind: &Kind<'_>, sensors: &[&Sensor]) -> f64 {
     let first = sensors[0];
     let titles: Vec<_> = sensors.iter().take(16).map(|sensor| senses::title(kind.robot, sensor)).collect();
@@ -222,11 +225,11 @@ fn row(canvas: &mut Canvas, y: f64, [name, kind, range, period]: [&str; 4], colo
     canvas.put(right(WIDTH, period));
 }
 
-/// Of letters.
+/// Size of letters, in pixels.
 const SIZE: f64 = 11.0;
-/// From one line to the next.
+/// Height of a line, in pixels.
 const LINE: f64 = 14.5;
-/// Room for names.
+/// Room for names, in pixels.
 const NAMES: f64 = 118.0;
-/// A longer list is no help.
+/// The most rows of a list.
 const MOST_ROWS: usize = 40;

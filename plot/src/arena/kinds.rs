@@ -13,7 +13,7 @@ pub(super) struct Kind<'a> {
     pub(super) count: usize,
 }
 
-/// The kinds of robots that there are, in the robots' order; no more than a key could tell.
+/// The kinds of robots, in the robots' order, up to a number for which a key has room.
 pub(super) fn of(robots: &[RobotSpec]) -> Vec<Kind<'_>> {
     let mut kinds: Vec<Kind<'_>> = Vec::new();
     for (first, robot) in robots.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Names where there is room for them. What finds none is left out: all there is has a title, too.
+//! Names where there is room for them. Others are left out: everything has a tooltip, too.
 
 use baudbot_geometry::math;
 
@@ -26,7 +26,7 @@ pub(super) struct Area {
     pub(super) max: Place,
 }
 
-/// How a label is written.
+/// The look of a label.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Style<'a> {
     pub(super) size: f64,
@@ -57,7 +57,7 @@ impl Labels {
         self.discs.push((center, radius));
     }
 
-    /// Writes at the first of these middles where there is room; whether there was.
+    /// Writes a label at the first of these middles where there is room, and returns whether there was any.
     pub(super) fn put(
         &mut self,
         text: &str,
@@ -85,7 +85,7 @@ impl Labels {
         false
     }
 
-    /// As `put` with a line that leads from `from` to the label; its ways are directions from there.
+    /// As `put`, with a line from a place to the label, about in a direction and at least so many pixels long.
     pub(super) fn put_off(&mut self, text: &str, style: Style<'_>, from: Place, way_rad: f64, least: f64) {
         let half = (0.5 * width(text, style.size) + 4.0, 0.5 * style.size + 2.0);
         let turns = [0.0, 0.2, -0.2, 0.4, -0.4, 0.7, -0.7, 1.0, -1.0];
@@ -103,7 +103,7 @@ impl Labels {
         }
     }
 
-    /// The labels, to be drawn over all else.
+    /// The labels, to be drawn over everything else.
     pub(super) fn into_canvas(self) -> Canvas {
         self.canvas
     }
@@ -133,7 +133,7 @@ impl Area {
     }
 }
 
-/// Text with its middle at a place, with a rim of white so that it reads on anything.
+/// Text about a place, with a white rim so that it reads on any ground.
 pub(super) fn written((x, y): Place, text: &str, style: Style<'_>) -> Element {
     // The baseline is about a third of the size below the middle.
     let at = Element::new("text").number("x", x).number("y", y + 0.35 * style.size);
@@ -146,9 +146,9 @@ pub(super) fn written((x, y): Place, text: &str, style: Style<'_>) -> Element {
 /// A name of a thing in the plan.
 pub(super) const NAME: Style<'_> = Style { size: 11.0, color: INK, bold: false };
 
-/// More labels than this are no help to anybody, and finding places for them takes time.
+/// The most labels: finding places takes time.
 const MOST: usize = 250;
-/// In a world of many thousands of things a label is a rare luck.
+/// The most comparisons: a world may have many thousands of things.
 const MOST_EFFORT: usize = 20_000_000;
 
 #[cfg(test)]

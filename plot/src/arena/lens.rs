@@ -1,4 +1,4 @@
-//! A robot enlarged, where it would be too small in the plan.
+//! Enlargements of robots that are too small in the plan.
 
 use baudbot_geometry::{Bounds, Vector, math};
 use baudbot_sim::sight::Onlooker;
@@ -13,7 +13,7 @@ use crate::palette::{self, FRAME, INK, PALE_INK};
 use crate::svg::{Canvas, Element, Place, rectangle};
 use crate::text::shortened;
 
-/// The first robot of a kind with what is around it.
+/// The first robot of a kind with its surroundings.
 pub(super) fn draw(
     number: usize,
     kind: &Kind<'_>,
@@ -47,14 +47,14 @@ pub(super) fn draw(
     Block { canvas, height: HEAD + view.height() }
 }
 
-/// The upper edge of what it shows, in the plan, as its middle.
+/// The place above the enlarged part of the plan.
 pub(super) fn above(plan: &View, kind: &Kind<'_>, height: f64) -> Place {
     let world = window(kind, height).world;
     let (x, y) = plan.at(baudbot_geometry::Point::new(world.center().x, world.max.y));
     (x, y - 9.0)
 }
 
-/// The part of the world that it shows, in the plan.
+/// Marks the enlarged part of the plan.
 pub(super) fn mark(canvas: &mut Canvas, plan: &View, kind: &Kind<'_>, height: f64) {
     let world = window(kind, height).world;
     let (left, bottom) = plan.at(world.min);
@@ -66,7 +66,7 @@ pub(super) fn mark(canvas: &mut Canvas, plan: &View, kind: &Kind<'_>, height: f6
     );
 }
 
-/// Labels at a robot's sensors.
+/// Puts labels at a robot's sensors.
 pub(super) fn label_sensors(labels: &mut Labels, view: &View, onlooker: &Onlooker<'_>, kind: &Kind<'_>) {
     let robot = (kind.first, kind.robot);
     let middle = view.at(kind.robot.start.pose.position);
@@ -108,7 +108,7 @@ fn draw_inside(
     label_sensors(labels, view, onlooker, kind);
 }
 
-/// What is seen: the body, and of what its sensors see as much as leaves the body large enough.
+/// The window: the body, and as much of its sensors' ranges as leaves the body large enough.
 fn window(kind: &Kind<'_>, height: f64) -> View {
     let radius = kind.robot.drive.radius_m;
     let reach = |sensor: &baudbot_sim::sensor::Sensor| {
@@ -123,5 +123,5 @@ fn window(kind: &Kind<'_>, height: f64) -> View {
     View { world: Bounds { min: middle - size, max: middle + size }, scale, left: 0.0, top: 0.0 }
 }
 
-/// Room for the name.
+/// Room for the name, in pixels.
 const HEAD: f64 = 20.0;

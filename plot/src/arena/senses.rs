@@ -1,4 +1,4 @@
-//! What a robot's sensors look at: fans as far as they really see, rays, whiskers, bumpers, and where each sits.
+//! Sensors: fans as far as they really see, rays, whiskers, bumpers, and mounts.
 
 use baudbot_geometry::{Fan, Point, Pose};
 use baudbot_sim::robot::RobotSpec;
@@ -11,7 +11,7 @@ use crate::palette::{self, SensorStyle, Symbol, WHITE};
 use crate::quantity::{count, duration, length};
 use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified};
 
-/// What a robot's sensors look at, to be drawn below the robots.
+/// Draws the areas that a robot's sensors see, below the robots.
 pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
     for sensor in robot.1.sensors.iter() {
         let Some(mount) = sensor.device.mount() else { continue };
@@ -53,7 +53,7 @@ pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, ro
     }
 }
 
-/// What a sensor sees: the area, and the rays unless there are many.
+/// Draws the area that a sensor sees, and its rays unless there are many.
 fn fan(
     group: &mut Canvas,
     view: &View,
@@ -68,7 +68,7 @@ fn fan(
     }
 }
 
-/// The fans of a robot that is one of many: one shape a hue, and no rays.
+/// Draws the areas of a robot that is one of many: one shape for each colour, and no rays.
 pub(super) fn brief_fans(
     canvas: &mut Canvas,
     view: &View,
@@ -92,7 +92,7 @@ pub(super) fn brief_fans(
     }
 }
 
-/// Where the sensors sit, and what touches: to be drawn over the robots.
+/// Draws the mounts of sensors and whatever touches, over the robots.
 pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
     let spec = robot.1;
     let radius = view.length(spec.drive.radius_m);
@@ -130,7 +130,7 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
     }
 }
 
-/// Where a sensor is pointed to by its label, in pixels; none if it is nowhere in particular.
+/// The place of a sensor in the picture, unless it has none in particular.
 pub(super) fn place(
     view: &View,
     onlooker: &Onlooker<'_>,
@@ -148,7 +148,7 @@ pub(super) fn place(
     }
 }
 
-/// The part of the robot's rim along which a sensor feels, or a share of it about the middle.
+/// The part of the robot's rim along which a sensor feels, or a share of that part about its middle.
 fn rim_arc(
     onlooker: &Onlooker<'_>,
     (i, robot): (usize, &RobotSpec),
@@ -163,7 +163,7 @@ fn rim_arc(
     })
 }
 
-/// What a sensor is, in a line.
+/// The tooltip of a sensor.
 pub(super) fn title(robot: &RobotSpec, sensor: &Sensor) -> String {
     let range = sensor.device.range_m().map(|range| format!(", range {}", length(range)));
     let rays = sensor.device.fan().map(|fan| format!(", {}", count(fan.len(), "ray")));
@@ -173,13 +173,13 @@ pub(super) fn title(robot: &RobotSpec, sensor: &Sensor) -> String {
     format!("{}.{}: {}{more}, every {}", robot.name, sensor.name, sensor.device.kind(), period(sensor))
 }
 
-/// How often it measures, or is read.
+/// The period of its own clock, or that of its reads.
 pub(super) fn period(sensor: &Sensor) -> String {
     let own = sensor.own_clock.map(|clock| clock.period_ns);
     duration(own.unwrap_or_else(|| sensor.schedule.period_ns()) as f64)
 }
 
-/// The area that is seen through a fan, as the data of a path; a single ray is a line.
+/// The area that is seen through a fan, as the data of a path. A single ray is a line.
 fn wedge(
     view: &View,
     onlooker: &Onlooker<'_>,
@@ -201,7 +201,7 @@ fn wedge(
     path(simplified(&ends, 0.25).into_iter().chain((!around).then_some(origin))) + "Z"
 }
 
-/// No corner of the window is farther off than this.
+/// A distance in metres that no corner of the window exceeds.
 fn farthest(view: &View, pose: &Pose) -> f64 {
     (pose.position - view.world.center()).norm() + 0.5 * view.world.size().norm()
 }
@@ -210,7 +210,7 @@ fn end(glance: &Glance, range_m: f64) -> Point {
     glance.ray.at(glance.distance_m.unwrap_or(range_m))
 }
 
-/// Rays as thin lines, with a dot where they meet something.
+/// Draws rays as thin lines, with dots where they meet something.
 fn rays(canvas: &mut Canvas, view: &View, glances: &[Glance], range_m: f64) {
     let line = |glance: &Glance| view.line([glance.ray.origin, end(glance, range_m)]);
     let lines: String = glances.iter().map(line).collect();
@@ -245,7 +245,7 @@ fn facing(
     sector.set("stroke-linejoin", "round")
 }
 
-/// A fan of more rays is drawn as an area only.
+/// Fans of more rays are drawn as areas only.
 const MOST_RAYS: usize = 32;
-/// An area has at most so many corners before it is simplified.
+/// The most corners of an area before it is simplified.
 const MOST_SAMPLES: usize = 1440;

@@ -1,4 +1,4 @@
-//! What moves by itself, with its way, and what can be pushed.
+//! Things that move by themselves, with their paths, and things that can be pushed.
 
 use baudbot_geometry::{Bounds, Point, Pose, polygon};
 use baudbot_sim::Scenario;
@@ -13,7 +13,7 @@ use crate::quantity::{count, duration, handy};
 use crate::svg::{Canvas, Element, Place, arrow_head, drawn, path};
 use crate::text::width;
 
-/// All of it that a window shows; ways are drawn in the plan only.
+/// Draws the things that a window shows. Paths are drawn in the plan only.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_ways: bool) {
     for mover in scenario.movers() {
         if with_ways {
@@ -35,7 +35,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_w
     }
 }
 
-/// Their names.
+/// Puts their names.
 pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
     let movers = scenario.movers().iter().map(|mover| (&mover.name, bounds_of(mover)));
     let movables = scenario

@@ -1,4 +1,4 @@
-//! Where a point of the world is in the picture.
+//! Windows: from points of the world to places in the picture.
 
 use baudbot_geometry::{Bounds, Circle, Direction, Point, Pose};
 
@@ -7,9 +7,9 @@ use crate::svg::{Element, Place, path, rectangle};
 /// A window on the world: y goes up there and down in the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
-    /// What part of the world is shown.
+    /// The part of the world that is shown.
     pub(super) world: Bounds,
-    /// Pixels a metre.
+    /// Pixels per metre.
     pub(super) scale: f64,
     /// Left edge, in pixels.
     pub(super) left: f64,

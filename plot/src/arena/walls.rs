@@ -1,4 +1,4 @@
-//! What stands still and can be run into.
+//! Walls and pillars.
 
 use baudbot_geometry::{Bounds, Point};
 use baudbot_sim::arena::{Arena, Look, Pillar, Polygon};
@@ -10,7 +10,7 @@ use crate::quantity::length;
 use crate::svg::{Canvas, Element, Place, drawn};
 use crate::text::width;
 
-/// All of it that a window shows.
+/// Draws the walls and pillars that a window shows.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, arena: &Arena) {
     canvas.open(Element::group().set("stroke-linejoin", "round"));
     for polygon in arena.polygons() {
@@ -25,7 +25,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, arena: &Arena) {
     canvas.close("g");
 }
 
-/// Names inside of what is large enough; then nothing else is written on solid things.
+/// Puts names into solid things that are large enough, and keeps the others free of labels; those it returns with their names.
 pub(super) fn label_inside(labels: &mut Labels, view: &View, arena: &Arena) -> Vec<(String, Area)> {
     let mut outside = Vec::new();
     let polygons = arena.polygons().iter().filter(|polygon| polygon.solid).filter_map(|polygon| {
@@ -51,7 +51,7 @@ pub(super) fn label_inside(labels: &mut Labels, view: &View, arena: &Arena) -> V
     outside
 }
 
-/// Names of hollow things, and beside the others.
+/// Puts names of hollow things, and names beside the solid things that are left.
 pub(super) fn label_outside(labels: &mut Labels, view: &View, arena: &Arena, outside: &[(String, Area)]) {
     for (text, area) in outside {
         let (x, y) = center(area);
@@ -92,7 +92,7 @@ fn draw_polygon(view: &View, polygon: &Polygon) -> Element {
     .titled(&title)
 }
 
-/// What is low is lighter: some sensors overlook it.
+/// A solid thing. Low ones are lighter: some sensors overlook them.
 fn solid(shape: Element, look: &Look) -> Element {
     let color = own_color(look.color, rgb(WALL));
     if look.height_m.is_finite() {

@@ -14,7 +14,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Where an instant is; outside if it is not in the window.
+    /// The place of an instant, which may be outside of the window.
     pub(super) fn x(&self, at_ns: u64) -> f64 {
         let off = match at_ns.checked_sub(self.from_ns) {
             Some(after) => after as f64,
@@ -40,14 +40,14 @@ impl Axis {
         if all.len() > most { Vec::new() } else { all }
     }
 
-    /// Round instants that are far enough apart for their texts, with these.
+    /// Round instants that are far enough apart for their labels, with these.
     pub(super) fn ticks(&self) -> Vec<(u64, String)> {
         let (step_ns, decimals) = self.step();
         let ticks = self.multiples(step_ns, MOST).into_iter();
         ticks.map(|at| (at, ms(at, decimals))).collect()
     }
 
-    /// The shortest round step that leaves room for the texts, and how many decimals of a millisecond these have.
+    /// The shortest round step that leaves room for labels, and their decimals of a millisecond.
     fn step(&self) -> (u64, usize) {
         for exponent in 0..19_u32 {
             let decimals = 6_usize.saturating_sub(exponent as usize);
@@ -75,9 +75,9 @@ pub fn ms(ns: u64, decimals: usize) -> String {
 
 /// The size of the ticks' texts, in pixels.
 pub(super) const SIZE: f64 = 11.0;
-/// Ticks are at least so far apart, in pixels.
+/// The least distance of ticks, in pixels.
 const LEAST_PX: f64 = 58.0;
-/// More ticks than any picture has room for.
+/// The most ticks.
 const MOST: usize = 200;
 
 #[cfg(test)]

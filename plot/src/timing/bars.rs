@@ -80,7 +80,7 @@ fn aside(element: Element, bar: &Bar) -> Element {
     if bar.is_aside { element.set("fill-opacity", "0.32") } else { element }
 }
 
-/// The label in the bar, in its wider part if a part of it is late; or else beside it, up to where there is room.
+/// Writes the label into the bar, into the wider part if a part is late, or else beside it if there is room.
 fn label(
     canvas: &mut Canvas,
     axis: &Axis,

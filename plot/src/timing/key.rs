@@ -6,7 +6,7 @@ use crate::palette::{LATE, PALE_INK};
 use crate::svg::{Canvas, text};
 use crate::text::width;
 
-/// Writes the key in lines that fit into a width, from a corner on; how high it is. All in pixels.
+/// Writes the key from a corner on, in lines that fit into a width, and returns its height. All are pixels.
 pub(super) fn draw(
     canvas: &mut Canvas,
     classes: &[Class],
@@ -29,7 +29,7 @@ pub(super) fn draw(
     y + LINE - top
 }
 
-/// Whether what is of a class takes no time.
+/// Whether bars of a class have no duration.
 fn is_mark(class: Class) -> bool {
     match class {
         Class::Act | Class::Late | Class::Missed | Class::Lost => true,

@@ -1,9 +1,9 @@
-//! Rows of a lane: what overlaps is in rows below each other.
+//! The rows of a lane: bars that overlap are in different rows.
 
 use super::diagram::Bar;
 
-/// The bars of each row, in their order. There is always a row, and never more than a few: what finds no place is in
-/// the last one, over others.
+/// The bars of each row, in their order. There is at least one row, and at most a few: bars that find no place are in the
+/// last one, over others.
 pub(super) fn rows(bars: &[Bar]) -> Vec<Vec<&Bar>> {
     let mut sorted: Vec<_> = bars.iter().collect();
     sorted.sort_by_key(|bar| (bar.start_ns, bar.end_ns));
@@ -25,7 +25,7 @@ fn follows(bar: &Bar, last: &Bar) -> bool {
     last.end_ns <= bar.start_ns && !(are_marks && last.start_ns == bar.start_ns)
 }
 
-/// More rows than this are no help.
+/// The most rows.
 const MOST: usize = 6;
 
 #[cfg(test)]
