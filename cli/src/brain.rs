@@ -5,6 +5,7 @@ use std::fmt::Write;
 use anyhow::{Context, anyhow, bail};
 use baudbot_brains::catalogue::catalogue;
 use baudbot_client::{Client, Error, come_back};
+use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 
 use crate::args::{BrainArgs, Reconnect};
@@ -42,7 +43,7 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
             Ok(_) if crew.is_closed() => anyhow!("the server closed the connection before the run was over"),
             Ok(summary) => {
                 let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-                return text::print(&format!("the run is over after {}\n", text::count(turns, "turn")));
+                return text::print(&format!("the run is over after {}\n", count(turns, "turn")));
             }
             Err(error) if may_pass(&error) => error,
             Err(error) => return Err(error),

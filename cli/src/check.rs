@@ -3,6 +3,8 @@
 use std::fmt::Write;
 
 use baudbot_geometry::{Bounds, Circle, Segment};
+use baudbot_plot::arena;
+use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
@@ -14,18 +16,17 @@ use baudbot_wire::{Encoding, frame, khepera};
 
 use crate::alike;
 use crate::args::CheckArgs;
-use crate::drawing;
 use crate::link;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::text::{self, NOTHING, count, duration, handy, pairs, percent, table};
+use crate::text::{self, pairs, percent, table};
 use crate::together;
 
 pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     if let Some(path) = &args.svg {
-        let picture = drawing::draw(&scenario, source.label());
+        let picture = arena::draw(&scenario, source.label());
         text::write(path, &picture)?;
         // A picture on stdout is for another program, which a text behind it would confuse.
         if path.as_os_str() == "-" {

@@ -1,8 +1,7 @@
 //! A link in words and numbers.
 
+use baudbot_plot::quantity::{count, duration, handy};
 use baudbot_sim::link::{Adapter, Link, Uart, Usb};
-
-use crate::text::{count, duration, handy};
 
 /// As the scenario file calls it.
 pub(crate) fn kind(link: &Link) -> &'static str {

@@ -5,11 +5,10 @@
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
 //!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
-//! 3. `scenarios` finds scenarios, `connect` finds servers, `crew` lets brains drive robots.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts one, `crew` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
-//!    `map` an arena in characters, `drawing` a scenario as a picture, `alike` says for which others a robot stands,
-//!    `text` lays out columns and is the only way to a terminal, `viewer` leads to a page, and `foxglove` lets another
-//!    program look.
+//!    `map` an arena in characters, `alike` says for which others a robot stands, `text` lays out columns and is the only
+//!    way to a terminal, `viewer` leads to a page, and `foxglove` lets another program look. Pictures are `baudbot-plot`'s.
 //! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
@@ -25,7 +24,6 @@ mod connect;
 mod crew;
 mod csv;
 mod diagram;
-mod drawing;
 mod error;
 mod export;
 mod foxglove;
@@ -35,8 +33,6 @@ mod logs;
 mod map;
 mod new;
 mod opened;
-#[cfg(feature = "otel")]
-mod otel;
 mod plan;
 mod preset;
 mod record;
@@ -45,6 +41,7 @@ mod report;
 mod run;
 mod scenarios;
 mod serve;
+mod serving;
 mod signals;
 mod summary;
 mod sweep;

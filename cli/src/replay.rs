@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::args::{PaceName, ReplayArgs, WatchdogArgs};
 use crate::error::Refused;
-use crate::serve::{Serving, Viewing};
+use crate::serving::{Serving, Viewing};
 use crate::text::tell;
 use crate::{opened, record, text};
 

@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
+use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use baudbot_sim::printable::Printable;
 
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
     Zone,
 };
-use crate::text::{NOTHING, count, duration, handy, pairs, percent, table};
+use crate::text::{pairs, percent, table};
 
 /// The whole summary.
 pub(crate) fn text(summary: &Summary) -> String {

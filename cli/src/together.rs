@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 
 use baudbot_brains::catalogue::catalogue;
 use baudbot_budget::{Budget, RobotBudget};
+use baudbot_plot::quantity::duration;
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 
 use crate::alike;
-use crate::text::duration;
 
 /// What is to be said of the robots of a scenario: the name of each with a sentence.
 pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {

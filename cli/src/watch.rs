@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
+use baudbot_plot::quantity::NOTHING;
 use baudbot_proto::v1;
 use baudbot_sim::printable::PrintableLines;
 use tonic::Streaming;
@@ -14,7 +15,7 @@ use crate::args::WatchArgs;
 use crate::error::from_server;
 use crate::map::Map;
 use crate::signals::Stop;
-use crate::text::{NOTHING, table, tell};
+use crate::text::{table, tell};
 use crate::{connect, foxglove, text};
 
 pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {

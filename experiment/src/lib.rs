@@ -9,8 +9,8 @@
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
-//! 5. [`chart`] draws, with the elements of [`svg`], and [`ran`] has the words for what ran; `columnar` writes Parquet, if the
-//!    feature `parquet` is on. The optimizers of [`mod@tune`] need the feature `tune`.
+//! 5. [`chart`] says what charts show, and `baudbot_plot` draws them; `columnar` writes Parquet, if the feature `parquet` is
+//!    on. The optimizers of [`mod@tune`] need the feature `tune`.
 
 pub mod chart;
 mod check;
@@ -36,7 +36,6 @@ pub mod pair;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod pool;
-pub mod ran;
 mod raw;
 mod remote;
 mod row;
@@ -44,7 +43,6 @@ mod setup;
 pub mod statistics;
 mod success;
 pub mod summary;
-pub mod svg;
 mod sweep;
 pub mod table;
 #[cfg(test)]

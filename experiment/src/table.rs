@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+use baudbot_plot::quantity::NOTHING;
+use baudbot_plot::text::columns;
+
 use crate::experiment::Experiment;
 use crate::figures::{Figure, INFOS};
 use crate::statistics::Sample;
@@ -16,7 +19,7 @@ pub fn text(experiment: &Experiment, summary: &Summary, most: usize) -> String {
     head.extend(figures.iter().map(|figure| figure.info().name.to_owned()));
     let cells = summary.cells.iter().take(most);
     let rows: Vec<_> = std::iter::once(head).chain(cells.map(|cell| row(cell, &figures))).collect();
-    let mut text = columns(&rows, experiment.fields.len());
+    let mut text = columns("", &rows, |i| i < experiment.fields.len());
     let others = summary.left_out + summary.cells.len().saturating_sub(most) as u64;
     if others > 0 {
         let _ = writeln!(text, "… and {others} more");
@@ -45,16 +48,17 @@ fn row(cell: &CellSummary, figures: &[Figure]) -> Vec<String> {
         failed => format!("{} ({failed} failed)", cell.runs),
     });
     if cell.succeeded.is_some() {
-        row.push(cell.success().map_or_else(nothing, |(share, low, high)| {
-            format!("{:.0} % ({:.0}–{:.0})", share * 100.0, low * 100.0, high * 100.0)
-        }));
+        row.push(cell.success().map_or_else(
+            || NOTHING.to_owned(),
+            |(share, low, high)| format!("{:.0} % ({:.0}–{:.0})", share * 100.0, low * 100.0, high * 100.0),
+        ));
     }
     row.extend(figures.iter().map(|&figure| mean(&cell.figures[figure as usize])));
     row
 }
 
 fn mean(sample: &Sample) -> String {
-    let Some(mean) = sample.mean() else { return nothing() };
+    let Some(mean) = sample.mean() else { return NOTHING.to_owned() };
     match sample.half_width() {
         Some(half) => {
             let decimals = decimals(if half > 0.0 { half } else { mean.abs() });
@@ -67,10 +71,6 @@ fn mean(sample: &Sample) -> String {
 /// So many that two digits of the number are seen; none of a number that is whole.
 fn decimals(number: f64) -> usize {
     if number.fract() == 0.0 { 0 } else { (1.0 - number.log10().floor()).clamp(0.0, 6.0) as usize }
-}
-
-fn nothing() -> String {
-    "—".to_owned()
 }
 
 fn failures(summary: &Summary) -> String {
@@ -86,27 +86,6 @@ fn failures(summary: &Summary) -> String {
         }
         told.push(problem);
         let _ = writeln!(text, "  run {run}: {}", problem.replace('\n', " "));
-    }
-    text
-}
-
-/// Cells below one another: the first columns to the left, the others to the right.
-fn columns(rows: &[Vec<String>], left: usize) -> String {
-    let count = rows.first().map_or(0, Vec::len);
-    let width = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
-    let widths: Vec<_> = (0..count).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for (i, (cell, width)) in row.iter().zip(&widths).enumerate() {
-            let gap = if i > 0 { "  " } else { "" };
-            let _ = match i < left {
-                true => write!(line, "{gap}{cell:<width$}"),
-                false => write!(line, "{gap}{cell:>width$}"),
-            };
-        }
-        text += line.trim_end();
-        text.push('\n');
     }
     text
 }

@@ -1,24 +1,10 @@
 //! Names that are like a name.
 
-/// Names, those first that are most like `name`: that have the fewest letters to be put in, left out or changed.
+/// Names, the most similar to `name` first: those that need the fewest letters to be added, removed or replaced.
 pub fn nearest_first<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut known: Vec<_> = known.collect();
-    known.sort_by_key(|candidate| distance(name, candidate));
+    known.sort_by_key(|candidate| strsim::levenshtein(name, candidate));
     known
-}
-
-/// How many letters must be put in, left out or changed to make `b` of `a` (Levenshtein's distance).
-fn distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.chars().enumerate() {
-            let changed = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.chars().count()]
 }
 
 #[cfg(test)]
@@ -26,8 +12,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances() {
-        let found = [("", "abc"), ("abc", "abc"), ("abd", "abc"), ("bc", "abc"), ("kitten", "sitting")];
-        assert_eq!(found.map(|(a, b)| distance(a, b)), [3, 0, 1, 1, 3]);
+    fn names_that_need_the_fewest_changes_come_first() {
+        let found = nearest_first("abd", ["sitting", "abcdef", "bc", "abc", "abd"].into_iter());
+        assert_eq!(found, ["abd", "abc", "bc", "abcdef", "sitting"]);
+        assert_eq!(nearest_first("", ["abc", "ab"].into_iter()), ["ab", "abc"]);
     }
 }

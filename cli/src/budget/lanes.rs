@@ -1,10 +1,8 @@
 //! One typical cycle as the timing diagram of Fig. 3.2: its parts one after the other.
 
 use baudbot_budget::{Part, RobotBudget, Verdict};
-
-use crate::diagram::class::Class;
-use crate::diagram::picture::{Bar, Diagram, Group, Lane, Mark};
-use crate::text::duration;
+use baudbot_plot::quantity::duration;
+use baudbot_plot::timing::{Bar, Class, Diagram, Group, Lane, Mark};
 
 /// The diagram of a robot's typical cycle; `None` if no cycle is ever completed.
 pub(crate) fn diagram(world: &str, budget: &RobotBudget) -> Option<Diagram> {

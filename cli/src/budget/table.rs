@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use baudbot_budget::{Cost, Mend, RobotBudget, Span, Verdict};
+use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
-use crate::text::{NOTHING, count, duration, handy, percent, table};
+use crate::text::{percent, table};
 
 /// All that is told of a robot.
 pub(super) fn robot(robot: &RobotBudget) -> String {

@@ -2,42 +2,34 @@
 //!
 //! From the command inwards:
 //!
-//! 1. This file is the command. `record` says which part of a run is wanted, and runs a world for it; `cycle` finds a
-//!    control cycle among the events.
-//! 2. `timeline` makes lanes of a robot's events; `table` writes them as text.
-//! 3. `picture` draws lanes of bars, whatever they stand for: `rows` finds places for what overlaps, `bars` draws a
-//!    row, `scale` is the axis of time, `class` has the colours and `key` says what they mean.
+//! This file is the command. `record` says which part of a run is wanted, and runs a world for it; `cycle` finds a control
+//! cycle among the events; `table` writes events as text, and [`baudbot_plot::timing`] draws them.
 
-mod bars;
-pub(crate) mod class;
 mod cycle;
 #[cfg(test)]
 mod demo;
-mod key;
-pub(crate) mod picture;
 mod record;
-mod rows;
-mod scale;
 mod table;
 #[cfg(test)]
 mod tests;
-mod timeline;
 
 use anyhow::anyhow;
 use baudbot_experiment::pair::Pair;
-use baudbot_experiment::ran;
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
 
-use self::picture::{Diagram, Mark};
+use baudbot_plot::caption;
+use baudbot_plot::quantity::duration;
+use baudbot_plot::timing::{self, Diagram, Mark};
+
 use self::record::{Place, Wanted, Window};
 use crate::args::DiagramArgs;
 use crate::crew::{self, Job};
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
-use crate::text::{self, duration};
+use crate::text;
 
 pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
@@ -61,8 +53,8 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
 fn ran(scenario: &Scenario, robot: &RobotSpec, jobs: &[Job]) -> Vec<String> {
     let own = jobs.iter().filter(|job| job.robots.contains(&robot.name));
     let brains: Vec<_> = own.map(|job| job.brain.clone()).collect();
-    let facts = ran::facts(&brains, &[ran::link(&robot.link)], scenario.seed());
-    let about = ran::about(scenario, false);
+    let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed());
+    let about = caption::about(scenario, false);
     let changed = (about != scenario.description()).then_some(about);
     [Some(facts), changed].into_iter().flatten().collect()
 }
@@ -137,7 +129,7 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
         },
         subtitle,
         ran: Vec::new(),
-        lanes: timeline::lanes(robot, events, (*from_ns, *until_ns), of_cycle),
+        lanes: timing::lanes(robot, events, (*from_ns, *until_ns), of_cycle),
         from_ns: *from_ns,
         until_ns: *until_ns,
         step_ns,

@@ -1,12 +1,12 @@
 //! Which part of a run is shown, and how far the world runs for it.
 
+use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::SimTime;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use super::cycle::{Cycle, is_anchor};
 use crate::error::Refused;
-use crate::text::{count, handy};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! The events of a window as text.
 
+use baudbot_plot::text::columns;
+use baudbot_plot::timing::{is_in, ms, what};
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::timeline::Event;
 use baudbot_trace::Lane;
 
 use super::record::Window;
-use super::scale::ms;
-use super::timeline::{is_in, what};
 
 /// A line for each event of a window: when it began and how long it took, in milliseconds, who it was, and what it did.
 /// Those of the cycle that the window is about have a `*`.
@@ -18,11 +18,7 @@ pub(super) fn table(robot: &RobotSpec, events: &[Event], window: &Window) -> Str
     let rows: Vec<_> =
         shown.into_iter().map(|(i, event)| row(robot, event, is_of_cycle(window, i))).collect();
     let rows: Vec<_> = std::iter::once(head).chain(rows).collect();
-    let wide = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
-    let [start, long, who] = [wide(0), wide(1), wide(2)];
-    let line =
-        |row: &[String; 4]| format!("{:>start$}  {:>long$}  {:<who$}  {}\n", row[0], row[1], row[2], row[3]);
-    rows.iter().map(line).collect()
+    columns("", &rows, |i| i >= 2)
 }
 
 fn row(robot: &RobotSpec, event: &Event, is_of_cycle: bool) -> [String; 4] {

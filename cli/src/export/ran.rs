@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use baudbot_experiment::ran;
+use baudbot_plot::caption;
 use baudbot_proto::v1::ReplayEventKind;
 use baudbot_recording::Tape;
 use baudbot_sim::{Scenario, World};
@@ -29,7 +29,7 @@ impl Ran {
             brains.push("a brain from before the recording".to_owned());
         }
         let scenario: &Scenario = tape.scenario();
-        let about = ran::about(scenario, !changed.is_empty());
+        let about = caption::about(scenario, !changed.is_empty());
         Self { about, brains, links: Vec::new(), seed: scenario.seed(), changed }
     }
 
@@ -41,7 +41,7 @@ impl Ran {
     /// Sees what the run's cables are; they may be changed by hand.
     pub(super) fn see(&mut self, world: &World) {
         if self.links.is_empty() || self.is_changed(world.tick()) {
-            self.links.extend(world.robots().map(|robot| ran::link(&robot.spec().link)));
+            self.links.extend(world.robots().map(|robot| caption::link(&robot.spec().link)));
             self.links.sort_unstable();
             self.links.dedup();
         }
@@ -54,7 +54,7 @@ impl Ran {
 
     /// Which brains drove, over which links, with which seed.
     pub(super) fn facts(&self) -> String {
-        ran::facts(&self.brains, &self.links, self.seed)
+        caption::facts(&self.brains, &self.links, self.seed)
     }
 }
 

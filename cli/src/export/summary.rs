@@ -5,12 +5,13 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context;
+use baudbot_plot::quantity::{count, duration, handy};
 use baudbot_recording::Tape;
 use prost_types::Timestamp;
 use serde::Serialize;
 
 use super::events::kind_of;
-use crate::text::{self, count, duration, handy};
+use crate::text;
 
 /// A recording in short.
 #[derive(Debug, Serialize)]

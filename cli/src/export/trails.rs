@@ -5,14 +5,14 @@ use std::mem;
 use std::sync::Arc;
 
 use baudbot_geometry::{Point, Pose};
+use baudbot_plot::arena::{self, Collision, Trail, Trails};
+use baudbot_plot::quantity::duration;
 use baudbot_recording::Tape;
 use baudbot_sim::{RobotView, Scenario, SimTime, World};
 
 use super::Out;
 use super::pass::Sink;
 use super::ran::Ran;
-use crate::drawing::{self, Collision, Trail, Trails};
-use crate::text::duration;
 
 /// A picture that is drawn at the end.
 pub(super) struct Picture {
@@ -102,7 +102,7 @@ impl Sink for Picture {
             facts += &format!(" · {} missing in the recording", duration(missing_ns));
         }
         let trails = Trails { robots, from, until, about, facts };
-        let picture = drawing::draw_trails(&self.scenario, &self.label, &trails);
+        let picture = arena::draw_trails(&self.scenario, &self.label, &trails);
         self.out.write_all(picture.as_bytes())?;
         self.out.flush()
     }

@@ -1,11 +1,11 @@
 //! Which part of a recording is wanted.
 
+use baudbot_plot::quantity::handy;
 use baudbot_recording::Tape;
 use baudbot_sim::SimTime;
 
 use crate::args::{RowArgs, WindowArgs};
 use crate::error::Refused;
-use crate::text::handy;
 
 /// Ticks of a recording, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

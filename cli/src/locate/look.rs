@@ -6,6 +6,7 @@ use baudbot_brains::localization::Map;
 use baudbot_brains::scan::Scan;
 use baudbot_client::{Body, Reading};
 use baudbot_geometry::Pose;
+use baudbot_plot::quantity::handy;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::{Device, Laser, Sensor};
@@ -13,7 +14,6 @@ use baudbot_sim::{Intervention, InterventionError, Scenario, SimTime, World};
 
 use crate::args::LocateArgs;
 use crate::error::Refused;
-use crate::text::handy;
 
 /// Who looks, and with what.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! `baudbot locate`: the search for a robot's place by its scan (Section 6.3.1), and the poses that were tried, Fig. 6.18.
 //!
 //! [`look`] takes a scan in a world, and makes a map of its arena; [`hunt`] searches by `baudbot_brains::localization`;
-//! `drawing` shows both.
+//! [`arena`] shows both.
 
 mod hunt;
 mod look;
@@ -12,16 +12,17 @@ use std::sync::Arc;
 
 use baudbot_brains::scan::Scan;
 use baudbot_geometry::{Point, Pose, Vector, math};
+use baudbot_plot::arena::{self, Attempt, PoseSearch};
+use baudbot_plot::quantity::{NOTHING, count, handy};
 use clap::ValueEnum;
 use serde::Serialize;
 
 use self::hunt::{Hunt, Step, error_at, off};
 use self::look::Looker;
 use crate::args::LocateArgs;
-use crate::drawing::{self, Attempt, Quest};
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::text::{self, NOTHING, count, handy, pairs};
+use crate::text::{self, pairs};
 
 pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
@@ -36,7 +37,7 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let told = Told { args, looker, hunt: &hunt, scan: &scan, rays, truth, error_at_truth };
     let code = if hunt.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     if let Some(path) = &args.svg {
-        text::write(path, &drawing::draw_quest(&scenario, source.label(), &told.quest()))?;
+        text::write(path, &arena::draw_pose_search(&scenario, source.label(), &told.search()))?;
         if path == Path::new("-") {
             return Ok(code);
         }
@@ -191,7 +192,7 @@ impl<'a> Told<'a> {
     }
 
     /// What is drawn of it.
-    fn quest(&self) -> Quest {
+    fn search(&self) -> PoseSearch {
         let hunt = self.hunt;
         let attempt = |start: usize| Attempt {
             steps: hunt.accepted(start).map(|(number, step)| (number, step.pose)).collect(),
@@ -199,7 +200,7 @@ impl<'a> Told<'a> {
         let best = hunt.best();
         let others = (0..hunt.starts()).filter(|start| *start != best);
         let (m, rad) = off(&hunt.found, &self.truth);
-        Quest {
+        PoseSearch {
             robot: self.looker.robot.name.clone(),
             truth: self.truth,
             guess: self.args.guess,

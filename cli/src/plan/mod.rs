@@ -1,7 +1,7 @@
 //! `baudbot plan`: a way through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
 //!
 //! [`map`] makes cells of the arena as a brain would that knows its walls; [`way`] finds a way through them, by
-//! `baudbot_brains::planning`; `drawing` shows both.
+//! `baudbot_brains::planning`; [`arena`] shows both.
 
 mod map;
 mod way;
@@ -10,6 +10,8 @@ use std::process::ExitCode;
 
 use baudbot_brains::planning::{Cell, End, Grid, GridError, PlanError};
 use baudbot_geometry::{Bounds, Point};
+use baudbot_plot::arena::{self, Route};
+use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 use clap::ValueEnum;
@@ -17,11 +19,10 @@ use serde::Serialize;
 
 use self::way::Way;
 use crate::args::{Method, PlanArgs};
-use crate::drawing::{self, Route};
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::Source;
-use crate::text::{self, count, handy, pairs};
+use crate::text::{self, pairs};
 
 pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
@@ -31,7 +32,7 @@ pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let way = Way::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
     let code = if way.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
     if let Some(path) = &args.svg {
-        text::write(path, &drawing::draw_route(&scenario, source.label(), &task.route(&way)))?;
+        text::write(path, &arena::draw_route(&scenario, source.label(), &task.route(&way)))?;
         if path.as_os_str() == "-" {
             return Ok(code);
         }
@@ -191,7 +192,7 @@ impl<'a> Task<'a> {
             cells: way.cells.clone(),
             start: cell(self.from).filter(|_| is_grid),
             target: cell(self.to).filter(|_| is_grid),
-            way: way.points.clone(),
+            path: way.points.clone(),
             notes,
         }
     }

@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use baudbot_brains::catalogue;
+use baudbot_plot::chart::progress::{self, Progress};
 use baudbot_sim::printable::PrintableLines;
 use serde_json::{Value, json};
 
 use crate::chart;
-use crate::chart::trace::{self, Trace};
 use crate::choice::{Choice, Field, Setting};
 use crate::crew;
 use crate::error::Error;
@@ -63,7 +63,7 @@ impl Tuned {
     pub(super) fn write(&mut self, experiment: &Experiment, folder: &Folder) -> Result<(), Error> {
         let mut texts = vec![
             (SUMMARY, PrintableLines(self.text(experiment)).to_string()),
-            (TRACE, trace::draw(&self.trace(experiment))),
+            (TRACE, progress::draw(&self.progress(experiment))),
             (CANDIDATES, self.table(experiment)),
         ];
         folder.remove(BEST)?;
@@ -142,7 +142,7 @@ impl Tuned {
     }
 
     /// The way to the best, for a picture.
-    fn trace(&self, experiment: &Experiment) -> Trace {
+    fn progress(&self, experiment: &Experiment) -> Progress {
         let goal = experiment.tuning.as_ref().map(|tuning| tuning.goal.to_string()).unwrap_or_default();
         let mut best: Vec<&Candidate> = Vec::new();
         let mut scores = Vec::new();
@@ -163,7 +163,7 @@ impl Tuned {
             experiment.fields.iter().enumerate().map(|(i, field)| {
                 (field.label.clone(), steps(&|candidate| share(field, candidate.values[i])))
             });
-        Trace {
+        Progress {
             title: experiment.name.clone(),
             subtitle: format!(
                 "{}; each point is a candidate, a mean over {}",

@@ -1,11 +1,12 @@
 //! What stands still: walls, discs, zones, lamps. It is said once.
 
+use baudbot_plot::palette::{ZoneUses, rgb};
 use baudbot_proto::v1;
 use foxglove::messages::line_primitive::Type as Line;
 use foxglove::messages::{SceneEntity, SceneUpdate, SpherePrimitive, TextPrimitive};
 
 use super::footprint::{Footprint, Heights};
-use super::palette::{self, Rgb};
+use super::palette;
 use super::parts::{WORLD, color, entity, fact, lines, pose_at, scene, vector};
 use super::shape::{corners, raised, sides};
 
@@ -51,33 +52,24 @@ fn zone(zone: &v1::Zone, place: usize, time_ns: u64) -> Option<SceneEntity> {
     let mut entity = entity(time_ns, WORLD, format!("zone/{}", zone.zone));
     // Zones that lie on each other do not flicker.
     let z_m = 0.001 * (1 + place % 4) as f64;
-    let (rgb, uses) = uses(zone);
+    let uses = uses(zone);
+    let (paint, uses) = (rgb(uses.color()), uses.words());
     if let Some(reflectance) = zone.floor.filter(|reflectance| reflectance.is_finite()) {
         let grey = (40.0 + 200.0 * reflectance.clamp(0.0, 1.0)) as u8;
         shape.paint(&mut entity, z_m, color([grey; 3], 1.0));
     } else {
-        shape.paint(&mut entity, z_m, color(rgb, 0.2));
+        shape.paint(&mut entity, z_m, color(paint, 0.2));
     }
-    entity.lines.push(lines(Line::LineLoop, raised(&shape.rim(), z_m), 1.5, color(rgb, 1.0)));
+    entity.lines.push(lines(Line::LineLoop, raised(&shape.rim(), z_m), 1.5, color(paint, 1.0)));
     let text =
         if uses.is_empty() { zone.zone.clone() } else { format!("{}: {}", zone.zone, uses.join(", ")) };
     entity.texts.push(label(&text, shape.middle(), 0.01));
     Some(entity)
 }
 
-/// The hue of a zone's first use, and its uses in words.
-fn uses(zone: &v1::Zone) -> (Rgb, Vec<String>) {
-    let all = [
-        (zone.goal, [0, 114, 178], "goal".to_owned()),
-        (zone.charger_w > 0.0, [0, 158, 115], format!("charger {} W", zone.charger_w)),
-        (zone.slip > 0.0, [86, 180, 233], format!("slippery {}", zone.slip)),
-        (zone.indoors, [136, 34, 85], "indoors".to_owned()),
-    ];
-    let used: Vec<_> = all.into_iter().filter(|(is, ..)| *is).collect();
-    let hue = used.first().map_or(palette::WALL, |(_, hue, _)| *hue);
-    let mut words: Vec<_> = used.into_iter().map(|(.., words)| words).collect();
-    words.extend(zone.floor.map(|reflectance| format!("floor {reflectance}")));
-    (hue, words)
+fn uses(zone: &v1::Zone) -> ZoneUses {
+    let &v1::Zone { goal, charger_w, slip, indoors, floor, .. } = zone;
+    ZoneUses { goal, charger_w, slip, indoors, floor, ..ZoneUses::default() }
 }
 
 fn lamp(light: &v1::Light, heights: &Heights, time_ns: u64) -> Option<SceneEntity> {

@@ -20,7 +20,7 @@ pub(super) fn fans<'a>(
     let mut kinds: Vec<(&str, LinePrimitive)> = Vec::new();
     for (kind, rays) in sensors {
         let place = kinds.iter().position(|(known, _)| *known == kind).unwrap_or_else(|| {
-            let mut line = lines(Line::LineList, Vec::new(), 1.0, color(palette::hue(kind), 0.6));
+            let mut line = lines(Line::LineList, Vec::new(), 1.0, color(palette::sensor(kind), 0.6));
             line.pose = Some(pose_at(0.0, 0.0, z_m));
             kinds.push((kind, line));
             kinds.len() - 1

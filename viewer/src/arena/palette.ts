@@ -1,6 +1,7 @@
 /**
- * Colours, as in the program's own drawings (cli/src/drawing/palette.rs): those of sensors and zones are of Okabe's and
- * Ito's and of Tol's sets, which the colour-blind tell apart. What is text or line on the ground differs by theme.
+ * Colours, as in the program's own pictures (plot/src/palette, whose test compares): those of sensors and zones are of
+ * Okabe's and Ito's and of Tol's sets, which the colour-blind tell apart. What is text or line on the ground differs by
+ * theme.
  */
 import type { Look, Zone } from "../gen/baudbot/v1/observe_pb";
 

@@ -4,7 +4,6 @@
 //! of each brain that published since the frame before; its time is that of the frame. [`Table`] writes them, and
 //! [`Picture`] draws utilities, with sensors' readings from the simulation.
 
-mod chart;
 mod picture;
 mod table;
 

@@ -2,13 +2,13 @@
 
 use std::io::{self, Write};
 
+use baudbot_plot::chart::over_time::{self, Chart, Line, Panel, Strip};
 use baudbot_recording::Tape;
 use baudbot_sim::{RobotView, World};
 
 use super::super::Out;
 use super::super::pass::Sink;
 use super::super::ran::Ran;
-use super::chart::{Chart, Line, Panel, Strip};
 use super::{Beliefs, Column, Robot};
 use crate::csv::collect;
 
@@ -129,7 +129,7 @@ impl Sink for Picture {
     }
 
     fn finish(mut self: Box<Self>) -> io::Result<()> {
-        let picture = super::chart::draw(&self.name, &self.ran.facts(), &self.charts());
+        let picture = over_time::draw(&self.name, &self.ran.facts(), &self.charts());
         self.out.write_all(picture.as_bytes())?;
         self.out.flush()
     }

@@ -1,0 +1,124 @@
+//! A server of worlds in this program: what `serve` and `replay` start, and what they tell about it.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Context;
+use baudbot_server::{Address, Builder, Server, WorldConfig};
+use baudbot_sim::Scenario;
+
+use crate::args::{DEFAULT_ADDRESS, ListenArgs};
+use crate::crew;
+use crate::error::from_builder;
+use crate::signals::Stop;
+use crate::text::tell;
+use crate::{text, viewer};
+
+/// When there is a page if nobody says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Viewing {
+    /// It is what the server is for: others reach it only if they are told where.
+    Always,
+    /// Who keeps a server to a socket's file wants nobody else to reach it.
+    IfOpen,
+}
+
+/// A server that is going to be started, and what is told about its worlds.
+pub(crate) struct Serving<'a> {
+    builder: Builder,
+    listen: &'a ListenArgs,
+    worlds: Vec<Described>,
+}
+
+/// A world's name, what is in it, and a robot with a brain that can drive it.
+type Described = (String, String, Option<(String, &'static str)>);
+
+impl<'a> Serving<'a> {
+    pub(crate) fn new(listen: &'a ListenArgs) -> Self {
+        Self { builder: listen.builder(), listen, worlds: Vec::new() }
+    }
+
+    /// Lets operators record into a folder.
+    pub(crate) fn keep_recordings(&mut self, folder: &Path) {
+        self.builder = std::mem::take(&mut self.builder).recordings(folder.to_owned());
+    }
+
+    /// A world that brains can come to.
+    pub(crate) fn add(&mut self, name: &str, scenario: &Scenario, world: WorldConfig) {
+        let robot = scenario.robots().first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec)));
+        self.worlds.push((name.to_owned(), describe(name, scenario), robot));
+        self.builder = std::mem::take(&mut self.builder).world(world);
+    }
+
+    /// A world that does a recording again.
+    pub(crate) fn add_replay(&mut self, name: &str, world: WorldConfig) {
+        self.worlds.push((name.to_owned(), format!("world {name}: replays a recording\n"), None));
+        self.builder = std::mem::take(&mut self.builder).world(world);
+    }
+
+    /// Serves until somebody stops it.
+    pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
+        let Self { mut builder, listen, worlds } = self;
+        let listening = addresses(listen, viewing)?;
+        for address in listening.clone() {
+            builder = builder.listen(address);
+        }
+        let open = listening.iter().any(|address| matches!(address, Address::Tcp(_)));
+        builder = viewer::add(builder, listen.viewer, open || viewing == Viewing::Always);
+        // Scenarios may have come through FIFOs; there a single signal is to end the program.
+        let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+        let server = builder.serve().await.map_err(from_builder)?;
+        text::print(&greeting(&server, &worlds))?;
+        stop.wait().await;
+        tell!("stopping");
+        tokio::select! {
+            () = server.shutdown() => {}
+            () = tokio::time::sleep(PATIENCE) => tell!("note: somebody kept a connection open; it was cut"),
+        }
+        Ok(())
+    }
+}
+
+fn addresses(args: &ListenArgs, viewing: Viewing) -> anyhow::Result<Vec<Address>> {
+    if args.listen.is_empty() && viewing == Viewing::IfOpen {
+        return Ok(vec![DEFAULT_ADDRESS.parse()?]);
+    }
+    Ok(args.listen.clone())
+}
+
+/// Programs read the lines `listening on ADDRESS`; they come first and stay as they are.
+fn greeting(server: &Server, worlds: &[Described]) -> String {
+    let mut text = String::new();
+    for address in server.addresses() {
+        let _ = writeln!(text, "listening on {address}");
+    }
+    for (_, description, _) in worlds {
+        text += description;
+    }
+    if let Some(link) = viewer::link(server) {
+        let _ = writeln!(text, "\n{link}");
+    }
+    let robot = worlds.iter().find_map(|(world, _, robot)| Some((world, robot.as_ref()?)));
+    if let (Some(address), Some((world, (robot, brain)))) = (server.addresses().first(), robot) {
+        let _ = writeln!(text, "\nIn a second terminal:");
+        let _ = writeln!(text, "  baudbot brain {brain} --connect {address} --world {world} --robot {robot}");
+        let _ = writeln!(text, "  baudbot watch --connect {address} --world {world}");
+        let _ = writeln!(text, "Ctrl-C stops the server.");
+    }
+    text
+}
+
+fn describe(world: &str, scenario: &Scenario) -> String {
+    let robots: Vec<_> = scenario.robots().iter().map(|spec| spec.name.as_str()).collect();
+    let robots = match robots.as_slice() {
+        [] => "no robots".to_owned(),
+        [robot] => format!("robot {robot}"),
+        many if many.len() <= 10 => format!("robots {}", many.join(", ")),
+        many => format!("{} robots {} … {}", many.len(), many[0], many[many.len() - 1]),
+    };
+    format!("world {world}: {robots}\n")
+}
+
+/// How long connections have to close.
+const PATIENCE: Duration = Duration::from_secs(3);

@@ -1,0 +1,97 @@
+use baudbot_sim::Scenario;
+
+use super::*;
+use crate::timing::Class;
+
+const EVERYTHING: &str = include_str!("../arena/everything.toml");
+const VIEWER: &str = include_str!("../../../viewer/src/arena/palette.ts");
+const VIEWER_TIMING: &str = include_str!("../../../viewer/src/timing/kinds.ts");
+
+#[test]
+fn every_sensor_has_the_style_of_its_kind() {
+    let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
+    for device in scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device)
+    {
+        assert_eq!(sensor(device).kind, device.kind());
+        assert_eq!(sensor_kind(device.kind()), Some(sensor(device)));
+    }
+    assert_eq!(sensor_kind("nose"), None);
+}
+
+#[test]
+fn only_a_color_of_the_scenario_replaces_the_default() {
+    assert_eq!(own_color([128, 128, 128], rgb(WALL)), [138, 147, 163]);
+    assert_eq!(own_color([200, 128, 128], rgb(WALL)), [200, 128, 128]);
+}
+
+#[test]
+fn a_color_is_the_same_in_letters_and_in_levels() {
+    for color in SENSORS.map(|style| style.color).into_iter().chain(TRAILS).chain([INK, LAMP, BELIEF]) {
+        assert_eq!(css(rgb(color)), color);
+    }
+    assert_eq!(rgb(MOVABLE), [200, 160, 100]);
+}
+
+/// The text between two others.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
+    let rest = text.split_once(from).unwrap_or_else(|| panic!("no `{from}` in the viewer's palette")).1;
+    rest.split_once(to).unwrap_or_else(|| panic!("no `{to}` after `{from}`")).0
+}
+
+#[test]
+fn the_page_has_these_colors_in_its_light_theme() {
+    let light = between(VIEWER, "LIGHT: Theme = {", "};");
+    let theme = [
+        ("ink", INK),
+        ("frame", FRAME),
+        ("wall", WALL),
+        ("robot", ROBOT),
+        ("body", BODY),
+        ("belief", BELIEF),
+        ("ghost", DEAD_RECKONING),
+        ("late", LATE),
+    ];
+    for (name, color) in theme {
+        assert_eq!(between(light, &format!("  {name}: \""), "\""), color, "{name}");
+    }
+    let constants =
+        [("MOVER", MOVER), ("LAMP", LAMP), ("LAMP_RIM", LAMP_RIM), ("HOLLOW", HOLLOW), ("INNER", INNER)];
+    for (name, color) in constants {
+        assert_eq!(between(VIEWER, &format!("const {name} = \""), "\""), color, "{name}");
+    }
+    let fields = FIELDS.map(|color| format!("\"{color}\"")).join(", ");
+    assert_eq!(between(VIEWER, "const FIELDS = [", "]"), fields);
+    assert_eq!(between(VIEWER, "const MOVABLE: Rgb = ", ";"), format!("{:?}", rgb(MOVABLE)));
+}
+
+#[test]
+fn the_page_has_these_colors_for_sensors_and_zones() {
+    let sensors = between(VIEWER, "const HUES: Record<string, string> = {", "};");
+    let there: Vec<_> = sensors.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    let quoted = |kind: &str| if kind.contains('-') { format!("\"{kind}\"") } else { kind.to_owned() };
+    let own = SENSORS.into_iter().filter(|style| style.color != INNER);
+    let own: Vec<_> = own.map(|style| format!("{}: \"{}\",", quoted(style.kind), style.color)).collect();
+    assert_eq!(there, own);
+    let uses = |color: &str| between(VIEWER, "const all:", "];").contains(&format!("\"{color}\""));
+    let zones = [
+        ZoneUses { goal: true, ..ZoneUses::default() },
+        ZoneUses { charger_w: 1.0, ..ZoneUses::default() },
+        ZoneUses { slip: 1.0, ..ZoneUses::default() },
+        ZoneUses { indoors: true, ..ZoneUses::default() },
+    ];
+    assert!(zones.iter().all(|zone| uses(zone.color())), "{VIEWER}");
+}
+
+/// Only the motors differ: their bars must read on the dark theme, too.
+#[test]
+fn the_page_has_these_colors_and_words_for_timing_diagrams() {
+    let lines: Vec<_> = VIEWER_TIMING.lines().filter(|line| line.contains("[TimelineKind.")).collect();
+    for class in Class::ALL.into_iter().filter(|class| *class != Class::Act) {
+        let ink = if class.ink() == WHITE { "WHITE" } else { "DARK_INK" };
+        let trouble = if class.is_trouble() { ", trouble: true" } else { "" };
+        let row =
+            format!("color: \"{}\", ink: {ink}, words: \"{}\"{trouble} }},", class.color(), class.words());
+        let name = format!("[TimelineKind.{}]", format!("{class:?}").to_uppercase());
+        assert!(lines.contains(&format!("  {name}: {{ {row}").as_str()), "{name}: {row}");
+    }
+}

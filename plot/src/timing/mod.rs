@@ -1,0 +1,19 @@
+//! Timing diagrams: what happened when on a robot, its cables and its brain (Fig. 3.2 of the notes).
+//!
+//! [`lanes`] makes lanes of a robot's events. A [`Diagram`] draws lanes of bars, whatever they stand for: `rows` finds places
+//! for bars that overlap, `bars` draws a row, `axis` is the axis of time, [`Class`] has the colours and `key` explains them.
+
+mod axis;
+mod bars;
+mod class;
+mod diagram;
+mod key;
+mod lanes;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+pub use axis::ms;
+pub use class::Class;
+pub use diagram::{Bar, Diagram, Group, Lane, Mark};
+pub use lanes::{is_in, lanes, what};
