@@ -15,7 +15,8 @@
 mod files;
 mod film;
 mod guard;
-mod mailbox;
+mod method;
+mod requests;
 mod socket;
 
 use crate::gate::{Entry, Visitor};
@@ -32,6 +33,9 @@ pub use film::Film;
 use guard::Guard;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
+
+/// Bytes of the longest message of the socket: a scenario, and a little around it.
+const MAX_MESSAGE: usize = baudbot_sim::scenario::MAX_BYTES + (1 << 16);
 
 /// What the page's services need.
 #[derive(Clone)]
@@ -108,8 +112,8 @@ async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebS
     }
     let Page { pipes, stopped, .. } = page;
     upgrade
-        .max_message_size(socket::MAX_MESSAGE)
-        .max_frame_size(socket::MAX_MESSAGE)
+        .max_message_size(MAX_MESSAGE)
+        .max_frame_size(MAX_MESSAGE)
         .on_upgrade(move |socket| socket::serve(socket, pipes, stopped))
 }
 
