@@ -234,9 +234,8 @@ async fn a_page_operates_a_world_and_sees_it_move() {
 async fn a_page_gets_the_map_of_a_floor_that_is_counted() {
     let server = serve(lockstep()).await;
     let mut page = Page::open(&server).await;
-    let ask = |world: &str| {
-        begin("ObserveService/GetCoverage", &v1::GetCoverageRequest { world: world.into() })
-    };
+    let ask =
+        |world: &str| begin("ObserveService/GetCoverage", &v1::GetCoverageRequest { world: world.into() });
     let (code, message) = page.failure(1, ask("w")).await;
     assert_eq!(code, "FAILED_PRECONDITION");
     assert!(message.contains("metrics.cell_m"), "{message}");
@@ -292,7 +291,8 @@ async fn only_methods_of_the_three_services_are_forwarded_and_each_call_has_one_
         let expected = format!("method: there is no method `baudbot.v1.{method}`; services are ");
         assert!(message.starts_with(&expected), "{message}");
     }
-    let garbled = v1::BeginCall { method: "baudbot.v1.ControlService/GetWorld".into(), request: vec![0xff; 9] };
+    let garbled =
+        v1::BeginCall { method: "baudbot.v1.ControlService/GetWorld".into(), request: vec![0xff; 9] };
     let (code, _) = page.failure(2, Request::Begin(garbled)).await;
     assert_eq!(code, "INTERNAL");
     let (code, message) = page.failure(3, step(0, (0.0, 0.0))).await;

@@ -20,7 +20,7 @@ use tonic::transport::Channel;
 use tonic::{IntoStreamingRequest, Request, Status, Streaming};
 
 use super::MAX_MESSAGE;
-use crate::words::brief;
+use crate::quote::brief;
 
 /// Whether a method takes and gives single messages or streams of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn other_names_are_refused() {
-        for name in ["", "ListWorlds", "/baudbot.v1.ControlService/ListWorlds", "grpc.health.v1.Health/Check"] {
+        for name in ["", "ListWorlds", "/baudbot.v1.ControlService/ListWorlds", "grpc.health.v1.Health/Check"]
+        {
             let status = Method::find(name).unwrap_err();
             assert_eq!(status.code(), tonic::Code::Unimplemented);
             let expected = format!("method: there is no method `{name}`; services are {CONTROL}, ");
