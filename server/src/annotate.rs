@@ -60,7 +60,7 @@ fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
     if columns > MAX_MAP_SIDE || rows > MAX_MAP_SIDE || rows * columns != map.cells.len() {
         let cells = map.cells.len();
         let problem =
-            format!("{cells} cells in {columns} columns are no grid of at most {MAX_MAP_SIDE} a side");
+            format!("{cells} cells in {columns} columns are not a grid of at most {MAX_MAP_SIDE} a side");
         return Err(invalid("map", problem));
     }
     Ok(())
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(refused(|b| map(b).cell_m = 0.0), "map.cell_m: must be positive, is 0");
         assert_eq!(
             refused(|b| map(b).columns = 2),
-            "map: 1 cells in 2 columns are no grid of at most 4096 a side"
+            "map: 1 cells in 2 columns are not a grid of at most 4096 a side"
         );
     }
 }

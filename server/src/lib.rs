@@ -70,5 +70,5 @@ pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, stat
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
-pub use page::Film;
+pub use page::{Film, NoFilm};
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -514,7 +514,7 @@ async fn a_page_hands_in_films_where_somebody_wants_them() {
     assert_eq!(made.try_recv().unwrap(), Ok(b"GIF89a".to_vec()));
     let failed = post("/film?failed=1", "localhost:1", "no encoder");
     assert!(get(&server, &failed).await.starts_with("HTTP/1.1 204"));
-    assert_eq!(made.try_recv().unwrap(), Err("no encoder".to_owned()));
+    assert_eq!(made.try_recv().unwrap().unwrap_err().to_string(), "no encoder");
     // Larger than what other requests may have.
     let long = "x".repeat(5 << 20);
     assert!(get(&server, &post("/film", "localhost:1", &long)).await.starts_with("HTTP/1.1 204"));

@@ -125,7 +125,7 @@ pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
     let tape = Tape::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
     if let Some(problem) = tape.problem() {
-        return Err(invalid(format!("is no whole state: {problem}")));
+        return Err(invalid(format!("is not a complete state: {problem}")));
     }
     if tape.last_tick() != tape.first_tick() {
         let ticks = tape.last_tick() - tape.first_tick();

@@ -16,7 +16,7 @@ use super::Admission;
 /// How long a peer may leave unread what is written: as long as the server waits for one that does not answer pings.
 const STALLED: Duration = Duration::from_secs(40);
 
-/// Bytes that are read before other tasks have their turn. Frames of HTTP/2 that have come and that nobody has taken yet are
+/// Bytes that are read before other tasks have their turn. Frames of HTTP/2 that have come and that no task has taken yet are
 /// counted by h2, which closes a connection with too many; so few bytes do not have so many frames.
 const AT_ONCE: usize = 16 << 10;
 

@@ -40,6 +40,15 @@ pub(crate) use listener::{GatedListener, PageConnection, connections};
 
 use crate::log::Throttle;
 
+/// The error of a connection without a place.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error(
+    "the server has {places} connections, which is its limit; close one, or start it with a larger --max-connections"
+)]
+pub(crate) struct NoPlace {
+    places: usize,
+}
+
 /// How long a connection without a place has to call, and to take the answer.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -155,8 +164,8 @@ impl Admission {
     /// The connection makes a call: from its first one on it stays.
     ///
     /// # Errors
-    /// If it has no place, in words for the client.
-    pub(crate) fn note_call(&self) -> Result<(), String> {
+    /// If it has no place.
+    pub(crate) fn note_call(&self) -> Result<(), NoPlace> {
         if self.has_called.load(Ordering::Relaxed) {
             return Ok(());
         }
@@ -165,10 +174,7 @@ impl Admission {
             self.has_called.store(true, Ordering::Relaxed);
             return Ok(());
         }
-        let places = self.gate.0.places;
-        Err(format!(
-            "the server has {places} connections, which is its limit; close one, or start it with a larger --max-connections"
-        ))
+        Err(NoPlace { places: self.gate.0.places })
     }
 
     /// How long it has to make its first call, or to be told that it has no place.
@@ -186,7 +192,9 @@ impl Admission {
 /// Lets a call pass, unless its connection has no place. Calls through pipes in memory need none.
 pub(crate) fn check_call(request: Request<()>) -> Result<Request<()>, Status> {
     match request.extensions().get::<Arc<Admission>>() {
-        Some(admission) => admission.note_call().map(|()| request).map_err(Status::unavailable),
+        Some(admission) => {
+            admission.note_call().map(|()| request).map_err(|error| Status::unavailable(error.to_string()))
+        }
         None => Ok(request),
     }
 }
@@ -205,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn who_has_been_silent_for_longest_gives_its_place_to_a_newcomer() {
+    fn the_connection_that_has_been_silent_for_longest_gives_its_place_to_a_new_one() {
         let gate = Gate::new(2, Duration::from_secs(10));
         let [first, second, third] = [(); 3].map(|()| gate.admit());
         assert_eq!([&first, &second, &third].map(|one| is_evicted(one)), [true, false, false]);
@@ -220,12 +228,12 @@ mod tests {
     }
 
     #[test]
-    fn where_all_have_asked_the_next_is_told_that_there_is_no_room_until_one_leaves() {
+    fn where_all_places_are_in_use_a_new_connection_is_refused_until_one_leaves() {
         let gate = Gate::new(2, Duration::from_secs(10));
         let both = [gate.admit(), gate.admit()];
         both.iter().for_each(|one| one.note_call().unwrap());
         let late = gate.admit();
-        let refused = late.note_call().unwrap_err();
+        let refused = late.note_call().unwrap_err().to_string();
         assert!(refused.starts_with("the server has 2 connections, which is its limit; "), "{refused}");
         gate.leave(&both[0]);
         assert!(late.note_call().is_err(), "a refused connection stays refused");
@@ -235,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn those_without_a_place_are_few() {
+    fn connections_without_a_place_are_few() {
         let gate = Gate::new(1, Duration::from_secs(10));
         gate.admit().note_call().unwrap();
         let away: Vec<_> = (0..=max_refused(1)).map(|_| gate.admit()).collect();

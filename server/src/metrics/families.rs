@@ -35,7 +35,7 @@ const WORLDS: [Of<Measures>; 12] = [
         "Wall-clock time that the world let go, as it lagged by more than its pace allows.",
         |w| w.pacing.let_go.as_secs_f64(),
     ),
-    ("baudbot_world_let_go_total", "How often it did.", |w| w.pacing.times_let_go as f64),
+    ("baudbot_world_let_go_total", "How often the world let time go.", |w| w.pacing.times_let_go as f64),
     ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots().len() as f64),
     ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
     (
@@ -79,7 +79,7 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |r| r.turns as f64),
     ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |r| r.commands as f64),
     ("baudbot_robot_collisions_total", "Collisions.", |r| r.collisions as f64),
-    ("baudbot_robot_distance_meters_total", "Way driven.", |r| r.distance_m),
+    ("baudbot_robot_distance_meters_total", "Distance driven.", |r| r.distance_m),
     (
         "baudbot_robot_reading_frames_missed_total",
         "Frames of readings left out because the microcontroller was busy.",
@@ -106,7 +106,7 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     }),
     (
         "baudbot_brain_oldest_open_turn_seconds",
-        "Wall-clock time since the oldest of those, 0 if there is none.",
+        "Wall-clock time since the oldest open Turn, 0 if there is none.",
         |r| r.slot.oldest_open.as_secs_f64(),
     ),
     ("baudbot_brain_answers_total", "Turns that were answered, in lockstep.", |r| {
@@ -114,7 +114,7 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     }),
     (
         "baudbot_brain_answer_seconds_total",
-        "Wall-clock time from those Turns to their answers, the network's included.",
+        "Wall-clock time from Turns to their answers, the network's included.",
         |r| r.slot.answering.took.as_secs_f64(),
     ),
     ("baudbot_brain_cycles_open", "Control cycles that are neither kept nor late nor unanswered yet.", |r| {
@@ -195,10 +195,8 @@ struct Shown<'a> {
 
 fn write_robots(worlds: &[(&str, &Measures)], most_robots: usize, text: &mut String) {
     let mut shown = Vec::new();
-    let mut left_out = Family::gauge(
-        "baudbot_world_robots_left_out",
-        "Robots that are not told of, since there are too many.",
-    );
+    let mut left_out =
+        Family::gauge("baudbot_world_robots_left_out", "Robots that are left out, since there are too many.");
     for (world, measures) in worlds {
         let specs = measures.scenario.robots();
         let room = (most_robots - shown.len()).min(measures.robots.len());

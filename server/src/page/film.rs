@@ -11,7 +11,12 @@ use tokio::sync::mpsc;
 use super::guard::Guard;
 
 /// The film of a page: its bytes, or why there is none.
-pub type Film = Result<Vec<u8>, String>;
+pub type Film = Result<Vec<u8>, NoFilm>;
+
+/// Why a page has made no film, in its own words.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoFilm(pub String);
 
 /// The routes for films.
 pub(super) fn router<S: Clone + Send + Sync + 'static>(films: mpsc::Sender<Film>, guard: Guard) -> Router<S> {
@@ -27,12 +32,12 @@ pub(super) fn router<S: Clone + Send + Sync + 'static>(films: mpsc::Sender<Film>
 async fn take(films: &mpsc::Sender<Film>, RawQuery(query): RawQuery, body: Bytes) -> Response {
     let failed = query.is_some_and(|query| query.split('&').any(|part| part == "failed=1"));
     let film = match failed {
-        true => Err(String::from_utf8_lossy(&body[..body.len().min(MAX_REASON)]).trim().to_owned()),
+        true => Err(NoFilm(String::from_utf8_lossy(&body[..body.len().min(MAX_REASON)]).trim().to_owned())),
         false => Ok(Vec::from(body)),
     };
     match films.send(film).await {
         Ok(()) => StatusCode::NO_CONTENT.into_response(),
-        Err(_) => (StatusCode::GONE, "nobody waits for a film any more\n").into_response(),
+        Err(_) => (StatusCode::GONE, "the server takes no films any more\n").into_response(),
     }
 }
 

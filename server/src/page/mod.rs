@@ -29,7 +29,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::serve::Listener;
-pub use film::Film;
+pub use film::{Film, NoFilm};
 use guard::Guard;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
@@ -87,7 +87,7 @@ async fn check_place(
 ) -> Response {
     let mut response = match admission.note_call() {
         Ok(()) => next.run(request).await,
-        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, problem + "\n").into_response(),
+        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, format!("{problem}\n")).into_response(),
     };
     if response.status() != StatusCode::SWITCHING_PROTOCOLS {
         response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));

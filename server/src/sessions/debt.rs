@@ -191,3 +191,55 @@ impl Debt {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use baudbot_sim::SimTime;
+
+    use super::*;
+
+    fn turn(number: u64) -> OpenTurn {
+        let steps = vec![Turn { robot: 0, at: SimTime::from_ns(number) }];
+        OpenTurn { number, begun: Instant::now(), steps }
+    }
+
+    #[test]
+    fn a_turn_is_due_until_it_is_answered_and_no_other_answer_counts() {
+        let mut debt = Debt::default();
+        debt.add(turn(1));
+        assert!(debt.is_due() && debt.pay(2).is_none() && debt.is_due());
+        assert!(matches!(debt.pay(1), Some(Paid::Turn { was_only_one: true, .. })));
+        assert!(debt.is_settled() && debt.pay(1).is_none());
+    }
+
+    #[test]
+    fn an_overtaken_brain_gets_its_deferred_steps_with_its_answer() {
+        let mut debt = Debt::default();
+        debt.add(turn(1));
+        assert_eq!(debt.overtake().len(), 1);
+        assert!(debt.overtake().is_empty(), "it is overtaken by one Turn only");
+        debt.defer(turn(2).steps);
+        assert!(debt.is_due() && debt.count() == 1);
+        let Some(Paid::Overtaken(_, overtaken)) = debt.pay(1) else { panic!() };
+        assert_eq!((overtaken.steps, overtaken.deferred), (turn(1).steps, turn(2).steps));
+        assert!(debt.is_settled());
+    }
+
+    #[test]
+    fn a_late_brain_is_not_waited_for_until_it_has_answered_all_turns() {
+        let mut debt = Debt::default();
+        debt.add(turn(1));
+        debt.overtake();
+        debt.defer(turn(2).steps);
+        let overtaken = debt.give_up();
+        assert_eq!((overtaken.steps, overtaken.deferred), (turn(1).steps, turn(2).steps));
+        debt.add(turn(2));
+        assert!(!debt.is_due() && debt.overtaken().is_empty() && debt.count() == 2);
+        assert!(debt.pay(2).is_none(), "the oldest comes first");
+        assert!(matches!(debt.pay(1), Some(Paid::Turn { was_only_one: false, .. })));
+        assert!(!debt.is_due() && !debt.is_settled());
+        assert!(matches!(debt.pay(2), Some(Paid::Turn { was_only_one: true, .. })));
+        debt.add(turn(3));
+        assert!(debt.is_due(), "it is waited for again");
+    }
+}

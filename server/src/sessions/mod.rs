@@ -238,7 +238,8 @@ impl Sessions {
         }
     }
 
-    /// Gives a brain that took over robots in the middle of a tick the Turn that their last brain left open.
+    /// Gives a brain that took over robots in the middle of a tick the Turn that their last brain left open. The world then
+    /// waits for its answer only: Turns of this tick that other brains have left open are not waited for any more.
     pub(crate) fn deliver_left_open(&mut self, new: &NewSession, world: &World) {
         let mut open = world.turns().to_vec();
         open.retain(|turn| new.left_open.contains(&turn.robot));
