@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Where a server listens.
+/// An address on which a server listens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Address {
     /// An IP address and a port; port 0 takes a free one.
@@ -14,9 +14,9 @@ pub enum Address {
     Unix(PathBuf),
 }
 
-/// Text that is no address.
+/// A text that is not an address.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no address; addresses look like 127.0.0.1:7400, [::1]:7400 or unix:/tmp/baudbot.sock")]
+#[error("`{0}` is not an address; addresses look like 127.0.0.1:7400, [::1]:7400 or unix:/tmp/baudbot.sock")]
 pub struct BadAddress(String);
 
 impl Address {

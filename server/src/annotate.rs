@@ -1,5 +1,4 @@
-//! What a brain publishes, checked when it comes: whether a page can show it. What is wrong with it is the brain's to
-//! mend, so the error names the field.
+//! Checks of what a brain publishes: whether a page can show it. An error names the field that is wrong.
 
 use baudbot_proto::v1;
 use baudbot_sim::printable::{Printable, is_printable};
@@ -8,7 +7,10 @@ use tonic::Status;
 
 use crate::beliefs;
 
-/// What a brain publishes, and for which of the world's `robots`, which are those of its stream.
+/// Checks a belief. Gives it with its robot; `robots` are those of the brain's stream.
+///
+/// # Errors
+/// `INVALID_ARGUMENT` with the field that is wrong.
 pub(crate) fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize, v1::Belief), Status> {
     let slot = annotate.robot as usize;
     let Some(&robot) = robots.get(slot) else {
@@ -27,7 +29,7 @@ pub(crate) fn checked(annotate: v1::Annotate, robots: &[usize]) -> Result<(usize
     Ok((robot, belief))
 }
 
-/// Words go to terminals, too.
+/// Checks the texts, since they go to terminals, too.
 fn check_words(belief: &v1::Belief) -> Result<(), Status> {
     let names = belief.utilities.iter().enumerate();
     let names = names.map(|(i, utility)| (format!("utilities[{i}].name"), &utility.name));
@@ -37,7 +39,7 @@ fn check_words(belief: &v1::Belief) -> Result<(), Status> {
     Err(invalid(&field, format!("must be on one line and without control characters, is `{text}`")))
 }
 
-/// What is short on the wire may be long in memory.
+/// Checks the lengths of lists, since what is short on the wire may be long in memory.
 fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
     let too_many =
         |field: &str, n: usize, most: usize| invalid(field, format!("there are {n}, the limit is {most}"));
@@ -58,13 +60,13 @@ fn check_lists(belief: &v1::Belief) -> Result<(), Status> {
     if columns > MAX_MAP_SIDE || rows > MAX_MAP_SIDE || rows * columns != map.cells.len() {
         let cells = map.cells.len();
         let problem =
-            format!("{cells} cells in {columns} columns are no grid of at most {MAX_MAP_SIDE} a side");
+            format!("{cells} cells in {columns} columns are not a grid of at most {MAX_MAP_SIDE} a side");
         return Err(invalid("map", problem));
     }
     Ok(())
 }
 
-/// Nobody can draw what is nowhere.
+/// Checks the numbers, since what is not finite cannot be drawn.
 fn check_numbers(belief: &v1::Belief) -> Result<(), Status> {
     for (i, utility) in belief.utilities.iter().enumerate() {
         finite(|| format!("utilities[{i}].value"), utility.value)?;
@@ -117,7 +119,7 @@ const MAX_MAP_SIDE: usize = 4096;
 mod tests {
     use super::*;
 
-    /// What is said of a belief that does not make sense.
+    /// The error for a belief that makes no sense.
     fn refused(change: impl FnOnce(&mut v1::Belief)) -> String {
         let mut belief = v1::Belief {
             utilities: vec![v1::Utility { name: "go".into(), value: 0.5, active: true }],
@@ -186,7 +188,7 @@ mod tests {
         assert_eq!(refused(|b| map(b).cell_m = 0.0), "map.cell_m: must be positive, is 0");
         assert_eq!(
             refused(|b| map(b).columns = 2),
-            "map: 1 cells in 2 columns are no grid of at most 4096 a side"
+            "map: 1 cells in 2 columns are not a grid of at most 4096 a side"
         );
     }
 }

@@ -1,22 +1,22 @@
-//! What brains publish for people to see: the newest word of each robot's brain, and nothing of before.
+//! Beliefs: what brains publish for people to see. Only the newest belief of each robot's brain is kept.
 //!
-//! It passes the world by. Brains write here from their streams, observers read when a frame is made for them; so a
-//! brain that publishes without end costs the world nothing.
+//! Beliefs do not pass through the world. Brains write here from their streams, observers read when a frame is made for them;
+//! so a brain that publishes without end costs the world nothing.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use baudbot_proto::v1;
 use prost::Message as _;
 
-/// What the brains of a world believe. Clones share it.
+/// The beliefs of a world's brains. Clones share them.
 #[derive(Clone)]
 pub(crate) struct Beliefs(Arc<Mutex<Board>>);
 
 struct Board {
-    /// How often somebody has published something.
+    /// Beliefs that have been published so far.
     published: u64,
     robots: Vec<Place>,
-    /// All that is kept, in bytes of the wire.
+    /// The size of all beliefs that are kept, in bytes of the wire.
     bytes: usize,
 }
 
@@ -29,7 +29,7 @@ struct Place {
 }
 
 struct Newest {
-    /// Its number among all that were published.
+    /// Its number among all that were published, from 1.
     number: u64,
     belief: Arc<v1::Belief>,
     bytes: usize,
@@ -41,7 +41,7 @@ impl Beliefs {
         Self(Arc::new(Mutex::new(Board { published: 0, robots, bytes: 0 })))
     }
 
-    /// From now on this session's brain may publish for the robots, and nobody else. What was said before is void.
+    /// Lets only this session's brain publish for the robots from now on, and forgets what was published for them.
     pub(crate) fn hand_to(&self, holder: Option<u64>, robots: &[usize]) {
         let mut board = self.lock();
         for &robot in robots {
@@ -50,13 +50,13 @@ impl Beliefs {
         }
     }
 
-    /// What was said is void: the world is at another time.
+    /// Forgets all beliefs: the world is at another time.
     pub(crate) fn forget_all(&self) {
         let mut board = self.lock();
         (0..board.robots.len()).for_each(|robot| board.forget(robot));
     }
 
-    /// A robot's brain publishes this, if the session still holds the robot.
+    /// Publishes a belief for a robot, if the session still holds the robot.
     pub(crate) fn publish(&self, holder: u64, robot: usize, belief: v1::Belief) {
         let mut board = self.lock();
         if board.robots.get(robot).is_some_and(|place| place.holder == Some(holder)) {
@@ -64,8 +64,8 @@ impl Beliefs {
         }
     }
 
-    /// What has been published since number `seen`, by robot, the oldest first and not more than a frame has room for;
-    /// `seen` is then the number of the newest of these.
+    /// The beliefs that have been published since number `seen`, with their robots: the oldest first, and not more than a frame
+    /// has room for. `seen` is then the number of the newest of these.
     pub(crate) fn since(&self, seen: &mut u64) -> Vec<(usize, Arc<v1::Belief>)> {
         let board = self.lock();
         if board.published <= *seen {
@@ -85,7 +85,7 @@ impl Beliefs {
         told.into_iter().map(|(robot, newest)| (robot, Arc::clone(&newest.belief))).collect()
     }
 
-    /// What each robot's brain last said of itself in words; nothing if it has not spoken.
+    /// The state that each robot's brain has published last, in words; empty if it has published none.
     pub(crate) fn said(&self) -> Vec<String> {
         let said = |place: &Place| {
             let state = place.newest.as_ref().map_or("", |newest| &newest.belief.state);
@@ -95,7 +95,7 @@ impl Beliefs {
     }
 
     fn lock(&self) -> MutexGuard<'_, Board> {
-        // The board is sound between any two of its calls.
+        // The board is consistent between any two of its changes.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -107,7 +107,7 @@ impl Board {
         let newest = Newest { number: self.published, belief: Arc::new(belief), bytes };
         let before = self.robots[robot].newest.replace(newest);
         self.bytes = self.bytes + bytes - before.map_or(0, |before| before.bytes);
-        // Of a crowd that publishes maps, those who spoke longest ago are forgotten.
+        // If many brains publish maps, the oldest beliefs are forgotten.
         while self.bytes > MAX_BOARD_BYTES {
             let heavy =
                 self.robots.iter_mut().filter_map(|place| place.newest.as_mut()).filter(|n| n.bytes > 0);
@@ -117,7 +117,7 @@ impl Board {
         }
     }
 
-    /// Observers are told that there is nothing.
+    /// Forgets a robot's belief, so that observers are told of an empty one.
     fn forget(&mut self, robot: usize) {
         if self.robots[robot].newest.as_ref().is_some_and(|newest| newest.bytes > 0) {
             self.put(robot, v1::Belief::default());
@@ -128,7 +128,7 @@ impl Board {
 /// Bytes of the longest belief.
 pub(crate) const MAX_BYTES: usize = 256 << 10;
 
-/// Characters of a brain's words that its robot's status has.
+/// Characters of a brain's state that its robot's status has.
 const MAX_SAID: usize = 256;
 
 /// Bytes of beliefs that one frame has room for.

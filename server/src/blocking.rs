@@ -1,8 +1,11 @@
-//! Work that takes a while, beside the threads on which services run.
+//! Work that takes long, on threads of its own.
 
 use tonic::Status;
 
-/// Work that takes a while, in which others must not wait.
+/// Does work that takes long, while other calls go on.
+///
+/// # Errors
+/// `INTERNAL` if the work panics.
 pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Status> {

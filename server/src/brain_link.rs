@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use baudbot_proto::v1;
@@ -17,17 +17,18 @@ use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument;
 
 use crate::annotate::checked;
+use crate::beliefs::Beliefs;
 use crate::convert;
 use crate::endpoint::{Endpoint, Write};
-use crate::letter::{Attach, Attached, Delivery, Letter};
+use crate::message::{Attach, Attached, Delivery, Lease, Message, Step};
 use crate::registry::Registry;
 use crate::sessions::{RESERVED, STEPS_A_TICK};
 
-/// Turns that wait for a brain that does not read before it loses some.
+/// Turns that wait for a brain that does not read. Further ones are lost.
 const TURNS_AHEAD: usize = 256;
 
-/// Steps of one stream that wait until the world opens its letters: as many as a tick takes, and the answers to all Turns that may
-/// wait, which a brain in lockstep may send at once.
+/// Steps of one stream that wait until the world handles them: as many as a tick takes, and the answers to all Turns that may wait,
+/// which a brain in lockstep may send at once.
 const STEPS_AHEAD: usize = TURNS_AHEAD + STEPS_A_TICK;
 
 /// Longest name that a brain may give itself.
@@ -67,21 +68,21 @@ impl BrainLinkService for BrainLink {
             brain: hello.brain,
             raw,
             memory_bytes: hello.memory_bytes,
-            steady: hello.thinks_as_scenario,
+            thinks_as_scenario: hello.thinks_as_scenario,
             stop_when_gone: hello.stop_when_gone,
             deliveries: deliveries.clone(),
             world: world.clone(),
         };
-        let attached = world.ask(|reply| Letter::Attach(attach, reply)).instrument(span.clone()).await??;
+        let attached = world.ask(|reply| Message::Attach(attach, reply)).instrument(span.clone()).await??;
         let welcome = convert::welcome(&attached);
-        // As long as the brain stays.
+        // The task lives as long as the brain stays.
         tokio::spawn(listen(requests, attached, raw, deliveries).instrument(span));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
     }
 }
 
-/// Whether a Hello makes sense; then, whether it is for raw bytes.
+/// Checks a Hello. Gives whether it asks for RAW mode.
 fn check(hello: &v1::Hello) -> Result<bool, Status> {
     if hello.robots.is_empty() {
         return Err(Status::invalid_argument("hello.robots: must name at least one robot"));
@@ -110,56 +111,79 @@ fn check(hello: &v1::Hello) -> Result<bool, Status> {
     }
 }
 
-/// Takes a brain's steps until it is gone or says something that makes no sense; then its robots are free.
+/// Takes a brain's requests until it is gone or one of them makes no sense; then its robots are let go.
 async fn listen(
-    mut requests: Streaming<v1::AttachRequest>,
+    requests: Streaming<v1::AttachRequest>,
     attached: Attached,
     raw: bool,
     deliveries: mpsc::Sender<Delivery>,
 ) {
     let Attached { mut lease, scenario, robots, beliefs, lost_steps, .. } = attached;
     lease.why = "its stream ended".to_owned();
-    let endpoint = Endpoint::new(scenario, robots.clone(), raw);
-    let publish = |annotate: v1::Annotate| {
-        let (robot, belief) = checked(annotate, &robots)?;
-        beliefs.publish(lease.session, robot, belief);
-        Ok(())
+    let listener = Listener {
+        endpoint: Endpoint::new(scenario, robots.clone(), raw),
+        robots,
+        beliefs,
+        permits: Arc::new(Semaphore::new(STEPS_AHEAD)),
+        lost_steps,
     };
-    let room = Arc::new(Semaphore::new(STEPS_AHEAD));
-    let take_steps = async {
+    tokio::select! {
+        problem = listener.take_all(requests, &lease) => if let Err(status) = problem {
+            lease.why = status.message().to_owned();
+            let _ = deliveries.try_send(Delivery::Close(status));
+        },
+        // What comes on a stream that the world has closed, or whose reader is gone, is of no use.
+        () = deliveries.closed() => {}
+    }
+}
+
+/// What takes the requests of one stream.
+struct Listener {
+    endpoint: Endpoint,
+    /// Indices of the robots, in the order of the Hello.
+    robots: Vec<usize>,
+    beliefs: Beliefs,
+    /// One for each Step that may wait until the world handles it.
+    permits: Arc<Semaphore>,
+    lost_steps: Arc<AtomicU64>,
+}
+
+impl Listener {
+    /// Takes requests until the stream ends, or the world is over.
+    ///
+    /// # Errors
+    /// If a request makes no sense, with its field.
+    async fn take_all(
+        &self,
+        mut requests: Streaming<v1::AttachRequest>,
+        lease: &Lease,
+    ) -> Result<(), Status> {
         while let Some(request) = requests.message().await.transpose() {
-            let step = match request.map(|request| request.request) {
-                Ok(Some(Content::Annotate(annotate))) => publish(annotate).map(|()| None),
-                Ok(request) => step_of(request, &endpoint).map(Some),
-                // A status that the transport made has what it was made of: the connection broke.
+            let (turn, writes) = match request.map(|request| request.request) {
+                Ok(Some(Content::Annotate(annotate))) => {
+                    let (robot, belief) = checked(annotate, &self.robots)?;
+                    self.beliefs.publish(lease.session, robot, belief);
+                    continue;
+                }
+                Ok(request) => step_of(request, &self.endpoint)?,
+                // A status that the transport made has a source: the connection broke.
                 Err(status) if status.source().is_some() => break,
                 // Such as a message that is too long.
-                Err(status) => Err(Status::new(status.code(), format!("request: {}", status.message()))),
-            };
-            let (turn, writes) = match step {
-                Ok(Some(step)) => step,
-                Ok(None) => continue,
                 Err(status) => {
-                    lease.why = status.message().to_owned();
-                    let _ = deliveries.try_send(Delivery::Close(status));
-                    break;
+                    return Err(Status::new(status.code(), format!("request: {}", status.message())));
                 }
             };
-            // A stream is always read on: what nobody reads would hold up all others on its connection.
-            let Ok(permit) = Arc::clone(&room).try_acquire_owned() else {
-                lost_steps.fetch_add(1, Ordering::Relaxed);
+            // A stream is always read on: unread requests would hold up all other streams of its connection.
+            let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() else {
+                self.lost_steps.fetch_add(1, Ordering::Relaxed);
                 continue;
             };
-            let letter = Letter::Step { session: lease.session, turn, writes, permit };
-            if lease.world.send(letter).is_err() {
+            let step = Step { session: lease.session, turn, writes, permit };
+            if lease.world.send(Message::Step(step)).is_err() {
                 break;
             }
         }
-    };
-    // A stream that the world has closed, or whose reader is gone, has nothing more to say.
-    tokio::select! {
-        () = take_steps => {}
-        () = deliveries.closed() => {}
+        Ok(())
     }
 }
 

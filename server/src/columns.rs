@@ -1,10 +1,10 @@
-//! Columns of what is written down of a robot at every tick, in tables and for observers.
+//! Columns of the values that tables and frames have of a robot.
 
 use baudbot_sim::RobotView;
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::robot::RobotSpec;
 
-/// One column a value of a sensor: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
+/// The names of the sensors' values: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.
 pub fn sensor_columns(spec: &RobotSpec) -> Vec<String> {
     columns(spec, |name, _| name.to_owned())
@@ -19,7 +19,7 @@ pub fn sensor_columns_with_units(spec: &RobotSpec) -> Vec<String> {
     })
 }
 
-/// `name` makes a name of a sensor of one component, which has a unit, and no name that would say it.
+/// `name` makes the name of a sensor with a single component, from the sensor's name and the component's unit.
 fn columns(spec: &RobotSpec, name: impl Fn(&str, &str) -> String) -> Vec<String> {
     let mut columns = Vec::new();
     for sensor in spec.sensors.iter() {
@@ -37,8 +37,8 @@ fn columns(spec: &RobotSpec, name: impl Fn(&str, &str) -> String) -> Vec<String>
     columns
 }
 
-/// One column a value of the robot's own state besides its motion: `head.angle_rad` for a turret, and two for a
-/// battery. Those are not called as a gauge's components are, which may be called `battery`, too.
+/// The names of the robot's own values besides its motion: `head.angle_rad` for a turret, and two for a battery. Those differ
+/// from a gauge's components, whose sensor may be called `battery`, too.
 pub fn state_columns(spec: &RobotSpec) -> Vec<String> {
     let turrets = spec.actuators.iter().filter(|actuator| matches!(actuator.kind, ActuatorKind::Turret(_)));
     let mut columns: Vec<_> = turrets.map(|turret| format!("{}.angle_rad", turret.name)).collect();

@@ -1,5 +1,5 @@
-//! The laptop's end of a brain's ports: what it writes, checked when it comes, and turned into bytes of the
-//! wire when the world takes it.
+//! The laptop's end of a brain's ports: what a brain writes is checked when it comes, and turned into bytes of the wire when
+//! the world takes it.
 
 use std::sync::Arc;
 
@@ -26,14 +26,14 @@ pub(crate) struct Write {
     pub(crate) until: Option<Until>,
 }
 
-/// A brain waits for a message, and need not be asked before one has come.
+/// The wish of a brain to be asked only when a message has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Until {
-    /// It is asked all the same at its first step that is not before this instant.
+    /// It is asked nonetheless at its first step that is not before this instant.
     pub(crate) at_latest: Option<SimTime>,
 }
 
-/// How long a brain says that it thought: a time, or operations of the processor that it runs on.
+/// The thinking time that a brain declares: as a time, or as operations of the processor on which it runs.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Thinking {
     pub(crate) ns: Option<u64>,
@@ -41,26 +41,27 @@ pub(crate) struct Thinking {
 }
 
 impl Thinking {
-    /// In nanoseconds of simulated time; without a word it is what the scenario says.
+    /// In nanoseconds of simulated time. What the scenario says, if nothing is declared.
     pub(crate) fn on(&self, spec: &RobotSpec) -> u64 {
         let counted = self.operations.and_then(|operations| spec.processor.thinking_ns(operations));
         self.ns.or(counted).unwrap_or(spec.thinking_ns)
     }
 }
 
+/// What is written to a port.
 pub(crate) enum Output {
     Raw(Vec<u8>),
     Command(Signals),
     Poll,
 }
 
-/// Signals for the wheels, and for the other actuators if those are to change.
+/// Signals for the wheels, and for the other actuators unless those keep theirs.
 pub(crate) struct Signals {
     pub(crate) wheels: Wheels,
     pub(crate) others: Vec<f64>,
 }
 
-/// The ports of one stream.
+/// The ports of one stream, with which its Steps are checked.
 pub(crate) struct Endpoint {
     scenario: Arc<Scenario>,
     robots: Vec<usize>,
@@ -72,7 +73,10 @@ impl Endpoint {
         Self { scenario, robots, raw }
     }
 
-    /// Whether a Step makes sense. What is wrong with it is the brain's to mend, so the error names the field.
+    /// Checks a Step.
+    ///
+    /// # Errors
+    /// `INVALID_ARGUMENT` with the field that is wrong.
     pub(crate) fn check(&self, writes: &[Write]) -> Result<(), Status> {
         let mut seen = vec![false; self.robots.len()];
         for (i, write) in writes.iter().enumerate() {
@@ -110,7 +114,7 @@ impl Endpoint {
     }
 }
 
-/// The field that is wrong, and how.
+/// The field that is wrong, and the problem.
 type Problem = (&'static str, String);
 
 fn check_thinking(spec: &RobotSpec, thinking: Thinking) -> Result<(), Problem> {
@@ -171,7 +175,7 @@ pub(crate) struct Sender {
 }
 
 impl Sender {
-    /// The end of a port at which a new brain begins, with these signals in force.
+    /// A sender for a new brain, with these signals of the other actuators in force.
     pub(crate) fn new(others: impl Iterator<Item = f64>) -> Self {
         Self { sequence: 0, others: others.collect() }
     }
@@ -190,7 +194,7 @@ impl Sender {
         match protocol {
             Protocol::Framed { .. } => in_frame(&message::poll(self.next())),
             Protocol::Khepera => khepera::POLL.to_vec(),
-            // The check refuses it.
+            // `check_poll` has refused it.
             Protocol::Bare { .. } => Vec::new(),
         }
     }
@@ -233,6 +237,6 @@ fn in_frame(payload: &[u8]) -> Vec<u8> {
     bytes[..n].to_vec()
 }
 
-/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame, or cannot be said in
-/// their protocol, and there are as many signals as the robot has motors and actuators.
+/// Why encoding cannot fail: scenario files refuse robots whose commands are longer than a frame or have no form in their
+/// protocol, and there are as many signals as the robot has motors and actuators.
 const FITS: &str = "a robot's signals fit into a frame";

@@ -2,21 +2,21 @@
 //!
 //! From the outside in:
 //!
-//! 1. [`Server`] listens on TCP, Unix sockets and in-process pipes, with health and reflection.
-//! 2. Three services face three kinds of client: `control` the operator, `brain_link` the brains, `observe`
-//!    the observers. They know the contract and no world.
-//! 3. `endpoint` is the laptop's end of a brain's ports: what it writes, checked and turned into bytes.
-//! 4. `registry` finds a world by name; a `letter` is all that passes between a service and a world.
-//! 5. `host` is a world's thread: it alone touches the world. [`Pace`] says when a tick ends, `sessions` who
-//!    is attached and whom the world waits for, `observers` who watches, in `details` if they want; `beliefs` is what
-//!    brains publish for them.
+//! 1. [`Server`] listens on TCP, Unix sockets and in-process pipes, with health and reflection. The `gate` limits its
+//!    connections.
+//! 2. Three services face three kinds of client: `control` the operator, `brain_link` the brains, `observe` the observers.
+//!    They know the contract, and worlds only by their handles.
+//! 3. `page` is the viewer for browsers: a client like any other, behind a WebSocket and a `pipe` in memory. On the same port,
+//!    `metrics` are for monitoring.
+//! 4. `registry` finds a world's handle by name. A `message` is all that passes to a world; answers are a `report` for
+//!    operators, a `frame` for observers, `measures` for monitoring. `convert` is the only folder that names both the contract's
+//!    types and these.
+//! 5. `mailbox` decides on which thread a message is handled: on the world's own, or inline by its sender.
+//! 6. `actor` is a world with all that happens to it: it alone touches the world. [`Pace`] says when a tick may end, `sessions`
+//!    which brains are attached and which answers are owed, `observers` get frames, `recording` writes files. `endpoint` is the
+//!    laptop's end of a brain's ports: what it writes, checked and turned into bytes. `beliefs` are what brains publish.
 //!
-//! 6. `page` is the viewer for browsers: a program like any other, behind a WebSocket and a `pipe` in memory. On the
-//!    same port, `metrics` tells monitoring how all worlds are.
-//!
-//! `convert` is the only folder that names both the contract's types and the domain's.
-//!
-//! A test that wants a robot in its own process:
+//! A robot in the process of a test:
 //!
 //! ```
 //! # #[tokio::main(flavor = "current_thread")]
@@ -34,6 +34,7 @@
 //! # }
 //! ```
 
+mod actor;
 mod address;
 mod annotate;
 mod beliefs;
@@ -43,31 +44,31 @@ mod columns;
 mod control;
 mod convert;
 mod descriptors;
-mod details;
 mod endpoint;
+mod frame;
 mod gate;
-mod host;
-mod letter;
 mod log;
+mod mailbox;
+mod measures;
+mod message;
 mod metrics;
 mod observe;
 mod observers;
 mod pace;
 mod page;
 mod pipe;
+mod quote;
 mod recording;
 mod registry;
-mod room;
-mod seldom;
+mod report;
 mod server;
 mod sessions;
-mod words;
 
+pub use actor::OnTick;
 pub use address::{Address, BadAddress};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
-pub use host::OnTick;
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
-pub use page::Film;
+pub use page::{Film, NoFilm};
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -1,8 +1,13 @@
-//! Events of worlds, for the operator's log.
+//! Events for the operator's log.
 
-/// Logs an event of a world: `event!(this, info, field = value, "text")`. Every one says which world, and when by its
-/// own clock. `this` has a
-/// `name` and a `world`. Nothing is computed if nobody logs it.
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How often an event is logged that a [`Throttle`] limits, at most.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+/// Logs an event of a world: `event!(this, info, field = value, "text")`. Each has the name of the world, and its simulated
+/// time. `this` has a `name` and a `world`. Nothing is computed if nobody logs it.
 macro_rules! event {
     ($this:expr, $level:ident, $($rest:tt)+) => {
         tracing::$level!(
@@ -15,3 +20,39 @@ macro_rules! event {
 }
 
 pub(crate) use event;
+
+/// Counts what happens often, so that it is logged seldom.
+#[derive(Default)]
+pub(crate) struct Throttle(Mutex<Count>);
+
+#[derive(Default)]
+struct Count {
+    logged: Option<Instant>,
+    since: u64,
+}
+
+impl Throttle {
+    /// Counts an event. If it is to be logged now: how often it has happened since it was last logged.
+    pub(crate) fn note(&self, now: Instant) -> Option<u64> {
+        let mut count = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        count.since += 1;
+        if count.logged.is_some_and(|logged| now.saturating_duration_since(logged) < INTERVAL) {
+            return None;
+        }
+        count.logged = Some(now);
+        Some(std::mem::take(&mut count.since))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_event_is_logged_once_a_second_with_how_often_it_happened() {
+        let (throttle, start) = (Throttle::default(), Instant::now());
+        let logged: Vec<_> =
+            [0, 1, 999, 1000, 1500, 3000].map(|ms| throttle.note(start + Duration::from_millis(ms))).into();
+        assert_eq!(logged, [Some(1), None, None, Some(3), None, Some(2)]);
+    }
+}

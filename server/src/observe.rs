@@ -12,15 +12,15 @@ use tonic::{Request, Response, Status};
 
 use crate::blocking::blocking;
 use crate::convert;
-use crate::details::MAX_DETAILS;
-use crate::letter::{Letter, Watch};
+use crate::message::{Message, Watch};
+use crate::observers::MAX_DETAILS;
+use crate::quote::brief;
 use crate::registry::Registry;
-use crate::words::brief;
 
-/// Frames that wait for an observer before it misses some.
+/// Frames that wait for an observer that does not read. Further ones are missed.
 const FRAMES_AHEAD: usize = 8;
 
-/// Frames a simulated second that an observer gets who does not say.
+/// Frames a simulated second for an observer that asks for no rate.
 const DEFAULT_RATE_HZ: u64 = 20;
 
 pub(crate) struct Observe {
@@ -34,7 +34,7 @@ impl ObserveService for Observe {
         request: Request<v1::DescribeWorldRequest>,
     ) -> Result<Response<v1::DescribeWorldResponse>, Status> {
         let world = self.registry.find("world", &request.get_ref().world)?;
-        let scenario = world.ask(Letter::Describe).await?;
+        let scenario = world.ask(Message::Describe).await?;
         Ok(Response::new(convert::world_description(&scenario)))
     }
 
@@ -43,14 +43,14 @@ impl ObserveService for Observe {
         request: Request<v1::GetCoverageRequest>,
     ) -> Result<Response<v1::GetCoverageResponse>, Status> {
         let world = self.registry.find("world", &request.get_ref().world)?;
-        let report = world.ask(Letter::Cover).await?;
-        // Of millions of cells this takes a while.
-        let told = blocking(move || convert::coverage(&report)).await?;
+        let report = world.ask(Message::Cover).await?;
+        // This takes a while for millions of cells.
+        let coverage = blocking(move || convert::coverage(&report)).await?;
         let none = || {
             let text = "counts no coverage; metrics.cell_m in its scenario switches it on";
             Status::failed_precondition(format!("world: `{}` {text}", world.name()))
         };
-        Ok(Response::new(told.ok_or_else(none)?))
+        Ok(Response::new(coverage.ok_or_else(none)?))
     }
 
     type WatchStream = Pin<Box<dyn Stream<Item = Result<v1::WatchResponse, Status>> + Send>>;
@@ -58,14 +58,14 @@ impl ObserveService for Observe {
     async fn watch(&self, request: Request<v1::WatchRequest>) -> Result<Response<Self::WatchStream>, Status> {
         let v1::WatchRequest { world, every_ticks, details } = request.into_inner();
         let world = self.registry.find("world", &world)?;
-        let scenario = world.ask(Letter::Describe).await?;
+        let scenario = world.ask(Message::Describe).await?;
         let every_ticks = match every_ticks {
             0 => 1_000_000_000 / DEFAULT_RATE_HZ / scenario.step_ns(),
             ticks => ticks,
         };
         let details = detailed(&scenario, &details)?;
         let (frames, stream) = mpsc::channel(FRAMES_AHEAD);
-        world.send(Letter::Watch(Watch { every_ticks, details, frames }))?;
+        world.send(Message::Watch(Watch { every_ticks, details, frames }))?;
         let stream = ReceiverStream::new(stream).map(|frame| Ok(convert::frame(frame)));
         Ok(Response::new(Box::pin(stream)))
     }

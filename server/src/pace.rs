@@ -1,4 +1,4 @@
-//! Pace: when a tick ends, that is, how long the world waits for its brains.
+//! Pace: when a tick may end, that is, how long the world waits for its brains.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ pub enum Pace {
     Lockstep(Lockstep),
     /// As lockstep, but only as many ticks as asked for.
     Stepped(Lockstep),
-    /// As fast as it can; who has not answered is silent.
+    /// As fast as it can; a brain that has not answered has written nothing.
     Free,
 }
 
@@ -21,7 +21,7 @@ impl Pace {
     /// Real time.
     pub const REAL_TIME: Self = Self::scaled(1.0);
 
-    /// So many simulated seconds a wall-clock second, which is positive and finite, and the usual lag at most.
+    /// So many simulated seconds a wall-clock second, positive and finite, with the usual lag at most.
     pub const fn scaled(factor: f64) -> Self {
         Self::Timed(Timed { factor, max_lag: Timed::MAX_LAG })
     }
@@ -45,13 +45,13 @@ impl Pace {
 pub struct Timed {
     /// Simulated seconds a wall-clock second; 1 is real time. Positive and finite.
     pub factor: f64,
-    /// By how much of the wall clock the world may lag. It works that off as fast as it can; what is beyond, it lets go, and
-    /// is late by that for good.
+    /// By how much of the wall clock the world may lag. It makes up for that as fast as it can. A lag beyond it is let go: the
+    /// world's clock is set back by it for good.
     pub max_lag: Duration,
 }
 
 impl Timed {
-    /// What a world may lag if nobody says otherwise: brains notice little of a tenth of a second that is done at once.
+    /// The usual limit: brains notice little of a tenth of a second that is simulated at once.
     pub const MAX_LAG: Duration = Duration::from_millis(100);
 }
 
@@ -60,8 +60,8 @@ impl Timed {
 pub struct Lockstep {
     /// What is done about a brain that does not answer.
     pub watchdog: Watchdog,
-    /// Whether brains that wait for a message are left alone until one has come, and the world goes on while a brain's
-    /// answer could not have reached its robot anyway. It makes no difference to the run but how long it takes.
+    /// Whether brains that wait for a message are not asked until one has come, and the world goes on while a brain's answer
+    /// could not have reached its robot anyway. The run has the same bits either way, and takes less time with it.
     pub lookahead: bool,
 }
 
@@ -78,7 +78,7 @@ impl From<Watchdog> for Lockstep {
     }
 }
 
-/// What is done about a brain that does not answer in lockstep.
+/// What happens to a brain that does not answer in lockstep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Watchdog {
     /// How long a brain may take, by the wall clock.
@@ -88,8 +88,8 @@ pub struct Watchdog {
 }
 
 impl Default for Watchdog {
-    /// 10 s are longer than any sound brain thinks, and short enough for a person to see that something
-    /// hangs; waiting on is the only policy that keeps the run the same on any machine.
+    /// 10 s are longer than a brain in good order thinks, and short enough for a person to see that something hangs. Waiting on is
+    /// the only policy with which a run is the same on any machine.
     fn default() -> Self {
         Self { timeout: Duration::from_secs(10), policy: WatchdogPolicy::Wait }
     }
@@ -98,7 +98,7 @@ impl Default for Watchdog {
 /// What happens to a brain that did not answer in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WatchdogPolicy {
-    /// The world waits on, and for a brain that is gone until it attaches again.
+    /// The world waits on; for a brain that is gone, until one attaches again.
     Wait,
     /// The world goes on and does not wait for this brain again until it answers.
     GoOn,
@@ -115,19 +115,19 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// It is `origin` at `start`, and goes on from there.
+    /// A clock that shows `origin` at `start`.
     pub(crate) fn new(start: Instant, origin: SimTime, factor: f64) -> Self {
         Self { start, origin, factor }
     }
 
-    /// When it is `time`. The whole way since the start is scaled at once, so nothing drifts.
+    /// When the clock shows `time`. The whole span since the start is scaled at once, so nothing drifts.
     pub(crate) fn instant(&self, time: SimTime) -> Instant {
         let seconds = time.since(self.origin) as f64 * 1e-9 / self.factor;
         // A run slowed down a billion times would leave what `Instant` can hold; a year ahead is as good.
         self.start + Duration::try_from_secs_f64(seconds).unwrap_or(YEAR).min(YEAR)
     }
 
-    /// Stands still for what `time` lags beyond `most`, so that it does not any more. How long that is, if it does.
+    /// Sets the clock back by what `time` lags beyond `most`, and gives by how much; `None` if it does not.
     pub(crate) fn let_go(&mut self, now: Instant, time: SimTime, most: Duration) -> Option<Duration> {
         let lag = now.saturating_duration_since(self.instant(time));
         let beyond = lag.checked_sub(most).filter(|beyond| !beyond.is_zero())?;
@@ -135,7 +135,7 @@ impl Clock {
         Some(beyond)
     }
 
-    /// What time it is.
+    /// What the clock shows.
     pub(crate) fn time(&self, now: Instant) -> SimTime {
         let elapsed = now.saturating_duration_since(self.start).as_secs_f64();
         self.origin + (elapsed * self.factor * 1e9) as u64
@@ -144,15 +144,16 @@ impl Clock {
 
 const YEAR: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// How well the clock was kept.
+/// How well a world has kept its pace.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pacing {
     pub(crate) overruns: u64,
-    /// Ticks by lateness: entry 0 counts those less than 1 µs late, entry i those less than 2^i µs.
+    /// Ticks by lateness: entry 0 counts those less than 1 µs late, entry i those less than 2^i µs late.
     pub(crate) lateness_us_log2: [u64; 32],
     pub(crate) lateness_max: Duration,
     pub(crate) lateness_sum: Duration,
     pub(crate) watchdog_timeouts: u64,
+    /// Wall-clock time during which the world waited for brains.
     pub(crate) waiting: Duration,
     /// By how much the world lagged more than its pace allows, summed up, and how often it did.
     pub(crate) let_go: Duration,
@@ -160,7 +161,7 @@ pub(crate) struct Pacing {
 }
 
 impl Pacing {
-    /// A tick that takes `step` of the wall clock ended `late` after its instant.
+    /// Counts a tick, `step` of the wall clock long, that ended `late` after its instant.
     pub(crate) fn note_lateness(&mut self, late: Duration, step: Duration) {
         self.overruns += u64::from(late >= step);
         let bits = u64::BITS - (late.as_micros() as u64).leading_zeros();

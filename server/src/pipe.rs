@@ -1,4 +1,4 @@
-//! Connections to the server's own services through pipes in memory.
+//! Pipes: connections to the server's own services in memory.
 
 use std::io;
 
@@ -16,7 +16,7 @@ const PIPE_BYTES: usize = 1 << 20;
 pub(crate) struct Pipes(mpsc::UnboundedSender<io::Result<DuplexStream>>);
 
 impl Pipes {
-    /// With the server's ends of the connections.
+    /// A maker of connections, and the server's ends of them.
     pub(crate) fn new() -> (Self, UnboundedReceiverStream<io::Result<DuplexStream>>) {
         let (pipes, incoming) = mpsc::unbounded_channel();
         (Self(pipes), UnboundedReceiverStream::new(incoming))

@@ -3,19 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 
-use baudbot_recording::Replay;
-use baudbot_sim::World;
-use tokio::sync::oneshot;
 use tonic::Status;
 
-use crate::host::{Host, OnTick};
-use crate::letter::{Letter, Order, Report};
-use crate::pace::Pace;
-use crate::recording::RecordConfig;
-use crate::room::Room;
-use crate::words::{brief, list};
+use crate::actor::{self, NewWorld};
+use crate::message::{Message, WorldHandle};
+use crate::quote::{brief, list};
 
 /// Most worlds of one server; each has a thread.
 const MAX_WORLDS: usize = 1024;
@@ -24,11 +18,11 @@ const MAX_WORLDS: usize = 1024;
 #[derive(Clone, Default)]
 pub(crate) struct Registry(Arc<Mutex<Worlds>>);
 
-/// Each with its thread. When nobody can reach them any more, they end.
+/// Each world with its thread. Dropping the registry stops them.
 #[derive(Default)]
 struct Worlds {
     by_name: BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>,
-    /// How many they are, for each of them to know.
+    /// How many there are; each world knows it.
     count: Arc<AtomicU32>,
 }
 
@@ -41,40 +35,16 @@ impl Worlds {
 impl Drop for Worlds {
     fn drop(&mut self) {
         for (world, _) in self.by_name.values() {
-            let _ = world.send(Letter::End);
+            let _ = world.send(Message::Stop);
         }
-    }
-}
-
-/// The way to one world.
-#[derive(Clone)]
-pub(crate) struct WorldHandle {
-    name: Arc<str>,
-    room: Arc<Room>,
-}
-
-/// A world to be.
-pub(crate) struct NewWorld {
-    pub(crate) name: String,
-    pub(crate) world: World,
-    /// What it does again, if it is not live.
-    pub(crate) replay: Option<Replay>,
-    pub(crate) pace: Pace,
-    pub(crate) paused: bool,
-    pub(crate) on_tick: Option<OnTick>,
-    /// Where it is recorded from its beginning on.
-    pub(crate) record: Option<RecordConfig>,
-}
-
-impl NewWorld {
-    /// A live world that nobody records.
-    pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
-        Self { name, world, replay: None, pace, paused: false, on_tick: None, record: None }
     }
 }
 
 impl Registry {
     /// Makes a world and starts its thread.
+    ///
+    /// # Errors
+    /// If the name is taken or unfit, or there is no room for another world.
     pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         let mut worlds = self.lock();
@@ -84,26 +54,14 @@ impl Registry {
         if worlds.by_name.len() >= MAX_WORLDS {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
-        let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
-        let (robots, paused) = (new.world.robots().len(), new.paused);
-        let mut host = Host::new(Arc::clone(&name), new, Arc::clone(&worlds.count));
-        if let Some(record) = record {
-            host.record(record)?;
-        }
-        let room = Arc::new(Room::new(host));
-        let home = Arc::clone(&room);
-        let thread = thread::Builder::new().name(format!("world {name}"));
-        let thread = thread
-            .spawn(move || home.live())
-            .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
-        tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
-        let handle = WorldHandle { name: Arc::clone(&name), room };
+        let name: Arc<str> = new.name.as_str().into();
+        let (handle, thread) = actor::spawn(new, Arc::clone(&worlds.count))?;
         worlds.by_name.insert(name, (handle.clone(), thread));
         worlds.update_count();
         Ok(handle)
     }
 
-    /// The world of this name.
+    /// The world of this name. An error names the request's `field`.
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         let worlds = self.lock();
         worlds.by_name.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
@@ -124,47 +82,17 @@ impl Registry {
         worlds.update_count();
     }
 
-    /// Forgets all worlds, which must have been told to end, and waits until their threads are over.
+    /// Forgets all worlds, which must have been told to stop, and waits until their threads are over.
     pub(crate) fn join(&self) {
         for (_, thread) in std::mem::take(&mut self.lock().by_name).into_values() {
-            // A panic of a world is on stderr already.
+            // The panic of a world is on stderr already.
             let _ = thread.join();
         }
     }
 
     fn lock(&self) -> MutexGuard<'_, Worlds> {
-        // The map is sound between any two of its calls, so a panic elsewhere does not spoil it.
+        // The map is consistent between any two of its changes, so a panic elsewhere does not spoil it.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl WorldHandle {
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Writes to the world.
-    pub(crate) fn send(&self, letter: Letter) -> Result<(), Status> {
-        if self.room.send(letter) { Ok(()) } else { Err(self.gone()) }
-    }
-
-    /// Writes to the world and waits for its answer.
-    pub(crate) async fn ask<T>(
-        &self,
-        letter: impl FnOnce(oneshot::Sender<T>) -> Letter,
-    ) -> Result<T, Status> {
-        let (reply, answer) = oneshot::channel();
-        self.send(letter(reply))?;
-        answer.await.map_err(|_| self.gone())
-    }
-
-    /// Gives an order.
-    pub(crate) async fn order(&self, order: Order) -> Result<Report, Status> {
-        self.ask(|reply| Letter::Order(order, reply)).await?
-    }
-
-    fn gone(&self) -> Status {
-        Status::aborted(format!("world `{}` was deleted", self.name))
     }
 }
 

@@ -106,7 +106,7 @@ async fn beliefs_have_limits_that_are_told() {
     assert!(many.contains("annotate.belief.utilities: there are 257, the limit is 256"), "{many}");
     let map = GridMap { columns: 3, cells: vec![0; 10], ..GridMap::default() };
     let askew = refusal(Belief { map: Some(map), ..Belief::default() }).await;
-    assert!(askew.contains("10 cells in 3 columns are no grid"), "{askew}");
+    assert!(askew.contains("10 cells in 3 columns are not a grid"), "{askew}");
     server.shutdown().await;
 }
 

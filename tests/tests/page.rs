@@ -5,8 +5,8 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use baudbot_proto::v1;
-use baudbot_proto::v1::page_request::Request as Asked;
-use baudbot_proto::v1::page_response::Response as Answer;
+use baudbot_proto::v1::page_request::Request;
+use baudbot_proto::v1::page_response::Response;
 use baudbot_server::{Pace, Server, WorldConfig};
 use baudbot_tests::system::{lockstep, operator};
 use baudbot_tests::{WANDER, scenario};
@@ -39,13 +39,13 @@ impl Page {
         Self { socket, kept: VecDeque::new() }
     }
 
-    async fn ask(&mut self, call: u32, request: Asked) {
+    async fn ask(&mut self, call: u32, request: Request) {
         let request = v1::PageRequest { call, request: Some(request) };
         self.socket.send(Message::Binary(request.encode_to_vec().into())).await.unwrap();
     }
 
     /// The next answer to a call.
-    async fn answer(&mut self, call: u32) -> Answer {
+    async fn answer(&mut self, call: u32) -> Response {
         if let Some(at) = self.kept.iter().position(|response| response.call == call) {
             return self.kept.remove(at).unwrap().response.unwrap();
         }
@@ -60,19 +60,26 @@ impl Page {
         }
     }
 
-    async fn frame(&mut self, call: u32) -> v1::WatchResponse {
+    /// The next message of the method of a call.
+    async fn message<T: prost::Message + Default>(&mut self, call: u32) -> T {
         match self.answer(call).await {
-            Answer::Watch(frame) => frame,
-            other => panic!("no frame but {other:?}"),
+            Response::Message(bytes) => T::decode(&*bytes).unwrap(),
+            other => panic!("no message but {other:?}"),
         }
+    }
+
+    async fn frame(&mut self, call: u32) -> v1::WatchResponse {
+        self.message(call).await
     }
 
     /// What the stream of a brain says next; that its requests are taken goes without saying.
     async fn attached(&mut self, call: u32) -> v1::attach_response::Response {
         loop {
             match self.answer(call).await {
-                Answer::Attach(response) => return response.response.unwrap(),
-                Answer::Taken(_) => {}
+                Response::Message(bytes) => {
+                    return v1::AttachResponse::decode(&*bytes).unwrap().response.unwrap();
+                }
+                Response::Taken(_) => {}
                 other => panic!("nothing of a stream but {other:?}"),
             }
         }
@@ -82,7 +89,7 @@ impl Page {
     async fn drive(&mut self, call: u32, stop_when_gone: bool) {
         let robots = vec!["robot".into()];
         let hello = v1::Hello { world: "w".into(), robots, stop_when_gone, ..Default::default() };
-        self.ask(call, attach(v1::attach_request::Request::Hello(hello))).await;
+        self.ask(call, attach(hello)).await;
         assert!(matches!(self.attached(call).await, v1::attach_response::Response::Welcome(_)));
     }
 
@@ -92,33 +99,49 @@ impl Page {
         self.ask(call, step(turn.turn, signals)).await;
     }
 
-    async fn failure(&mut self, call: u32, request: Asked) -> (String, String) {
+    async fn failure(&mut self, call: u32, request: Request) -> (String, String) {
         self.ask(call, request).await;
         match self.answer(call).await {
-            Answer::Failure(v1::Failure { code, message }) => (code, message),
+            Response::Failure(v1::Failure { code, message }) => (code, message),
             other => panic!("no failure but {other:?}"),
         }
     }
 }
 
-fn attach(request: v1::attach_request::Request) -> Asked {
-    Asked::Attach(v1::AttachRequest { request: Some(request) })
+/// The beginning of a call of a method such as `ControlService/GetWorld`.
+fn begin(method: &str, request: &impl prost::Message) -> Request {
+    let (method, request) = (format!("baudbot.v1.{method}"), request.encode_to_vec());
+    Request::Begin(v1::BeginCall { method, request })
 }
 
-fn step(turn: u64, (left_signal, right_signal): (f64, f64)) -> Asked {
+fn attach(hello: v1::Hello) -> Request {
+    let request = Some(v1::attach_request::Request::Hello(hello));
+    begin("BrainLinkService/Attach", &v1::AttachRequest { request })
+}
+
+/// A further request on the stream of a brain.
+fn further(request: v1::attach_request::Request) -> Request {
+    Request::Next(v1::AttachRequest { request: Some(request) }.encode_to_vec())
+}
+
+fn step(turn: u64, (left_signal, right_signal): (f64, f64)) -> Request {
     let command = v1::Command { left_signal, right_signal, other_signals: vec![] };
     let output = Some(v1::robot_step::Output::Command(command));
     let robots = vec![v1::RobotStep { robot: 0, output, ..Default::default() }];
-    attach(v1::attach_request::Request::Step(v1::Step { turn, robots }))
+    further(v1::attach_request::Request::Step(v1::Step { turn, robots }))
 }
 
-fn get_world(world: &str) -> Asked {
-    Asked::GetWorld(v1::GetWorldRequest { world: world.into() })
+fn get_world(world: &str) -> Request {
+    begin("ControlService/GetWorld", &v1::GetWorldRequest { world: world.into() })
 }
 
-fn watch(details: &[&str]) -> Asked {
+fn pause_world() -> Request {
+    begin("ControlService/PauseWorld", &v1::PauseWorldRequest { world: "w".into() })
+}
+
+fn watch(details: &[&str]) -> Request {
     let details = details.iter().map(ToString::to_string).collect();
-    Asked::Watch(v1::WatchRequest { world: "w".into(), every_ticks: 2, details })
+    begin("ObserveService/Watch", &v1::WatchRequest { world: "w".into(), every_ticks: 2, details })
 }
 
 /// A request as a browser would write it; the answer with its headers.
@@ -168,8 +191,9 @@ async fn strangers_are_turned_away() {
 async fn a_page_operates_a_world_and_sees_it_move() {
     let server = serve(Pace::REAL_TIME).await;
     let mut page = Page::open(&server).await;
-    page.ask(1, Asked::DescribeWorld(v1::DescribeWorldRequest { world: "w".into() })).await;
-    let Answer::DescribeWorld(description) = page.answer(1).await else { panic!() };
+    let request = v1::DescribeWorldRequest { world: "w".into() };
+    page.ask(1, begin("ObserveService/DescribeWorld", &request)).await;
+    let description: v1::DescribeWorldResponse = page.message(1).await;
     let sheet = description.robots[0].description.as_ref().unwrap();
     assert!(sheet.sensors.len() > 2 && description.robots[0].deadline_ns == description.step_ns);
     page.ask(2, watch(&["robot"])).await;
@@ -190,19 +214,19 @@ async fn a_page_operates_a_world_and_sees_it_move() {
     let ends = page.frame(2).await.details[0].events.iter().map(|event| event.end_ns).min();
     assert!(ends.unwrap() >= first.time_ns);
 
-    page.ask(3, Asked::PauseWorld(v1::PauseWorldRequest { world: "w".into() })).await;
-    let Answer::PauseWorld(paused) = page.answer(3).await else { panic!() };
+    page.ask(3, pause_world()).await;
+    let paused: v1::PauseWorldResponse = page.message(3).await;
     assert_eq!(paused.status.unwrap().state(), v1::WorldState::Paused);
     let place = v1::PlaceRobot { robot: "robot".into(), x_m: 0.0, y_m: 0.0, heading_rad: 1.0 };
     let intervention = v1::intervene_request::Intervention::PlaceRobot(place);
     let request = v1::InterveneRequest { world: "w".into(), intervention: Some(intervention) };
-    page.ask(4, Asked::Intervene(request)).await;
-    let Answer::Intervene(_) = page.answer(4).await else { panic!() };
+    page.ask(4, begin("ControlService/Intervene", &request)).await;
+    page.message::<v1::InterveneResponse>(4).await;
     // A world that stands shows it all the same.
     while page.frame(2).await.robots[0].heading_rad != 1.0 {}
 
-    page.ask(2, Asked::Close(v1::CloseCall {})).await;
-    while !matches!(page.answer(2).await, Answer::Closed(_)) {}
+    page.ask(2, Request::Close(v1::CloseCall {})).await;
+    while !matches!(page.answer(2).await, Response::Closed(_)) {}
     server.shutdown().await;
 }
 
@@ -210,7 +234,8 @@ async fn a_page_operates_a_world_and_sees_it_move() {
 async fn a_page_gets_the_map_of_a_floor_that_is_counted() {
     let server = serve(lockstep()).await;
     let mut page = Page::open(&server).await;
-    let ask = |world: &str| Asked::GetCoverage(v1::GetCoverageRequest { world: world.into() });
+    let ask =
+        |world: &str| begin("ObserveService/GetCoverage", &v1::GetCoverageRequest { world: world.into() });
     let (code, message) = page.failure(1, ask("w")).await;
     assert_eq!(code, "FAILED_PRECONDITION");
     assert!(message.contains("metrics.cell_m"), "{message}");
@@ -221,10 +246,10 @@ async fn a_page_gets_the_map_of_a_floor_that_is_counted() {
         paused: true,
         ..Default::default()
     };
-    page.ask(2, Asked::CreateWorld(counted)).await;
-    let Answer::CreateWorld(_) = page.answer(2).await else { panic!() };
+    page.ask(2, begin("ControlService/CreateWorld", &counted)).await;
+    page.message::<v1::CreateWorldResponse>(2).await;
     page.ask(3, ask("counted")).await;
-    let Answer::GetCoverage(map) = page.answer(3).await else { panic!() };
+    let map: v1::GetCoverageResponse = page.message(3).await;
     assert_eq!(map.free.iter().sum::<u32>(), map.columns * map.rows);
     server.shutdown().await;
 }
@@ -237,7 +262,7 @@ async fn calls_that_fail_say_why_and_the_page_goes_on() {
     assert_eq!(code, "NOT_FOUND");
     assert!(message.contains("there is no world `nowhere`"), "{message}");
     let wrong = v1::CreateWorldRequest { scenario_toml: "step_ms = -1".into(), ..Default::default() };
-    let (code, message) = page.failure(2, Asked::CreateWorld(wrong)).await;
+    let (code, message) = page.failure(2, begin("ControlService/CreateWorld", &wrong)).await;
     assert_eq!((code.as_str(), message.contains("step_ms")), ("INVALID_ARGUMENT", true), "{message}");
     let (code, message) = page.failure(3, watch(&["robot", "nobody"])).await;
     assert_eq!((code.as_str(), message.as_str()), ("NOT_FOUND", "details[1]: there is no robot `nobody`"));
@@ -246,13 +271,37 @@ async fn calls_that_fail_say_why_and_the_page_goes_on() {
     let (code, _) = page.failure(4, get_world("w")).await;
     assert_eq!(code, "ALREADY_EXISTS");
     page.ask(5, get_world("w")).await;
-    assert!(matches!(page.answer(5).await, Answer::GetWorld(_)));
+    page.message::<v1::GetWorldResponse>(5).await;
     // What is no request ends the socket, and nothing else.
     page.socket.send(Message::Binary(vec![0xff; 100].into())).await.unwrap();
     while let Some(Ok(_)) = page.socket.next().await {}
     let mut other = Page::open(&server).await;
     other.ask(1, get_world("w")).await;
-    assert!(matches!(other.answer(1).await, Answer::GetWorld(_)));
+    other.message::<v1::GetWorldResponse>(1).await;
+    server.shutdown().await;
+}
+
+#[tokio::test]
+async fn only_methods_of_the_three_services_are_forwarded_and_each_call_has_one_beginning() {
+    let server = serve(lockstep()).await;
+    let mut page = Page::open(&server).await;
+    for method in ["ControlService/Nothing", "Health/Check", ""] {
+        let (code, message) = page.failure(1, begin(method, &v1::ListWorldsRequest {})).await;
+        assert_eq!(code, "UNIMPLEMENTED");
+        let expected = format!("method: there is no method `baudbot.v1.{method}`; services are ");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    let garbled =
+        v1::BeginCall { method: "baudbot.v1.ControlService/GetWorld".into(), request: vec![0xff; 9] };
+    let (code, _) = page.failure(2, Request::Begin(garbled)).await;
+    assert_eq!(code, "INTERNAL");
+    let (code, message) = page.failure(3, step(0, (0.0, 0.0))).await;
+    assert_eq!((code.as_str(), message.as_str()), ("FAILED_PRECONDITION", "next: the call is not under way"));
+    // Neither is a stream open to further requests whose method takes a single one.
+    page.ask(4, watch(&[])).await;
+    page.frame(4).await;
+    let (code, _) = page.failure(4, step(0, (0.0, 0.0))).await;
+    assert_eq!(code, "ALREADY_EXISTS");
     server.shutdown().await;
 }
 
@@ -267,7 +316,7 @@ async fn a_page_drives_a_robot_through_its_link_and_shows_what_it_believes() {
         let v1::attach_response::Response::Turn(turn) = page.attached(7).await else { panic!() };
         let belief = v1::Belief { state: format!("turn {}", turn.turn), ..Default::default() };
         let annotate = v1::Annotate { robot: 0, belief: Some(belief) };
-        page.ask(7, attach(v1::attach_request::Request::Annotate(annotate))).await;
+        page.ask(7, further(v1::attach_request::Request::Annotate(annotate))).await;
         page.ask(7, step(turn.turn, (0.2, 0.2))).await;
     }
     while believed.is_none() {
@@ -317,7 +366,7 @@ async fn a_robot_stands_when_the_page_that_drives_it_is_gone_however_it_goes() {
         page.drive(7, true).await;
         spin(&mut page, 7, &mut other, 1).await;
         match way {
-            "it lets go" => page.ask(7, Asked::Close(v1::CloseCall {})).await,
+            "it lets go" => page.ask(7, Request::Close(v1::CloseCall {})).await,
             "it is closed" => drop(page),
             "the operator throws it off" => {
                 let detach = v1::DetachBrain { robot: "robot".into(), restart: false };
@@ -389,8 +438,8 @@ async fn a_robot_stands_while_the_page_that_drives_it_says_nothing() {
 async fn a_page_that_says_more_than_its_world_takes_is_not_thrown_off() {
     let server = serve(Pace::REAL_TIME).await;
     let mut page = Page::open(&server).await;
-    page.ask(1, Asked::PauseWorld(v1::PauseWorldRequest { world: "w".into() })).await;
-    assert!(matches!(page.answer(1).await, Answer::PauseWorld(_)));
+    page.ask(1, pause_world()).await;
+    page.message::<v1::PauseWorldResponse>(1).await;
     page.drive(7, true).await;
     for _ in 0..3000 {
         page.ask(7, step(0, SPIN)).await;
@@ -398,13 +447,13 @@ async fn a_page_that_says_more_than_its_world_takes_is_not_thrown_off() {
     let mut taken = 0;
     while taken < 3000 {
         match page.answer(7).await {
-            Answer::Taken(_) => taken += 1,
-            Answer::Attach(_) => {}
+            Response::Taken(_) => taken += 1,
+            Response::Message(_) => {}
             other => panic!("after {taken}: {other:?}"),
         }
     }
     page.ask(2, get_world("w")).await;
-    let Answer::GetWorld(answer) = page.answer(2).await else { panic!() };
+    let answer: v1::GetWorldResponse = page.message(2).await;
     assert!(answer.status.unwrap().robots[0].attached);
     server.shutdown().await;
 }
@@ -419,8 +468,7 @@ async fn raw_bytes_have_no_last_word() {
         stop_when_gone: true,
         ..Default::default()
     };
-    let request = attach(v1::attach_request::Request::Hello(hello));
-    let (code, message) = Page::open(&server).await.failure(1, request).await;
+    let (code, message) = Page::open(&server).await.failure(1, attach(hello)).await;
     assert_eq!((code.as_str(), message.contains("MESSAGES")), ("INVALID_ARGUMENT", true), "{message}");
     server.shutdown().await;
 }
@@ -466,7 +514,7 @@ async fn a_page_hands_in_films_where_somebody_wants_them() {
     assert_eq!(made.try_recv().unwrap(), Ok(b"GIF89a".to_vec()));
     let failed = post("/film?failed=1", "localhost:1", "no encoder");
     assert!(get(&server, &failed).await.starts_with("HTTP/1.1 204"));
-    assert_eq!(made.try_recv().unwrap(), Err("no encoder".to_owned()));
+    assert_eq!(made.try_recv().unwrap().unwrap_err().to_string(), "no encoder");
     // Larger than what other requests may have.
     let long = "x".repeat(5 << 20);
     assert!(get(&server, &post("/film", "localhost:1", &long)).await.starts_with("HTTP/1.1 204"));

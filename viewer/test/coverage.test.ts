@@ -1,14 +1,14 @@
 import assert from "node:assert/strict";
 import { test, type TestContext } from "node:test";
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { DescribeWorldResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
-import { PageRequestSchema, PageResponseSchema, type PageResponse } from "../src/gen/baudbot/v1/page_pb";
+import { create, toBinary } from "@bufbuild/protobuf";
+import { DescribeWorldResponseSchema, WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
 import { fillRuns } from "../src/model/coverage";
 import { Store } from "../src/model/store";
 import { Connection, type Socket } from "../src/net/connection";
-import { decode } from "../src/net/frames";
+import { decodeFrame } from "../src/net/frames";
 import { Surveyor } from "../src/net/surveyor";
 import { MockFloor } from "./mock_floor";
+import { requestFrom, responseTo, type Reply } from "./calls";
 import { MockWorld } from "./mock_world";
 
 const filled = (runs: number[], cells = 8) => {
@@ -54,28 +54,23 @@ function surveying(t: TestContext, { counts = true, isShown = (): boolean => tru
   store.describe(create(DescribeWorldResponseSchema, new MockWorld("w", 3).description));
   const surveyor = new Surveyor(connection, store, isShown);
   const world = new MockWorld("w", 3, counts);
-  const respond = async (call: number, response: PageResponse["response"]) => {
-    const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { call, response }));
-    socket.onmessage?.({ data: bytes.slice().buffer } as MessageEvent);
+  const respond = async (call: number, reply: Reply) => {
+    socket.onmessage?.({ data: responseTo(call, reply).slice().buffer } as MessageEvent);
     // What awaits the answer goes on.
     await new Promise((resolve) => setImmediate(resolve));
   };
   const frame = (ticks: number) => {
     for (let i = 0; i < ticks; i++) world.step();
-    const value = world.frame([], 0n);
-    const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { response: { case: "watch", value } }));
-    const incoming = decode(bytes);
-    assert.ok("watch" in incoming);
-    store.take(incoming.watch, false);
+    store.take(decodeFrame(toBinary(WatchResponseSchema, world.frame([], 0n))), false);
   };
   const answer = () => {
-    const { call, request } = fromBinary(PageRequestSchema, sent.at(-1) ?? new Uint8Array());
+    const { call, request } = requestFrom(sent.at(-1) ?? new Uint8Array());
     assert.equal(request.case, "getCoverage");
     return respond(call, { case: "getCoverage", value: world.floor.map(world.tick) });
   };
   const fail = () => {
-    const { call } = fromBinary(PageRequestSchema, sent.at(-1) ?? new Uint8Array());
-    return respond(call, { case: "failure", value: { code: "INTERNAL", message: "no" } } as never);
+    const { call } = requestFrom(sent.at(-1) ?? new Uint8Array());
+    return respond(call, { case: "failure", value: { code: "INTERNAL", message: "no" } });
   };
   return { sent, store, surveyor, world, frame, answer, fail, pass: (ms: number) => t.mock.timers.tick(ms) };
 }

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Hello, Step } from "../src/gen/baudbot/v1/brain_link_pb";
-import type { PageResponse } from "../src/gen/baudbot/v1/page_pb";
 import { Store } from "../src/model/store";
 import { Drive } from "../src/net/drive";
+import type { Reply } from "./calls";
 import { connected } from "./fake_socket";
 
 /** A page that drives `robot` of world `w`, and what its server hears. */
@@ -14,7 +14,7 @@ function driving() {
   const drive = new Drive(connection, store);
   drive.start();
   const requests = () => socket.requests().map(({ request }) => request);
-  const hear = (response: PageResponse["response"]) => socket.hear(1, response);
+  const hear = (reply: Reply) => socket.hear(1, reply);
   const attach = (response: object) => hear({ case: "attach", value: { response } } as never);
   attach({ case: "welcome", value: { robots: [{ signalLimit: 1 }] } });
   return {
@@ -31,8 +31,8 @@ function driving() {
         case: "turn",
         value: { tick: turn, turn: BigInt(turn), robots: [{ robot: 0, atNs: BigInt(turn) * 10_000_000n }] },
       }),
-    taken: () => hear({ case: "taken", value: {} } as never),
-    fail: () => hear({ case: "failure", value: { code: "ABORTED", message: "thrown off" } } as never),
+    taken: () => hear({ case: "taken" }),
+    fail: () => hear({ case: "failure", value: { code: "ABORTED", message: "thrown off" } }),
   };
 }
 

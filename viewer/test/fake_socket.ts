@@ -1,11 +1,5 @@
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import {
-  PageRequestSchema,
-  PageResponseSchema,
-  type PageRequest,
-  type PageResponse,
-} from "../src/gen/baudbot/v1/page_pb";
 import { Connection, type Socket } from "../src/net/connection";
+import { requestFrom, responseTo, type Reply } from "./calls";
 
 /** A socket whose other end is the test. */
 export class FakeSocket {
@@ -20,12 +14,11 @@ export class FakeSocket {
   }
   close(): void {}
   /** What was asked for, in its order. */
-  requests(): PageRequest[] {
-    return this.sent.map((bytes) => fromBinary(PageRequestSchema, bytes));
+  requests(): ReturnType<typeof requestFrom>[] {
+    return this.sent.map(requestFrom);
   }
-  hear(call: number, response: PageResponse["response"]): void {
-    const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { call, response }));
-    this.onmessage?.({ data: bytes.slice().buffer as ArrayBuffer });
+  hear(call: number, reply: Reply): void {
+    this.onmessage?.({ data: responseTo(call, reply).slice().buffer as ArrayBuffer });
   }
 }
 

@@ -1,21 +1,15 @@
 /**
  * A server of a made-up world, to try the page without baudbot: `npm run mock -- --port 7410 --robots 3`. It serves
- * dist/ with the headers of the real one, and speaks PageRequest and PageResponse on /page.
+ * dist/ with the headers of the real one, and speaks the protocol of page.proto on /page.
  */
 import { once } from "node:events";
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { WebSocketServer, type WebSocket } from "ws";
 import type { AttachRequest } from "../src/gen/baudbot/v1/brain_link_pb";
-import {
-  PageRequestSchema,
-  PageResponseSchema,
-  type PageRequest,
-  type PageResponse,
-} from "../src/gen/baudbot/v1/page_pb";
 import { WorldState } from "../src/gen/baudbot/v1/world_pb";
+import { requestFrom, responseTo, type Asked, type Reply } from "./calls";
 import { STEP_NS } from "./mock_scene";
 import { files, MAGIC, MockReplay, type MockFile } from "./mock_replay";
 import { MockWorld } from "./mock_world";
@@ -24,8 +18,6 @@ import { MockWorld } from "./mock_world";
 const CSP =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 const TYPES: Record<string, string> = { html: "text/html", js: "text/javascript", css: "text/css" };
-
-type Reply = PageResponse["response"];
 
 class Refusal extends Error {
   constructor(
@@ -63,24 +55,21 @@ class Session {
     private readonly worlds: Map<string, MockWorld>,
     private readonly files: Map<string, MockFile>,
   ) {
-    socket.on("message", (data) => this.take(fromBinary(PageRequestSchema, new Uint8Array(data as Buffer))));
+    socket.on("message", (data) => this.take(requestFrom(new Uint8Array(data as Buffer))));
     socket.on("close", () => this.attachments.forEach((one) => this.let_go(one)));
   }
 
-  private reply(call: number, response: Reply): void {
-    this.socket.send(toBinary(PageResponseSchema, create(PageResponseSchema, { call, response })));
+  private reply(call: number, reply: Reply): void {
+    this.socket.send(responseTo(call, reply));
   }
 
-  private take(request: PageRequest): void {
+  private take({ call, request }: { call: number; request: Asked }): void {
     try {
-      const reply = this.obey(request);
-      if (reply) this.reply(request.call, reply);
+      const reply = this.handle(call, request);
+      if (reply) this.reply(call, reply);
     } catch (error) {
       const code = error instanceof Refusal ? error.code : "INTERNAL";
-      this.reply(request.call, {
-        case: "failure",
-        value: { code, message: String((error as Error).message) },
-      } as Reply);
+      this.reply(call, { case: "failure", value: { code, message: String((error as Error).message) } });
     }
   }
 
@@ -90,7 +79,7 @@ class Session {
     return world;
   }
 
-  private obey({ call, request }: PageRequest): Reply | undefined {
+  private handle(call: number, request: Asked): Reply | undefined {
     const answer = (kind: string, world?: MockWorld, more = {}) =>
       ({ case: kind, value: { status: world?.status(), ...more } }) as unknown as Reply;
     switch (request.case) {
@@ -120,7 +109,6 @@ class Session {
         this.worlds.delete(world.name);
         return answer("deleteWorld", world);
       }
-      case undefined:
       case "getBudget":
         throw new Refusal("UNIMPLEMENTED", "the mock does not do that");
       default: {
@@ -130,9 +118,9 @@ class Session {
     }
   }
 
-  private change(world: MockWorld, request: PageRequest["request"]): object | undefined {
+  private change(world: MockWorld, request: Asked): object | undefined {
     const refused = ["resetWorld", "snapshotWorld", "restoreWorld", "intervene", "startRecording"];
-    if (isReplay(world) && refused.includes(request.case ?? ""))
+    if (isReplay(world) && refused.includes(request.case))
       throw new Refusal("FAILED_PRECONDITION", `world \`${world.name}\` replays a recording`);
     switch (request.case) {
       case "startWorld":
@@ -174,7 +162,7 @@ class Session {
   }
 
   /** What has to do with recordings. */
-  private record(world: MockWorld, request: PageRequest["request"]): object {
+  private record(world: MockWorld, request: Asked): object {
     switch (request.case) {
       case "saveWorld":
         return { savedMcap: Uint8Array.of(...MAGIC, 1, 2, 3), tick: world.tick };
@@ -211,10 +199,7 @@ class Session {
     return { case: "openRecording", value: { status: world.status() } } as Reply;
   }
 
-  private intervene(
-    world: MockWorld,
-    what: Extract<PageRequest["request"], { case: "intervene" }>["value"]["intervention"],
-  ): void {
+  private intervene(world: MockWorld, what: Extract<Asked, { case: "intervene" }>["value"]["intervention"]): void {
     if (what.case === "placeThing")
       Object.assign(world.box, { xM: what.value.xM, yM: what.value.yM, headingRad: what.value.headingRad });
     if (what.case === undefined || what.case === "placeThing") return;
@@ -261,7 +246,7 @@ class Session {
   }
 
   private attach(call: number, { request }: AttachRequest): undefined {
-    if (request.case !== "hello") this.reply(call, { case: "taken", value: {} } as Reply);
+    if (request.case !== "hello") this.reply(call, { case: "taken" });
     else {
       const world = this.find(request.value.world);
       const robot = world.description.robots.findIndex((one) => one.robot === request.value.robots[0]);
@@ -295,7 +280,7 @@ class Session {
     this.watches = this.watches.filter((watch) => watch.call !== call);
     for (const one of this.attachments.filter((one) => one.call === call)) this.let_go(one);
     this.attachments = this.attachments.filter((one) => one.call !== call);
-    return { case: "closed", value: {} } as Reply;
+    return { case: "closed" };
   }
 
   private let_go({ world, robot, stops }: Attachment): void {

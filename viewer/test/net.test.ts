@@ -1,11 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { ListWorldsRequestSchema } from "../src/gen/baudbot/v1/control_pb";
-import { WatchRequestSchema, WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
-import { PageRequestSchema, PageResponseSchema } from "../src/gen/baudbot/v1/page_pb";
+import { fromBinary, toBinary } from "@bufbuild/protobuf";
+import { ControlService } from "../src/gen/baudbot/v1/control_pb";
+import { ObserveService, WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
 import { ask, CallError, Connection, type Socket } from "../src/net/connection";
-import { decode, type Frame } from "../src/net/frames";
+import { decodeFrame, type Frame } from "../src/net/frames";
 import { connected, FakeSocket } from "./fake_socket";
 import { MockWorld } from "./mock_world";
 
@@ -14,14 +13,7 @@ test("a frame has the same in it however it is decoded", () => {
   for (let i = 0; i < 300; i++) world.step();
   const made = toBinary(WatchResponseSchema, world.frame([0, 1], 200n));
   const whole = fromBinary(WatchResponseSchema, made);
-  const bytes = toBinary(
-    PageResponseSchema,
-    create(PageResponseSchema, { call: 7, response: { case: "watch", value: whole } }),
-  );
-  const incoming = decode(bytes);
-  assert.ok("watch" in incoming);
-  assert.equal(incoming.call, 7);
-  const { watch } = incoming;
+  const watch = decodeFrame(made);
   assert.deepEqual(watch.rest, { ...whole, robots: [] });
   whole.robots.forEach((robot, i) => {
     assert.deepEqual(watch.truth(i), robot);
@@ -36,37 +28,37 @@ test("a frame has the same in it however it is decoded", () => {
 
 test("answers find their calls, in whatever order they come", async () => {
   const { connection, socket } = connected();
-  const [first, second] = [1, 2].map(() => ask(connection, "listWorlds", create(ListWorldsRequestSchema)));
-  const calls = socket.sent.map((bytes) => fromBinary(PageRequestSchema, bytes).call);
+  const [first, second] = [1, 2].map(() => ask(connection, ControlService.method.listWorlds, {}));
+  const calls = socket.requests().map(({ call }) => call);
   assert.equal(new Set(calls).size, 2);
-  socket.hear(calls[1]!, { case: "listWorlds", value: { worlds: [{ world: "b" }] } } as never);
-  socket.hear(calls[0]!, { case: "listWorlds", value: { worlds: [{ world: "a" }] } } as never);
+  socket.hear(calls[1]!, { case: "listWorlds", value: { worlds: [{ world: "b" }] } });
+  socket.hear(calls[0]!, { case: "listWorlds", value: { worlds: [{ world: "a" }] } });
   assert.deepEqual([(await first!).worlds[0]?.world, (await second!).worlds[0]?.world], ["a", "b"]);
 });
 
 test("a failure has its code and its words", async () => {
   const { connection, socket } = connected();
-  const asked = ask(connection, "listWorlds", create(ListWorldsRequestSchema));
-  socket.hear(1, { case: "failure", value: { code: "NOT_FOUND", message: "no" } } as never);
+  const asked = ask(connection, ControlService.method.listWorlds, {});
+  socket.hear(1, { case: "failure", value: { code: "NOT_FOUND", message: "no" } });
   await assert.rejects(asked, (error: CallError) => error.code === "NOT_FOUND" && error.message === "no");
 });
 
 test("a stream goes on until it is closed, and then nothing more is heard of it", () => {
   const { connection, socket } = connected();
   const frames: Frame[] = [];
-  const value = create(WatchRequestSchema, { world: "w" });
   const call = connection.begin(
-    { case: "watch", value },
-    { frame: (frame) => frames.push(frame), over: () => assert.fail("it is not over") },
+    ObserveService.method.watch,
+    { world: "w" },
+    { message: (bytes) => frames.push(decodeFrame(bytes)), over: () => assert.fail("it is not over") },
   );
   const world = new MockWorld("w", 3);
   socket.hear(call, { case: "watch", value: world.frame([], 0n) });
   socket.hear(call, { case: "watch", value: world.frame([], 0n) });
   connection.end(call);
   socket.hear(call, { case: "watch", value: world.frame([], 0n) });
-  socket.hear(call, { case: "closed", value: {} } as never);
+  socket.hear(call, { case: "closed" });
   assert.equal(frames.length, 2);
-  assert.equal(fromBinary(PageRequestSchema, socket.sent.at(-1)!).request.case, "close");
+  assert.equal(socket.requests().at(-1)?.request.case, "close");
 });
 
 test("what is under way fails with the connection, and it is opened again", async (t) => {
@@ -75,7 +67,7 @@ test("what is under way fails with the connection, and it is opened again", asyn
   const connection = new Connection(() => sockets[sockets.push(new FakeSocket()) - 1] as unknown as Socket);
   connection.open();
   sockets[0]?.onopen?.();
-  const asked = ask(connection, "listWorlds", create(ListWorldsRequestSchema));
+  const asked = ask(connection, ControlService.method.listWorlds, {});
   sockets[0]?.onclose?.();
   await assert.rejects(asked, (error: CallError) => error.code === "UNAVAILABLE");
   assert.equal(connection.link.state, "waiting");
@@ -90,7 +82,7 @@ test("what is under way fails with the connection, and it is opened again", asyn
 test("without a connection a call fails at once", async () => {
   const connection = new Connection(() => new FakeSocket() as unknown as Socket);
   await assert.rejects(
-    ask(connection, "listWorlds", create(ListWorldsRequestSchema)),
+    ask(connection, ControlService.method.listWorlds, {}),
     (error: CallError) => error.code === "UNAVAILABLE",
   );
 });

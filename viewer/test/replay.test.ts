@@ -5,7 +5,6 @@ import { RobotDescriptionSchema } from "../src/gen/baudbot/v1/brain_link_pb";
 import { ReplayEventKind as Kind, ReplayEventSchema } from "../src/gen/baudbot/v1/control_pb";
 import { DescribeWorldResponseSchema, TimelineKind, type TimelineEvent } from "../src/gen/baudbot/v1/observe_pb";
 import { WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
-import { PageResponseSchema } from "../src/gen/baudbot/v1/page_pb";
 import { WorldStatusSchema } from "../src/gen/baudbot/v1/world_pb";
 import { isLit } from "../src/arena/lamps";
 import { eventFrom, markAt, marksOf, within, wordsAt } from "../src/model/replay";
@@ -15,7 +14,7 @@ import { Store } from "../src/model/store";
 import { Timeline } from "../src/model/timeline";
 import { Trail } from "../src/model/trail";
 import { bytesText } from "../src/model/units";
-import { decode, type Frame } from "../src/net/frames";
+import { decodeFrame, type Frame } from "../src/net/frames";
 import { SeekQueue } from "../src/net/seek";
 import { isMcap } from "../src/panels/words";
 import { toBinary } from "@bufbuild/protobuf";
@@ -159,10 +158,7 @@ test("bars that begin later go, and what is told again is there once", () => {
 
 function frameOf(world: MockWorld): Frame {
   const value = create(WatchResponseSchema, world.frame([0], world.tick > 20n ? world.tick - 20n : 0n));
-  const bytes = toBinary(PageResponseSchema, create(PageResponseSchema, { response: { case: "watch", value } }));
-  const incoming = decode(bytes);
-  assert.ok("watch" in incoming);
-  return incoming.watch;
+  return decodeFrame(toBinary(WatchResponseSchema, value));
 }
 
 /** A store that looks at the made-up world, and what takes it to a tick. */

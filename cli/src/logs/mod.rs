@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn filters_are_levels_of_all_or_of_parts() {
-        for good in ["off", "warn", "INFO", "warn,baudbot_server=debug", "baudbot_server::host=trace"] {
+        for good in ["off", "warn", "INFO", "warn,baudbot_server=debug", "baudbot_server::actor=trace"] {
             assert!(good.parse::<LogFilter>().is_ok(), "{good}");
         }
         for bad in ["", "loud", "warn,", "baudbot_server", "baudbot_server=loud", "baudbot_server="] {

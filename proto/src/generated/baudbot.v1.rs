@@ -5175,216 +5175,79 @@ pub mod observe_service_server {
     }
 }
 /// From the page.
-#[derive(Clone, PartialEq, ::prost::Message)]
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PageRequest {
-    /// Any number that no call under way has; what belongs to this call bears it.
+    /// Chosen by the page: any number that no call under way has. All messages of a call bear it.
     #[prost(uint32, tag = "1")]
     pub call: u32,
-    /// What is asked; exactly one.
-    #[prost(
-        oneof = "page_request::Request",
-        tags = "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20, 21, 22, 23, 24, 25, 26, 27, 28"
-    )]
+    /// Exactly one.
+    #[prost(oneof = "page_request::Request", tags = "2, 3, 4")]
     pub request: ::core::option::Option<page_request::Request>,
 }
 /// Nested message and enum types in `PageRequest`.
 pub mod page_request {
-    /// What is asked; exactly one.
-    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    /// Exactly one.
+    #[derive(Clone, PartialEq, Eq, Hash, ::prost::Oneof)]
     pub enum Request {
-        /// ControlService.ListWorlds.
+        /// Begins a call.
         #[prost(message, tag = "2")]
-        ListWorlds(super::ListWorldsRequest),
-        /// ControlService.CreateWorld.
-        #[prost(message, tag = "3")]
-        CreateWorld(super::CreateWorldRequest),
-        /// ControlService.GetWorld.
+        Begin(super::BeginCall),
+        /// A further request, serialised, on a call whose method takes a stream of requests; answered by Taken. The server keeps
+        /// the first request of a call, and of the others the newest ones that the service has not read yet, 64 in all. A page
+        /// that has one request on its way at a time, and meanwhile remembers only the newest, is therefore never behind.
+        #[prost(bytes, tag = "3")]
+        Next(::prost::alloc::vec::Vec<u8>),
+        /// Ends a call. A method that takes a stream of requests still reads those that have been taken.
         #[prost(message, tag = "4")]
-        GetWorld(super::GetWorldRequest),
-        /// ControlService.StartWorld.
-        #[prost(message, tag = "5")]
-        StartWorld(super::StartWorldRequest),
-        /// ControlService.PauseWorld.
-        #[prost(message, tag = "6")]
-        PauseWorld(super::PauseWorldRequest),
-        /// ControlService.StepWorld.
-        #[prost(message, tag = "7")]
-        StepWorld(super::StepWorldRequest),
-        /// ControlService.SetPace.
-        #[prost(message, tag = "8")]
-        SetPace(super::SetPaceRequest),
-        /// ControlService.ResetWorld.
-        #[prost(message, tag = "9")]
-        ResetWorld(super::ResetWorldRequest),
-        /// ControlService.SnapshotWorld.
-        #[prost(message, tag = "10")]
-        SnapshotWorld(super::SnapshotWorldRequest),
-        /// ControlService.RestoreWorld.
-        #[prost(message, tag = "11")]
-        RestoreWorld(super::RestoreWorldRequest),
-        /// ControlService.DeleteWorld.
-        #[prost(message, tag = "12")]
-        DeleteWorld(super::DeleteWorldRequest),
-        /// ControlService.Intervene.
-        #[prost(message, tag = "13")]
-        Intervene(super::InterveneRequest),
-        /// ControlService.GetBudget.
-        #[prost(message, tag = "14")]
-        GetBudget(super::GetBudgetRequest),
-        /// ObserveService.DescribeWorld.
-        #[prost(message, tag = "15")]
-        DescribeWorld(super::DescribeWorldRequest),
-        /// ObserveService.Watch: responses come until the call is closed.
-        #[prost(message, tag = "16")]
-        Watch(super::WatchRequest),
-        /// A request on the stream of BrainLinkService.Attach that bears this number; the first one opens it, and each further
-        /// one is answered by Taken. Of those that the stream has not read yet the newest 64 are kept. So who sends one Step
-        /// at a time, and meanwhile only remembers the newest, is never behind.
-        #[prost(message, tag = "17")]
-        Attach(super::AttachRequest),
-        /// Ends a Watch or an Attach.
-        #[prost(message, tag = "18")]
         Close(super::CloseCall),
-        /// ControlService.SaveWorld.
-        #[prost(message, tag = "20")]
-        SaveWorld(super::SaveWorldRequest),
-        /// ControlService.StartRecording.
-        #[prost(message, tag = "21")]
-        StartRecording(super::StartRecordingRequest),
-        /// ControlService.StopRecording.
-        #[prost(message, tag = "22")]
-        StopRecording(super::StopRecordingRequest),
-        /// ControlService.ListRecordings.
-        #[prost(message, tag = "23")]
-        ListRecordings(super::ListRecordingsRequest),
-        /// ControlService.OpenRecording.
-        #[prost(message, tag = "24")]
-        OpenRecording(super::OpenRecordingRequest),
-        /// ControlService.DescribeReplay.
-        #[prost(message, tag = "25")]
-        DescribeReplay(super::DescribeReplayRequest),
-        /// ControlService.SeekReplay.
-        #[prost(message, tag = "26")]
-        SeekReplay(super::SeekReplayRequest),
-        /// ControlService.ForkReplay.
-        #[prost(message, tag = "27")]
-        ForkReplay(super::ForkReplayRequest),
-        /// ObserveService.GetCoverage.
-        #[prost(message, tag = "28")]
-        GetCoverage(super::GetCoverageRequest),
     }
 }
-/// Ends a call that is under way; it is answered by Closed.
+/// The beginning of a call.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct BeginCall {
+    /// Full name of the method, such as `baudbot.v1.ControlService/ListWorlds`.
+    #[prost(string, tag = "1")]
+    pub method: ::prost::alloc::string::String,
+    /// The request, serialised; the first one of a method that takes a stream of requests.
+    #[prost(bytes = "vec", tag = "2")]
+    pub request: ::prost::alloc::vec::Vec<u8>,
+}
+/// The end of a call by the page; answered by Closed.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CloseCall {}
 /// To the page.
-#[derive(Clone, PartialEq, ::prost::Message)]
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PageResponse {
     /// The call that this belongs to.
     #[prost(uint32, tag = "1")]
     pub call: u32,
-    /// What is answered; exactly one.
-    #[prost(
-        oneof = "page_response::Response",
-        tags = "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29"
-    )]
+    /// Exactly one.
+    #[prost(oneof = "page_response::Response", tags = "2, 3, 4, 5")]
     pub response: ::core::option::Option<page_response::Response>,
 }
 /// Nested message and enum types in `PageResponse`.
 pub mod page_response {
-    /// What is answered; exactly one.
-    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    /// Exactly one.
+    #[derive(Clone, PartialEq, Eq, Hash, ::prost::Oneof)]
     pub enum Response {
-        /// ControlService.ListWorlds.
-        #[prost(message, tag = "2")]
-        ListWorlds(super::ListWorldsResponse),
-        /// ControlService.CreateWorld.
+        /// A response of the method, serialised. A method with a single response is over with it.
+        #[prost(bytes, tag = "2")]
+        Message(::prost::alloc::vec::Vec<u8>),
+        /// The call is over: the method has no further responses, or the page has closed the call.
         #[prost(message, tag = "3")]
-        CreateWorld(super::CreateWorldResponse),
-        /// ControlService.GetWorld.
-        #[prost(message, tag = "4")]
-        GetWorld(super::GetWorldResponse),
-        /// ControlService.StartWorld.
-        #[prost(message, tag = "5")]
-        StartWorld(super::StartWorldResponse),
-        /// ControlService.PauseWorld.
-        #[prost(message, tag = "6")]
-        PauseWorld(super::PauseWorldResponse),
-        /// ControlService.StepWorld.
-        #[prost(message, tag = "7")]
-        StepWorld(super::StepWorldResponse),
-        /// ControlService.SetPace.
-        #[prost(message, tag = "8")]
-        SetPace(super::SetPaceResponse),
-        /// ControlService.ResetWorld.
-        #[prost(message, tag = "9")]
-        ResetWorld(super::ResetWorldResponse),
-        /// ControlService.SnapshotWorld.
-        #[prost(message, tag = "10")]
-        SnapshotWorld(super::SnapshotWorldResponse),
-        /// ControlService.RestoreWorld.
-        #[prost(message, tag = "11")]
-        RestoreWorld(super::RestoreWorldResponse),
-        /// ControlService.DeleteWorld.
-        #[prost(message, tag = "12")]
-        DeleteWorld(super::DeleteWorldResponse),
-        /// ControlService.Intervene.
-        #[prost(message, tag = "13")]
-        Intervene(super::InterveneResponse),
-        /// ControlService.GetBudget.
-        #[prost(message, tag = "14")]
-        GetBudget(super::GetBudgetResponse),
-        /// ObserveService.DescribeWorld.
-        #[prost(message, tag = "15")]
-        DescribeWorld(super::DescribeWorldResponse),
-        /// A frame of ObserveService.Watch.
-        #[prost(message, tag = "16")]
-        Watch(super::WatchResponse),
-        /// A response on the stream of BrainLinkService.Attach.
-        #[prost(message, tag = "17")]
-        Attach(super::AttachResponse),
-        /// A stream is over.
-        #[prost(message, tag = "18")]
         Closed(super::Closed),
-        /// The call failed, and is over.
-        #[prost(message, tag = "19")]
+        /// The call has failed, and is over.
+        #[prost(message, tag = "4")]
         Failure(super::Failure),
-        /// ControlService.SaveWorld.
-        #[prost(message, tag = "20")]
-        SaveWorld(super::SaveWorldResponse),
-        /// ControlService.StartRecording.
-        #[prost(message, tag = "21")]
-        StartRecording(super::StartRecordingResponse),
-        /// ControlService.StopRecording.
-        #[prost(message, tag = "22")]
-        StopRecording(super::StopRecordingResponse),
-        /// ControlService.ListRecordings.
-        #[prost(message, tag = "23")]
-        ListRecordings(super::ListRecordingsResponse),
-        /// ControlService.OpenRecording.
-        #[prost(message, tag = "24")]
-        OpenRecording(super::OpenRecordingResponse),
-        /// ControlService.DescribeReplay.
-        #[prost(message, tag = "25")]
-        DescribeReplay(super::DescribeReplayResponse),
-        /// ControlService.SeekReplay.
-        #[prost(message, tag = "26")]
-        SeekReplay(super::SeekReplayResponse),
-        /// ControlService.ForkReplay.
-        #[prost(message, tag = "27")]
-        ForkReplay(super::ForkReplayResponse),
-        /// ObserveService.GetCoverage.
-        #[prost(message, tag = "28")]
-        GetCoverage(super::GetCoverageResponse),
-        /// The server has a further request of an Attach.
-        #[prost(message, tag = "29")]
+        /// A further request of the call has been taken.
+        #[prost(message, tag = "5")]
         Taken(super::Taken),
     }
 }
-/// A stream is over.
+/// The end of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Closed {}
-/// The server has a request on the stream of an Attach, and the next one may come.
+/// The server has a further request of a call, and the page may send another one.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Taken {}
 /// Why a call failed.
@@ -5393,7 +5256,7 @@ pub struct Failure {
     /// Name of the gRPC status code, such as `NOT_FOUND`.
     #[prost(string, tag = "1")]
     pub code: ::prost::alloc::string::String,
-    /// In words.
+    /// The message of the status.
     #[prost(string, tag = "2")]
     pub message: ::prost::alloc::string::String,
 }

@@ -13,34 +13,39 @@ use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};
 use tracing::Instrument;
 
+use crate::actor::NewWorld;
 use crate::blocking::blocking;
 use crate::convert;
-use crate::letter::{Letter, Order, Report};
+use crate::message::{Message, Request as Asked};
 use crate::pace::Pace;
+use crate::quote::brief;
 use crate::recording::Folder;
-use crate::registry::{NewWorld, Registry};
-use crate::words::brief;
+use crate::registry::Registry;
+use crate::report::Report;
 
+pub(crate) use recordings::stop_recording;
+
+/// The implementation of the operator's service.
 pub(crate) struct Control {
     pub(crate) registry: Registry,
-    /// Where recordings are, if there are any.
+    /// The folder of recordings; `None` if the server keeps none.
     pub(crate) recordings: Option<Folder>,
 }
 
 impl Control {
-    async fn order(&self, world: &str, order: Order) -> Result<Report, Status> {
-        let span = tracing::info_span!("order", world = brief(world), order = order.word());
-        async { self.registry.find("world", world)?.order(order).await }.instrument(span).await
+    async fn request(&self, world: &str, request: Asked) -> Result<Report, Status> {
+        let span = tracing::info_span!("order", world = brief(world), order = request.name());
+        async { self.registry.find("world", world)?.request(request).await }.instrument(span).await
     }
 
-    async fn status(&self, world: &str, order: Order) -> Result<Option<v1::WorldStatus>, Status> {
-        Ok(Some(status_of(self.order(world, order).await?).await?.1))
+    async fn status(&self, world: &str, request: Asked) -> Result<Option<v1::WorldStatus>, Status> {
+        Ok(Some(status_of(self.request(world, request).await?).await?.1))
     }
 }
 
-/// The status of a world, with the report that it is made of. Fingerprinting a large world takes a while, in
-/// which others must not wait.
-async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> {
+/// The status of a world, with the report that it is made of. Fingerprinting a large world takes a while, in which other
+/// calls must not wait.
+pub(crate) async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> {
     let work = move || {
         let status = convert::status(&report);
         (report, status)
@@ -48,7 +53,7 @@ async fn status_of(report: Report) -> Result<(Report, v1::WorldStatus), Status> 
     blocking(work).await
 }
 
-/// The world that is asked for, by its scenario or by its state, and a name for it.
+/// The world of a request, from its scenario or from a saved state, and a name for it.
 fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status> {
     let v1::CreateWorldRequest { world: name, scenario_toml, overrides, saved_mcap, .. } = request;
     let (own, world) = if saved_mcap.is_empty() {
@@ -63,7 +68,7 @@ fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status>
     Ok((if name.is_empty() { own } else { name }, world))
 }
 
-/// Parses a scenario with its overrides; the error names the request's field, then the scenario's.
+/// Parses a scenario with its overrides. An error names the request's field, then the scenario's.
 fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> {
     let invalid = |field: String, error: ScenarioError| {
         Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
@@ -75,10 +80,10 @@ fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> 
     baudbot_scenario::parse_with(toml, &changes).map_err(|error| invalid("scenario_toml".into(), error))
 }
 
-/// Most robots that one call asks the budget of: each takes a while.
+/// Most robots whose budget one call asks for: each takes a while.
 const MAX_BUDGETS: usize = 256;
 
-/// The robots that are asked for; all if none is named.
+/// The robots of these names; all if there are none.
 fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotSpec>, Status> {
     let robots = scenario.robots();
     if let Some(name) = names.iter().find(|name| robots.iter().all(|robot| robot.name != **name)) {
@@ -95,7 +100,7 @@ fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotS
     Ok(chosen)
 }
 
-/// Most budgets that are computed at a time, by all servers of the process: each takes a core for seconds.
+/// Budgets that are computed at a time, by all servers of the process: each takes a core for seconds.
 const BUDGETS_AT_A_TIME: usize = 2;
 
 static BUDGETS: Semaphore = Semaphore::const_new(BUDGETS_AT_A_TIME);
@@ -109,7 +114,7 @@ fn budget_permit() -> Result<SemaphorePermit<'static>, Status> {
     BUDGETS.try_acquire().map_err(|_| busy())
 }
 
-/// The budgets of the robots that are asked for, all within one allowance.
+/// The budgets of the robots of these names, all within one allowance.
 fn budgets(scenario: &Scenario, names: &[String]) -> Result<Response<v1::GetBudgetResponse>, Status> {
     let mut allowance = Allowance::of_a_call();
     let robots = chosen(scenario, names)?.into_iter();
@@ -128,7 +133,7 @@ impl ControlService for Control {
         let (pace, paused) = (convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME), request.paused);
         let (name, world) = blocking(move || new_world(request)).await??;
         let new = NewWorld { paused, ..NewWorld::new(name, world, pace) };
-        let report = self.registry.create(new)?.order(Order::Report).await?;
+        let report = self.registry.create(new)?.request(Asked::Report).await?;
         let (_, status) = status_of(report).await?;
         Ok(Response::new(v1::CreateWorldResponse { status: Some(status) }))
     }
@@ -140,7 +145,7 @@ impl ControlService for Control {
         let mut worlds = Vec::new();
         for world in self.registry.all() {
             // A world that is deleted meanwhile is left out.
-            if let Ok(report) = world.order(Order::Report).await {
+            if let Ok(report) = world.request(Asked::Report).await {
                 worlds.push(status_of(report).await?.1);
             }
         }
@@ -151,7 +156,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::GetWorldRequest>,
     ) -> Result<Response<v1::GetWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Order::Report).await?;
+        let status = self.status(&request.get_ref().world, Asked::Report).await?;
         Ok(Response::new(v1::GetWorldResponse { status }))
     }
 
@@ -159,7 +164,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::StartWorldRequest>,
     ) -> Result<Response<v1::StartWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Order::Start).await?;
+        let status = self.status(&request.get_ref().world, Asked::Start).await?;
         Ok(Response::new(v1::StartWorldResponse { status }))
     }
 
@@ -167,7 +172,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::PauseWorldRequest>,
     ) -> Result<Response<v1::PauseWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Order::Pause).await?;
+        let status = self.status(&request.get_ref().world, Asked::Pause).await?;
         Ok(Response::new(v1::PauseWorldResponse { status }))
     }
 
@@ -176,7 +181,7 @@ impl ControlService for Control {
         request: Request<v1::StepWorldRequest>,
     ) -> Result<Response<v1::StepWorldResponse>, Status> {
         let v1::StepWorldRequest { world, ticks } = request.get_ref();
-        let status = self.status(world, Order::Step { ticks: *ticks }).await?;
+        let status = self.status(world, Asked::Step { ticks: *ticks }).await?;
         Ok(Response::new(v1::StepWorldResponse { status }))
     }
 
@@ -186,7 +191,7 @@ impl ControlService for Control {
     ) -> Result<Response<v1::SetPaceResponse>, Status> {
         let v1::SetPaceRequest { world, pace } = request.into_inner();
         let pace = convert::pace_from(pace)?.ok_or_else(|| Status::invalid_argument("pace: must be set"))?;
-        let status = self.status(&world, Order::SetPace(pace)).await?;
+        let status = self.status(&world, Asked::SetPace(pace)).await?;
         Ok(Response::new(v1::SetPaceResponse { status }))
     }
 
@@ -194,7 +199,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::ResetWorldRequest>,
     ) -> Result<Response<v1::ResetWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Order::Reset).await?;
+        let status = self.status(&request.get_ref().world, Asked::Reset).await?;
         Ok(Response::new(v1::ResetWorldResponse { status }))
     }
 
@@ -202,7 +207,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::SnapshotWorldRequest>,
     ) -> Result<Response<v1::SnapshotWorldResponse>, Status> {
-        let report = self.order(&request.get_ref().world, Order::Snapshot).await?;
+        let report = self.request(&request.get_ref().world, Asked::Snapshot).await?;
         let (report, status) = status_of(report).await?;
         let (snapshot, status) = (report.snapshot, Some(status));
         Ok(Response::new(v1::SnapshotWorldResponse { snapshot, status }))
@@ -213,7 +218,7 @@ impl ControlService for Control {
         request: Request<v1::RestoreWorldRequest>,
     ) -> Result<Response<v1::RestoreWorldResponse>, Status> {
         let v1::RestoreWorldRequest { world, snapshot } = request.get_ref();
-        let status = self.status(world, Order::Restore { snapshot: *snapshot }).await?;
+        let status = self.status(world, Asked::Restore { snapshot: *snapshot }).await?;
         Ok(Response::new(v1::RestoreWorldResponse { status }))
     }
 
@@ -222,7 +227,7 @@ impl ControlService for Control {
         request: Request<v1::DeleteWorldRequest>,
     ) -> Result<Response<v1::DeleteWorldResponse>, Status> {
         let world = &request.get_ref().world;
-        let status = self.status(world, Order::Delete).await;
+        let status = self.status(world, Asked::Delete).await;
         // A world that does not answer is forgotten all the same, so that its name is free again.
         if !matches!(&status, Err(status) if status.code() == Code::NotFound) {
             self.registry.remove(world);
@@ -291,7 +296,7 @@ impl ControlService for Control {
         request: Request<v1::SeekReplayRequest>,
     ) -> Result<Response<v1::SeekReplayResponse>, Status> {
         let v1::SeekReplayRequest { world, tick } = request.get_ref();
-        let status = self.status(world, Order::Seek { tick: *tick }).await?;
+        let status = self.status(world, Asked::Seek { tick: *tick }).await?;
         Ok(Response::new(v1::SeekReplayResponse { status }))
     }
 
@@ -316,7 +321,7 @@ impl ControlService for Control {
             }
             Some(Given::World(world)) => {
                 let world = self.registry.find("world", &world)?;
-                (Some(world.ask(Letter::Describe).await?), String::new())
+                (Some(world.ask(Message::Describe).await?), String::new())
             }
             Some(Given::ScenarioToml(toml)) => (None, toml),
         };

@@ -1,23 +1,24 @@
-//! What operators do with runs that are files.
+//! Recordings and saved states: what operators do with runs that are files.
 
 use std::io::BufReader;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_recording::{Replay, Tape, saved};
+use baudbot_recording::{RecordingError, Replay, Tape, saved};
 use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
 
 use super::{Control, status_of};
+use crate::actor::NewWorld;
 use crate::blocking::blocking;
 use crate::convert;
-use crate::letter::{Letter, Order, RecordingReport, Report};
+use crate::message::{Message, RecordConfig, Request};
 use crate::pace::Pace;
-use crate::recording::{Folder, RecordConfig};
-use crate::registry::{NewWorld, Registry};
-use crate::server::Server;
-use crate::words::brief;
+use crate::quote::brief;
+use crate::recording::Folder;
+use crate::registry::Registry;
+use crate::report::{RecordingReport, Report};
 
 impl Control {
     fn folder(&self) -> Result<&Folder, Status> {
@@ -31,7 +32,7 @@ impl Control {
 
     pub(super) async fn save(&self, request: v1::SaveWorldRequest) -> Result<v1::SaveWorldResponse, Status> {
         let v1::SaveWorldRequest { world: name, snapshot } = request;
-        let world = self.order(&name, Order::Save { snapshot }).await?.world;
+        let world = self.request(&name, Request::Save { snapshot }).await?.world;
         blocking(move || {
             let saved_mcap =
                 saved::to_bytes(&name, &world).map_err(|error| Status::internal(error.to_string()))?;
@@ -60,11 +61,11 @@ impl Control {
         self.registry.find("world", &world)?;
         let name = if recording.is_empty() { folder.free_name(&world) } else { recording };
         let config = RecordConfig { path: folder.file(&name)?, name, look_hz };
-        self.status(&world, Order::Record(config)).await
+        self.status(&world, Request::Record(config)).await
     }
 
     pub(super) async fn stop_recording_of(&self, world: &str) -> Result<RecordingReport, Status> {
-        Ok(stop(&self.registry, world).await?.1)
+        Ok(stop_recording(&self.registry, world).await?.1)
     }
 
     pub(super) async fn list(&self) -> Result<v1::ListRecordingsResponse, Status> {
@@ -79,7 +80,7 @@ impl Control {
         let (name, file) = (recording.clone(), format!("recording: `{recording}`"));
         let opened = blocking(move || {
             let opened = BufReader::with_capacity(1 << 20, folder.open(&name)?);
-            open(Tape::read(opened))
+            replay(Tape::read(opened))
                 .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
         });
         let (replay, made) = opened.await??;
@@ -87,12 +88,12 @@ impl Control {
         let name = if world.is_empty() { recording.replace('.', "-") } else { world };
         let new =
             NewWorld { replay: Some(replay), paused: true, ..NewWorld::new(name, made, Pace::REAL_TIME) };
-        let report = self.registry.create(new)?.order(Order::Report).await?;
+        let report = self.registry.create(new)?.request(Request::Report).await?;
         Ok(status_of(report).await?.1)
     }
 
     pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
-        let tape = self.registry.find("world", world)?.ask(Letter::DescribeReplay).await?;
+        let tape = self.registry.find("world", world)?.ask(Message::DescribeReplay).await?;
         let live =
             || Status::failed_precondition(format!("world: `{}` is live, it replays nothing", brief(world)));
         Ok(convert::replay(&*tape.ok_or_else(live)?))
@@ -103,37 +104,28 @@ impl Control {
         request: v1::ForkReplayRequest,
     ) -> Result<Option<v1::WorldStatus>, Status> {
         let pace = convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME);
-        self.status(&request.world, Order::Fork(pace)).await
+        self.status(&request.world, Request::Fork(pace)).await
     }
 }
 
-/// Closes a world's recording. Gives the world as the file ends with it, and how the file is.
-async fn stop(registry: &Registry, world: &str) -> Result<(Report, RecordingReport), Status> {
-    let (told, closed) = oneshot::channel();
-    let report = registry.find("world", world)?.order(Order::StopRecording(told)).await?;
-    let recording = closed.await.map_err(|_| Status::internal("the recording's thread is gone"))?;
+/// Ends a world's recording. Gives the world in the state that the file ends with, and the report of the recording once its
+/// file is closed.
+pub(crate) async fn stop_recording(
+    registry: &Registry,
+    world: &str,
+) -> Result<(Report, RecordingReport), Status> {
+    let (closed, report_of_file) = oneshot::channel();
+    let report = registry.find("world", world)?.request(Request::StopRecording(closed)).await?;
+    let recording = report_of_file.await.map_err(|_| Status::internal("the recording's thread is gone"))?;
     Ok((report, recording))
 }
 
-impl Server {
-    /// Closes a world's recording, and says how the world then stood: in the very state that the file ends with. Who
-    /// asks for the one and then for the other may find a tick between them.
-    ///
-    /// # Errors
-    /// If there is no such world, or it is not being recorded.
-    pub async fn stop_recording(&self, world: &str) -> Result<v1::WorldStatus, Status> {
-        let (report, recording) = stop(&self.registry, world).await?;
-        let status = status_of(Report { recording: Some(recording), ..report }).await?.1;
-        Ok(status)
-    }
-}
-
-/// A world from a state that SaveWorld gave, and the name that it had.
+/// A world from the state in a response of SaveWorld, and the name that it had.
 pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
     let tape = Tape::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
     if let Some(problem) = tape.problem() {
-        return Err(invalid(format!("is no whole state: {problem}")));
+        return Err(invalid(format!("is not a complete state: {problem}")));
     }
     if tape.last_tick() != tape.first_tick() {
         let ticks = tape.last_tick() - tape.first_tick();
@@ -145,15 +137,15 @@ pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     Ok((tape.header().world.clone(), world))
 }
 
-fn open(tape: Result<Tape, baudbot_recording::RecordingError>) -> Result<(Replay, World), String> {
-    let tape = tape.map_err(|error| error.to_string())?;
-    Replay::start(Arc::new(tape)).map_err(|error| error.to_string())
+/// A world that replays a recording, at its beginning.
+fn replay(tape: Result<Tape, RecordingError>) -> Result<(Replay, World), RecordingError> {
+    Replay::start(Arc::new(tape?))
 }
 
 /// Most frames a simulated second.
 const MAX_LOOK_HZ: f64 = 1000.0;
 
-/// Most memory that a state from the network may have before it is read.
+/// Memory that a state from the network may take before it is read, at most.
 const MAX_STATE: usize = 256 << 20;
 
 /// Longest state that one message carries.

@@ -8,7 +8,7 @@ use baudbot_sim::robot::RobotSpec;
 use tonic::Status;
 
 use crate::endpoint::{Output, Signals, Thinking, Until, Write};
-use crate::letter::{Attached, Delivery, RobotDelivery};
+use crate::message::{Attached, Delivery, RobotDelivery};
 
 /// What a brain may know of its robots.
 pub(crate) fn welcome(attached: &Attached) -> v1::AttachResponse {

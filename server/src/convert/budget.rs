@@ -1,4 +1,4 @@
-//! What a robot's control cycle costs.
+//! Budgets: the cost of a robot's control cycle.
 
 use baudbot_budget::{Age, Chip, Cost, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
 use baudbot_proto::v1;

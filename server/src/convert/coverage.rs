@@ -1,8 +1,8 @@
-//! Which cells of the floor are covered.
+//! The cells of the floor that are covered.
 
 use baudbot_proto::v1;
 
-use crate::letter::CoverageReport;
+use crate::report::CoverageReport;
 
 /// The cells of a world's floor; `None` if it counts no coverage.
 pub(crate) fn coverage(report: &CoverageReport) -> Option<v1::GetCoverageResponse> {

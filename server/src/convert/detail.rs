@@ -1,12 +1,12 @@
-//! What an observer is told about the robots that it wants to know more of.
+//! Details of robots for observers.
 
 use baudbot_proto::v1;
 use baudbot_sim::timeline::{Event, What};
 
 use super::status::{cycle_status, line_status};
-use crate::details::{Detail, RayFan, SensorDetail};
+use crate::frame::{RayFan, RobotDetail, SensorDetail};
 
-pub(super) fn detail(detail: Detail) -> v1::RobotDetail {
+pub(super) fn detail(detail: RobotDetail) -> v1::RobotDetail {
     let [uplink_waiting_bytes, downlink_waiting_bytes] = detail.under_way;
     v1::RobotDetail {
         robot: detail.robot as u32,
@@ -15,7 +15,7 @@ pub(super) fn detail(detail: Detail) -> v1::RobotDetail {
         downlink: Some(line_status(&detail.downlink)),
         uplink_waiting_bytes,
         downlink_waiting_bytes,
-        cycles: Some(cycle_status(&detail.cycles.0, detail.cycles.1)),
+        cycles: Some(cycle_status(&detail.cycles, detail.deadline_ns)),
         events: detail.events.iter().map(event).collect(),
         missed_events: detail.missed_events,
         attached: detail.brain.is_some(),
@@ -60,7 +60,7 @@ fn event(event: &Event) -> v1::TimelineEvent {
     }
 }
 
-/// What happened, with the sensor or the fault, and with bytes.
+/// The kind of an event, with the sensor or the fault, and with bytes.
 fn kind(what: What) -> (v1::TimelineKind, Option<u32>, u32) {
     use v1::TimelineKind as Kind;
     match what {

@@ -1,7 +1,7 @@
-//! Between the contract's types and the domain's: the only folder that names both.
+//! Conversions between the contract's types and the domain's: the only folder that names both.
 //!
-//! A file for each who asks: `brain`, `observe`, `detail` and `coverage`, and `status`, `budget`, `intervention` and
-//! `replay` for the operator. This one has what they share.
+//! `brain` is for brains; `observe`, `detail` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
+//! `replay` are for operators. This file has what they share.
 
 mod brain;
 mod budget;
@@ -15,7 +15,7 @@ mod status;
 
 use baudbot_proto::v1;
 
-use crate::letter::{Charge, Score};
+use crate::frame::{Charge, Score, ZoneScore};
 
 pub(crate) use brain::{delivery, welcome, writes};
 pub(crate) use budget::robot_budget;
@@ -38,15 +38,15 @@ fn battery(Charge { share, voltage_v, state }: Charge) -> v1::BatteryStatus {
 }
 
 fn score(Score { covered, sensed, zones }: Score) -> v1::Score {
-    let goals = || zones.iter().filter(|(_, goal, _)| *goal);
+    let goals = || zones.iter().filter(|zone| zone.is_goal);
     v1::Score {
         covered,
         sensed,
-        goals_reached: goals().filter(|(_, _, visited)| *visited).count() as u32,
+        goals_reached: goals().filter(|zone| zone.visited).count() as u32,
         goals: goals().count() as u32,
         zones: zones
             .into_iter()
-            .map(|(zone, goal, visited)| v1::ZoneStatus { zone, goal, visited })
+            .map(|ZoneScore { name, is_goal, visited }| v1::ZoneStatus { zone: name, goal: is_goal, visited })
             .collect(),
     }
 }

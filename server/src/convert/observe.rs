@@ -1,4 +1,4 @@
-//! What an observer is told.
+//! Worlds and frames for observers.
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ use super::brain::description;
 use super::detail::detail;
 use super::{battery, score};
 use crate::columns::sensor_columns;
-use crate::letter::{Frame, Thing, Truth};
+use crate::frame::{Frame, RobotTruth, Thing};
 
-/// What stands still in a world, and what moves in it, for an observer.
+/// The description of a world: what stands still in it, and what moves.
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {
     let surroundings = scenario.surroundings();
     v1::DescribeWorldResponse {
@@ -154,7 +154,7 @@ fn field(field: &Field) -> v1::ScalarField {
     }
 }
 
-/// The truth for an observer.
+/// A frame for an observer.
 pub(crate) fn frame(frame: Frame) -> v1::WatchResponse {
     let collisions = frame.collisions.into_iter();
     v1::WatchResponse {
@@ -179,7 +179,7 @@ fn thing(Thing { name, x_m, y_m, heading_rad, blocked_ns }: Thing) -> v1::ThingT
     v1::ThingTruth { thing: name, x_m, y_m, heading_rad, blocked_ns }
 }
 
-fn truth(truth: Truth) -> v1::RobotTruth {
+fn truth(truth: RobotTruth) -> v1::RobotTruth {
     v1::RobotTruth {
         x_m: truth.motion.pose.position.x,
         y_m: truth.motion.pose.position.y,

@@ -56,7 +56,7 @@ fn watchdog_from(watchdog: Option<v1::Watchdog>) -> Result<Watchdog, Status> {
     Ok(Watchdog { timeout, policy })
 }
 
-/// The pace that the contract's is; `None` if it is none.
+/// The pace of a message of the contract; `None` if that is not valid.
 pub fn pace_of(pace: v1::Pace) -> Option<Pace> {
     pace_from(Some(pace)).ok().flatten()
 }
@@ -90,7 +90,7 @@ fn watchdog_to(watchdog: Watchdog) -> v1::Watchdog {
     v1::Watchdog { timeout_ms: ms(watchdog.timeout), policy: policy.into() }
 }
 
-/// Whole milliseconds, of which 0 would mean something else.
+/// Whole milliseconds, at least 1, since 0 has another meaning in the contract.
 fn ms(duration: Duration) -> u32 {
     u32::try_from(duration.as_millis()).unwrap_or(u32::MAX).max(1)
 }

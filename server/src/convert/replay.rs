@@ -1,9 +1,9 @@
-//! What there is in a recording.
+//! Recordings that are replayed.
 
 use baudbot_proto::v1;
 use baudbot_recording::Tape;
 
-/// A recording for those who look for something in it.
+/// The description of a recording.
 pub(crate) fn replay(tape: &Tape) -> v1::DescribeReplayResponse {
     let header = tape.header();
     let events = tape.events().iter().take(MAX_EVENTS);

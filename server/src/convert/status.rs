@@ -1,4 +1,4 @@
-//! What the operator is told of a world.
+//! Reports for operators.
 
 use std::time::Duration;
 
@@ -10,8 +10,9 @@ use baudbot_sim::{Freshness, Histogram, RobotView, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
-use crate::letter::{Activity, Charge, RecordingReport, Report, Score, SeatReport};
+use crate::frame::{Charge, Score};
 use crate::pace::Pacing;
+use crate::report::{Activity, RecordingReport, Report, SlotReport};
 
 /// A world as it stands.
 pub(crate) fn status(report: &Report) -> v1::WorldStatus {
@@ -57,15 +58,15 @@ pub(crate) fn recording_status(report: &RecordingReport) -> v1::RecordingStatus 
 }
 
 fn robots(report: &Report) -> Vec<v1::RobotStatus> {
-    let robots = report.world.robots().zip(&report.seats).enumerate();
-    let status = |(i, (robot, seat)): (usize, (RobotView<'_>, &SeatReport))| v1::RobotStatus {
+    let robots = report.world.robots().zip(&report.slots).enumerate();
+    let status = |(i, (robot, slot)): (usize, (RobotView<'_>, &SlotReport))| v1::RobotStatus {
         in_zone_ns: report.world.score().in_zone_ns(i).to_vec(),
-        ..robot_status(&robot, seat)
+        ..robot_status(&robot, slot)
     };
     robots.map(status).collect()
 }
 
-/// Things that move by themselves come first among all things.
+/// The statuses of things that move by themselves, which come first among all things.
 fn movers(world: &World) -> Vec<v1::MoverStatus> {
     let movers = world.things().take(world.scenario().movers().len());
     movers.map(|m| v1::MoverStatus { mover: m.name.to_owned(), blocked_ns: m.blocked_ns }).collect()
@@ -88,12 +89,12 @@ fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
+fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
     let counters = robot.counters();
     v1::RobotStatus {
         robot: robot.spec().name.clone(),
-        brain: seat.brain.clone().unwrap_or_default(),
-        attached: seat.brain.is_some(),
+        brain: slot.brain.clone().unwrap_or_default(),
+        attached: slot.brain.is_some(),
         turns: counters.turns,
         commands: robot.commands(),
         collisions: counters.collisions,
@@ -107,9 +108,9 @@ fn robot_status(robot: &RobotView<'_>, seat: &SeatReport) -> v1::RobotStatus {
             .map(|(i, (view, spec))| sensor_status(&view, spec, robot.port(i)))
             .collect(),
         frames_missed: robot.frames_missed(),
-        lost_deliveries: seat.lost_deliveries,
-        lost_steps: seat.lost_steps,
-        said: seat.said.clone(),
+        lost_deliveries: slot.lost_deliveries,
+        lost_steps: slot.lost_steps,
+        said: slot.said.clone(),
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),

@@ -1,13 +1,31 @@
-//! Who comes in: the connections of all listeners are counted, and nobody holds a place for nothing.
+//! The gate: how many connections a server has, over all of its listeners, and which of them it keeps.
 //!
-//! A connection takes a place, as long as there are any. It must ask for something soon: whoever has not is closed after a
-//! while, or at once if all places are taken and another connection comes. If all who have a place have asked for
-//! something, the next connection is let in only to be told that there is no room.
+//! # Need
 //!
-//! [`Gate`] counts, [`Guest`] is a connection as it is read and written, [`Entry`] a listener.
+//! A process may have so many open files and not more, and a connection is one of them. Without a limit, clients that
+//! connect and do nothing take all of them, and then neither an operator gets in nor a recording gets its file. So there are
+//! *places*, fewer than the process may have files (`descriptors`), and a connection is useful only with a place.
+//!
+//! # Assumptions
+//!
+//! A client connects because it wants something, and calls at once. One that has made a call is in use from then on and may
+//! be silent for as long as it likes: a brain in a world that stands says nothing for hours. One that has not is broken,
+//! lost, or hostile, and another client can use its place.
+//!
+//! # Mechanism
+//!
+//! - A connection takes a place, as long as one is free. It then has to make its first call within some seconds
+//!   (`patience`), or it is closed.
+//! - When no place is free, a new connection gets that of the connection which has been silent for longest, and which is
+//!   closed for it. A flood of connections without calls so displaces itself, and never those that are in use.
+//! - When all places are in use, a new connection is let in without a place, only so that its first call can be answered
+//!   by a status that says why; a connection that was merely closed would tell a client nothing. Of these there are few, as
+//!   each takes one of the files that were left over, and none stays for longer than two seconds.
+//!
+//! [`Gate`] counts, [`Connection`] is a connection as it is read and written, [`GatedListener`] accepts them.
 
-mod entry;
-mod guest;
+mod connection;
+mod listener;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,10 +35,22 @@ use std::time::{Duration, Instant};
 use futures_util::task::AtomicWaker;
 use tonic::{Request, Status};
 
-pub(crate) use entry::{Entry, Visitor, guests};
-pub(crate) use guest::Guest;
+pub(crate) use connection::Connection;
+pub(crate) use listener::{GatedListener, PageConnection, connections};
 
-use crate::seldom::Seldom;
+use crate::log::Throttle;
+
+/// The error of a connection without a place.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error(
+    "the server has {places} connections, which is its limit; close one, or start it with a larger --max-connections"
+)]
+pub(crate) struct NoPlace {
+    places: usize,
+}
+
+/// How long a connection without a place has to call, and to take the answer.
+const FAREWELL: Duration = Duration::from_secs(2);
 
 /// Counts the connections of a server. Clones share the count.
 #[derive(Clone)]
@@ -29,94 +59,95 @@ pub(crate) struct Gate(Arc<Shared>);
 struct Shared {
     /// Most connections at a time.
     places: usize,
-    /// How long a connection has to ask for something.
+    /// How long a connection has to make its first call.
     patience: Duration,
-    crowd: Mutex<Crowd>,
-    refused: Seldom,
-    trouble: Seldom,
+    occupancy: Mutex<Occupancy>,
+    refusals: Throttle,
+    accept_errors: Throttle,
 }
 
-/// Who is there, by number: the oldest come first.
+/// The connections of a server, by number: the oldest come first.
 #[derive(Default)]
-struct Crowd {
+struct Occupancy {
+    /// Places that are taken.
     taken: usize,
     last_number: u64,
-    /// Those with a place that have not asked for anything.
-    silent: BTreeMap<u64, Arc<Visit>>,
-    /// Those without a place.
-    turned_away: BTreeMap<u64, Arc<Visit>>,
+    /// Connections with a place that have not made a call.
+    silent: BTreeMap<u64, Arc<Admission>>,
+    /// Connections without a place.
+    refused: BTreeMap<u64, Arc<Admission>>,
 }
 
-/// A connection, as those know it who do not read or write it.
-pub(crate) struct Visit {
+/// The state of a connection at the gate, shared between the gate, the connection and its calls.
+pub(crate) struct Admission {
     gate: Gate,
     number: u64,
-    /// Changes only while the crowd is locked.
+    /// Changes only while the occupancy is locked.
     has_place: AtomicBool,
-    /// It has asked for something, and stays.
-    is_known: AtomicBool,
-    /// Another connection needs its place.
-    is_over: AtomicBool,
-    /// Of the task that reads the connection.
+    /// Whether it has made a call, and stays.
+    has_called: AtomicBool,
+    /// Whether another connection needs its place.
+    is_evicted: AtomicBool,
+    /// The task that reads the connection.
     reader: AtomicWaker,
 }
 
 impl Gate {
-    /// A gate with so many places; connections have so long to ask for something.
+    /// A gate with so many places; connections have so long to make their first call.
     pub(crate) fn new(places: usize, patience: Duration) -> Self {
-        let (refused, trouble) = (Seldom::default(), Seldom::default());
-        Self(Arc::new(Shared { places, patience, crowd: Mutex::default(), refused, trouble }))
+        let (refusals, accept_errors) = (Throttle::default(), Throttle::default());
+        Self(Arc::new(Shared { places, patience, occupancy: Mutex::default(), refusals, accept_errors }))
     }
 
-    /// How long a connection has to ask for something.
+    /// How long a connection has to make its first call.
     pub(crate) fn patience(&self) -> Duration {
         self.0.patience
     }
 
-    /// A connection has come.
-    fn admit(&self) -> Arc<Visit> {
-        let mut crowd = self.crowd();
-        let has_place = crowd.find_place(self.0.places);
-        crowd.last_number += 1;
-        let number = crowd.last_number;
-        let visit = Arc::new(Visit {
+    /// Admits a new connection, with or without a place.
+    fn admit(&self) -> Arc<Admission> {
+        let mut occupancy = self.occupancy();
+        let has_place = occupancy.find_place(self.0.places);
+        occupancy.last_number += 1;
+        let number = occupancy.last_number;
+        let admission = Arc::new(Admission {
             gate: self.clone(),
             number,
             has_place: has_place.into(),
-            is_known: false.into(),
-            is_over: false.into(),
+            has_called: false.into(),
+            is_evicted: false.into(),
             reader: AtomicWaker::new(),
         });
-        let queue = if has_place { &mut crowd.silent } else { &mut crowd.turned_away };
-        queue.insert(number, Arc::clone(&visit));
-        if crowd.turned_away.len() > most_turned_away(self.0.places)
-            && let Some((_, oldest)) = crowd.turned_away.pop_first()
+        let queue = if has_place { &mut occupancy.silent } else { &mut occupancy.refused };
+        queue.insert(number, Arc::clone(&admission));
+        if occupancy.refused.len() > max_refused(self.0.places)
+            && let Some((_, oldest)) = occupancy.refused.pop_first()
         {
-            oldest.end();
+            oldest.evict();
         }
-        drop(crowd);
-        if !has_place && let Some(times) = self.0.refused.note(Instant::now()) {
+        drop(occupancy);
+        if !has_place && let Some(times) = self.0.refusals.note(Instant::now()) {
             tracing::warn!(times, places = self.0.places, "connections refused, as all places are taken");
         }
-        visit
+        admission
     }
 
-    /// A connection is gone.
-    fn leave(&self, visit: &Visit) {
-        let mut crowd = self.crowd();
-        crowd.silent.remove(&visit.number);
-        crowd.turned_away.remove(&visit.number);
-        crowd.taken -= usize::from(visit.has_place.load(Ordering::Relaxed));
+    /// Removes a connection that is gone.
+    fn leave(&self, admission: &Admission) {
+        let mut occupancy = self.occupancy();
+        occupancy.silent.remove(&admission.number);
+        occupancy.refused.remove(&admission.number);
+        occupancy.taken -= usize::from(admission.has_place.load(Ordering::Relaxed));
     }
 
-    fn crowd(&self) -> MutexGuard<'_, Crowd> {
-        // The crowd is sound between any two of its calls.
-        self.0.crowd.lock().unwrap_or_else(PoisonError::into_inner)
+    fn occupancy(&self) -> MutexGuard<'_, Occupancy> {
+        // It is consistent between any two of its changes.
+        self.0.occupancy.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Crowd {
-    /// Takes a place that is free, or that of whoever has been silent for longest.
+impl Occupancy {
+    /// Takes a place that is free, or that of the connection that has been silent for longest.
     fn find_place(&mut self, places: usize) -> bool {
         if self.taken < places {
             self.taken += 1;
@@ -124,54 +155,52 @@ impl Crowd {
         }
         let Some((_, oldest)) = self.silent.pop_first() else { return false };
         oldest.has_place.store(false, Ordering::Relaxed);
-        oldest.end();
+        oldest.evict();
         true
     }
 }
 
-impl Visit {
-    /// It asks for something: then it stays, or is told why it cannot.
-    pub(crate) fn ask(&self) -> Result<(), String> {
-        if self.is_known.load(Ordering::Relaxed) {
+impl Admission {
+    /// The connection makes a call: from its first one on it stays.
+    ///
+    /// # Errors
+    /// If it has no place.
+    pub(crate) fn note_call(&self) -> Result<(), NoPlace> {
+        if self.has_called.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let mut crowd = self.gate.crowd();
-        if crowd.silent.remove(&self.number).is_some() {
-            self.is_known.store(true, Ordering::Relaxed);
+        let mut occupancy = self.gate.occupancy();
+        if occupancy.silent.remove(&self.number).is_some() {
+            self.has_called.store(true, Ordering::Relaxed);
             return Ok(());
         }
-        let places = self.gate.0.places;
-        Err(format!(
-            "the server has {places} connections, which is its limit; close one, or start it with a larger --max-connections"
-        ))
+        Err(NoPlace { places: self.gate.0.places })
     }
 
-    /// How long it has to ask for something, or to be told that it cannot.
+    /// How long it has to make its first call, or to be told that it has no place.
     fn patience(&self) -> Duration {
         let has_place = self.has_place.load(Ordering::Relaxed);
         if has_place { self.gate.0.patience } else { self.gate.0.patience.min(FAREWELL) }
     }
 
-    fn end(&self) {
-        self.is_over.store(true, Ordering::Relaxed);
+    fn evict(&self) {
+        self.is_evicted.store(true, Ordering::Relaxed);
         self.reader.wake();
     }
 }
 
-/// Lets a call pass, or says that there is no room. Calls through pipes in memory need no place.
+/// Lets a call pass, unless its connection has no place. Calls through pipes in memory need none.
 pub(crate) fn check_call(request: Request<()>) -> Result<Request<()>, Status> {
-    match request.extensions().get::<Arc<Visit>>() {
-        Some(visit) => visit.ask().map(|()| request).map_err(Status::unavailable),
+    match request.extensions().get::<Arc<Admission>>() {
+        Some(admission) => {
+            admission.note_call().map(|()| request).map_err(|error| Status::unavailable(error.to_string()))
+        }
         None => Ok(request),
     }
 }
 
-/// How long a connection without a place has to ask, and to take the answer.
-const FAREWELL: Duration = Duration::from_secs(2);
-
-/// Connections without a place at a time: each is there only until it has been told so. Few where there are few descriptors,
-/// for these are what was left for files.
-fn most_turned_away(places: usize) -> usize {
+/// Connections without a place at a time. Few where there are few descriptors, for these are what was left for files.
+fn max_refused(places: usize) -> usize {
     (places / 8).clamp(8, 64)
 }
 
@@ -179,48 +208,48 @@ fn most_turned_away(places: usize) -> usize {
 mod tests {
     use super::*;
 
-    fn is_over(visit: &Visit) -> bool {
-        visit.is_over.load(Ordering::Relaxed)
+    fn is_evicted(admission: &Admission) -> bool {
+        admission.is_evicted.load(Ordering::Relaxed)
     }
 
     #[test]
-    fn who_has_been_silent_for_longest_gives_its_place_to_a_newcomer() {
+    fn the_connection_that_has_been_silent_for_longest_gives_its_place_to_a_new_one() {
         let gate = Gate::new(2, Duration::from_secs(10));
         let [first, second, third] = [(); 3].map(|()| gate.admit());
-        assert_eq!([&first, &second, &third].map(|visit| is_over(visit)), [true, false, false]);
-        assert!(first.ask().is_err(), "its place is gone");
+        assert_eq!([&first, &second, &third].map(|one| is_evicted(one)), [true, false, false]);
+        assert!(first.note_call().is_err(), "its place is gone");
         // It leaves late, and takes no place along.
         gate.leave(&first);
-        assert_eq!(gate.crowd().taken, 2);
-        second.ask().unwrap();
+        assert_eq!(gate.occupancy().taken, 2);
+        second.note_call().unwrap();
         let fourth = gate.admit();
-        assert!(is_over(&third) && !is_over(&second), "who has asked for something stays");
-        fourth.ask().unwrap();
+        assert!(is_evicted(&third) && !is_evicted(&second), "a connection that has made a call stays");
+        fourth.note_call().unwrap();
     }
 
     #[test]
-    fn where_all_have_asked_the_next_is_told_that_there_is_no_room_until_one_leaves() {
+    fn where_all_places_are_in_use_a_new_connection_is_refused_until_one_leaves() {
         let gate = Gate::new(2, Duration::from_secs(10));
         let both = [gate.admit(), gate.admit()];
-        both.iter().for_each(|visit| visit.ask().unwrap());
+        both.iter().for_each(|one| one.note_call().unwrap());
         let late = gate.admit();
-        let refused = late.ask().unwrap_err();
+        let refused = late.note_call().unwrap_err().to_string();
         assert!(refused.starts_with("the server has 2 connections, which is its limit; "), "{refused}");
         gate.leave(&both[0]);
-        assert!(late.ask().is_err(), "that stays so for who was refused");
+        assert!(late.note_call().is_err(), "a refused connection stays refused");
         gate.leave(&late);
-        gate.admit().ask().unwrap();
-        assert_eq!(gate.crowd().taken, 2);
+        gate.admit().note_call().unwrap();
+        assert_eq!(gate.occupancy().taken, 2);
     }
 
     #[test]
-    fn those_without_a_place_are_few() {
+    fn connections_without_a_place_are_few() {
         let gate = Gate::new(1, Duration::from_secs(10));
-        gate.admit().ask().unwrap();
-        let away: Vec<_> = (0..=most_turned_away(1)).map(|_| gate.admit()).collect();
-        assert!(is_over(&away[0]) && !away[1..].iter().any(|visit| is_over(visit)));
-        away.iter().for_each(|visit| gate.leave(visit));
-        let crowd = gate.crowd();
-        assert_eq!((crowd.taken, crowd.turned_away.len()), (1, 0));
+        gate.admit().note_call().unwrap();
+        let away: Vec<_> = (0..=max_refused(1)).map(|_| gate.admit()).collect();
+        assert!(is_evicted(&away[0]) && !away[1..].iter().any(|one| is_evicted(one)));
+        away.iter().for_each(|one| gate.leave(one));
+        let occupancy = gate.occupancy();
+        assert_eq!((occupancy.taken, occupancy.refused.len()), (1, 0));
     }
 }

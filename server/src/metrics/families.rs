@@ -1,11 +1,11 @@
-//! All metrics, each with what it is made of. `docs/metrics.md` lists them.
+//! All metrics, each with the measure that it is made of. `docs/metrics.md` lists them.
 
 use super::World;
-use super::measures::{Line, Measures, QUANTILES, RobotMeasures};
 use super::text::Family;
-use crate::letter::Activity;
+use crate::measures::{LineMeasures, Measures, QUANTILES, RobotMeasures};
+use crate::report::Activity;
 
-/// Name, help, and what it is of a world. Counters end in `_total`, all others are gauges.
+/// Name, help, and the value of a measure. Counters end in `_total`, all others are gauges.
 type Of<T> = (&'static str, &'static str, fn(&T) -> f64);
 
 const WORLDS: [Of<Measures>; 12] = [
@@ -35,7 +35,7 @@ const WORLDS: [Of<Measures>; 12] = [
         "Wall-clock time that the world let go, as it lagged by more than its pace allows.",
         |w| w.pacing.let_go.as_secs_f64(),
     ),
-    ("baudbot_world_let_go_total", "How often it did.", |w| w.pacing.times_let_go as f64),
+    ("baudbot_world_let_go_total", "How often the world let time go.", |w| w.pacing.times_let_go as f64),
     ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots().len() as f64),
     ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
     (
@@ -45,7 +45,7 @@ const WORLDS: [Of<Measures>; 12] = [
     ),
 ];
 
-const LINES: [Of<Line>; 9] = [
+const LINES: [Of<LineMeasures>; 9] = [
     ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |l| {
         l.counters.bytes as f64
     }),
@@ -79,43 +79,43 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     ("baudbot_robot_turns_total", "Steps of the robot's brain, answered or not.", |r| r.turns as f64),
     ("baudbot_robot_commands_total", "Commands that the microcontroller obeyed.", |r| r.commands as f64),
     ("baudbot_robot_collisions_total", "Collisions.", |r| r.collisions as f64),
-    ("baudbot_robot_distance_meters_total", "Way driven.", |r| r.distance_m),
+    ("baudbot_robot_distance_meters_total", "Distance driven.", |r| r.distance_m),
     (
         "baudbot_robot_reading_frames_missed_total",
         "Frames of readings left out because the microcontroller was busy.",
         |r| r.frames_missed as f64,
     ),
     ("baudbot_brain_attached", "1 if a brain holds the robot, 0 if none does.", |r| {
-        f64::from(u8::from(r.seat.attached))
+        f64::from(u8::from(r.slot.attached))
     }),
     (
         "baudbot_brain_deliveries_lost_total",
         "Turns that were not given to the brain because it did not read.",
-        |r| r.seat.lost_deliveries as f64,
+        |r| r.slot.lost_deliveries as f64,
     ),
     (
         "baudbot_brain_steps_lost_total",
         "Steps that the brain sent beyond those that the world takes in a tick.",
-        |r| r.seat.lost_steps as f64,
+        |r| r.slot.lost_steps as f64,
     ),
     ("baudbot_brain_queued_turns", "Turns in the server that wait until the brain reads.", |r| {
-        r.seat.queued_turns as f64
+        r.slot.queued_turns as f64
     }),
     ("baudbot_brain_open_turns", "Turns that the brain has not answered, in lockstep.", |r| {
-        r.seat.open_turns as f64
+        r.slot.open_turns as f64
     }),
     (
         "baudbot_brain_oldest_open_turn_seconds",
-        "Wall-clock time since the oldest of those, 0 if there is none.",
-        |r| r.seat.oldest_open.as_secs_f64(),
+        "Wall-clock time since the oldest open Turn, 0 if there is none.",
+        |r| r.slot.oldest_open.as_secs_f64(),
     ),
     ("baudbot_brain_answers_total", "Turns that were answered, in lockstep.", |r| {
-        r.seat.answering.answers as f64
+        r.slot.answering.answers as f64
     }),
     (
         "baudbot_brain_answer_seconds_total",
-        "Wall-clock time from those Turns to their answers, the network's included.",
-        |r| r.seat.answering.took.as_secs_f64(),
+        "Wall-clock time from Turns to their answers, the network's included.",
+        |r| r.slot.answering.took.as_secs_f64(),
     ),
     ("baudbot_brain_cycles_open", "Control cycles that are neither kept nor late nor unanswered yet.", |r| {
         r.cycles.open as f64
@@ -195,10 +195,8 @@ struct Shown<'a> {
 
 fn write_robots(worlds: &[(&str, &Measures)], most_robots: usize, text: &mut String) {
     let mut shown = Vec::new();
-    let mut left_out = Family::gauge(
-        "baudbot_world_robots_left_out",
-        "Robots that are not told of, since there are too many.",
-    );
+    let mut left_out =
+        Family::gauge("baudbot_world_robots_left_out", "Robots that are left out, since there are too many.");
     for (world, measures) in worlds {
         let specs = measures.scenario.robots();
         let room = (most_robots - shown.len()).min(measures.robots.len());

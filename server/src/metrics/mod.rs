@@ -1,16 +1,15 @@
 //! Numbers for monitoring, in Prometheus' text format.
 //!
-//! Nothing is counted for it: whoever asks gets what the world counts anyway for `ControlService.GetWorld`, read at
-//! that moment ([`measures`]). So a world that nobody asks does nothing for it, a number cannot differ from the
-//! operator's, and what was deleted is gone. A recorder of counters, as of the crate `metrics`, would have to be told of
-//! each change, or be filled from the same numbers, and be made to forget. What is used of the crate `prometheus` is its
-//! model and its encoder ([`text`]).
+//! Nothing is counted for it: an answer has what the world counts anyway for `ControlService.GetWorld`, read at that moment
+//! ([`measures`](crate::measures)). So a world that is not monitored does nothing for it, a number cannot differ from the
+//! operator's, and the numbers of a deleted world are gone. A recorder of counters, as of the crate `metrics`, would have to
+//! be told of each change, or be filled from the same numbers, and be made to forget. Of the crate `prometheus` the model and
+//! the encoder are used ([`text`]).
 //!
-//! A world is asked by a letter that copies numbers and nothing else, and is opened even while the world is ahead of its
-//! brains: who wants to know why it stands must not wait for that. The text is made on a thread of its own.
+//! A world is asked by a message that copies numbers and nothing else, and that is handled even while the world is ahead of
+//! its brains: monitoring that asks why a world stands must not wait for that. The text is made on a thread of its own.
 
 mod families;
-mod measures;
 mod text;
 
 use std::sync::Arc;
@@ -19,27 +18,33 @@ use std::time::Duration;
 use tokio::sync::{Semaphore, oneshot};
 use tokio::time::{Instant, timeout_at};
 
-pub(crate) use self::measures::{Measures, RobotMeasures};
-use crate::letter::Letter;
-use crate::registry::{Registry, WorldHandle};
+use crate::measures::{MAX_ROBOTS, Measures};
+use crate::message::{Message, WorldHandle};
+use crate::registry::Registry;
 
-/// Most robots that one answer tells of, each in 40 lines.
-pub(crate) const MAX_ROBOTS: usize = 5000;
-
-/// How long worlds have to answer. One that is within a long tick, or blocked by whoever writes its table, does not.
+/// How long worlds have to answer. A world within a long tick, or whose `OnTick` blocks, does not.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Answers that are made at a time; each takes memory and a processor.
+/// Answers that are made at a time: each takes memory and a processor.
 const MAX_SCRAPES: usize = 2;
 
 /// Type of the text.
 pub(crate) const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
 
-/// Measures the worlds of a server. Clones share how many do so at a time.
+/// Measures the worlds of a server. Clones share the limit of answers at a time.
 #[derive(Clone)]
 pub(crate) struct Metrics {
     registry: Registry,
-    room: Arc<Semaphore>,
+    permits: Arc<Semaphore>,
+}
+
+/// Why there are no metrics.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Refused {
+    #[error("{MAX_SCRAPES} others are being answered, which is the limit; ask again")]
+    Busy,
+    #[error("{0}")]
+    Failed(tokio::task::JoinError),
 }
 
 /// A world that was asked.
@@ -51,28 +56,31 @@ struct World {
 
 impl Metrics {
     pub(crate) fn new(registry: Registry) -> Self {
-        Self { registry, room: Arc::new(Semaphore::new(MAX_SCRAPES)) }
+        Self { registry, permits: Arc::new(Semaphore::new(MAX_SCRAPES)) }
     }
 
-    /// All metrics as they are now, or why there are none.
-    pub(crate) async fn text(&self) -> Result<String, String> {
-        let Ok(permit) = Arc::clone(&self.room).try_acquire_owned() else {
-            return Err(format!("{MAX_SCRAPES} others are being answered, which is the limit; ask again\n"));
+    /// All metrics as they are now.
+    ///
+    /// # Errors
+    /// If too many answers are being made.
+    pub(crate) async fn text(&self) -> Result<String, Refused> {
+        let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() else {
+            return Err(Refused::Busy);
         };
         let worlds = self.ask().await;
         let write = move || {
-            // Kept until the text is there, even if nobody waits for it any more.
+            // Kept until the text is made, even if nobody waits for it any more.
             let _permit = permit;
             families::write(&worlds, MAX_ROBOTS)
         };
-        tokio::task::spawn_blocking(write).await.map_err(|error| format!("{error}\n"))
+        tokio::task::spawn_blocking(write).await.map_err(Refused::Failed)
     }
 
     /// Asks all worlds at once.
     async fn ask(&self) -> Vec<World> {
         let ask = |world: WorldHandle| {
             let (reply, answer) = oneshot::channel();
-            let _ = world.send(Letter::Measure(reply));
+            let _ = world.send(Message::Measure(reply));
             (world.name().to_owned(), answer)
         };
         let asked: Vec<_> = self.registry.all().into_iter().map(ask).collect();
@@ -91,8 +99,8 @@ mod tests {
     use baudbot_sim::World;
 
     use super::*;
+    use crate::actor::NewWorld;
     use crate::pace::{Lockstep, Pace};
-    use crate::registry::NewWorld;
 
     #[tokio::test]
     async fn there_is_an_end_to_the_robots_that_are_told_of_and_the_others_are_counted() {
@@ -117,9 +125,9 @@ mod tests {
     #[tokio::test]
     async fn a_third_that_asks_at_a_time_is_sent_away() {
         let metrics = Metrics::new(Registry::default());
-        let first = Arc::clone(&metrics.room).try_acquire_owned().unwrap();
-        let _second = Arc::clone(&metrics.room).try_acquire_owned().unwrap();
-        assert!(metrics.text().await.unwrap_err().contains("2 others"));
+        let first = Arc::clone(&metrics.permits).try_acquire_owned().unwrap();
+        let _second = Arc::clone(&metrics.permits).try_acquire_owned().unwrap();
+        assert!(metrics.text().await.unwrap_err().to_string().starts_with("2 others"));
         drop(first);
         assert!(metrics.text().await.unwrap().starts_with("# HELP baudbot_worlds "));
     }

@@ -1,4 +1,4 @@
-//! Prometheus' text format, one family of metrics after the other, so that only one at a time is there twice.
+//! Prometheus' text format, one family of metrics after the other, so that only one at a time is in memory twice.
 
 use prometheus::TextEncoder;
 use prometheus::proto::{

@@ -1,4 +1,4 @@
-//! The page's files, which are built from `viewer/` and come with the program.
+//! The page's files, which are built from `viewer/` and are part of the program.
 
 use axum::http::{HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -10,7 +10,7 @@ const FILES: [(&str, &str, &[u8]); 3] = [
     ("/viewer.css", "text/css; charset=utf-8", include_bytes!("../../../viewer/dist/viewer.css")),
 ];
 
-/// Nothing comes from elsewhere, no text becomes a script, and no other page shows this one in a frame.
+/// The page loads nothing from elsewhere, no text becomes a script, and no other page shows this one in a frame.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 

@@ -1,4 +1,4 @@
-//! Films that a page hands in: `POST /film` with the film's bytes, or `POST /film?failed=1` with why there is none.
+//! Films that a page posts: `POST /film` with the film's bytes, or `POST /film?failed=1` with why there is none.
 
 use axum::Router;
 use axum::body::Bytes;
@@ -10,10 +10,15 @@ use tokio::sync::mpsc;
 
 use super::guard::Guard;
 
-/// What a page hands in that was asked for a film: its bytes, or why there is none.
-pub type Film = Result<Vec<u8>, String>;
+/// The film of a page: its bytes, or why there is none.
+pub type Film = Result<Vec<u8>, NoFilm>;
 
-/// The way in for films.
+/// Why a page has made no film, in its own words.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoFilm(pub String);
+
+/// The routes for films.
 pub(super) fn router<S: Clone + Send + Sync + 'static>(films: mpsc::Sender<Film>, guard: Guard) -> Router<S> {
     let hand_in = move |headers: HeaderMap, query: RawQuery, State(_): State<S>, body: Bytes| async move {
         match guard.check_origin(&headers) {
@@ -27,16 +32,16 @@ pub(super) fn router<S: Clone + Send + Sync + 'static>(films: mpsc::Sender<Film>
 async fn take(films: &mpsc::Sender<Film>, RawQuery(query): RawQuery, body: Bytes) -> Response {
     let failed = query.is_some_and(|query| query.split('&').any(|part| part == "failed=1"));
     let film = match failed {
-        true => Err(String::from_utf8_lossy(&body[..body.len().min(MAX_WORDS)]).trim().to_owned()),
+        true => Err(NoFilm(String::from_utf8_lossy(&body[..body.len().min(MAX_REASON)]).trim().to_owned())),
         false => Ok(Vec::from(body)),
     };
     match films.send(film).await {
         Ok(()) => StatusCode::NO_CONTENT.into_response(),
-        Err(_) => (StatusCode::GONE, "nobody waits for a film any more\n").into_response(),
+        Err(_) => (StatusCode::GONE, "the server takes no films any more\n").into_response(),
     }
 }
 
 /// The longest film, in bytes: it is held in memory.
 const MAX_BYTES: usize = 1 << 30;
-/// The longest word of why there is none, in bytes.
-const MAX_WORDS: usize = 4096;
+/// The longest reason why there is none, in bytes.
+const MAX_REASON: usize = 4096;

@@ -1,16 +1,17 @@
-//! Who may open the page's socket.
+//! Which requests may reach the page's server.
 
 use axum::http::{HeaderMap, header};
 
 /// What a listener demands of its callers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guard {
-    /// The listener is on loopback: then a name that is none of loopback's was made to lead there by somebody else.
+    /// Whether the listener is on loopback. A name that is not one of loopback's was then made to lead there from outside (DNS
+    /// rebinding).
     pub(super) loopback_only: bool,
 }
 
 impl Guard {
-    /// Whether the request is for this host.
+    /// Checks that the request is for this host.
     pub(super) fn check_host(self, headers: &HeaderMap) -> Result<(), &'static str> {
         let host = text(headers, header::HOST).ok_or("Host: is missing\n")?;
         let name = without_port(host);
@@ -22,7 +23,7 @@ impl Guard {
         Ok(())
     }
 
-    /// Whether the page that asks came from here. Who sends no origin is no browser.
+    /// Checks that the page of the request came from here. A request without an origin is not a browser's.
     pub(super) fn check_origin(self, headers: &HeaderMap) -> Result<(), &'static str> {
         let Some(origin) = text(headers, header::ORIGIN) else { return Ok(()) };
         let host = text(headers, header::HOST).unwrap_or_default();

@@ -1,24 +1,25 @@
 //! The viewer: a page for browsers, on a port of its own, and the socket that it speaks over.
 //!
-//! The page comes with the program ([`files`]), and says nothing to anybody but this server. What it asks goes through
-//! one WebSocket ([`socket`]) to the same gRPC services that all others use, over a pipe in memory: a page can do what
-//! a program can that reaches the server, and not more.
+//! The page comes with the program ([`files`]), and connects to nothing but this server. Its calls go through one WebSocket
+//! ([`socket`]) to the same gRPC services that all other clients use ([`method`]), over a pipe in memory: a page can do what
+//! any program can that reaches the server, and not more.
 //!
-//! A browser also runs the pages of strangers. So that none of these can speak to a server on the same machine, the
-//! socket is opened only to pages that came from here: their origin must be the host that they ask, and on loopback
-//! that host must be called by a name of loopback's ([`guard`]).
+//! A browser also runs the pages of strangers. So that none of these can reach a server on the same machine, the socket is
+//! opened only to pages that came from here: their origin must be the host of the request, and on loopback that host must
+//! be a name of loopback ([`guard`]).
 //!
 //! Beside the page there is `/metrics`, for monitoring, with the same guard.
 //!
-//! A program that wants a film of a world lets a browser of its own make one: then the page may hand it in ([`film`]).
+//! A program that wants a film of a world starts a browser that makes one; the page then posts it ([`film`]).
 
 mod files;
 mod film;
 mod guard;
-mod mailbox;
+mod method;
+mod requests;
 mod socket;
 
-use crate::gate::{Entry, Visitor};
+use crate::gate::{GatedListener, PageConnection};
 use crate::metrics::{self, Metrics};
 use crate::pipe::Pipes;
 use axum::Router;
@@ -28,10 +29,13 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::serve::Listener;
-pub use film::Film;
+pub use film::{Film, NoFilm};
 use guard::Guard;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
+
+/// Bytes of the longest message of the socket: a scenario, and a little around it.
+const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 
 /// What the page's services need.
 #[derive(Clone)]
@@ -42,10 +46,10 @@ struct Page {
     stopped: watch::Receiver<bool>,
 }
 
-/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services, `films` to who
-/// wants films, if anybody does.
+/// Serves the page on this listener until the server stops. `pipes` lead to the server's own services; films that pages post
+/// go to `films`, if the server takes any.
 pub(crate) async fn serve(
-    listener: Entry<TcpListener>,
+    listener: GatedListener<TcpListener>,
     pipes: Pipes,
     metrics: Metrics,
     films: Option<mpsc::Sender<Film>>,
@@ -65,7 +69,7 @@ pub(crate) async fn serve(
         .layer(axum::middleware::from_fn_with_state(page.clone(), check_host))
         .layer(axum::middleware::from_fn(check_place))
         .with_state(page)
-        .into_make_service_with_connect_info::<Visitor>();
+        .into_make_service_with_connect_info::<PageConnection>();
     let stop = async move {
         let _ = stopped.wait_for(|stopped| *stopped).await;
     };
@@ -74,16 +78,16 @@ pub(crate) async fn serve(
     }
 }
 
-/// Lets a request pass if there is room for its connection, which is then for this request, or for its socket, only:
-/// a connection that is kept for further ones would take a place for nothing.
+/// Lets a request pass if its connection has a place at the gate. The connection is for this request, or for its socket,
+/// only: one that is kept for further requests would take a place for nothing.
 async fn check_place(
-    ConnectInfo(Visitor(visit)): ConnectInfo<Visitor>,
+    ConnectInfo(PageConnection(admission)): ConnectInfo<PageConnection>,
     request: Request,
     next: Next,
 ) -> Response {
-    let mut response = match visit.ask() {
+    let mut response = match admission.note_call() {
         Ok(()) => next.run(request).await,
-        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, problem + "\n").into_response(),
+        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, format!("{problem}\n")).into_response(),
     };
     if response.status() != StatusCode::SWITCHING_PROTOCOLS {
         response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
@@ -108,8 +112,8 @@ async fn open_socket(State(page): State<Page>, headers: HeaderMap, upgrade: WebS
     }
     let Page { pipes, stopped, .. } = page;
     upgrade
-        .max_message_size(socket::MAX_MESSAGE)
-        .max_frame_size(socket::MAX_MESSAGE)
+        .max_message_size(MAX_MESSAGE)
+        .max_frame_size(MAX_MESSAGE)
         .on_upgrade(move |socket| socket::serve(socket, pipes, stopped))
 }
 
@@ -124,6 +128,6 @@ async fn tell_metrics(State(page): State<Page>, headers: HeaderMap) -> Response 
     ];
     match page.metrics.text().await {
         Ok(text) => (kind, text).into_response(),
-        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, problem).into_response(),
+        Err(problem) => (StatusCode::SERVICE_UNAVAILABLE, format!("{problem}\n")).into_response(),
     }
 }

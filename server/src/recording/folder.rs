@@ -1,4 +1,4 @@
-//! The server's folder of recordings: names from the network never leave it.
+//! The server's folder of recordings. No name from the network leads out of it.
 
 use std::fs::{self, File};
 use std::io;
@@ -10,7 +10,7 @@ use baudbot_proto::v1;
 use rustix::fs::{Mode, OFlags};
 use tonic::Status;
 
-/// A folder. Clones are the same.
+/// A folder of recordings.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder(Arc<Path>);
 
@@ -25,7 +25,7 @@ impl Folder {
         if name.is_empty() || name.len() > 64 || name.starts_with('.') || !name.chars().all(fits) {
             let shown: String = name.chars().take(80).collect();
             let text = format!(
-                "recording: must be 1 to 64 letters, digits, `_`, `-` or `.`, the first of them no `.`, is `{shown}`"
+                "recording: must be 1 to 64 letters, digits, `_`, `-` or `.`, the first one not `.`, is `{shown}`"
             );
             return Err(Status::invalid_argument(text));
         }
@@ -34,16 +34,16 @@ impl Folder {
 
     /// A name for a new recording of this world.
     pub(crate) fn free_name(&self, world: &str) -> String {
-        // With room for a number, and another one after a reset.
+        // This leaves room for a number, and for another one after a reset.
         let world: String = world.chars().take(48).collect();
         let mut names = (1..).map(|i| format!("{world}-{i}"));
-        // A link that leads nowhere is there, too.
+        // A name is taken by a link that leads nowhere, too.
         let is_free = |name: &String| self.0.join(format!("{name}.mcap")).symlink_metadata().is_err();
         names.find(is_free).expect("numbers do not end")
     }
 
-    /// Opens the recording of this name for reading. What is no file in this very folder is not opened: a link may lead out
-    /// of it, and who opens a pipe may wait for ever.
+    /// Opens the recording of this name for reading. Only plain files in this very folder are opened: a link may lead out of it,
+    /// and opening a pipe may wait for ever.
     pub(crate) fn open(&self, name: &str) -> Result<File, Status> {
         let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
         let no_file = || Status::failed_precondition(format!("recording: `{name}` is not a file"));
@@ -56,7 +56,7 @@ impl Folder {
         if metadata.is_file() { Ok(file) } else { Err(no_file()) }
     }
 
-    /// What is in it, in the order of names.
+    /// The recordings in the folder, in the order of their names.
     pub(crate) fn list(&self) -> Result<Vec<v1::RecordingFile>, Status> {
         let unreadable = |error: io::Error| {
             Status::failed_precondition(format!("cannot read the folder {}: {error}", self.0.display()))
@@ -69,7 +69,7 @@ impl Folder {
             else {
                 continue;
             };
-            // What has no name that could be asked for is none of ours.
+            // A file whose name cannot be asked for is not a recording of ours.
             if path.extension().is_none_or(|end| end != "mcap")
                 || self.file(name).is_err()
                 || !metadata.is_file()

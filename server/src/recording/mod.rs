@@ -1,14 +1,13 @@
 //! Recordings of worlds: what a world's own thread does for one, which is little.
 //!
-//! It collects what entered the world and, now and then, a fingerprint, a state and what an observer would see. A thread
-//! of the recording's own ([`scribe`]) makes messages of that and writes them. What is collected goes to that thread in
-//! bundles, since to wake it takes longer than to collect a tick.
+//! It collects what has entered the world and, now and then, a fingerprint, a state and a frame. The recording's own thread
+//! ([`thread`]) makes messages of that and writes them. Entries go to that thread in batches, since waking it takes longer
+//! than collecting those of a tick.
 
 mod folder;
-mod scribe;
+mod thread;
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use baudbot_proto::v1;
@@ -18,34 +17,38 @@ use tokio::sync::oneshot;
 use tonic::{Code, Status};
 
 use crate::convert;
-use crate::letter::{Frame, RecordingReport};
+use crate::frame::Frame;
 use crate::log::event;
+use crate::message::RecordConfig;
 use crate::observers::{Eye, View};
 use crate::pace::Pace;
+use crate::report::RecordingReport;
 pub(crate) use folder::Folder;
-use scribe::{Scribe, Sent};
+use thread::{RecorderThread, Sent};
 
-/// Where a world is recorded, and what beside its inputs.
-#[derive(Clone, Debug)]
-pub(crate) struct RecordConfig {
-    /// What people call it.
-    pub(crate) name: String,
-    /// Where there is no file yet.
-    pub(crate) path: PathBuf,
-    /// Frames a simulated second of what an observer sees; 0 for none.
-    pub(crate) look_hz: f64,
-}
+/// What was recorded by then, by the wall clock, is not lost if the program is killed; twice as often as promised, since it
+/// has to be written yet.
+const MARK_EVERY: Duration = Duration::from_millis(400);
 
-impl RecordConfig {
-    /// What comes after a reset: `run.mcap`, then `run-2.mcap`.
-    fn next(&self, life: u32) -> Self {
-        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let path = self.path.with_file_name(format!("{stem}-{life}.mcap"));
-        Self { name: format!("{}-{life}", self.name), path, ..self.clone() }
-    }
-}
+/// Of a world that runs much faster than the clock, so that little is lost by a full disk.
+const MARK_EVERY_TICKS: u64 = 2000;
 
-/// Something that is to be recorded.
+/// However long a mark takes.
+const MARK_AT_LAST: Duration = Duration::from_millis(800);
+
+/// Ticks between two states: a replay that seeks simulates at most so many.
+const STATE_EVERY_TICKS: u64 = 6000;
+
+/// Files of one recording.
+const MAX_RUNS: u32 = 100_000;
+
+/// Entries that go to the thread at once.
+const BATCH: usize = 512;
+
+/// Collisions of a tick that are recorded one by one.
+const MAX_COLLISIONS: usize = 100;
+
+/// An entry of a recording.
 pub(crate) enum Entry {
     /// What brains wrote in a tick.
     Inputs(v1::RecordedInputs),
@@ -55,18 +58,27 @@ pub(crate) enum Entry {
     Frame(Box<Frame>),
 }
 
-/// A recording that is being made, as its world's thread has it.
+/// What a brain wrote to a robot's port.
+pub(crate) struct Input {
+    pub(crate) robot: usize,
+    pub(crate) at: SimTime,
+    pub(crate) bytes: Vec<u8>,
+    /// The tick whose Turn it answers, if that is known.
+    pub(crate) answers_tick: Option<u64>,
+}
+
+/// The recorder of a world, on the world's side.
 pub(crate) struct Recorder {
     config: RecordConfig,
-    /// How often the world has begun anew since it was asked for.
-    life: u32,
-    scribe: Scribe,
-    /// The world follows a clock, and does not wait for the disk.
+    /// Counts the files of the recording: a reset or a restored state begins another one. From 1.
+    run: u32,
+    thread: RecorderThread,
+    /// Whether the world follows a clock, and does not wait for the disk.
     is_hurried: bool,
-    /// Nothing is recorded any more, as something went wrong.
+    /// Whether something went wrong, so that nothing is recorded any more.
     is_over: bool,
-    bundle: Vec<Entry>,
-    /// What the scribe had no room for.
+    batch: Vec<Entry>,
+    /// Batches that the thread had no room for.
     backlog: Vec<Vec<Entry>>,
     digests: Digests,
     first_tick: u64,
@@ -75,7 +87,7 @@ pub(crate) struct Recorder {
     marked: Instant,
     /// What the last mark took.
     mark_takes: Duration,
-    /// Looks at the world every so many ticks.
+    /// What makes a frame every so many ticks.
     eye: Option<(Eye, u64)>,
 }
 
@@ -92,7 +104,7 @@ impl Recorder {
 
     fn begin(
         config: RecordConfig,
-        life: u32,
+        run: u32,
         name: &str,
         pace: Pace,
         View { world, .. }: View<'_>,
@@ -101,21 +113,21 @@ impl Recorder {
         let file = file.map_err(|error| cannot_write(&config.path, &error))?;
         let scenario = world.scenario();
         let header = header(name, world.origin(), Some(convert::pace_to(pace)));
-        let described = || (world.time().as_ns(), convert::world_description(scenario));
-        let described = (config.look_hz > 0.0).then(described);
-        let scribe = Scribe::start(file, header, described)?;
+        let description = || (world.time().as_ns(), convert::world_description(scenario));
+        let description = (config.look_hz > 0.0).then(description);
+        let thread = RecorderThread::start(file, header, description)?;
         let every = (config.look_hz > 0.0).then(|| {
             let ticks = 1e9 / config.look_hz / scenario.step_ns() as f64;
             (Eye::of_all(world), ticks.round().max(1.0) as u64)
         });
         let mut recorder = Self {
             config,
-            life,
-            scribe,
+            run,
+            thread,
             is_hurried: is_hurried(pace),
             is_over: false,
             backlog: Vec::new(),
-            bundle: vec![Entry::State(saved::state(world))],
+            batch: vec![Entry::State(saved::state(world))],
             digests: Digests::default(),
             first_tick: world.tick(),
             ticks: 0,
@@ -124,13 +136,13 @@ impl Recorder {
             mark_takes: Duration::ZERO,
             eye: every,
         };
-        recorder.close_bundle(world);
+        recorder.close_batch(world);
         Ok(recorder)
     }
 
-    /// A last mark, so that the file has all until here.
-    fn close_bundle(&mut self, world: &World) {
-        self.bundle.push(Entry::Mark(self.digests.last_mark(world)));
+    /// Adds a last mark, so that the file has all until here.
+    fn close_batch(&mut self, world: &World) {
+        self.batch.push(Entry::Mark(self.digests.last_mark(world)));
         self.send();
     }
 
@@ -139,7 +151,7 @@ impl Recorder {
         !self.is_over && (self.eye.is_some() || self.is_mark_due())
     }
 
-    /// The world has another pace.
+    /// Notes that the world has another pace.
     pub(crate) fn set_pace(&mut self, pace: Pace) {
         self.is_hurried = is_hurried(pace);
     }
@@ -150,8 +162,8 @@ impl Recorder {
         self.digests.ticks() >= MARK_EVERY_TICKS || self.marked.elapsed() >= interval
     }
 
-    /// A tick has begun. `is_sure`: no brain has yet to answer an earlier one.
-    pub(crate) fn begun(&mut self, view: View<'_>, is_sure: bool) {
+    /// Records a tick that has begun. `is_sure`: no brain has yet to answer an earlier one.
+    pub(crate) fn tick(&mut self, view: View<'_>, is_sure: bool) {
         if self.is_over {
             return;
         }
@@ -169,12 +181,12 @@ impl Recorder {
         if let Some((eye, every)) = &mut self.eye {
             eye.note(world);
             if world.tick().is_multiple_of(*every) || ended.is_some() {
-                self.bundle.push(Entry::Frame(Box::new(eye.frame(view))));
+                self.batch.push(Entry::Frame(Box::new(eye.frame(view))));
             }
         }
         if is_sure && (self.is_mark_due() || ended.is_some()) {
             self.mark(world);
-        } else if self.bundle.len() >= BUNDLE {
+        } else if self.batch.len() >= BATCH {
             self.send();
         }
     }
@@ -183,77 +195,72 @@ impl Recorder {
         let began = Instant::now();
         if world.tick() >= self.state_tick + STATE_EVERY_TICKS {
             self.state_tick = world.tick();
-            self.bundle.push(Entry::State(saved::state(world)));
+            self.batch.push(Entry::State(saved::state(world)));
         }
-        self.bundle.push(Entry::Mark(self.digests.mark(world)));
+        self.batch.push(Entry::Mark(self.digests.mark(world)));
         self.marked = Instant::now();
         self.mark_takes = self.marked - began;
         self.send();
     }
 
-    /// What brains wrote in a tick that began at this instant: robot, when, bytes, and the tick that it answers if that
-    /// is known.
-    pub(crate) fn inputs(
-        &mut self,
-        (tick, start): (u64, SimTime),
-        inputs: impl Iterator<Item = (usize, SimTime, Vec<u8>, Option<u64>)>,
-    ) {
+    /// Records what brains wrote in a tick that began at this instant.
+    pub(crate) fn inputs(&mut self, (tick, start): (u64, SimTime), inputs: impl Iterator<Item = Input>) {
         if self.is_over {
             return;
         }
         let inputs: Vec<_> = inputs.map(|input| recorded(start, input)).collect();
         if !inputs.is_empty() {
-            self.bundle.push(Entry::Inputs(v1::RecordedInputs { tick, changes: Vec::new(), inputs }));
+            self.batch.push(Entry::Inputs(v1::RecordedInputs { tick, changes: Vec::new(), inputs }));
         }
     }
 
-    /// A change by hand before this tick.
+    /// Records a manual change before this tick.
     pub(crate) fn change(&mut self, tick: u64, intervention: &Intervention) {
         if self.is_over {
             return;
         }
         let changes = vec![baudbot_recording::change(intervention)];
-        self.event(tick, v1::ReplayEventKind::Change, words(intervention));
-        self.bundle.push(Entry::Inputs(v1::RecordedInputs { tick, changes, inputs: Vec::new() }));
+        self.event(tick, v1::ReplayEventKind::Change, described(intervention));
+        self.batch.push(Entry::Inputs(v1::RecordedInputs { tick, changes, inputs: Vec::new() }));
     }
 
-    /// Something happened.
+    /// Records an event.
     pub(crate) fn event(&mut self, tick: u64, kind: v1::ReplayEventKind, text: String) {
         if self.is_over {
             return;
         }
-        self.bundle.push(Entry::Event(v1::RecordedEvent { tick, kind: kind.into(), text }));
+        self.batch.push(Entry::Event(v1::RecordedEvent { tick, kind: kind.into(), text }));
     }
 
     fn send(&mut self) {
-        let bundle = std::mem::replace(&mut self.bundle, Vec::with_capacity(BUNDLE));
+        let batch = std::mem::replace(&mut self.batch, Vec::with_capacity(BATCH));
         if self.is_over {
             return;
         }
         if !self.backlog.is_empty() {
-            self.backlog.push(bundle);
-        } else if let Sent::Full(bundle) = self.scribe.send(bundle) {
-            self.backlog.push(bundle);
+            self.backlog.push(batch);
+        } else if let Sent::Full(batch) = self.thread.send(batch) {
+            self.backlog.push(batch);
         }
         if self.is_hurried && self.is_stuck() {
             self.backlog.clear();
-            self.scribe.fail("the disk is slower than the world, which follows the clock");
+            self.thread.fail("the disk is slower than the world, which follows the clock");
         }
-        self.is_over = self.scribe.progress().1.is_some();
+        self.is_over = self.thread.progress().1.is_some();
     }
 
-    /// Whether something waits for the disk. Then the world does, if it does not follow a clock.
+    /// Whether something waits for the disk. The world then waits, too, if it does not follow a clock.
     pub(crate) fn is_stuck(&self) -> bool {
         !self.backlog.is_empty()
     }
 
-    /// Waits for the disk; on the world's own thread.
+    /// Waits for the disk. Only the world's own thread may.
     pub(crate) fn wait_for_disk(&mut self) {
-        self.backlog.drain(..).for_each(|bundle| self.scribe.send_at_last(bundle));
+        self.backlog.drain(..).for_each(|batch| self.thread.send_at_last(batch));
     }
 
-    /// Ends it as the world stands, between two ticks or within one; `reply` learns how the file is when it is closed.
-    /// `is_sure`: no brain has yet to answer. Otherwise the file ends with the last mark.
+    /// Ends the recording with the world as it stands, between two ticks or within one. `reply` gets the report when the file is
+    /// closed. `is_sure`: no brain has yet to answer. Otherwise the file ends with the last mark.
     pub(crate) fn stop(
         mut self,
         world: &World,
@@ -262,40 +269,39 @@ impl Recorder {
     ) {
         if !self.is_over && is_sure {
             self.ticks = world.tick().saturating_sub(self.first_tick);
-            self.close_bundle(world);
+            self.close_batch(world);
         }
         self.wait_for_disk();
         let report = self.report();
-        self.scribe.close(report, reply);
+        self.thread.close(report, reply);
     }
 
-    /// The world goes on from another state: this recording is over, and the next begins, in the next file that is not
-    /// there yet.
-    pub(crate) fn begin_anew(
+    /// The world goes on from another state: ends this file, and begins the next one whose name is free. `None` if that cannot
+    /// be written.
+    pub(crate) fn next_run(
         self,
         (old, is_sure): (&World, bool),
         name: &str,
         pace: Pace,
         view: View<'_>,
     ) -> Option<Self> {
-        let (first, mut life) = (self.config.clone(), self.life + 1);
+        let (first, mut run) = (self.config.clone(), self.run + 1);
         self.stop(old, is_sure, None);
         let next = loop {
-            match Self::begin(first.next(life), life, name, pace, view) {
-                Err(status) if status.code() == Code::AlreadyExists && life < MAX_LIVES => life += 1,
+            match Self::begin(first.of_run(run), run, name, pace, view) {
+                Err(status) if status.code() == Code::AlreadyExists && run < MAX_RUNS => run += 1,
                 next => break next,
             }
         };
-        // The number is counted from the first name.
+        // The number is appended to the first name.
         let next = next.map(|next| Self { config: first, ..next });
         next.map_err(|status| event!(view, error, problem = status.message(), "recording ended by a reset"))
             .ok()
     }
 
-    /// How it goes.
     pub(crate) fn report(&self) -> RecordingReport {
-        let name = if self.life == 1 { self.config.name.clone() } else { self.config.next(self.life).name };
-        let (bytes, problem) = self.scribe.progress();
+        let name = if self.run == 1 { self.config.name.clone() } else { self.config.of_run(self.run).name };
+        let (bytes, problem) = self.thread.progress();
         RecordingReport { name, bytes, ticks: self.ticks, problem }
     }
 }
@@ -304,16 +310,13 @@ fn is_hurried(pace: Pace) -> bool {
     matches!(pace, Pace::Timed(_))
 }
 
-fn recorded(
-    start: SimTime,
-    (robot, at, data, answers_tick): (usize, SimTime, Vec<u8>, Option<u64>),
-) -> v1::RecordedInput {
+fn recorded(start: SimTime, Input { robot, at, bytes: data, answers_tick }: Input) -> v1::RecordedInput {
     let after_ns = at.as_ns().wrapping_sub(start.as_ns()) as i64;
     let checksum = checksum(after_ns, &data);
     v1::RecordedInput { robot: robot as u32, after_ns, data, answers_tick, checksum }
 }
 
-fn words(intervention: &Intervention) -> String {
+fn described(intervention: &Intervention) -> String {
     match intervention {
         Intervention::PlaceRobot { robot, .. } => format!("`{robot}` was put somewhere else"),
         Intervention::PlaceThing { thing, .. } => format!("`{thing}` was put somewhere else"),
@@ -323,8 +326,8 @@ fn words(intervention: &Intervention) -> String {
     }
 }
 
-/// An error that says which file and why.
-pub(crate) fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
+/// The status for a file that cannot be written.
+fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
     let text = format!("recording: cannot write {}: {error}", path.display());
     match error.kind() {
         std::io::ErrorKind::AlreadyExists => {
@@ -336,28 +339,3 @@ pub(crate) fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
         _ => Status::failed_precondition(text),
     }
 }
-
-/// What was recorded as far as this, by the wall clock, is not lost if the program is killed; twice as often as
-/// promised, since it has to be written yet.
-const MARK_EVERY: Duration = Duration::from_millis(400);
-
-/// Of a world that runs much faster than the clock, so that what is lost by a full disk is little.
-const MARK_EVERY_TICKS: u64 = 2000;
-
-/// However long a mark takes.
-const MARK_AT_LAST: Duration = Duration::from_millis(800);
-
-/// From state to state, who replays simulates so many ticks.
-const STATE_EVERY_TICKS: u64 = 6000;
-
-/// Files of one recording.
-const MAX_LIVES: u32 = 100_000;
-
-/// Entries that go to the scribe at once.
-const BUNDLE: usize = 512;
-
-/// Collisions of a tick that are told one by one.
-const MAX_COLLISIONS: usize = 100;
-
-/// A tape that is shared.
-pub(crate) type SharedTape = Arc<baudbot_recording::Tape>;

@@ -1,13 +1,52 @@
-//! Whether a brain fits its robot.
+//! Whether a brain can have the robots that it asks for.
 
+use baudbot_sim::Scenario;
 use baudbot_sim::link::Link;
 use baudbot_sim::robot::RobotSpec;
 use tonic::Status;
 
-use crate::letter::Attach;
+use super::Sessions;
+use crate::message::Attach;
+use crate::quote::{brief, list};
 
-/// Whether a robot can have such a brain.
-pub(super) fn check_brain(spec: &RobotSpec, request: &Attach) -> Result<(), Status> {
+impl Sessions {
+    /// The indices of the robots that a brain asks for.
+    ///
+    /// # Errors
+    /// Why it cannot have one of them, with the field of the Hello.
+    pub(super) fn choose(
+        &self,
+        world: &str,
+        scenario: &Scenario,
+        request: &Attach,
+    ) -> Result<Vec<usize>, Status> {
+        let mut robots = Vec::new();
+        for (i, name) in request.robots.iter().enumerate() {
+            let Some(robot) = scenario.robots().iter().position(|spec| spec.name == *name) else {
+                let names = list(scenario.robots().iter().map(|spec| spec.name.as_str()));
+                let name = brief(name);
+                return Err(Status::not_found(format!(
+                    "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {names}"
+                )));
+            };
+            if robots.contains(&robot) {
+                return Err(Status::invalid_argument(format!("hello.robots[{i}]: `{name}` is named twice")));
+            }
+            if let Some(session) = self.slots[robot].session() {
+                return Err(Status::already_exists(format!(
+                    "hello.robots[{i}]: robot `{name}` of world `{world}` is held by brain `{}`",
+                    self.name(session)
+                )));
+            }
+            check_brain(&scenario.robots()[robot], request)?;
+            robots.push(robot);
+        }
+        Ok(robots)
+    }
+}
+
+/// Checks that a robot can have such a brain.
+fn check_brain(spec: &RobotSpec, request: &Attach) -> Result<(), Status> {
     if request.raw && spec.hands_over() {
         return Err(Status::invalid_argument(format!(
             "hello.mode: the brain of robot `{}` is on board: it reads its sensors itself, and there is no cable with \
@@ -18,7 +57,7 @@ pub(super) fn check_brain(spec: &RobotSpec, request: &Attach) -> Result<(), Stat
     check_memory(spec, request.memory_bytes)
 }
 
-/// Whether a brain's variables fit into the robot that its program is to run on.
+/// Checks that a brain's variables fit into the robot that its program is to run on.
 fn check_memory(spec: &RobotSpec, bytes: Option<u64>) -> Result<(), Status> {
     let Some(bytes) = bytes else { return Ok(()) };
     let name = &spec.name;

@@ -1,63 +1,50 @@
-//! How brains keep up, for monitoring.
+//! How brains keep up: for monitoring and for operators.
 
 use std::time::{Duration, Instant};
 
 use super::Sessions;
-
-/// How a brain program answered its Turns in lockstep.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Answering {
-    pub(crate) answers: u64,
-    /// Wall-clock time from the beginnings of the ticks to the answers, summed up.
-    pub(crate) took: Duration,
-}
-
-impl Answering {
-    pub(super) fn note(&mut self, took: Duration) {
-        self.add(Self { answers: 1, took });
-    }
-
-    pub(super) fn add(&mut self, other: Self) {
-        self.answers += other.answers;
-        self.took += other.took;
-    }
-}
-
-/// How it stands with a robot's brain. A program that holds several robots answers for all of them at once.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SeatMeasures {
-    pub(crate) attached: bool,
-    pub(crate) lost_deliveries: u64,
-    pub(crate) lost_steps: u64,
-    /// Turns that wait until it reads.
-    pub(crate) queued_turns: usize,
-    /// Turns that it has not answered, in lockstep.
-    pub(crate) open_turns: usize,
-    /// Since the oldest of these.
-    pub(crate) oldest_open: Duration,
-    pub(crate) answering: Answering,
-}
+use super::session::Session;
+use super::slot::Slot;
+use crate::measures::SlotMeasures;
+use crate::report::SlotReport;
 
 impl Sessions {
-    /// How it stands with the brains of the robots, in their order.
-    pub(crate) fn measures(&self, now: Instant) -> impl Iterator<Item = SeatMeasures> {
-        self.seats.iter().map(move |seat| {
-            let mut measures = SeatMeasures {
-                lost_deliveries: seat.lost_deliveries,
-                lost_steps: self.lost_steps(seat),
-                answering: seat.answering,
-                ..SeatMeasures::default()
+    /// The numbers of the robots' slots, in the order of the robots.
+    pub(crate) fn measures(&self, now: Instant) -> impl Iterator<Item = SlotMeasures> {
+        self.slots.iter().map(move |slot| {
+            let mut measures = SlotMeasures {
+                lost_deliveries: slot.lost_deliveries,
+                lost_steps: self.lost_steps(slot),
+                answering: slot.answering,
+                ..SlotMeasures::default()
             };
-            if let Some(session) = seat.session.and_then(|number| self.by_number.get(&number)) {
+            if let Some(session) = self.session_of(slot) {
                 measures.attached = true;
                 measures.answering.add(session.answering);
                 measures.queued_turns = session.deliveries.max_capacity() - session.deliveries.capacity();
-                measures.open_turns = session.open.len();
-                let oldest = session.open.front();
+                measures.open_turns = session.debt.count();
+                let oldest = session.debt.oldest();
                 measures.oldest_open =
-                    oldest.map_or(Duration::ZERO, |(_, begun)| now.saturating_duration_since(*begun));
+                    oldest.map_or(Duration::ZERO, |turn| now.saturating_duration_since(turn.begun));
             }
             measures
         })
+    }
+
+    /// The reports of the robots' slots, in the order of the robots. `said` is what their brains last published.
+    pub(crate) fn reports(&self, said: Vec<String>) -> Vec<SlotReport> {
+        let slots = self.slots.iter().zip(said);
+        slots
+            .map(|(slot, said)| SlotReport {
+                brain: self.session_of(slot).map(|session| session.brain.clone()),
+                lost_deliveries: slot.lost_deliveries,
+                lost_steps: self.lost_steps(slot),
+                said,
+            })
+            .collect()
+    }
+
+    fn session_of(&self, slot: &Slot) -> Option<&Session> {
+        self.by_number.get(&slot.session()?)
     }
 }

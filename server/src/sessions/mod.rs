@@ -1,178 +1,122 @@
-//! Who is attached to a world, and for whom the world waits.
+//! Sessions: the brain programs of a world, the robots that they hold, and the answers that the world waits for.
 
-mod behind;
+mod debt;
 mod fit;
+mod lookahead;
 mod measures;
-mod steps;
+mod quota;
+mod session;
+mod slot;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use baudbot_sim::{Scenario, SimTime, Turn, World};
-use tokio::sync::mpsc;
 use tonic::Status;
 
 use crate::endpoint::Until;
-use crate::letter::{Attach, Delivery, RobotDelivery};
+use crate::measures::Answering;
+use crate::message::{Attach, Delivery};
 use crate::pace::WatchdogPolicy;
-use crate::words::{brief, list};
-use fit::check_brain;
-use measures::Answering;
-pub(crate) use measures::SeatMeasures;
-pub(crate) use steps::STEPS_A_TICK;
+pub(crate) use debt::Overtaken;
+use debt::{Debt, Paid};
+use quota::Quota;
+pub(crate) use quota::STEPS_A_TICK;
+pub(crate) use session::RESERVED;
+use session::{Session, Turns};
+use slot::{Slot, SlotState, Vacancy};
 
-/// Places in a brain's stream that turns leave free, so that the news of an end always finds room.
-pub(crate) const RESERVED: usize = 8;
-
-/// Turns that a brain may leave unanswered while the world goes on without it.
-const MAX_OPEN: usize = 256;
-
-/// The brain programs of a world and the robots' seats that they hold.
+/// The brain programs of a world and the slots of its robots that they hold.
 pub(crate) struct Sessions {
     by_number: BTreeMap<u64, Session>,
     next_number: u64,
     /// One for each robot of the world.
-    seats: Vec<Seat>,
+    slots: Vec<Slot>,
 }
 
-/// A brain program's stream.
-struct Session {
-    brain: String,
-    raw: bool,
-    /// Indices of its robots in the world.
-    robots: Vec<usize>,
-    deliveries: mpsc::Sender<Delivery>,
-    /// Number of the last Turn that it was given.
-    last_turn: u64,
-    /// The numbers of the last Turns that it was given, and their ticks.
-    given: VecDeque<(u64, u64)>,
-    /// In lockstep, the numbers of the Turns that it has not answered and when their ticks began, oldest first.
-    open: VecDeque<(u64, Instant)>,
-    answering: Answering,
-    /// It has promised to think as long as the scenario says.
-    steady: bool,
-    /// The steps of the last of its Turns.
-    asked: Vec<Turn>,
-    /// Those that the world has gone ahead of.
-    behind: Vec<Turn>,
-    /// Its steps in the tick that is begun; their Turn is held until it has answered the one before.
-    held: Vec<Turn>,
-    /// The last Turn before a reset, or a change of pace: answers to it and to earlier ones are thrown away.
-    void_turn: u64,
-    /// The watchdog gave up on it; it is not waited for until it has answered its last Turn.
-    late: bool,
-    /// Steps of it that the world has taken in this tick, and those of all ticks that it has thrown away.
-    steps: usize,
-    lost_steps: Arc<AtomicU64>,
+/// A brain that has got its robots.
+pub(crate) struct NewSession {
+    pub(crate) number: u64,
+    /// Indices of the robots, in the order of the request.
+    pub(crate) robots: Vec<usize>,
+    /// Those of them whose last brain has left a Turn of this tick unanswered.
+    left_open: Vec<usize>,
+    /// Counts the Steps that are thrown away before the world sees them.
+    pub(crate) lost_steps: Arc<AtomicU64>,
 }
 
-/// A robot's place for a brain.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Seat {
-    pub(crate) session: Option<u64>,
-    /// In lockstep the world stands still while this is so and nobody holds the robot.
-    pub(crate) awaited: bool,
-    pub(crate) lost_deliveries: u64,
-    /// Of those that held it and are gone.
-    lost_steps: u64,
-    /// How those answered that held it and are gone.
-    answering: Answering,
-    /// Its brain is gone without having answered the Turn of this tick.
-    unanswered: bool,
-    /// Its brain has answered and waits for a message.
-    until: Option<Until>,
-}
-
-/// How an answer stands to the Turn that a brain was given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How a Step relates to the Turns that its brain was given.
 pub(crate) enum Answer {
-    /// To a Turn of before a reset, or of before the lockstep.
+    /// It answers a Turn of before a reset, or of before the lockstep.
     Void,
-    /// To the oldest Turn that is open.
-    Due,
-    /// Not to any Turn.
+    /// It answers the oldest open Turn. If the brain has promised to think as long as the scenario says, with the robots of
+    /// that Turn.
+    Due(Option<Vec<usize>>),
+    /// It answers a Turn whose tick the world has ended already.
+    Overtaken(Overtaken),
+    /// It answers no Turn.
     Unasked,
 }
 
 impl Sessions {
     pub(crate) fn new(robots: usize) -> Self {
-        let seat = Seat { awaited: true, ..Seat::default() };
-        Self { by_number: BTreeMap::new(), next_number: 1, seats: vec![seat; robots] }
+        Self { by_number: BTreeMap::new(), next_number: 1, slots: vec![Slot::default(); robots] }
     }
 
     /// Gives a brain program the robots that it asks for, or none of them.
+    ///
+    /// # Errors
+    /// Why it cannot have one of them, with the field of the Hello.
     pub(crate) fn attach(
         &mut self,
         world: &str,
         scenario: &Scenario,
         request: Attach,
-    ) -> Result<(u64, Vec<usize>), Status> {
-        let mut robots = Vec::new();
-        for (i, name) in request.robots.iter().enumerate() {
-            let Some(robot) = scenario.robots().iter().position(|spec| spec.name == *name) else {
-                let names = list(scenario.robots().iter().map(|spec| spec.name.as_str()));
-                let name = brief(name);
-                return Err(Status::not_found(format!(
-                    "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {names}"
-                )));
-            };
-            if robots.contains(&robot) {
-                return Err(Status::invalid_argument(format!("hello.robots[{i}]: `{name}` is named twice")));
-            }
-            if let Some(session) = self.seats[robot].session {
-                return Err(Status::already_exists(format!(
-                    "hello.robots[{i}]: robot `{name}` of world `{world}` is held by brain `{}`",
-                    self.by_number[&session].brain
-                )));
-            }
-            check_brain(&scenario.robots()[robot], &request)?;
-            robots.push(robot);
-        }
+    ) -> Result<NewSession, Status> {
+        let robots = self.choose(world, scenario, &request)?;
         let number = self.next_number;
         self.next_number += 1;
+        let mut left_open = robots.clone();
+        left_open.retain(|&robot| self.slots[robot].vacancy() == Some(Vacancy::LeftOpen));
         for &robot in &robots {
-            self.seats[robot].session = Some(number);
-            self.seats[robot].awaited = true;
+            self.slots[robot].state = SlotState::Held { session: number, until: None };
         }
-        let Attach { brain, raw, steady, deliveries, .. } = request;
+        let Attach { brain, raw, thinks_as_scenario, deliveries, .. } = request;
         let session = Session {
             brain,
             raw,
+            thinks_as_scenario,
             robots: robots.clone(),
             deliveries,
-            last_turn: 0,
-            given: VecDeque::new(),
-            open: VecDeque::new(),
+            turns: Turns::default(),
+            debt: Debt::default(),
             answering: Answering::default(),
-            steady,
-            asked: Vec::new(),
-            behind: Vec::new(),
-            held: Vec::new(),
-            void_turn: 0,
-            late: false,
-            steps: 0,
-            lost_steps: Arc::default(),
+            quota: Quota::default(),
         };
+        let lost_steps = Arc::clone(session.quota.lost());
         self.by_number.insert(number, session);
-        Ok((number, robots))
+        Ok(NewSession { number, robots, left_open, lost_steps })
     }
 
-    /// A brain program is gone. Whether the world waits for its return depends on the watchdog's policy.
+    /// Removes a brain program that is gone. Whether the world waits for its return depends on the watchdog's policy.
     pub(crate) fn detach(&mut self, number: u64, policy: Option<WatchdogPolicy>) {
         let Some(session) = self.by_number.remove(&number) else { return };
-        let awaited = policy == Some(WatchdogPolicy::Wait);
+        let vacancy = match policy {
+            Some(WatchdogPolicy::Wait) if session.debt.is_settled() => Vacancy::Awaited,
+            Some(WatchdogPolicy::Wait) => Vacancy::LeftOpen,
+            Some(WatchdogPolicy::GoOn | WatchdogPolicy::Detach) | None => Vacancy::Excused,
+        };
         for robot in session.robots {
-            let seat = &mut self.seats[robot];
-            (seat.session, seat.awaited, seat.until) = (None, awaited, None);
-            seat.unanswered = awaited && !session.open.is_empty();
-            seat.answering.add(session.answering);
-            seat.lost_steps += session.lost_steps.load(Ordering::Relaxed);
+            let slot = &mut self.slots[robot];
+            slot.state = SlotState::Vacant(vacancy);
+            slot.answering.add(session.answering);
+            slot.lost_steps += session.quota.lost().load(Ordering::Relaxed);
         }
     }
 
-    /// Ends a brain program's stream and frees its robots.
+    /// Ends a brain program's stream with this status, and frees its robots.
     pub(crate) fn close(&mut self, number: u64, policy: Option<WatchdogPolicy>, status: Status) {
         if let Some(session) = self.by_number.get(&number) {
             let _ = session.deliveries.try_send(Delivery::Close(status));
@@ -187,139 +131,138 @@ impl Sessions {
         }
     }
 
-    /// The operator starts the world: robots that nobody holds are not waited for.
-    pub(crate) fn excuse_empty_seats(&mut self) {
-        for seat in self.seats.iter_mut().filter(|seat| seat.session.is_none()) {
-            (seat.awaited, seat.unanswered) = (false, false);
+    /// The operator starts the world: it does not wait for brains of robots that have none.
+    pub(crate) fn excuse_vacant_slots(&mut self) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.vacancy().is_some()) {
+            slot.state = SlotState::Vacant(Vacancy::Excused);
         }
     }
 
-    /// Whether the world must stand still for want of a brain.
-    pub(crate) fn has_awaited_empty_seat(&self) -> bool {
-        self.seats.iter().any(|seat| seat.awaited && seat.session.is_none())
+    /// Whether a world in lockstep can begin no tick, because a robot has no brain.
+    pub(crate) fn is_any_awaited(&self) -> bool {
+        let mut vacancies = self.slots.iter().filter_map(Slot::vacancy);
+        vacancies.any(|vacancy| vacancy != Vacancy::Excused)
     }
 
-    /// Whether the world must stand still within a tick, because a brain is gone that it waits for.
-    pub(crate) fn has_unanswered_empty_seat(&self) -> bool {
-        self.seats.iter().any(|seat| seat.unanswered && seat.session.is_none())
+    /// Whether a world in lockstep cannot end its tick, because a brain has left it without an answer.
+    pub(crate) fn is_any_left_open(&self) -> bool {
+        self.slots.iter().any(|slot| slot.vacancy() == Some(Vacancy::LeftOpen))
     }
 
-    /// The brains that have yet to answer the Turn of this tick.
+    /// The brains whose answer the world waits for.
     pub(crate) fn owing(&self) -> impl Iterator<Item = u64> {
-        self.by_number
-            .iter()
-            .filter(|(_, session)| !session.open.is_empty() && !session.late)
-            .map(|(n, _)| *n)
+        self.by_number.iter().filter(|(_, session)| session.debt.is_due()).map(|(number, _)| *number)
     }
 
-    /// The watchdog gives up on a brain until it answers.
-    pub(crate) fn mark_late(&mut self, number: u64) {
-        if let Some(session) = self.by_number.get_mut(&number) {
-            session.late = true;
-        }
-    }
-
-    /// What a brain program calls itself; nothing once it is gone.
+    /// The name of a brain program; empty once it is gone.
     pub(crate) fn name(&self, number: u64) -> &str {
         self.by_number.get(&number).map_or("", |session| &session.brain)
     }
 
-    /// The robots of a stream; none once it is gone.
+    /// The robots of a session; none once it is gone.
     pub(crate) fn robots(&self, number: u64) -> &[usize] {
         self.by_number.get(&number).map_or(&[], |session| &session.robots)
     }
 
-    /// The robot behind a slot of a stream.
-    pub(crate) fn robot(&self, number: u64, slot: usize) -> Option<usize> {
-        self.by_number.get(&number)?.robots.get(slot).copied()
+    /// The robot at a place of a stream.
+    pub(crate) fn robot(&self, number: u64, place: usize) -> Option<usize> {
+        self.by_number.get(&number)?.robots.get(place).copied()
     }
 
-    /// Notes an answer to the Turn of this number; 0 answers none.
-    pub(crate) fn answered(&mut self, number: u64, turn: u64) -> Answer {
+    /// Notes a Step that answers the Turn of this number; 0 answers none.
+    pub(crate) fn answer(&mut self, number: u64, turn: u64) -> Answer {
         let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
-        if let Some((_, begun)) = session.open.pop_front_if(|(number, _)| *number == turn) {
-            session.answering.note(begun.elapsed());
-            session.late &= !session.open.is_empty();
-            return Answer::Due;
+        match session.debt.pay(turn) {
+            Some(Paid::Turn { turn, was_only_one }) => {
+                session.answering.note(turn.begun.elapsed());
+                let promised = session.thinks_as_scenario && was_only_one;
+                Answer::Due(promised.then(|| turn.steps.iter().map(|step| step.robot).collect()))
+            }
+            Some(Paid::Overtaken(turn, overtaken)) => {
+                session.answering.note(turn.begun.elapsed());
+                Answer::Overtaken(overtaken)
+            }
+            None if session.turns.is_void(turn) => Answer::Void,
+            None => Answer::Unasked,
         }
-        if turn != 0 && turn <= session.void_turn { Answer::Void } else { Answer::Unasked }
     }
 
-    /// A robot's brain waits for a message, or, if not, is to be asked at its next step.
+    /// Notes what a robot's brain waits for before it wants to be asked again, if it waits for anything.
     pub(crate) fn wait_until(&mut self, robot: usize, until: Option<Until>) {
-        self.seats[robot].until = until;
+        self.slots[robot].set_until(until);
     }
 
     /// Whether a robot's brain need not be asked at this step, because it waits for something that has not come.
     pub(crate) fn sleeps(&self, turn: Turn, world: &World) -> bool {
-        let seat = &self.seats[turn.robot];
-        let Some(until) = seat.until else { return false };
-        let raw = seat.session.is_some_and(|number| self.by_number[&number].raw);
+        let slot = &self.slots[turn.robot];
+        let Some(until) = slot.until() else { return false };
+        let raw = slot.session().is_some_and(|number| self.by_number[&number].raw);
         let news = if raw { world.has_bytes(turn.robot) } else { world.has_message(turn.robot) };
         !news && until.at_latest.is_none_or(|at_latest| turn.at < at_latest)
     }
 
     /// The tick of the Turn of this number, if it is not too long ago.
-    pub(crate) fn tick_of(&self, session: u64, turn: u64) -> Option<u64> {
-        let given = &self.by_number.get(&session)?.given;
-        given.iter().rev().find(|(number, _)| *number == turn).map(|(_, tick)| *tick)
+    pub(crate) fn tick_of(&self, number: u64, turn: u64) -> Option<u64> {
+        self.by_number.get(&number)?.turns.tick_of(turn)
     }
 
-    /// The world is at another time, or at another pace: Turns up to now are void, and no answer is owed.
+    /// The world is at another time, or has another pace: Turns up to now are void, and no answer is owed.
     pub(crate) fn void_turns(&mut self) {
-        self.forget_unanswered();
-        for seat in &mut self.seats {
-            seat.until = None;
+        for slot in &mut self.slots {
+            slot.forget_open_turn();
+            slot.set_until(None);
         }
         for session in self.by_number.values_mut() {
-            session.void_turn = session.last_turn;
-            session.open.clear();
-            session.behind.clear();
-            session.held.clear();
-            session.late = false;
+            session.turns.void();
+            session.debt = Debt::Settled;
         }
     }
 
-    /// Tells the brains whose step it is. In lockstep they owe an answer from when the tick has `begun`.
+    /// Tells the brains whose step it is in the tick that begins. In lockstep, with the instant at which it has `begun`, they
+    /// owe an answer.
+    ///
+    /// A session gets one Turn for all its robots, whatever the order of `turns`: its robots are in the order of its Hello. A
+    /// brain that the world has gone ahead of gets nothing now. It would have two Turns to answer, and its answer to the
+    /// first may change what the second has in it; so the second is deferred until the first is answered
+    /// (`WorldActor::catch_up`).
     pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], begun: Option<Instant>) {
-        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
-        for turn in turns {
-            at[turn.robot] = Some(turn.at);
-        }
-        self.forget_unanswered();
+        let at = self.by_robot(turns);
+        self.slots.iter_mut().for_each(Slot::forget_open_turn);
         for session in self.by_number.values_mut() {
-            if session.behind.is_empty() {
-                session.deliver(world, &at, begun, &mut self.seats);
+            if session.debt.overtaken().is_empty() {
+                session.deliver(world, &at, begun, &mut self.slots);
             } else {
-                session.hold(&at);
+                let steps = session.steps(&at);
+                session.debt.defer(steps);
             }
         }
     }
 
-    fn forget_unanswered(&mut self) {
-        for seat in &mut self.seats {
-            seat.unanswered = false;
-        }
-    }
-
-    /// Gives a brain that took over a robot in the middle of a tick the Turn that its predecessor left open.
-    pub(crate) fn deliver_unanswered(&mut self, number: u64, world: &World) {
-        let Some(session) = self.by_number.get_mut(&number) else { return };
-        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
+    /// Gives a brain that took over robots in the middle of a tick the Turn that their last brain left open. The world then
+    /// waits for its answer only: Turns of this tick that other brains have left open are not waited for any more.
+    pub(crate) fn deliver_left_open(&mut self, new: &NewSession, world: &World) {
+        let mut open = world.turns().to_vec();
+        open.retain(|turn| new.left_open.contains(&turn.robot));
         for turn in world.turns() {
-            at[turn.robot] = std::mem::take(&mut self.seats[turn.robot].unanswered).then_some(turn.at);
+            self.slots[turn.robot].forget_open_turn();
         }
-        session.deliver(world, &at, Some(Instant::now()), &mut self.seats);
+        self.deliver_to(new.number, world, &open);
     }
 
-    /// Tells a brain that these are its steps in the tick that is begun.
+    /// Tells one brain that these are its steps in the tick that has begun.
     pub(crate) fn deliver_to(&mut self, number: u64, world: &World, turns: &[Turn]) {
+        let at = self.by_robot(turns);
         let Some(session) = self.by_number.get_mut(&number) else { return };
-        let mut at: Vec<Option<SimTime>> = vec![None; self.seats.len()];
+        session.deliver(world, &at, Some(Instant::now()), &mut self.slots);
+    }
+
+    /// When the robots step.
+    fn by_robot(&self, turns: &[Turn]) -> Vec<Option<SimTime>> {
+        let mut at = vec![None; self.slots.len()];
         for turn in turns {
             at[turn.robot] = Some(turn.at);
         }
-        session.deliver(world, &at, Some(Instant::now()), &mut self.seats);
+        at
     }
 
     /// Tells the brains that the run is over.
@@ -336,75 +279,13 @@ impl Sessions {
         }
     }
 
-    /// The program that holds a robot.
+    /// The session that holds a robot.
     pub(crate) fn session(&self, robot: usize) -> Option<u64> {
-        self.seats.get(robot)?.session
+        self.slots.get(robot)?.session()
     }
 
     /// The name of the brain that holds a robot.
     pub(crate) fn brain(&self, robot: usize) -> Option<&str> {
         Some(&self.by_number.get(&self.session(robot)?)?.brain)
     }
-
-    /// Each seat with the name of the brain that holds it.
-    pub(crate) fn seats(&self) -> impl Iterator<Item = (&Seat, Option<&str>)> {
-        self.seats.iter().map(|seat| {
-            let brain = seat.session.and_then(|number| self.by_number.get(&number));
-            (seat, brain.map(|session| session.brain.as_str()))
-        })
-    }
-}
-
-impl Session {
-    fn hold(&mut self, at: &[Option<SimTime>]) {
-        let robots = self.robots.iter();
-        self.held = robots.filter_map(|&robot| Some(Turn { robot, at: at[robot]? })).collect();
-    }
-
-    /// Sends the Turns of its robots that have one. A stream that is full, because its brain does not read,
-    /// loses the delivery; that is counted, and the world does not wait for an answer to it.
-    fn deliver(&mut self, world: &World, at: &[Option<SimTime>], begun: Option<Instant>, seats: &mut [Seat]) {
-        let slots = self.robots.iter().enumerate();
-        let robots: Vec<RobotDelivery> = slots
-            .filter_map(|(slot, &robot)| Some(delivery(world, robot, slot, at[robot]?, self.raw)))
-            .collect();
-        if robots.is_empty() {
-            return;
-        }
-        let number = self.last_turn + 1;
-        let delivery = Delivery::Turn { number, tick: world.tick(), robots };
-        let room = self.deliveries.capacity() > RESERVED && self.open.len() < MAX_OPEN;
-        if room && self.deliveries.try_send(delivery).is_ok() {
-            self.last_turn = number;
-            if self.given.len() == MAX_OPEN {
-                self.given.pop_front();
-            }
-            self.given.push_back((number, world.tick()));
-            self.open.extend(begun.map(|begun| (number, begun)));
-            let robots = self.robots.iter();
-            self.asked.clear();
-            self.asked.extend(robots.filter_map(|&robot| Some(Turn { robot, at: at[robot]? })));
-            for &robot in self.robots.iter().filter(|&&robot| at[robot].is_some()) {
-                seats[robot].until = None;
-            }
-        } else {
-            for &robot in &self.robots {
-                seats[robot].lost_deliveries += 1;
-            }
-        }
-    }
-}
-
-fn delivery(world: &World, robot: usize, slot: usize, at: SimTime, raw: bool) -> RobotDelivery {
-    let view = world.robot(robot);
-    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), ports: Vec::new(), readings: Vec::new() };
-    if raw {
-        delivery.raw = view.unread().to_vec();
-        let ports = view.unread_of_ports().filter(|(_, bytes)| !bytes.is_empty());
-        delivery.ports = ports.map(|(sensor, bytes)| (sensor, bytes.to_vec())).collect();
-    } else {
-        let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
-        delivery.readings = arrived.map(|(i, reading)| (i, reading.clone())).collect();
-    }
-    delivery
 }

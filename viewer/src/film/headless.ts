@@ -1,8 +1,7 @@
 /** Makes the film that the page's address asks for, and posts it to the server: there is nobody to look at the page. */
-import { create } from "@bufbuild/protobuf";
 import { DARK, LIGHT } from "../arena/palette";
 import { FIRST_LAYERS } from "../arena/scene";
-import { PauseWorldRequestSchema } from "../gen/baudbot/v1/control_pb";
+import { ControlService } from "../gen/baudbot/v1/control_pb";
 import { Store } from "../model/store";
 import { secondsOf } from "../model/units";
 import { ask, connectionHome, type Connection } from "../net/connection";
@@ -53,7 +52,7 @@ async function render(connection: Connection, request: FilmRequest): Promise<Uin
   );
   if (!chosen) throw new Error(`there is no world \`${request.world}\``);
   if (!chosen.replay) throw new Error(`world \`${chosen.world}\` does not replay a recording`);
-  await ask(connection, "pauseWorld", create(PauseWorldRequestSchema, { world: chosen.world }));
+  await ask(connection, ControlService.method.pauseWorld, { world: chosen.world });
   orders.choose(chosen.world, request.robot);
   await until("a frame", () => store.frame !== undefined, connection);
   const range = { first: chosen.replay.firstTick, last: chosen.replay.lastTick };

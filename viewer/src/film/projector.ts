@@ -1,6 +1,5 @@
 /** Takes a replay to a tick, and waits for the frame of it. */
-import { create } from "@bufbuild/protobuf";
-import { SeekReplayRequestSchema } from "../gen/baudbot/v1/control_pb";
+import { ControlService } from "../gen/baudbot/v1/control_pb";
 import type { Store } from "../model/store";
 import { ask, type Connection } from "../net/connection";
 import type { Surveyor } from "../net/surveyor";
@@ -23,7 +22,7 @@ export class ReplayProjector implements Projector {
     const { world } = this.store;
     const frame = this.frameOf(tick);
     try {
-      await ask(this.connection, "seekReplay", create(SeekReplayRequestSchema, { world, tick }));
+      await ask(this.connection, ControlService.method.seekReplay, { world, tick });
       await frame.come();
       await this.surveyor.survey();
     } finally {

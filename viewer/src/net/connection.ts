@@ -1,13 +1,23 @@
 /**
  * One socket to the server, on which many calls are under way. When it breaks, all calls fail, and it is opened again
  * after a while that grows.
+ *
+ * Methods are called by their descriptors, which the contract generates: there is no list of calls here.
  */
-import { create, toBinary } from "@bufbuild/protobuf";
-import { CloseCallSchema, PageRequestSchema, type PageRequest, type PageResponse } from "../gen/baudbot/v1/page_pb";
-import { decode, type Frame } from "./frames";
+import {
+  create,
+  fromBinary,
+  toBinary,
+  type DescMessage,
+  type DescMethod,
+  type DescMethodUnary,
+  type MessageInitShape,
+  type MessageShape,
+} from "@bufbuild/protobuf";
+import { CloseCallSchema, PageRequestSchema, PageResponseSchema } from "../gen/baudbot/v1/page_pb";
 
-export type Request = PageRequest["request"];
-export type Response = PageResponse["response"];
+/** A method that takes such requests. */
+type Method<I extends DescMessage> = DescMethod & { input: I };
 
 /** Why a call failed. */
 export class CallError extends Error {
@@ -22,9 +32,11 @@ export class CallError extends Error {
 
 /** What becomes of a call. */
 export interface Listener {
-  response?(response: Response): void;
-  frame?(frame: Frame): void;
-  /** It is over; without an error it was closed. */
+  /** A response of the method, serialised. */
+  message(bytes: Uint8Array): void;
+  /** The server has a further request of the call. */
+  taken?(): void;
+  /** The call is over; without an error it was closed. */
   over(error?: CallError): void;
 }
 
@@ -74,28 +86,34 @@ export class Connection {
     this.socket = socket;
   }
 
-  /** Asks; the listener hears what becomes of it. Returns the call's number. */
-  begin(request: Request, listener: Listener): number {
+  /** Begins a call; the listener hears what becomes of it. Returns the call's number. */
+  begin<I extends DescMessage>(method: Method<I>, request: MessageInitShape<I>, listener: Listener): number {
     const call = this.nextCall();
     this.calls.set(call, listener);
-    if (!this.send(call, request)) {
+    const name = `${method.parent.typeName}/${method.name}`;
+    const value = { method: name, request: bytesOf(method.input, request) };
+    if (!this.send(call, { case: "begin", value })) {
       this.calls.delete(call);
       queueMicrotask(() => listener.over(new CallError("UNAVAILABLE", "not connected to the server")));
     }
     return call;
   }
 
-  /** Says more on a call that is under way; `false` if it could not be said. */
-  send(call: number, request: Request): boolean {
-    if (this.link.state !== "open" || !this.socket || !this.calls.has(call)) return false;
-    this.socket.send(toBinary(PageRequestSchema, create(PageRequestSchema, { call, request })));
-    return true;
+  /** Sends a further request on the stream of a call; `false` if it could not be sent. */
+  next<I extends DescMessage>(call: number, method: Method<I>, request: MessageInitShape<I>): boolean {
+    return this.send(call, { case: "next", value: bytesOf(method.input, request) });
   }
 
   /** Ends a stream. Nothing more is heard of it, though the server may still answer. */
   end(call: number): void {
     this.send(call, { case: "close", value: create(CloseCallSchema) });
     this.calls.delete(call);
+  }
+
+  private send(call: number, request: MessageInitShape<typeof PageRequestSchema>["request"]): boolean {
+    if (this.link.state !== "open" || !this.socket || !this.calls.has(call)) return false;
+    this.socket.send(toBinary(PageRequestSchema, create(PageRequestSchema, { call, request })));
+    return true;
   }
 
   private nextCall(): number {
@@ -107,25 +125,17 @@ export class Connection {
   private receive(data: ArrayBuffer): void {
     const begun = performance.now();
     try {
-      const incoming = decode(new Uint8Array(data));
-      const listener = this.calls.get(incoming.call);
+      const { call, response } = fromBinary(PageResponseSchema, new Uint8Array(data));
+      const listener = this.calls.get(call);
       if (!listener) return;
-      if ("watch" in incoming) listener.frame?.(incoming.watch);
-      else this.hear(incoming.call, listener, incoming.response);
+      if (response.case === "message") return listener.message(response.value);
+      if (response.case === "taken") return listener.taken?.();
+      this.calls.delete(call);
+      listener.over(
+        response.case === "failure" ? new CallError(response.value.code, response.value.message) : undefined,
+      );
     } finally {
       this.busy_ms += performance.now() - begun;
-    }
-  }
-
-  private hear(call: number, listener: Listener, response: Response): void {
-    if (response.case === "failure") {
-      this.calls.delete(call);
-      listener.over(new CallError(response.value.code, response.value.message));
-    } else if (response.case === "closed") {
-      this.calls.delete(call);
-      listener.over();
-    } else {
-      listener.response?.(response);
     }
   }
 
@@ -151,20 +161,23 @@ export class Connection {
   }
 }
 
-/** Asks what has one answer. */
-export function ask<C extends NonNullable<Response["case"]>>(
+/** Calls a method that has a single response. */
+export function ask<I extends DescMessage, O extends DescMessage>(
   connection: Connection,
-  kind: C,
-  request: Extract<Request, { case: C }>["value"],
-): Promise<Extract<Response, { case: C }>["value"]> {
+  method: DescMethodUnary<I, O>,
+  request: MessageInitShape<I>,
+): Promise<MessageShape<O>> {
   return new Promise((resolve, reject) => {
-    const call = connection.begin({ case: kind, value: request } as Request, {
-      response(response) {
+    const call = connection.begin(method, request, {
+      message(bytes) {
         connection.forget(call);
-        if (response.case === kind) resolve(response.value as never);
-        else reject(new CallError("INTERNAL", `the server answered ${String(response.case)} to ${kind}`));
+        resolve(fromBinary(method.output, bytes));
       },
       over: (error) => reject(error ?? new CallError("CANCELLED", "the server closed the call")),
     });
   });
+}
+
+function bytesOf<I extends DescMessage>(schema: I, message: MessageInitShape<I>): Uint8Array {
+  return toBinary(schema, create(schema, message));
 }

@@ -19,7 +19,7 @@ export class Cursor {
     return this.at >= this.bytes.length;
   }
 
-  /** A whole number of up to 53 bits: tags, lengths, calls. */
+  /** A whole number of up to 53 bits: a tag or a length. */
   varint(): number {
     let value = 0;
     for (let factor = 1; ; factor *= 128) {

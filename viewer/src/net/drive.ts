@@ -5,9 +5,10 @@
  *
  * That the robot stands when the page is gone the server sees to (`Hello.stop_when_gone`): a page cannot.
  */
-import { create } from "@bufbuild/protobuf";
+import { create, fromBinary } from "@bufbuild/protobuf";
 import {
-  AttachRequestSchema,
+  AttachResponseSchema,
+  BrainLinkService,
   CommandSchema,
   HelloSchema,
   PortMode,
@@ -22,7 +23,7 @@ import {
 import { Emitter } from "../emitter";
 import { CENTRED, signals, stickOfAxes, stickOfKeys, type Stick } from "../model/stick";
 import type { Store } from "../model/store";
-import type { CallError, Connection, Response } from "./connection";
+import type { CallError, Connection } from "./connection";
 
 /** Without news the brain wants to be asked after so long all the same: hands move. */
 const ASK_AGAIN_NS = 50_000_000n;
@@ -73,10 +74,12 @@ export class Drive extends Emitter<{ changed: void; rest: void }> {
     [this.isUnderWay, this.waiting, this.isAway] = [false, undefined, false];
     const mode = PortMode.MESSAGES;
     const hello = create(HelloSchema, { world, robots: [robot], mode, brain: "page", stopWhenGone: true });
-    const call = this.connection.begin(
-      { case: "attach", value: create(AttachRequestSchema, { request: { case: "hello", value: hello } }) },
-      { response: (response) => this.hear(response), over: (error) => call === this.call && this.over(error) },
-    );
+    const request = { request: { case: "hello" as const, value: hello } };
+    const call = this.connection.begin(BrainLinkService.method.attach, request, {
+      message: (bytes) => this.hear(fromBinary(AttachResponseSchema, bytes).response),
+      taken: () => this.goOn(),
+      over: (error) => call === this.call && this.over(error),
+    });
     this.call = call;
     this.set("asking");
   }
@@ -116,17 +119,14 @@ export class Drive extends Emitter<{ changed: void; rest: void }> {
     return all.find((stick) => stick.forward !== 0 || stick.left !== 0) ?? CENTRED;
   }
 
-  private hear(response: Response): void {
-    if (response.case === "taken") return this.goOn();
-    if (response.case !== "attach") return;
-    const inner: AttachResponse["response"] = response.value.response;
-    if (inner.case === "welcome") {
-      this.description = inner.value.robots[0];
+  private hear(response: AttachResponse["response"]): void {
+    if (response.case === "welcome") {
+      this.description = response.value.robots[0];
       if (this.state === "asking") this.set("driving");
-    } else if (inner.case === "turn") {
-      this.waiting = inner.value;
+    } else if (response.case === "turn") {
+      this.waiting = response.value;
       if (!this.isUnderWay) this.answer();
-    } else if (inner.case === "ended") {
+    } else if (response.case === "ended") {
       this.store.note("The run is over; Reset brings the world back.");
     }
   }
@@ -143,8 +143,8 @@ export class Drive extends Emitter<{ changed: void; rest: void }> {
     this.waiting = undefined;
     const own = turn.robots.find((robot) => robot.robot === 0);
     const step = create(StepSchema, { turn: turn.turn, robots: own ? [this.part(own)] : [] });
-    const request = create(AttachRequestSchema, { request: { case: "step", value: step } });
-    this.isUnderWay = this.connection.send(this.call, { case: "attach", value: request });
+    const request = { request: { case: "step" as const, value: step } };
+    this.isUnderWay = this.connection.next(this.call, BrainLinkService.method.attach, request);
   }
 
   /** The robot's part of a Step: a command if there is something to say, and the wish to be asked at news. */

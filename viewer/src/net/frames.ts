@@ -1,6 +1,5 @@
 /** Frames of a Watch, decoded as far as all are looked at: poses. The rest of a robot is decoded when asked for. */
 import { fromBinary } from "@bufbuild/protobuf";
-import { PageResponseSchema, type PageResponse } from "../gen/baudbot/v1/page_pb";
 import {
   RobotTruthSchema,
   WatchResponseSchema,
@@ -45,25 +44,8 @@ export class Frame {
   }
 }
 
-/** What came: a frame, or another answer. */
-export type Incoming = { call: number; watch: Frame } | { call: number; response: PageResponse["response"] };
-
-/** One message of the socket. */
-export function decode(bytes: Uint8Array): Incoming {
-  const cursor = new Cursor(bytes);
-  let call = 0;
-  while (!cursor.done) {
-    const tag = cursor.varint();
-    const field = tag >>> 3;
-    if (field === PageResponseSchema.field.call.number) call = cursor.varint();
-    else if (field === PageResponseSchema.field.watch.number) return { call, watch: decodeFrame(cursor.chunk()) };
-    else cursor.skip(tag & 7);
-  }
-  return { call, response: fromBinary(PageResponseSchema, bytes).response };
-}
-
-/** A frame. */
-function decodeFrame(bytes: Uint8Array): Frame {
+/** A frame from a serialised WatchResponse. */
+export function decodeFrame(bytes: Uint8Array): Frame {
   const cursor = new Cursor(bytes);
   const robots: Uint8Array[] = [];
   const others: Uint8Array[] = [];

@@ -1,24 +1,10 @@
 /** What an operator can order, in the order in which it has to be asked for. What goes wrong is told to people. */
-import { create } from "@bufbuild/protobuf";
-import {
-  CreateWorldRequestSchema,
-  DeleteWorldRequestSchema,
-  ForkReplayRequestSchema,
-  InterveneRequestSchema,
-  ListWorldsRequestSchema,
-  PauseWorldRequestSchema,
-  ResetWorldRequestSchema,
-  RestoreWorldRequestSchema,
-  SetPaceRequestSchema,
-  SnapshotWorldRequestSchema,
-  StartWorldRequestSchema,
-  StepWorldRequestSchema,
-  type InterveneRequest,
-} from "../gen/baudbot/v1/control_pb";
+import { create, type DescMessage, type DescMethodUnary, type MessageInitShape } from "@bufbuild/protobuf";
+import { ControlService, type InterveneRequest } from "../gen/baudbot/v1/control_pb";
 import { PaceSchema, WorldState, type Pace, type WorldStatus } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { secondsOf } from "../model/units";
-import { ask, type Connection, type Request } from "./connection";
+import { ask, type Connection } from "./connection";
 import type { Watcher } from "./watcher";
 
 export type PaceKind = NonNullable<Pace["kind"]["case"]>;
@@ -54,7 +40,7 @@ export class Orders {
   /** Asks for all worlds; quiet if it fails, for it is asked again and again. */
   async list(): Promise<boolean> {
     try {
-      const { worlds } = await ask(this.connection, "listWorlds", create(ListWorldsRequestSchema));
+      const { worlds } = await ask(this.connection, ControlService.method.listWorlds, {});
       this.store.setWorlds(worlds);
       return true;
     } catch {
@@ -68,14 +54,14 @@ export class Orders {
       if (this.store.status?.pace?.kind.case === "stepped") {
         const pace = this.paceBefore.get(world) ?? paceOf("realTime");
         this.store.note(`The pace is ${paceWords(pace)} again.`);
-        await this.ask("setPace", create(SetPaceRequestSchema, { world, pace }));
+        await this.ask(ControlService.method.setPace, { world, pace });
       }
-      await this.ask("startWorld", create(StartWorldRequestSchema, { world }));
+      await this.ask(ControlService.method.startWorld, { world });
     });
   }
 
   pause(): Promise<void> {
-    return this.told((world) => this.ask("pauseWorld", create(PauseWorldRequestSchema, { world })));
+    return this.told((world) => this.ask(ControlService.method.pauseWorld, { world }));
   }
 
   /** Runs a world that stands, and stops one that goes. */
@@ -108,25 +94,21 @@ export class Orders {
     const pace = this.store.status?.pace;
     if (pace?.kind.case === "stepped") return;
     if (pace) this.paceBefore.set(world, pace);
-    await this.ask("setPace", create(SetPaceRequestSchema, { world, pace: paceOf("stepped") }));
+    await this.ask(ControlService.method.setPace, { world, pace: paceOf("stepped") });
     this.store.note("The pace is stepped now; Run goes back to the one before.");
   }
 
   setPace(pace: Pace): Promise<void> {
-    return this.told((world) => this.ask("setPace", create(SetPaceRequestSchema, { world, pace })));
+    return this.told((world) => this.ask(ControlService.method.setPace, { world, pace }));
   }
 
   reset(): Promise<void> {
-    return this.told((world) => this.ask("resetWorld", create(ResetWorldRequestSchema, { world })));
+    return this.told((world) => this.ask(ControlService.method.resetWorld, { world }));
   }
 
   snapshot(): Promise<void> {
     return this.told(async (world) => {
-      const { snapshot, status } = await ask(
-        this.connection,
-        "snapshotWorld",
-        create(SnapshotWorldRequestSchema, { world }),
-      );
+      const { snapshot, status } = await ask(this.connection, ControlService.method.snapshotWorld, { world });
       const kept = { snapshot, tick: status?.tick ?? 0n, time_s: secondsOf(status?.timeNs ?? 0n) };
       this.kept.set(world, [...(this.kept.get(world) ?? []), kept].slice(-MOST_SNAPSHOTS));
       this.store.setStatus(status);
@@ -134,13 +116,13 @@ export class Orders {
   }
 
   restore(snapshot: bigint): Promise<void> {
-    return this.told((world) => this.ask("restoreWorld", create(RestoreWorldRequestSchema, { world, snapshot })));
+    return this.told((world) => this.ask(ControlService.method.restoreWorld, { world, snapshot }));
   }
 
   /** Makes a world and chooses it. What is wrong with the scenario is thrown. */
   async create(world: string, from: Origin, paused: boolean): Promise<void> {
-    const request = create(CreateWorldRequestSchema, { world, ...from, paused });
-    const { status } = await ask(this.connection, "createWorld", request);
+    const request = { world, ...from, paused };
+    const { status } = await ask(this.connection, ControlService.method.createWorld, request);
     this.store.setStatus(status);
     if (status) this.choose(status.world);
   }
@@ -148,7 +130,7 @@ export class Orders {
   /** Makes a live world of a replay, at the tick where it is. */
   fork(): Promise<void> {
     return this.told(async (world) => {
-      await this.ask("forkReplay", create(ForkReplayRequestSchema, { world }));
+      await this.ask(ControlService.method.forkReplay, { world });
       this.store.note(`${world} is live now: brains can attach, and Run lets it go on.`);
     });
   }
@@ -156,7 +138,7 @@ export class Orders {
   delete(world: string): Promise<void> {
     return this.told(async () => {
       if (world === this.store.world) this.watcher.stop();
-      await ask(this.connection, "deleteWorld", create(DeleteWorldRequestSchema, { world }));
+      await ask(this.connection, ControlService.method.deleteWorld, { world });
       this.kept.delete(world);
       this.paceBefore.delete(world);
       await this.list();
@@ -174,25 +156,28 @@ export class Orders {
   async intervene(intervention: Intervention): Promise<boolean> {
     let done = false;
     await this.told(async (world) => {
-      await this.ask("intervene", create(InterveneRequestSchema, { world, intervention }));
+      await this.ask(ControlService.method.intervene, { world, intervention });
       done = true;
     });
     return done;
   }
 
   private async stepNow(world: string, ticks: number): Promise<void> {
-    const request = create(StepWorldRequestSchema, { world, ticks: BigInt(ticks) });
+    const request = { world, ticks: BigInt(ticks) };
     const { status } = this.store;
     // A stepped world waits for robots that have no brain, for ever if need be, unless it is told to go on without.
     if (!status?.replay && status?.robots.some((robot) => !robot.attached)) {
-      await this.ask("startWorld", create(StartWorldRequestSchema, { world }));
+      await this.ask(ControlService.method.startWorld, { world });
     }
-    await this.ask("stepWorld", request);
+    await this.ask(ControlService.method.stepWorld, request);
   }
 
   /** Asks for something that is answered by the world's status, and looks at a world that stands. */
-  private async ask<C extends StatusCall>(kind: C, request: Extract<Request, { case: C }>["value"]): Promise<void> {
-    const answer = (await ask(this.connection, kind, request as never)) as { status?: WorldStatus };
+  private async ask<I extends DescMessage, O extends DescMessage>(
+    method: DescMethodUnary<I, O>,
+    request: MessageInitShape<I>,
+  ): Promise<void> {
+    const answer = (await ask(this.connection, method, request)) as { status?: WorldStatus };
     this.store.setStatus(answer.status);
     if (answer.status?.state !== WorldState.RUNNING) this.watcher.again();
   }
@@ -209,9 +194,6 @@ export class Orders {
     }
   }
 }
-
-type StatusCall =
-  "startWorld" | "pauseWorld" | "stepWorld" | "setPace" | "resetWorld" | "restoreWorld" | "intervene" | "forkReplay";
 
 /** A pace of a kind. */
 export function paceOf(kind: PaceKind, factor = 1): Pace {

@@ -1,15 +1,7 @@
 /** Recordings: those in the server's folder, the one that is made of the chosen world, and single states as files. */
-import { create } from "@bufbuild/protobuf";
 import { download } from "../dom";
 import { Emitter } from "../emitter";
-import {
-  ListRecordingsRequestSchema,
-  OpenRecordingRequestSchema,
-  SaveWorldRequestSchema,
-  StartRecordingRequestSchema,
-  StopRecordingRequestSchema,
-  type RecordingFile,
-} from "../gen/baudbot/v1/control_pb";
+import { ControlService, type RecordingFile } from "../gen/baudbot/v1/control_pb";
 import type { WorldStatus } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { bytesText, count } from "../model/units";
@@ -37,7 +29,7 @@ export class Recordings extends Emitter<{ changed: void }> {
   /** Asks what there is; quiet if it fails, for it is asked again. */
   async list(): Promise<void> {
     try {
-      const { recordings } = await ask(this.connection, "listRecordings", create(ListRecordingsRequestSchema));
+      const { recordings } = await ask(this.connection, ControlService.method.listRecordings, {});
       [this.files, this.hasFolder] = [recordings, true];
     } catch (error) {
       if (!(error instanceof CallError) || error.code === "UNAVAILABLE") return;
@@ -65,7 +57,7 @@ export class Recordings extends Emitter<{ changed: void }> {
   /** The present state as a file. */
   save(): Promise<void> {
     return this.orders.told(async (world) => {
-      const { savedMcap, tick } = await ask(this.connection, "saveWorld", create(SaveWorldRequestSchema, { world }));
+      const { savedMcap, tick } = await ask(this.connection, ControlService.method.saveWorld, { world });
       download(savedMcap, "application/octet-stream", `${world}-${tick}.mcap`);
       this.store.note(`Tick ${count(tick)} of ${world} is in ${world}-${tick}.mcap; New world… goes on from it.`);
     });
@@ -75,8 +67,8 @@ export class Recordings extends Emitter<{ changed: void }> {
   private async openAs(recording: string, attempt: number): Promise<WorldStatus | undefined> {
     const world = attempt === 1 ? "" : `${recording.replace(/[^A-Za-z0-9_-]/g, "_").slice(0, 60)}-${attempt}`;
     try {
-      const request = create(OpenRecordingRequestSchema, { recording, world });
-      return (await ask(this.connection, "openRecording", request)).status;
+      const request = { recording, world };
+      return (await ask(this.connection, ControlService.method.openRecording, request)).status;
     } catch (error) {
       const isTaken = error instanceof CallError && error.code === "ALREADY_EXISTS";
       if (!isTaken || attempt >= MOST_NAMES) throw error;
@@ -86,16 +78,15 @@ export class Recordings extends Emitter<{ changed: void }> {
 
   private start(): Promise<void> {
     return this.orders.told(async (world) => {
-      const request = create(StartRecordingRequestSchema, { world, lookHz: LOOK_HZ });
-      const { status } = await ask(this.connection, "startRecording", request);
+      const request = { world, lookHz: LOOK_HZ };
+      const { status } = await ask(this.connection, ControlService.method.startRecording, request);
       this.store.setStatus(status);
     });
   }
 
   private stop(): Promise<void> {
     return this.orders.told(async (world) => {
-      const request = create(StopRecordingRequestSchema, { world });
-      const { recording } = await ask(this.connection, "stopRecording", request);
+      const { recording } = await ask(this.connection, ControlService.method.stopRecording, { world });
       if (recording) {
         const what = `${count(recording.ticks)} ticks, ${bytesText(Number(recording.bytes))}`;
         this.store.note(`${recording.recording} is recorded: ${what}.`);

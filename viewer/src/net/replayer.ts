@@ -1,12 +1,6 @@
 /** The replay of the chosen world: what is in it, where it is, and how it is taken elsewhere. */
-import { create } from "@bufbuild/protobuf";
 import { Emitter } from "../emitter";
-import {
-  DescribeReplayRequestSchema,
-  SeekReplayRequestSchema,
-  type DescribeReplayResponse,
-  type ReplayEvent,
-} from "../gen/baudbot/v1/control_pb";
+import { ControlService, type DescribeReplayResponse, type ReplayEvent } from "../gen/baudbot/v1/control_pb";
 import { WorldState } from "../gen/baudbot/v1/world_pb";
 import { eventFrom, within, type Range } from "../model/replay";
 import type { Store } from "../model/store";
@@ -109,7 +103,7 @@ export class Replayer extends Emitter<{ changed: void }> {
 
   private async seekNow(tick: bigint): Promise<void> {
     const { world } = this.store;
-    const { status } = await ask(this.connection, "seekReplay", create(SeekReplayRequestSchema, { world, tick }));
+    const { status } = await ask(this.connection, ControlService.method.seekReplay, { world, tick });
     if (world !== this.store.world) return;
     // The frame may have come before this answer.
     if (status && this.store.frame?.tick !== status.tick) this.awaited = status.tick;
@@ -132,8 +126,7 @@ export class Replayer extends Emitter<{ changed: void }> {
 
   private async describe(world: string): Promise<void> {
     try {
-      const request = create(DescribeReplayRequestSchema, { world });
-      const description = await ask(this.connection, "describeReplay", request);
+      const description = await ask(this.connection, ControlService.method.describeReplay, { world });
       if (world !== this.described) return;
       this.description = description;
       this.emit("changed", undefined);

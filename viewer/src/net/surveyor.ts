@@ -2,8 +2,7 @@
  * Asks for the map of the floor about once a second while the world that is shown counts coverage, with one request under
  * way at a time. A world that stands is asked once.
  */
-import { create } from "@bufbuild/protobuf";
-import { GetCoverageRequestSchema } from "../gen/baudbot/v1/observe_pb";
+import { ObserveService } from "../gen/baudbot/v1/observe_pb";
 import type { Store } from "../model/store";
 import { ask, type Connection } from "./connection";
 
@@ -63,7 +62,7 @@ export class Surveyor {
     const { world } = this.store;
     this.wait_ms = WAIT_MS;
     try {
-      const map = await ask(this.connection, "getCoverage", create(GetCoverageRequestSchema, { world }));
+      const map = await ask(this.connection, ObserveService.method.getCoverage, { world });
       if (world === this.store.world) this.store.setCoverage(map);
     } catch {
       // The next frame asks again; why there is none, other calls say.

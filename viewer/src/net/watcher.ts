@@ -1,11 +1,10 @@
 /** Keeps a Watch open on the chosen world, with details of the chosen robot, as often as frames are looked at. */
-import { create } from "@bufbuild/protobuf";
-import { DescribeWorldRequestSchema, WatchRequestSchema } from "../gen/baudbot/v1/observe_pb";
+import { ObserveService } from "../gen/baudbot/v1/observe_pb";
 import { WorldState, type Pace } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { secondsOf } from "../model/units";
 import { ask, CallError, type Connection } from "./connection";
-import type { Frame } from "./frames";
+import { decodeFrame, type Frame } from "./frames";
 import { firstEvery, nextEvery } from "./rate";
 
 const MEASURE_MS = 1000;
@@ -41,8 +40,7 @@ export class Watcher {
     const { world } = this.store;
     if (world === "") return;
     try {
-      const request = create(DescribeWorldRequestSchema, { world });
-      const description = await ask(this.connection, "describeWorld", request);
+      const description = await ask(this.connection, ObserveService.method.describeWorld, { world });
       if (world !== this.store.world) return;
       this.every = firstEvery(this.pace, secondsOf(description.stepNs));
       this.store.describe(description);
@@ -71,11 +69,11 @@ export class Watcher {
     this.isFirst = this.isSettling = true;
     this.store.setStride(this.every);
     const details = robot === "" ? [] : [robot];
-    const request = create(WatchRequestSchema, { world, everyTicks: BigInt(this.every), details });
-    const call = this.connection.begin(
-      { case: "watch", value: request },
-      { frame: (frame) => this.take(frame), over: (error) => this.over(call, error) },
-    );
+    const request = { world, everyTicks: BigInt(this.every), details };
+    const call = this.connection.begin(ObserveService.method.watch, request, {
+      message: (bytes) => this.take(decodeFrame(bytes)),
+      over: (error) => this.over(call, error),
+    });
     this.call = call;
   }
 

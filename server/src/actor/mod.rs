@@ -1,0 +1,378 @@
+//! The actor of a world: it alone touches the world, and does one thing at a time. It handles messages, begins a tick,
+//! finishes a tick, or waits.
+//!
+//! Which thread that happens on is for the [`Mailbox`] to decide. This file is the loop:
+//! [`WorldActor::next`] says what is to be done, and the other methods do it.
+
+mod attachments;
+mod final_command;
+mod interventions;
+mod log;
+mod lookahead;
+mod measure;
+mod messages;
+mod pacer;
+mod ports;
+mod recording;
+mod replay;
+mod requests;
+mod runner;
+mod snapshots;
+mod stepping;
+mod stopwatch;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::thread::{self, JoinHandle};
+use std::time::Instant;
+
+use baudbot_recording::Replay;
+use baudbot_sim::{Input, SimTime, Turn, World};
+use tonic::Status;
+
+use crate::beliefs::Beliefs;
+use crate::log::event;
+use crate::mailbox::Mailbox;
+use crate::message::{Message, RecordConfig, WorldHandle};
+use crate::observers::Observers;
+use crate::pace::{Pace, WatchdogPolicy};
+use crate::report::Activity;
+use crate::sessions::Sessions;
+use interventions::Interventions;
+use pacer::Pacer;
+use ports::{Pending, Ports};
+use recording::Recording;
+use replay::Replaying;
+use runner::Schedule;
+use snapshots::Snapshots;
+use stepping::Stepper;
+
+/// Called at the start of every tick, when the sensors have been read, on the world's own thread.
+pub type OnTick = Box<dyn FnMut(&World) + Send>;
+
+/// A world that is about to be made.
+pub(crate) struct NewWorld {
+    pub(crate) name: String,
+    pub(crate) world: World,
+    /// The recording that it replays; `None` for a live world.
+    pub(crate) replay: Option<Replay>,
+    pub(crate) pace: Pace,
+    pub(crate) paused: bool,
+    pub(crate) on_tick: Option<OnTick>,
+    /// Where it is recorded from its beginning on.
+    pub(crate) record: Option<RecordConfig>,
+}
+
+impl NewWorld {
+    /// A live world that is not recorded.
+    pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
+        Self { name, world, replay: None, pace, paused: false, on_tick: None, record: None }
+    }
+}
+
+/// A world and all that happens to it.
+pub(crate) struct WorldActor {
+    name: Arc<str>,
+    world: World,
+    phase: Phase,
+    sessions: Sessions,
+    observers: Observers,
+    beliefs: Beliefs,
+    ports: Ports,
+    pacer: Pacer,
+    stepper: Stepper,
+    interventions: Interventions,
+    snapshots: Snapshots,
+    recording: Recording,
+    /// `None` in a live world.
+    replaying: Option<Replaying>,
+    on_tick: Option<OnTick>,
+    /// Messages that would see the world, which is ahead of its brains; oldest first.
+    deferred: VecDeque<Message>,
+    schedule: Schedule,
+    /// The status with which streams end, once the world is to be over.
+    over: Option<Status>,
+}
+
+/// Where a live world stands between the two halves of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Between two ticks.
+    Between,
+    /// Within a tick: it has begun and brains may answer.
+    Begun,
+    /// Between two ticks; the run is over, which is not told before all brains have answered.
+    Ending,
+}
+
+/// What the world does next.
+enum Next {
+    Begin,
+    Finish,
+    /// Finish without the answers that are owed; at the latest at this instant there is something else to do.
+    FinishAhead(Instant),
+    End,
+    /// The watchdog acts.
+    TimeOut,
+    /// A tick of a replay, or a part of the way to one.
+    Replay,
+    /// Nothing before a message comes, or before this instant.
+    Wait(Option<Instant>),
+}
+
+/// What observers can see of an actor: a macro, so that its other fields can be borrowed meanwhile.
+macro_rules! view {
+    ($actor:expr) => {
+        crate::observers::View {
+            name: &$actor.name,
+            world: &$actor.world,
+            sessions: &$actor.sessions,
+            beliefs: &$actor.beliefs,
+        }
+    };
+}
+use view;
+
+/// Makes a world and starts its thread. `neighbours` is how many worlds there are on the server.
+///
+/// # Errors
+/// If its recording cannot begin, or there is no thread for it.
+pub(crate) fn spawn(
+    new: NewWorld,
+    neighbours: Arc<AtomicU32>,
+) -> Result<(WorldHandle, JoinHandle<()>), Status> {
+    let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
+    let (robots, paused) = (new.world.robots().len(), new.paused);
+    let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
+    if let Some(record) = record {
+        actor.record(record)?;
+    }
+    let mailbox = Arc::new(Mailbox::new(actor));
+    let own = Arc::clone(&mailbox);
+    let thread = thread::Builder::new().name(format!("world {name}"));
+    let thread = thread
+        .spawn(move || own.run())
+        .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
+    tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
+    Ok((WorldHandle::new(name, mailbox), thread))
+}
+
+impl WorldActor {
+    fn new(
+        name: Arc<str>,
+        NewWorld { world, replay, pace, paused, on_tick, .. }: NewWorld,
+        neighbours: Arc<AtomicU32>,
+    ) -> Self {
+        let robots = world.robots().len();
+        Self {
+            name,
+            phase: Phase::Between,
+            sessions: Sessions::new(robots),
+            observers: Observers::default(),
+            beliefs: Beliefs::new(robots),
+            ports: Ports::new(&world),
+            pacer: Pacer::new(pace, paused),
+            stepper: Stepper::default(),
+            interventions: Interventions::default(),
+            snapshots: Snapshots::default(),
+            recording: Recording::new(robots),
+            replaying: replay.map(Replaying::new),
+            on_tick,
+            deferred: VecDeque::new(),
+            schedule: Schedule::new(neighbours),
+            over: None,
+            world,
+        }
+    }
+
+    /// What is to be done now.
+    ///
+    /// The world is always in one of three phases, and in each there is one question. *Between* two ticks: may the next
+    /// one begin? Not while the world is paused, waits for a brain that is not there, or has run as far ahead of its brains
+    /// as lookahead allows. *Within* a tick: may it end? That is what paces differ in. Lockstep waits until no answer is
+    /// owed; real time waits for an instant of the wall clock; free waits for nothing. *Ending*: has every brain answered
+    /// that the world went ahead of? Only then is the end certain and may be told, since a missing answer may still be in
+    /// the recording.
+    ///
+    /// This reads the state and changes nothing, so that a caller can ask what there is to do and leave it to the world's
+    /// thread (`runner`). Where an instant is given it is when the answer to the question changes without a message.
+    fn next(&self, now: Instant) -> Next {
+        if let Some(replaying) = &self.replaying {
+            return self.next_of_replay(replaying, now);
+        }
+        match self.phase {
+            Phase::Between => self.next_between_ticks(now),
+            Phase::Begun => self.next_within_tick(now),
+            Phase::Ending if self.sessions.is_any_overtaken() => self.wait_for_answers(now),
+            Phase::Ending => Next::End,
+        }
+    }
+
+    fn next_between_ticks(&self, now: Instant) -> Next {
+        let is_running = self.activity() == Activity::Running;
+        if self.sessions.is_any_overtaken() && !(is_running && self.can_begin_ahead()) {
+            return self.wait_for_answers(now);
+        }
+        if is_running { Next::Begin } else { Next::Wait(None) }
+    }
+
+    fn next_within_tick(&self, now: Instant) -> Next {
+        if self.pacer.pace.watchdog().is_none() {
+            return match &self.pacer.clock {
+                Some(clock) => {
+                    let due = clock.instant(self.tick_end());
+                    if now >= due { Next::Finish } else { Next::Wait(Some(due)) }
+                }
+                None => Next::Finish,
+            };
+        }
+        if self.sessions.is_any_left_open() {
+            return Next::Wait(None);
+        }
+        if self.sessions.owing().next().is_none() {
+            return Next::Finish;
+        }
+        match self.wait_for_answers(now) {
+            Next::Wait(Some(until)) if self.can_finish_ahead() => Next::FinishAhead(until),
+            next => next,
+        }
+    }
+
+    fn activity(&self) -> Activity {
+        if let Some(replaying) = &self.replaying {
+            return self.activity_of_replay(replaying);
+        }
+        if self.world.ending().is_some() {
+            Activity::Ended
+        } else if self.pacer.paused || self.is_out_of_credit() {
+            Activity::Paused
+        } else if self.pacer.pace.watchdog().is_some() && self.is_held_up() {
+            Activity::WaitingForBrains
+        } else {
+            Activity::Running
+        }
+    }
+
+    /// Whether a robot without a brain holds a world in lockstep up.
+    fn is_held_up(&self) -> bool {
+        match self.phase {
+            Phase::Begun => self.sessions.is_any_left_open(),
+            Phase::Between | Phase::Ending => self.sessions.is_any_awaited(),
+        }
+    }
+
+    fn begin(&mut self, now: Instant) {
+        self.follow_clock(now);
+        let lockstep = self.pacer.pace.lockstep();
+        let mut turns = self.world.begin().to_vec();
+        self.record_tick();
+        self.show();
+        if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
+            turns.retain(|&turn| !self.lets_sleep(turn));
+        }
+        self.sessions.deliver(&self.world, &turns, lockstep.map(|_| now));
+        self.ports.note_begin();
+        self.phase = Phase::Begun;
+        self.stop_silent_robots(now);
+        let begun = Instant::now();
+        if !self.sessions.is_any_overtaken() {
+            self.pacer.waiting_since = begun;
+        }
+        self.schedule.note_begin(begun - now);
+    }
+
+    /// Whether a brain need not be asked, because it waits for a message and none has come. Its step then counts as one in
+    /// which it wrote nothing.
+    fn lets_sleep(&mut self, turn: Turn) -> bool {
+        let sleeps = self.sessions.sleeps(turn, &self.world);
+        if sleeps {
+            let thinking_ns = self.world.scenario().robots()[turn.robot].thinking_ns;
+            let at = turn.at + thinking_ns;
+            self.ports.inputs.push(Pending { robot: turn.robot, at, bytes: Vec::new(), tick: None });
+        }
+        sleeps
+    }
+
+    /// Shows the world at the start of a tick to `on_tick` and to observers.
+    fn show(&mut self) {
+        if let Some(on_tick) = &mut self.on_tick {
+            on_tick(&self.world);
+        }
+        self.observers.show(view!(self));
+    }
+
+    /// Ends the tick, without the answers of some robots, each with when its brain is done.
+    fn finish_with(&mut self, now: Instant, open: &[(usize, SimTime)]) {
+        self.note_end_of_tick(now);
+        for pending in &self.ports.inputs {
+            if let Some(tick) = pending.tick {
+                self.world.answers(pending.robot, tick);
+            }
+        }
+        let inputs = self.ports.inputs.iter();
+        let inputs: Vec<Input<'_>> =
+            inputs.map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
+        let began = (self.world.tick(), self.world.time());
+        self.world.finish_ahead(&inputs, open);
+        self.record_inputs(began, open);
+        self.ports.inputs.clear();
+        self.sessions.reset_quotas();
+        self.spend_credit();
+        let is_ending = self.world.ending().is_some();
+        self.phase = if is_ending { Phase::Ending } else { Phase::Between };
+        if is_ending && !self.sessions.is_any_overtaken() {
+            self.end();
+        }
+        self.intervene();
+        if self.stepper.credits == 0 {
+            self.answer_stepper();
+        }
+        self.schedule.note_finish(now.elapsed());
+    }
+
+    /// Ends the run: the sensors are read a last time, and everybody is told.
+    fn end(&mut self) {
+        self.phase = Phase::Between;
+        self.stepper.credits = 0;
+        self.pacer.clock = None;
+        let why = self.world.ending().map(ToString::to_string).unwrap_or_default();
+        event!(self, info, why, "run ended");
+        self.world.begin();
+        self.record_tick();
+        self.show();
+        self.sessions.tell_ended(self.world.tick());
+    }
+
+    /// The watchdog acts on every brain that has not answered in time.
+    fn time_out(&mut self) {
+        let Some(watchdog) = self.pacer.pace.watchdog() else { return };
+        let timeout = watchdog.timeout;
+        self.pacer.statistics.waiting += self.pacer.waiting_since.elapsed();
+        self.pacer.waiting_since = Instant::now();
+        for number in self.sessions.owing().collect::<Vec<_>>() {
+            self.pacer.statistics.watchdog_timeouts += 1;
+            event!(self, warn, session = number, brain = self.sessions.name(number),
+                timeout_s = timeout.as_secs_f64(), policy = ?watchdog.policy, "brain has not answered in time");
+            match watchdog.policy {
+                WatchdogPolicy::Wait => {}
+                WatchdogPolicy::GoOn => {
+                    let overtaken = self.sessions.give_up(number);
+                    self.settle(&overtaken.steps);
+                    self.deliver_deferred(number, overtaken.deferred);
+                }
+                WatchdogPolicy::Detach => {
+                    let status = Status::deadline_exceeded(format!("no answer to a Turn within {timeout:?}"));
+                    self.close(number, status);
+                }
+            }
+        }
+        self.handle_deferred_at_last();
+    }
+
+    fn tick_end(&self) -> SimTime {
+        self.world.time() + self.world.scenario().step_ns()
+    }
+}

@@ -1,0 +1,92 @@
+//! The pace of a world: the clock that it follows, and how well it does.
+
+use std::time::Instant;
+
+use super::WorldActor;
+use super::stopwatch::Stopwatch;
+use crate::log::{Throttle, event};
+use crate::pace::{Clock, Pace, Pacing, Timed};
+
+/// The pace of a world and what is measured of it.
+pub(super) struct Pacer {
+    pub(super) pace: Pace,
+    pub(super) paused: bool,
+    /// Set while simulated time follows the wall clock.
+    pub(super) clock: Option<Clock>,
+    pub(super) statistics: Pacing,
+    /// Since when the world waits for brains, in lockstep.
+    pub(super) waiting_since: Instant,
+    pub(super) running: Stopwatch,
+    lags: Throttle,
+}
+
+impl Pacer {
+    pub(super) fn new(pace: Pace, paused: bool) -> Self {
+        Self {
+            pace,
+            paused,
+            clock: None,
+            statistics: Pacing::default(),
+            waiting_since: Instant::now(),
+            running: Stopwatch::default(),
+            lags: Throttle::default(),
+        }
+    }
+
+    /// Forgets what was measured: another run begins.
+    pub(super) fn reset_statistics(&mut self) {
+        self.statistics = Pacing::default();
+        self.running = Stopwatch::default();
+    }
+}
+
+impl WorldActor {
+    /// A tick is to begin. Where simulated time follows the wall clock, what the world lags by more than its pace allows
+    /// is let go.
+    pub(super) fn follow_clock(&mut self, now: Instant) {
+        let Pace::Timed(Timed { factor, max_lag }) = self.pacer.pace else { return };
+        let time = self.world.time();
+        let clock = self.pacer.clock.get_or_insert_with(|| Clock::new(now, time, factor));
+        let Some(beyond) = clock.let_go(now, time, max_lag) else { return };
+        let statistics = &mut self.pacer.statistics;
+        statistics.let_go += beyond;
+        statistics.times_let_go += 1;
+        if let Some(times) = self.pacer.lags.note(now) {
+            let (let_go_s, sum_s) = (beyond.as_secs_f64(), self.pacer.statistics.let_go.as_secs_f64());
+            event!(self, warn, times, let_go_s, sum_s, "the world lags, and lets time go");
+        }
+    }
+
+    /// Measures a tick that ends: how late it is, or how long brains were waited for.
+    pub(super) fn note_end_of_tick(&mut self, now: Instant) {
+        if self.pacer.clock.is_some() {
+            self.note_lateness(now);
+        } else if self.pacer.pace.watchdog().is_some() && !self.sessions.is_any_overtaken() {
+            self.pacer.statistics.waiting += now.saturating_duration_since(self.pacer.waiting_since);
+        }
+    }
+
+    /// Measures how late a tick ends by the wall clock, if the world follows it.
+    pub(super) fn note_lateness(&mut self, now: Instant) {
+        let Some(clock) = &self.pacer.clock else { return };
+        let due = clock.instant(self.tick_end());
+        let step = due - clock.instant(self.world.time());
+        self.pacer.statistics.note_lateness(now.saturating_duration_since(due), step);
+    }
+
+    pub(super) fn set_pace(&mut self, pace: Pace) {
+        // From lockstep to lockstep, Turns that are open stay open.
+        if self.pacer.pace.watchdog().is_none() || pace.watchdog().is_none() {
+            for session in self.sessions.overtaken_sessions() {
+                let steps = self.sessions.take_overtaken(session);
+                self.settle(&steps);
+            }
+            self.sessions.void_turns();
+        }
+        self.pacer.pace = pace;
+        self.recording.set_pace(pace);
+        self.pacer.clock = None;
+        self.end_stepping();
+        self.pacer.waiting_since = Instant::now();
+    }
+}

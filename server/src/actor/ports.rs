@@ -1,0 +1,55 @@
+//! The robots' ports: what the server writes to them for brains.
+
+use baudbot_sim::{RobotView, SimTime, World};
+
+use super::final_command::FinalCommand;
+use crate::endpoint::Sender;
+
+/// The ports of all robots, by robot.
+pub(super) struct Ports {
+    /// Where the server encodes for brains. What they hold is on the wire, so they go back in time with the world.
+    pub(super) senders: Vec<Sender>,
+    /// The senders as they were when the tick began, to which a snapshot goes back.
+    pub(super) senders_at_begin: Vec<Sender>,
+    /// What was written in this tick.
+    pub(super) inputs: Vec<Pending>,
+    /// What is written when a brain is gone, if the brain wants that.
+    pub(super) final_commands: Vec<Option<FinalCommand>>,
+}
+
+/// What a brain wrote in this tick.
+pub(super) struct Pending {
+    pub(super) robot: usize,
+    pub(super) at: SimTime,
+    pub(super) bytes: Vec<u8>,
+    /// The tick whose Turn it answers, if that is known.
+    pub(super) tick: Option<u64>,
+}
+
+impl Ports {
+    /// The ports of a world whose robots have no brains.
+    pub(super) fn new(world: &World) -> Self {
+        let senders = senders(world);
+        Self {
+            senders_at_begin: senders.clone(),
+            inputs: Vec::new(),
+            final_commands: vec![None; senders.len()],
+            senders,
+        }
+    }
+
+    /// A tick has begun.
+    pub(super) fn note_begin(&mut self) {
+        self.senders_at_begin.clone_from(&self.senders);
+    }
+}
+
+/// The senders of all robots of a world that has just been made.
+pub(super) fn senders(world: &World) -> Vec<Sender> {
+    world.robots().map(|robot| sender(&robot)).collect()
+}
+
+/// A robot's sender as a new brain finds it: the actuators go on with the signals that they have.
+pub(super) fn sender(robot: &RobotView<'_>) -> Sender {
+    Sender::new(robot.actuators().iter().map(|actuator| actuator.signal))
+}

@@ -1,0 +1,159 @@
+//! The recording of a world: what of it goes into the file.
+
+use baudbot_proto::v1::ReplayEventKind;
+use baudbot_sim::{Intervention, SimTime, World};
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use super::{WorldActor, view};
+use crate::message::RecordConfig;
+use crate::pace::Pace;
+use crate::recording::{Input, Recorder};
+use crate::report::{RecordingReport, Report};
+
+/// Robots that an event names, at most.
+const MAX_NAMES: usize = 20;
+
+/// The recording of a world, if there is one.
+pub(super) struct Recording {
+    recorder: Option<Recorder>,
+    /// Of each robot, the tick in which its brain was last overtaken.
+    overtaken_in: Vec<u64>,
+}
+
+impl Recording {
+    /// None yet, of a world of so many robots.
+    pub(super) fn new(robots: usize) -> Self {
+        Self { recorder: None, overtaken_in: vec![0; robots] }
+    }
+
+    pub(super) fn is_on(&self) -> bool {
+        self.recorder.is_some()
+    }
+
+    /// Whether the recorder wants to see the world in the tick that comes, which must not be ahead of its brains then.
+    pub(super) fn looks(&self) -> bool {
+        self.recorder.as_ref().is_some_and(Recorder::looks)
+    }
+
+    /// Whether something waits for the disk.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.recorder.as_ref().is_some_and(Recorder::is_stuck)
+    }
+
+    /// Waits for the disk, if something does.
+    pub(super) fn wait_for_disk(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.wait_for_disk();
+        }
+    }
+
+    pub(super) fn set_pace(&mut self, pace: Pace) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.set_pace(pace);
+        }
+    }
+
+    pub(super) fn report(&self) -> Option<RecordingReport> {
+        self.recorder.as_ref().map(Recorder::report)
+    }
+}
+
+impl WorldActor {
+    /// Begins to record.
+    pub(super) fn record(&mut self, config: RecordConfig) -> Result<(), Status> {
+        if let Some(recorder) = &self.recording.recorder {
+            let text = format!("world: `{}` is being recorded as `{}`", self.name, recorder.report().name);
+            return Err(Status::failed_precondition(text));
+        }
+        self.recording.recorder = Some(Recorder::start(config, &self.name, self.pacer.pace, view!(self))?);
+        Ok(())
+    }
+
+    /// Ends the recording; `closed` gets its report once the file is closed. Reports the world as the file ends with it: its
+    /// tick has begun, whether it had or not.
+    pub(super) fn stop_recording(
+        &mut self,
+        closed: oneshot::Sender<RecordingReport>,
+    ) -> Result<Report, Status> {
+        let none = || Status::failed_precondition(format!("world: `{}` is not being recorded", self.name));
+        let recorder = self.recording.recorder.take().ok_or_else(none)?;
+        let mut last = self.world.clone();
+        last.begin();
+        recorder.stop(&self.world, !self.sessions.is_any_overtaken(), Some(closed));
+        Ok(Report { world: last, ..self.report(0) })
+    }
+
+    /// The world is over, and waits until its file is closed.
+    pub(super) fn end_recording(&mut self) {
+        let Some(recorder) = self.recording.recorder.take() else { return };
+        recorder.stop(&self.world, !self.sessions.is_any_overtaken(), None);
+    }
+
+    /// Records a tick that has begun.
+    pub(super) fn record_tick(&mut self) {
+        let is_sure = !self.sessions.is_any_overtaken();
+        if let Some(recorder) = &mut self.recording.recorder {
+            recorder.tick(view!(self), is_sure);
+        }
+    }
+
+    /// Records what was written in a tick that began so, without the answers of the robots in `open`.
+    pub(super) fn record_inputs(&mut self, (tick, start): (u64, SimTime), open: &[(usize, SimTime)]) {
+        for &(robot, _) in open {
+            self.recording.overtaken_in[robot] = tick;
+        }
+        if let Some(recorder) = &mut self.recording.recorder {
+            let inputs = self.ports.inputs.drain(..);
+            let inputs =
+                inputs.map(|p| Input { robot: p.robot, at: p.at, bytes: p.bytes, answers_tick: p.tick });
+            recorder.inputs((tick, start), inputs);
+        }
+    }
+
+    /// Records the answer of a brain that was overtaken.
+    pub(super) fn record_late(&mut self, robot: usize, done: SimTime, bytes: Vec<u8>) {
+        let Some(recorder) = &mut self.recording.recorder else { return };
+        let tick = self.recording.overtaken_in[robot];
+        let start = SimTime::from_ns(tick * self.world.scenario().step_ns());
+        let input = Input { robot, at: done, bytes, answers_tick: None };
+        recorder.inputs((tick, start), std::iter::once(input));
+    }
+
+    pub(super) fn record_change(&mut self, intervention: &Intervention) {
+        if let Some(recorder) = &mut self.recording.recorder {
+            recorder.change(self.world.tick(), intervention);
+        }
+    }
+
+    /// Records that a brain has these robots.
+    pub(super) fn record_attached(&mut self, robots: &[usize], brain: &str) {
+        if let Some(recorder) = &mut self.recording.recorder {
+            let text = format!("`{brain}` drives {}", names(&self.world, robots));
+            recorder.event(self.world.tick(), ReplayEventKind::Brain, text);
+        }
+    }
+
+    /// Records that a brain goes.
+    pub(super) fn record_detached(&mut self, session: u64, why: &str) {
+        let robots = self.sessions.robots(session);
+        if let Some(recorder) = &mut self.recording.recorder
+            && !robots.is_empty()
+        {
+            let text = format!("the brain of {} is gone: {why}", names(&self.world, robots));
+            recorder.event(self.world.tick(), ReplayEventKind::Brain, text);
+        }
+    }
+
+    /// The world was reset or restored: the recording goes on in another file.
+    pub(super) fn record_next_run(&mut self, old: &World) {
+        let Some(recorder) = self.recording.recorder.take() else { return };
+        let old = (old, !self.sessions.is_any_overtaken());
+        self.recording.recorder = recorder.next_run(old, &self.name, self.pacer.pace, view!(self));
+    }
+}
+
+fn names(world: &World, robots: &[usize]) -> String {
+    let name = |&robot: &usize| format!("`{}`", world.scenario().robots()[robot].name);
+    robots.iter().take(MAX_NAMES).map(name).collect::<Vec<_>>().join(", ")
+}

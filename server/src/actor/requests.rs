@@ -1,0 +1,117 @@
+//! What operators request.
+
+use std::sync::Arc;
+
+use baudbot_proto::{REASON, RESTART};
+use tonic::Status;
+use tonic::metadata::MetadataValue;
+
+use super::WorldActor;
+use super::replay::Replaying;
+use crate::message::{Message, Reply, Request};
+use crate::quote::brief;
+use crate::report::Report;
+
+impl WorldActor {
+    /// Does what an operator requests, and replies at once or when it is done.
+    pub(super) fn handle_request(&mut self, request: Request, reply: Reply<Report>) {
+        if reply.is_closed() {
+            return; // its client is gone
+        }
+        if let Err(status) = self.check_request(&request) {
+            return drop(reply.send(Err(status)));
+        }
+        self.log_request(&request);
+        let answer = match request {
+            Request::Step { ticks } => return self.step(ticks, reply),
+            Request::Seek { tick } => return self.seek(tick, reply),
+            Request::Intervene(intervention) => return self.request_intervention(intervention, reply),
+            Request::DetachBrain { robot, restart } => match self.detach_brain(&robot, restart) {
+                // The world may be ahead of other brains, and the report has to wait for them.
+                Ok(()) => return self.handle(Message::Request(Request::Report, reply)),
+                Err(status) => Err(status),
+            },
+            Request::Report => Ok(self.report(0)),
+            Request::Save { snapshot } => self.saved(snapshot),
+            Request::Snapshot => {
+                let number = self.take_snapshot();
+                Ok(self.report(number))
+            }
+            Request::Record(config) => self.record(config).map(|()| self.report(0)),
+            Request::StopRecording(closed) => self.stop_recording(closed),
+            Request::Restore { snapshot } => self.restore(snapshot).map(|()| self.report(0)),
+            Request::Start => self.reported(Self::start),
+            Request::Pause => self.reported(Self::pause),
+            Request::Reset => self.reported(Self::reset),
+            Request::Delete => self.reported(Self::delete),
+            Request::SetPace(pace) => self.reported(|actor| actor.set_pace(pace)),
+            Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
+        };
+        drop(reply.send(answer));
+    }
+
+    /// Does what cannot fail, and reports.
+    fn reported(&mut self, work: impl FnOnce(&mut Self)) -> Result<Report, Status> {
+        work(self);
+        Ok(self.report(0))
+    }
+
+    fn start(&mut self) {
+        self.pacer.paused = false;
+        self.sessions.excuse_vacant_slots();
+    }
+
+    fn pause(&mut self) {
+        self.pacer.paused = true;
+        self.pacer.clock = None;
+        self.end_stepping();
+    }
+
+    fn delete(&mut self) {
+        // Before the reply: a client that deletes a world and then ends the server finds the whole file.
+        self.end_recording();
+        self.over = Some(Status::aborted(format!("world `{}` was deleted", self.name)));
+    }
+
+    /// Detaches a robot's brain, for good or so that it begins from its start.
+    fn detach_brain(&mut self, robot: &str, restart: bool) -> Result<(), Status> {
+        let robots = self.world.scenario().robots();
+        let Some(i) = robots.iter().position(|spec| spec.name == robot) else {
+            return Err(Status::not_found(format!(
+                "detach_brain.robot: there is no robot `{}`",
+                brief(robot)
+            )));
+        };
+        let Some(session) = self.sessions.session(i) else {
+            let text = format!("detach_brain.robot: robot `{robot}` has no brain");
+            return Err(Status::failed_precondition(text));
+        };
+        let why = if restart { restarted() } else { Status::aborted("the operator has detached this brain") };
+        self.close(session, why);
+        Ok(())
+    }
+
+    /// The world as it stands; with the number of the snapshot that was just taken, or 0.
+    pub(super) fn report(&self, snapshot: u64) -> Report {
+        Report {
+            name: Arc::clone(&self.name),
+            world: self.world.clone(),
+            pace: self.pacer.pace,
+            activity: self.activity(),
+            pacing: self.pacer.statistics.clone(),
+            running: self.pacer.running.elapsed(),
+            slots: self.sessions.reports(self.beliefs.said()),
+            snapshot,
+            replay: self.replaying.as_ref().map(Replaying::report),
+            recording: self.recording.report(),
+        }
+    }
+}
+
+/// The status that ends the stream of a brain that is to begin from its start. A client that does not know the trailer takes
+/// it for a brain that was detached.
+fn restarted() -> Status {
+    let mut status = Status::aborted("the operator restarts this brain");
+    status.metadata_mut().insert(REASON, MetadataValue::from_static(RESTART));
+    status
+}

@@ -1,0 +1,192 @@
+//! The actor as the runner of its mailbox: what is done on the world's thread, and what inline, by a caller.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use tonic::Status;
+
+use super::{Next, WorldActor};
+use crate::mailbox::{Runner, Then};
+use crate::message::{Message, Request};
+use crate::report::Activity;
+
+/// Messages that are handled at a time, so that a flood of them does not hold up the clock.
+const MAX_MESSAGES_AT_ONCE: usize = 100;
+
+/// How long a caller runs a world before the world's thread takes over. Other connections wait meanwhile.
+const MAX_INLINE: Duration = Duration::from_micros(500);
+
+/// Ticks that take less are run inline; of several worlds on a server, those that take their share of it. All callers from the
+/// network are on one thread, and long ticks are better done on several.
+const QUICK: Duration = Duration::from_micros(500);
+
+/// A tick that takes less is not worth waking the world's thread so that it goes ahead of its brains.
+const WORTH_GOING_AHEAD: Duration = Duration::from_micros(20);
+
+/// What decides on which thread the world runs.
+pub(super) struct Schedule {
+    /// How long a tick takes, averaged over the last ones and without the wait for brains; `None` before the first.
+    tick_takes: Option<Duration>,
+    /// What the beginning of the present tick took.
+    begin_took: Duration,
+    /// When the world's thread wakes without being woken.
+    alarm: Option<Instant>,
+    /// A message that a caller left to the world's thread, since its work takes long.
+    slow: Option<Message>,
+    /// How many worlds there are on this server.
+    neighbours: Arc<AtomicU32>,
+}
+
+impl Schedule {
+    pub(super) fn new(neighbours: Arc<AtomicU32>) -> Self {
+        Self { tick_takes: None, begin_took: Duration::ZERO, alarm: None, slow: None, neighbours }
+    }
+
+    /// A tick has begun, which took so long.
+    pub(super) fn note_begin(&mut self, took: Duration) {
+        self.begin_took = took;
+    }
+
+    /// The tick has ended, which took so long.
+    pub(super) fn note_finish(&mut self, took: Duration) {
+        let took = self.begin_took + took;
+        self.tick_takes = Some(self.tick_takes.map_or(took, |takes| (takes * 7 + took) / 8));
+    }
+
+    /// Whether a tick takes less than waking a thread for it would cost all worlds of the server.
+    fn is_quick(&self) -> bool {
+        let limit = QUICK / self.neighbours.load(Ordering::Relaxed).max(1);
+        self.tick_takes.is_some_and(|takes| takes < limit)
+    }
+
+    /// Whether the world's thread wakes by itself not after this instant.
+    fn wakes_by(&self, until: Instant) -> bool {
+        self.alarm.is_some_and(|alarm| alarm <= until)
+    }
+}
+
+impl Runner<Message> for WorldActor {
+    fn run(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> Then {
+        self.recording.wait_for_disk();
+        if let Some(message) = self.schedule.slow.take() {
+            self.handle(message);
+        }
+        for _ in 0..MAX_MESSAGES_AT_ONCE {
+            let Some(message) = take() else { break };
+            self.handle(message);
+        }
+        if let Some(why) = self.over.take() {
+            self.end_recording();
+            self.sessions.close_all(&why);
+            return Then::Over;
+        }
+        let now = Instant::now();
+        self.pacer.running.set(self.activity() == Activity::Running, now);
+        match self.next(now) {
+            Next::Begin => self.begin(now),
+            Next::Finish => self.finish_with(now, &[]),
+            Next::FinishAhead(_) => self.finish_ahead(now),
+            Next::End => self.end(),
+            Next::TimeOut => self.time_out(),
+            Next::Replay => self.replay(now),
+            Next::Wait(until) => {
+                self.schedule.alarm = until;
+                return Then::Wait(until);
+            }
+        }
+        Then::RunOnThread
+    }
+
+    fn run_inline(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> Then {
+        let mut begun = None;
+        loop {
+            if !self.handle_quick(take) || self.over.is_some() {
+                return Then::RunOnThread;
+            }
+            let now = Instant::now();
+            let is_patient = now - *begun.get_or_insert(now) < MAX_INLINE;
+            self.pacer.running.set(self.activity() == Activity::Running, now);
+            if let Some(then) = self.run_quick(now, is_patient) {
+                return then;
+            }
+        }
+    }
+
+    fn close(&mut self) {
+        // A world that ends as it should has closed all streams already.
+        let text = format!("world `{}` has ended by a panic; the server's log says more", self.name);
+        self.sessions.close_all(&Status::internal(text));
+    }
+}
+
+impl WorldActor {
+    /// Handles messages whose work does not take long; `false` if there is one for the world's thread.
+    fn handle_quick(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> bool {
+        if self.schedule.slow.is_some() {
+            return false;
+        }
+        for _ in 0..MAX_MESSAGES_AT_ONCE {
+            match take() {
+                // The network's thread waits for no disk, and for no long state to be read.
+                Some(message) if self.is_slow(&message) => {
+                    self.schedule.slow = Some(message);
+                    return false;
+                }
+                Some(message) => self.handle(message),
+                None => break,
+            }
+        }
+        true
+    }
+
+    /// Does one thing, if it does not take long; otherwise says what is to be done about the world.
+    fn run_quick(&mut self, now: Instant, is_patient: bool) -> Option<Then> {
+        match self.next(now) {
+            Next::Wait(None) => return Some(Then::Wait(None)),
+            // The thread sleeps, and not too long.
+            Next::Wait(Some(until)) if self.schedule.wakes_by(until) => return Some(Then::Wait(Some(until))),
+            Next::Begin if self.is_quick() && is_patient => self.begin(now),
+            Next::Finish if self.is_quick() => self.finish_with(now, &[]),
+            // The Turn has to go out first, and if ticks are short the answer is here before one could be done.
+            Next::FinishAhead(until)
+                if self.schedule.tick_takes < Some(WORTH_GOING_AHEAD) && self.schedule.wakes_by(until) =>
+            {
+                return Some(Then::Wait(Some(until)));
+            }
+            Next::Begin
+            | Next::Finish
+            | Next::FinishAhead(_)
+            | Next::End
+            | Next::TimeOut
+            | Next::Replay
+            | Next::Wait(Some(_)) => return Some(Then::RunOnThread),
+        }
+        None
+    }
+
+    /// Whether a tick may be run inline. [`OnTick`](super::OnTick) may take any time, and so may a disk.
+    fn is_quick(&self) -> bool {
+        let waits = self.pacer.pace.watchdog().is_some();
+        waits && self.on_tick.is_none() && !self.recording.is_stuck() && self.schedule.is_quick()
+    }
+
+    /// Whether the work of a message may take long.
+    fn is_slow(&self, message: &Message) -> bool {
+        let Message::Request(request, _) = message else { return false };
+        match request {
+            Request::Record(_) | Request::StopRecording(_) | Request::Seek { .. } => true,
+            Request::Reset | Request::Restore { .. } | Request::Delete => self.recording.is_on(),
+            Request::Report
+            | Request::Start
+            | Request::Pause
+            | Request::Step { .. }
+            | Request::SetPace(_)
+            | Request::Snapshot
+            | Request::Save { .. }
+            | Request::Fork(_)
+            | Request::Intervene(_)
+            | Request::DetachBrain { .. } => false,
+        }
+    }
+}

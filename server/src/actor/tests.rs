@@ -1,0 +1,82 @@
+//! Worlds that follow a clock which the test sets.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use baudbot_sim::{Scenario, World};
+
+use super::{NewWorld, Next, WorldActor};
+use crate::pace::{Pace, Timed};
+
+/// Simulated milliseconds of a tick.
+const TICK_MS: u64 = 10;
+
+fn actor(pace: Pace) -> WorldActor {
+    let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
+    assert_eq!(scenario.step_ns(), TICK_MS * 1_000_000);
+    WorldActor::new("w".into(), NewWorld::new("w".into(), World::new(scenario.into()), pace), Arc::default())
+}
+
+/// Does what is due until this instant, each thing in no time. How many ticks that were.
+fn go_on(actor: &mut WorldActor, now: &mut Instant, until: Instant) -> u64 {
+    let before = actor.world.tick();
+    loop {
+        match actor.next(*now) {
+            Next::Begin => actor.begin(*now),
+            Next::Finish => actor.finish_with(*now, &[]),
+            Next::Wait(Some(at)) if at <= until => *now = at,
+            Next::Wait(_) => break,
+            Next::FinishAhead(_) | Next::End | Next::TimeOut | Next::Replay => panic!("not in real time"),
+        }
+    }
+    *now = until;
+    actor.world.tick() - before
+}
+
+#[test]
+fn a_world_that_was_stopped_for_ten_seconds_works_off_a_tenth_of_a_second_and_lets_the_rest_go() {
+    let (mut actor, mut now) = (actor(Pace::REAL_TIME), Instant::now());
+    let second = Duration::from_secs(1);
+    let until = now + second;
+    assert_eq!(go_on(&mut actor, &mut now, until), 100);
+    assert_eq!(actor.pacer.statistics.times_let_go, 0);
+    let awake = now + 10 * second;
+    now = awake;
+    let at_once = go_on(&mut actor, &mut now, awake);
+    assert!((10..=12).contains(&at_once), "{at_once} ticks at once");
+    let let_go_ms = actor.pacer.statistics.let_go.as_millis();
+    assert!((9_880..=9_900).contains(&let_go_ms), "{let_go_ms} ms");
+    assert_eq!(actor.pacer.statistics.times_let_go, 1);
+    // From here on it is on time again.
+    assert_eq!(go_on(&mut actor, &mut now, awake + second), 100);
+    assert_eq!(actor.pacer.statistics.times_let_go, 1);
+}
+
+#[test]
+fn a_world_may_be_allowed_to_work_off_more() {
+    let pace = Pace::Timed(Timed { factor: 2.0, max_lag: Duration::from_secs(60) });
+    let (mut actor, mut now) = (actor(pace), Instant::now());
+    let until = now;
+    go_on(&mut actor, &mut now, until);
+    let awake = now + Duration::from_secs(5);
+    now = awake;
+    assert_eq!(go_on(&mut actor, &mut now, awake), 1000);
+    assert_eq!((actor.pacer.statistics.times_let_go, actor.pacer.statistics.let_go), (0, Duration::ZERO));
+}
+
+#[test]
+fn a_world_that_cannot_keep_up_stays_a_tenth_of_a_second_behind() {
+    let (mut actor, mut now) = (actor(Pace::REAL_TIME), Instant::now());
+    let started = now;
+    for _ in 0..200 {
+        let Next::Begin = actor.next(now) else { panic!("it is due") };
+        actor.begin(now);
+        now += Duration::from_millis(2 * TICK_MS);
+        actor.finish_with(now, &[]);
+    }
+    // Four seconds went by, two were simulated.
+    assert_eq!(now - started, Duration::from_secs(4));
+    let behind =
+        Duration::from_secs(4) - actor.pacer.statistics.let_go - Duration::from_millis(200 * TICK_MS);
+    assert!(behind >= Duration::from_millis(100) && behind <= Duration::from_millis(120), "{behind:?}");
+}

@@ -1,0 +1,139 @@
+//! A listener with its gate.
+
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::serve::{IncomingStream, Listener};
+use futures_util::stream::{self, Stream};
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
+
+use super::{Admission, Connection, Gate};
+
+/// How long a listener rests that cannot take connections.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// A source of connections.
+pub(crate) trait Accept: Send + 'static {
+    type Io: AsyncRead + AsyncWrite + Unpin + Send + 'static;
+
+    fn accept(&self) -> impl Future<Output = io::Result<Self::Io>> + Send;
+}
+
+impl Accept for TcpListener {
+    type Io = TcpStream;
+
+    async fn accept(&self) -> io::Result<TcpStream> {
+        let (stream, _) = Self::accept(self).await?;
+        // Without this, small messages wait for an acknowledgement that the peer delays by 40 ms.
+        let _ = stream.set_nodelay(true);
+        Ok(stream)
+    }
+}
+
+impl Accept for UnixListener {
+    type Io = UnixStream;
+
+    async fn accept(&self) -> io::Result<UnixStream> {
+        Ok(Self::accept(self).await?.0)
+    }
+}
+
+/// A listener with its gate.
+pub(crate) struct GatedListener<L> {
+    listener: L,
+    gate: Gate,
+}
+
+impl<L: Accept> GatedListener<L> {
+    pub(crate) fn new(listener: L, gate: Gate) -> Self {
+        Self { listener, gate }
+    }
+
+    async fn next(&self) -> Connection<L::Io> {
+        loop {
+            match self.listener.accept().await {
+                Ok(io) => return Connection::new(io, self.gate.admit()),
+                Err(error) if is_of_one(&error) => {}
+                Err(error) => {
+                    // Such as too many open files. Connections wait in the kernel meanwhile; accepting again at once is of no use.
+                    if let Some(times) = self.gate.0.accept_errors.note(Instant::now()) {
+                        tracing::warn!(times, %error, "no connection can be taken");
+                    }
+                    tokio::time::sleep(PAUSE).await;
+                }
+            }
+        }
+    }
+}
+
+/// The connections of a listener, one after the other.
+pub(crate) fn connections<L: Accept + Sync>(
+    listener: GatedListener<L>,
+) -> impl Stream<Item = io::Result<Connection<L::Io>>> + Send {
+    stream::unfold(listener, |listener| async { Some((Ok(listener.next().await), listener)) })
+}
+
+/// Whether this is an error of the connection that was to be taken, and not of the listener.
+fn is_of_one(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset, Interrupted};
+    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset | Interrupted)
+}
+
+impl Listener for GatedListener<TcpListener> {
+    type Io = Connection<TcpStream>;
+    type Addr = SocketAddr;
+
+    async fn accept(&mut self) -> (Self::Io, SocketAddr) {
+        let connection = self.next().await;
+        // The address of a connection that is gone already is not used.
+        let address = connection.io().peer_addr().unwrap_or_else(|_| SocketAddr::from(([0; 4], 0)));
+        (connection, address)
+    }
+
+    fn local_addr(&self) -> io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+}
+
+/// The connection that a request of the page came over.
+#[derive(Clone)]
+pub(crate) struct PageConnection(pub(crate) Arc<Admission>);
+
+impl axum::extract::connect_info::Connected<IncomingStream<'_, GatedListener<TcpListener>>>
+    for PageConnection
+{
+    fn connect_info(stream: IncomingStream<'_, GatedListener<TcpListener>>) -> Self {
+        Self(stream.io().admission())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+
+    /// A process with too many open files.
+    struct Exhausted(AtomicU32);
+
+    impl Accept for Exhausted {
+        type Io = UnixStream;
+
+        async fn accept(&self) -> io::Result<UnixStream> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Err(io::Error::other("too many open files"))
+        }
+    }
+
+    #[tokio::test]
+    async fn a_listener_that_cannot_take_connections_rests_between_its_attempts() {
+        let entry = GatedListener::new(Exhausted(AtomicU32::new(0)), Gate::new(1, Duration::from_secs(1)));
+        let taken = tokio::time::timeout(PAUSE * 3, entry.next()).await;
+        assert!(taken.is_err(), "there is no connection to be taken");
+        let attempts = entry.listener.0.load(Ordering::Relaxed);
+        assert!((1..=4).contains(&attempts), "{attempts} attempts in three pauses");
+    }
+}

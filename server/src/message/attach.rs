@@ -1,0 +1,80 @@
+//! A brain and its robots: how it takes them, what it is given, and how they are let go.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use baudbot_sim::{Reading, Scenario, SimTime};
+use tokio::sync::mpsc;
+use tonic::Status;
+
+use super::{Message, WorldHandle};
+use crate::beliefs::Beliefs;
+
+/// A brain program asks for robots.
+pub(crate) struct Attach {
+    /// The names of the robots.
+    pub(crate) robots: Vec<String>,
+    /// The name of the brain.
+    pub(crate) brain: String,
+    /// Whether it takes and gives bytes of the wire instead of messages.
+    pub(crate) raw: bool,
+    /// Memory that the program's variables need on each robot.
+    pub(crate) memory_bytes: Option<u64>,
+    /// Whether it has promised to think as long as the scenario says.
+    pub(crate) thinks_as_scenario: bool,
+    /// Whether its robots are to stand when it is gone.
+    pub(crate) stop_when_gone: bool,
+    pub(crate) deliveries: mpsc::Sender<Delivery>,
+    /// The way back to the world, for the lease.
+    pub(crate) world: WorldHandle,
+}
+
+/// The answer to a brain that has its robots.
+pub(crate) struct Attached {
+    pub(crate) lease: Lease,
+    pub(crate) scenario: Arc<Scenario>,
+    /// Indices of the robots, in the order of the request.
+    pub(crate) robots: Vec<usize>,
+    pub(crate) lockstep: bool,
+    pub(crate) beliefs: Beliefs,
+    /// Counts the Steps that are thrown away before the world sees them.
+    pub(crate) lost_steps: Arc<AtomicU64>,
+}
+
+/// The hold of a brain on its robots. Dropping it, wherever that happens, lets them go; so does dropping an answer that has
+/// it in it and for which no client waits any more.
+pub(crate) struct Lease {
+    pub(crate) world: WorldHandle,
+    pub(crate) session: u64,
+    /// Why the robots are let go, for the log.
+    pub(crate) why: String,
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        let why = std::mem::take(&mut self.why);
+        // A world that is over holds nothing any more.
+        let _ = self.world.send(Message::Detach { session: self.session, why });
+    }
+}
+
+/// What a brain is sent.
+pub(crate) enum Delivery {
+    Turn { number: u64, tick: u64, robots: Vec<RobotDelivery> },
+    Ended { tick: u64 },
+    Close(Status),
+}
+
+/// One robot's part of a Turn.
+pub(crate) struct RobotDelivery {
+    /// The place of the robot in the stream.
+    pub(crate) slot: usize,
+    /// When its brain steps.
+    pub(crate) at: SimTime,
+    /// In RAW mode, the bytes that have arrived.
+    pub(crate) raw: Vec<u8>,
+    /// In RAW mode, the bytes of devices with their own link, each with the index of the sensor.
+    pub(crate) ports: Vec<(usize, Vec<u8>)>,
+    /// In MESSAGES mode, each with the index of the sensor.
+    pub(crate) readings: Vec<(usize, Reading)>,
+}

@@ -1,0 +1,61 @@
+//! The handle of a world.
+
+use std::sync::Arc;
+
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use super::{Message, Request};
+use crate::mailbox::Mailbox;
+use crate::report::Report;
+
+/// Sends messages to a world. Clones lead to the same world.
+#[derive(Clone)]
+pub(crate) struct WorldHandle {
+    name: Arc<str>,
+    mailbox: Arc<Mailbox<Message>>,
+}
+
+impl WorldHandle {
+    /// The handle of the world of this name.
+    pub(crate) fn new(name: Arc<str>, mailbox: Arc<Mailbox<Message>>) -> Self {
+        Self { name, mailbox }
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Sends a message.
+    ///
+    /// # Errors
+    /// `ABORTED` if the world is over.
+    pub(crate) fn send(&self, message: Message) -> Result<(), Status> {
+        if self.mailbox.post(message) { Ok(()) } else { Err(self.gone()) }
+    }
+
+    /// Sends a message and waits for its answer.
+    ///
+    /// # Errors
+    /// `ABORTED` if the world is over before it has answered.
+    pub(crate) async fn ask<T>(
+        &self,
+        message: impl FnOnce(oneshot::Sender<T>) -> Message,
+    ) -> Result<T, Status> {
+        let (reply, answer) = oneshot::channel();
+        self.send(message(reply))?;
+        answer.await.map_err(|_| self.gone())
+    }
+
+    /// Sends a request of an operator and waits for the report.
+    ///
+    /// # Errors
+    /// `ABORTED` if the world is over, or why the world refuses the request.
+    pub(crate) async fn request(&self, request: Request) -> Result<Report, Status> {
+        self.ask(|reply| Message::Request(request, reply)).await?
+    }
+
+    fn gone(&self) -> Status {
+        Status::aborted(format!("world `{}` was deleted", self.name))
+    }
+}

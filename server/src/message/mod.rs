@@ -1,0 +1,62 @@
+//! Messages to a world, and its answers. They have domain types only, which `convert` turns into the contract's.
+
+mod attach;
+mod handle;
+mod request;
+
+use std::sync::Arc;
+
+use baudbot_recording::Tape;
+use baudbot_sim::Scenario;
+use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
+use tonic::Status;
+
+use crate::endpoint::Write;
+use crate::frame::Frame;
+use crate::measures::Measures;
+use crate::report::{CoverageReport, Report};
+pub(crate) use attach::{Attach, Attached, Delivery, Lease, RobotDelivery};
+pub(crate) use handle::WorldHandle;
+pub(crate) use request::{RecordConfig, Request};
+
+/// Where the answer to a request goes.
+pub(crate) type Reply<T> = oneshot::Sender<Result<T, Status>>;
+
+/// A message to a world.
+pub(crate) enum Message {
+    /// From an operator.
+    Request(Request, Reply<Report>),
+    Describe(oneshot::Sender<Arc<Scenario>>),
+    /// Asks which recording is being replayed, if any is.
+    DescribeReplay(oneshot::Sender<Option<Arc<Tape>>>),
+    Measure(oneshot::Sender<Measures>),
+    Cover(oneshot::Sender<CoverageReport>),
+    Watch(Watch),
+    Attach(Attach, Reply<Attached>),
+    Step(Step),
+    Detach {
+        session: u64,
+        /// Why, for the log.
+        why: String,
+    },
+    /// The server stops.
+    Stop,
+}
+
+/// What a brain does: the answer to a Turn, or something it was not asked for.
+pub(crate) struct Step {
+    pub(crate) session: u64,
+    /// The number of the Turn that it answers; 0 for none.
+    pub(crate) turn: u64,
+    pub(crate) writes: Vec<Write>,
+    /// Given back when the message is handled: it bounds how many Steps of a stream wait for that.
+    pub(crate) permit: OwnedSemaphorePermit,
+}
+
+/// An observer that wants to see the world.
+pub(crate) struct Watch {
+    pub(crate) every_ticks: u64,
+    /// The robots of which it wants details.
+    pub(crate) details: Vec<usize>,
+    pub(crate) frames: mpsc::Sender<Frame>,
+}

@@ -1,0 +1,93 @@
+//! What operators request of a world.
+
+use std::path::PathBuf;
+
+use baudbot_sim::Intervention;
+use tokio::sync::oneshot;
+
+use crate::pace::Pace;
+use crate::report::RecordingReport;
+
+/// A request of an operator.
+#[derive(Debug)]
+pub(crate) enum Request {
+    Report,
+    Start,
+    Pause,
+    /// In the stepped pace.
+    Step {
+        ticks: u64,
+    },
+    SetPace(Pace),
+    Reset,
+    Snapshot,
+    Restore {
+        snapshot: u64,
+    },
+    /// Reports the present state, or that of a snapshot; 0 is the present one.
+    Save {
+        snapshot: u64,
+    },
+    Record(RecordConfig),
+    /// The report of the recording comes when its file is closed.
+    StopRecording(oneshot::Sender<RecordingReport>),
+    /// Of a replay only.
+    Seek {
+        tick: u64,
+    },
+    /// Makes a live world of a replay; of a replay only.
+    Fork(Pace),
+    /// A manual change, before the next tick.
+    Intervene(Intervention),
+    /// Detaches the brain of the robot of this name.
+    DetachBrain {
+        robot: String,
+        /// The brain is to begin from its start, if its program can.
+        restart: bool,
+    },
+    Delete,
+}
+
+impl Request {
+    /// Its name in traces.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Report => "report",
+            Self::Start => "start",
+            Self::Pause => "pause",
+            Self::Step { .. } => "step",
+            Self::SetPace(_) => "set_pace",
+            Self::Reset => "reset",
+            Self::Snapshot => "snapshot",
+            Self::Restore { .. } => "restore",
+            Self::Save { .. } => "save",
+            Self::Record(_) => "record",
+            Self::StopRecording(_) => "stop_recording",
+            Self::Seek { .. } => "seek",
+            Self::Fork(_) => "fork",
+            Self::Intervene(_) => "intervene",
+            Self::DetachBrain { .. } => "detach_brain",
+            Self::Delete => "delete",
+        }
+    }
+}
+
+/// Where a world is recorded, and what beside its inputs.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordConfig {
+    /// The name that operators know.
+    pub(crate) name: String,
+    /// The file, which must not be there yet.
+    pub(crate) path: PathBuf,
+    /// Frames a simulated second; 0 for none.
+    pub(crate) look_hz: f64,
+}
+
+impl RecordConfig {
+    /// The recording after a reset: `run.mcap`, then `run-2.mcap`. Runs are counted from 1.
+    pub(crate) fn of_run(&self, run: u32) -> Self {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let path = self.path.with_file_name(format!("{stem}-{run}.mcap"));
+        Self { name: format!("{}-{run}", self.name), path, ..self.clone() }
+    }
+}

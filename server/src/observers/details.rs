@@ -1,0 +1,104 @@
+//! Details of the robots for which an observer has asked.
+
+use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sight::{Glance, Onlooker};
+use baudbot_sim::{RobotView, SensorView, SimTime, World};
+
+use crate::frame::{RayFan, RobotDetail, SensorDetail};
+use crate::sessions::Sessions;
+
+/// Most robots of which one observer gets details.
+pub(crate) const MAX_DETAILS: usize = 64;
+
+/// A robot of which an observer gets details, and what the observer knows already.
+pub(super) struct Detailed {
+    robot: usize,
+    /// The number of the last event of its timeline that has been told.
+    events: u64,
+    /// When the last reading of each sensor was truly sampled.
+    sampled: Vec<Option<SimTime>>,
+}
+
+impl Detailed {
+    pub(super) fn new(robot: usize, world: &World) -> Self {
+        Self { robot, events: 0, sampled: vec![None; world.robot(robot).spec().sensors.len()] }
+    }
+
+    /// Forgets what the observer knows: the world is at another time.
+    pub(super) fn reset(&mut self, world: &World) {
+        *self = Self::new(self.robot, world);
+    }
+
+    /// At the start of each tick: when a reading was sampled is known only until the brain has been given it.
+    pub(super) fn note(&mut self, world: &World) {
+        let robot = world.robot(self.robot);
+        for (i, sampled) in self.sampled.iter_mut().enumerate() {
+            *sampled = robot.sampled_at(i).or(*sampled);
+        }
+    }
+
+    /// The details now.
+    pub(super) fn tell(
+        &mut self,
+        world: &World,
+        sessions: &Sessions,
+        onlooker: &Onlooker<'_>,
+    ) -> RobotDetail {
+        let view = world.robot(self.robot);
+        let spec = view.spec();
+        let (missed_events, events) = view.timeline().since(self.events);
+        // Before the first frame nothing is missed.
+        let missed_events = if self.events == 0 { 0 } else { missed_events };
+        let events = events.copied().collect();
+        self.events = view.timeline().total();
+        let sensors = view.sensors().enumerate();
+        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), onlooker)).collect();
+        RobotDetail {
+            robot: self.robot,
+            sensors,
+            uplink: *view.uplink(),
+            downlink: *view.downlink(),
+            under_way: view.under_way(),
+            cycles: view.cycles().clone(),
+            deadline_ns: spec.deadline.within_ns,
+            events,
+            missed_events,
+            brain: sessions.brain(self.robot).map(str::to_owned),
+            cable_pulled: spec.link.is_pulled(),
+            baud: spec.link.baud(),
+        }
+    }
+
+    fn sensor(
+        &self,
+        view: &RobotView<'_>,
+        (i, sensor): (usize, &SensorView<'_>),
+        onlooker: &Onlooker<'_>,
+    ) -> SensorDetail {
+        let (reading, spec) = (&view.readings()[i], view.spec());
+        SensorDetail {
+            values: reading.values.clone(),
+            sampled_at: self.sampled[i].or(reading.sampled_at),
+            readable: reading.readable,
+            samples: sensor.samples,
+            missed: sensor.missed,
+            readable_steps: sensor.freshness.readable,
+            rays: self.rays(spec, i, onlooker),
+            port: view.port(i).copied(),
+        }
+    }
+
+    fn rays(&self, spec: &RobotSpec, i: usize, onlooker: &Onlooker<'_>) -> Option<RayFan> {
+        let sensor = &spec.sensors[i];
+        let mount = sensor.device.mount()?;
+        let glances = onlooker.sees(self.robot, sensor);
+        if glances.is_empty() {
+            return None;
+        }
+        let range_m = sensor.device.range_m().unwrap_or(f64::INFINITY);
+        let opening_rad = sensor.device.fan().map_or(0.0, |fan| fan.opening_rad());
+        let length = |glance: &Glance| glance.distance_m.unwrap_or(range_m) as f32;
+        let lengths_m = glances.iter().map(length).collect();
+        Some(RayFan { world_from_sensor: onlooker.place(self.robot, mount), opening_rad, lengths_m })
+    }
+}

@@ -1,0 +1,227 @@
+//! Observers of one world. A slow observer misses frames and never slows the world.
+
+mod details;
+
+use baudbot_sim::collision::Collision;
+use baudbot_sim::sight::Onlooker;
+use baudbot_sim::{RobotView, ThingView, World};
+use tokio::sync::mpsc;
+
+use crate::beliefs::Beliefs;
+use crate::frame::{Charge, Frame, RobotDetail, RobotTruth, Score, Thing};
+use crate::log::event;
+use crate::message::Watch;
+use crate::sessions::Sessions;
+use details::Detailed;
+pub(crate) use details::MAX_DETAILS;
+
+/// Collisions that are kept for an observer between two of its frames; a crowd in a heap makes no more.
+const MAX_COLLISIONS: usize = 1000;
+
+/// The observers of a world.
+#[derive(Default)]
+pub(crate) struct Observers {
+    present: Vec<Observer>,
+    /// The number of the last observer that came.
+    last_number: u64,
+    /// Frames that were missed by observers that are gone.
+    missed_frames: u64,
+}
+
+struct Observer {
+    number: u64,
+    every_ticks: u64,
+    frames: mpsc::Sender<Frame>,
+    missed_frames: u64,
+    /// Whether it has missed the last frame that was due.
+    misses: bool,
+    eye: Eye,
+}
+
+/// Makes the frames of one observer: it knows what the observer has seen already.
+pub(crate) struct Eye {
+    collisions: Vec<Collision>,
+    detailed: Vec<Detailed>,
+    /// The number of the last belief that it has seen.
+    published: u64,
+}
+
+/// What observers can see of a world.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    /// The world's name.
+    pub(crate) name: &'a str,
+    pub(crate) world: &'a World,
+    pub(crate) sessions: &'a Sessions,
+    pub(crate) beliefs: &'a Beliefs,
+}
+
+impl Observers {
+    /// Adds an observer. It gets a first frame at once, also of a world that stands.
+    pub(crate) fn add(&mut self, watch: Watch, view: View<'_>) {
+        self.each(view, |_| true);
+        self.last_number += 1;
+        let Watch { every_ticks, details, frames } = watch;
+        let mut observer = Observer {
+            number: self.last_number,
+            every_ticks: every_ticks.max(1),
+            frames,
+            missed_frames: 0,
+            misses: false,
+            eye: Eye::new(details, view.world),
+        };
+        if observer.show(view) {
+            event!(
+                view,
+                info,
+                observer = observer.number,
+                every_ticks = observer.every_ticks,
+                "observer joined"
+            );
+            self.present.push(observer);
+        }
+    }
+
+    /// Whether there are no observers.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.present.is_empty()
+    }
+
+    /// How many observers are connected.
+    pub(crate) fn count(&self) -> usize {
+        self.present.iter().filter(|observer| !observer.frames.is_closed()).count()
+    }
+
+    /// Frames that observers have missed, those that are gone included.
+    pub(crate) fn missed_frames(&self) -> u64 {
+        self.missed_frames + self.present.iter().map(|observer| observer.missed_frames).sum::<u64>()
+    }
+
+    /// Sends a frame at the start of a tick to the observers that are due for one; at the end of a run, to all.
+    pub(crate) fn show(&mut self, view: View<'_>) {
+        self.each(view, |observer| {
+            let world = view.world;
+            observer.eye.note(world);
+            let due = world.tick().is_multiple_of(observer.every_ticks) || world.ending().is_some();
+            !due || observer.show(view)
+        });
+    }
+
+    /// Forgets what observers have seen: the world is at another time.
+    pub(crate) fn reset(&mut self, world: &World) {
+        self.present.iter_mut().for_each(|observer| observer.eye.reset(world));
+    }
+
+    /// Sends all observers a frame between two ticks: the world was changed by hand, or is at another tick.
+    pub(crate) fn show_now(&mut self, view: View<'_>) {
+        self.each(view, |observer| observer.show(view));
+    }
+
+    /// Calls `see` for all observers, and removes those for which it is `false` or that are gone.
+    fn each(&mut self, view: View<'_>, mut see: impl FnMut(&mut Observer) -> bool) {
+        self.present.retain_mut(|observer| {
+            let stays = !observer.frames.is_closed() && see(observer);
+            if !stays {
+                let missed_frames = observer.missed_frames;
+                self.missed_frames += missed_frames;
+                event!(view, info, observer = observer.number, missed_frames, "observer gone");
+            }
+            stays
+        });
+    }
+}
+
+impl Observer {
+    /// Sends a frame if there is room; `false` if the observer is gone.
+    fn show(&mut self, view: View<'_>) -> bool {
+        let world = view.world;
+        // The last place is for the end of the run, which no observer must miss.
+        let needed = if world.ending().is_some() { 1 } else { 2 };
+        if self.frames.capacity() < needed {
+            self.missed_frames += 1;
+            if !std::mem::replace(&mut self.misses, true) {
+                event!(view, debug, observer = self.number, "observer does not read, and misses frames");
+            }
+            return !self.frames.is_closed();
+        }
+        if std::mem::take(&mut self.misses) {
+            let missed_frames = self.missed_frames;
+            event!(view, debug, observer = self.number, missed_frames, "observer reads again");
+        }
+        let frame = Frame { missed_frames: self.missed_frames, ..self.eye.frame(view) };
+        self.frames.try_send(frame).is_ok()
+    }
+}
+
+impl Eye {
+    /// An eye that has details of these robots.
+    fn new(details: impl IntoIterator<Item = usize>, world: &World) -> Self {
+        let detailed = details.into_iter().map(|robot| Detailed::new(robot, world)).collect();
+        Self { collisions: Vec::new(), detailed, published: 0 }
+    }
+
+    /// An eye that has details of all robots, or of as many as it may.
+    pub(crate) fn of_all(world: &World) -> Self {
+        Self::new(0..world.robots().len().min(MAX_DETAILS), world)
+    }
+
+    /// At the start of each tick: collects what the next frame tells of the ticks before it.
+    pub(crate) fn note(&mut self, world: &World) {
+        let room = MAX_COLLISIONS.saturating_sub(self.collisions.len());
+        self.collisions.extend(world.collisions().iter().take(room).cloned());
+        self.detailed.iter_mut().for_each(|detailed| detailed.note(world));
+    }
+
+    fn reset(&mut self, world: &World) {
+        self.detailed.iter_mut().for_each(|detailed| detailed.reset(world));
+    }
+
+    /// A frame of the world as it stands.
+    pub(crate) fn frame(&mut self, view: View<'_>) -> Frame {
+        let world = view.world;
+        Frame {
+            tick: world.tick(),
+            time: world.time(),
+            robots: world.robots().enumerate().map(|(i, robot)| truth(world, i, &robot)).collect(),
+            collisions: std::mem::take(&mut self.collisions),
+            missed_frames: 0,
+            ending: world.ending().map(ToString::to_string),
+            things: world.things().map(thing).collect(),
+            score: Score::of(world),
+            details: self.details(view),
+            beliefs: view.beliefs.since(&mut self.published),
+        }
+    }
+
+    fn details(&mut self, view: View<'_>) -> Vec<RobotDetail> {
+        if self.detailed.is_empty() {
+            return Vec::new();
+        }
+        let onlooker = Onlooker::new(view.world);
+        let detailed = self.detailed.iter_mut();
+        detailed.map(|detailed| detailed.tell(view.world, view.sessions, &onlooker)).collect()
+    }
+}
+
+fn thing(view: ThingView<'_>) -> Thing {
+    let (position, heading_rad) = (view.pose.position, view.pose.heading);
+    let name = view.name.to_owned();
+    Thing { name, x_m: position.x, y_m: position.y, heading_rad, blocked_ns: view.blocked_ns }
+}
+
+fn truth(world: &World, index: usize, robot: &RobotView<'_>) -> RobotTruth {
+    let mut samples = Vec::new();
+    for (sensor, spec) in robot.sensors().zip(robot.spec().sensors.iter()) {
+        let missing = spec.encodings.len() - sensor.sample.len();
+        samples.extend(sensor.sample.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)));
+    }
+    RobotTruth {
+        motion: *robot.motion(),
+        signals: robot.signals(),
+        collided: robot.collided(),
+        samples,
+        actuators: robot.actuators().to_vec(),
+        battery: Charge::of(robot),
+        in_zone_ns: world.score().in_zone_ns(index).to_vec(),
+    }
+}

@@ -1,0 +1,42 @@
+//! Quotations in error texts. A status travels in a header of HTTP/2, which has little room.
+
+/// Longest quotation, in characters.
+const MAX_QUOTED: usize = 1000;
+
+/// Most names in a list.
+const MAX_NAMES: usize = 20;
+
+/// A text, cut if it is long.
+pub(crate) fn brief(text: &str) -> String {
+    let mut short: String = text.chars().take(MAX_QUOTED).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}
+
+/// A list of names, cut if it is long.
+pub(crate) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let more = names.len().saturating_sub(MAX_NAMES);
+    let shown: Vec<String> = names.take(MAX_NAMES).map(brief).collect();
+    match (shown.is_empty(), more) {
+        (true, _) => "none".to_owned(),
+        (false, 0) => shown.join(", "),
+        (false, more) => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_and_lists_are_cut() {
+        assert_eq!(brief("abc"), "abc");
+        assert_eq!(brief(&"ä".repeat(2000)).chars().count(), MAX_QUOTED + 1);
+        assert_eq!(list([].into_iter()), "none");
+        assert_eq!(list(["a", "b"].into_iter()), "a, b");
+        let many: Vec<String> = (0..3000).map(|i| format!("r{i}")).collect();
+        assert!(list(many.iter().map(String::as_str)).ends_with("r19 and 2980 more"));
+    }
+}

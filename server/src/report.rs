@@ -1,0 +1,81 @@
+//! Reports: what an operator is told of a world.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use baudbot_sim::coverage::Coverage;
+use baudbot_sim::{Scenario, World};
+
+use crate::pace::{Pace, Pacing};
+
+/// A world as it stands.
+pub(crate) struct Report {
+    pub(crate) name: Arc<str>,
+    /// A copy of its state: a status is made of it where no world waits for that.
+    pub(crate) world: World,
+    pub(crate) pace: Pace,
+    pub(crate) activity: Activity,
+    pub(crate) pacing: Pacing,
+    /// Wall-clock time during which the world was running.
+    pub(crate) running: Duration,
+    /// One for each robot.
+    pub(crate) slots: Vec<SlotReport>,
+    /// The number of the snapshot that was just taken; 0 if none was.
+    pub(crate) snapshot: u64,
+    /// `None` if the world is live.
+    pub(crate) replay: Option<ReplayReport>,
+    /// `None` if the world is not being recorded.
+    pub(crate) recording: Option<RecordingReport>,
+}
+
+/// What a world is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Activity {
+    WaitingForBrains,
+    Running,
+    Paused,
+    Ended,
+}
+
+/// A replay as it stands.
+pub(crate) struct ReplayReport {
+    pub(crate) first_tick: u64,
+    pub(crate) last_tick: u64,
+    /// How the replay differs from its recording, if it does.
+    pub(crate) differs: Option<String>,
+}
+
+/// A recording as it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordingReport {
+    pub(crate) name: String,
+    pub(crate) bytes: u64,
+    pub(crate) ticks: u64,
+    /// Why the recording ended too early, if it did.
+    pub(crate) problem: Option<String>,
+}
+
+/// A robot's slot: the brain that holds it, and what was lost on the way to and from its brains.
+pub(crate) struct SlotReport {
+    pub(crate) brain: Option<String>,
+    pub(crate) lost_deliveries: u64,
+    pub(crate) lost_steps: u64,
+    /// The state that its brain last published, in words.
+    pub(crate) said: String,
+}
+
+/// The cells of the floor that are covered and sensed.
+pub(crate) struct CoverageReport {
+    pub(crate) tick: u64,
+    pub(crate) scenario: Arc<Scenario>,
+    /// `None` if the scenario counts no coverage.
+    pub(crate) coverage: Option<Coverage>,
+}
+
+impl CoverageReport {
+    /// A copy of the world's bits. They are made into runs of cells where no world waits for that.
+    pub(crate) fn of(world: &World) -> Self {
+        let scenario = Arc::clone(world.scenario());
+        Self { tick: world.tick(), scenario, coverage: world.score().coverage().cloned() }
+    }
+}

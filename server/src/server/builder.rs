@@ -1,0 +1,199 @@
+//! What a server starts with.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use baudbot_recording::Replay;
+use baudbot_sim::{Scenario, World};
+use tokio::sync::mpsc;
+
+use super::listeners::{Listener, listen_for_pages};
+use super::{Server, ServerError};
+use crate::actor::{NewWorld, OnTick};
+use crate::address::Address;
+use crate::control::Control;
+use crate::descriptors::usual_connections;
+use crate::gate::Gate;
+use crate::message::RecordConfig;
+use crate::pace::Pace;
+use crate::page::Film;
+use crate::recording::Folder;
+use crate::registry::Registry;
+
+/// How long a connection has to make its first call, unless the builder is told otherwise.
+const FIRST_CALL_WITHIN: Duration = Duration::from_secs(10);
+
+/// A world with which a server starts.
+pub struct WorldConfig {
+    new: NewWorld,
+}
+
+impl WorldConfig {
+    /// A live world of this name, in real time.
+    pub fn new(name: impl Into<String>, scenario: impl Into<Arc<Scenario>>) -> Self {
+        Self::from_state(name, World::new(scenario.into()))
+    }
+
+    /// A live world of this name that goes on from a state, in real time. No brains are attached.
+    pub fn from_state(name: impl Into<String>, world: World) -> Self {
+        Self { new: NewWorld::new(name.into(), world, Pace::REAL_TIME) }
+    }
+
+    /// A world of this name that replays a recording, from where the replay stands in this world. It is paused until it is
+    /// started, and no brain can attach to it.
+    pub fn replay(name: impl Into<String>, (replay, world): (Replay, World)) -> Self {
+        let new = NewWorld::new(name.into(), world, Pace::REAL_TIME);
+        Self { new: NewWorld { replay: Some(replay), paused: true, ..new } }
+    }
+
+    /// Records the world into this file, which must not be there yet, with so many frames a simulated second; 0 for none.
+    #[must_use]
+    pub fn record(mut self, path: PathBuf, look_hz: f64) -> Self {
+        let name = path.display().to_string();
+        self.new.record = Some(RecordConfig { name, path, look_hz });
+        self
+    }
+
+    /// Sets the pace.
+    #[must_use]
+    pub fn pace(mut self, pace: Pace) -> Self {
+        self.new.pace = pace;
+        self
+    }
+
+    /// Whether the world is paused until it is started.
+    #[must_use]
+    pub fn paused(mut self, paused: bool) -> Self {
+        self.new.paused = paused;
+        self
+    }
+
+    /// Calls this at the start of every tick, and at the end of the run, on the world's own thread. The world waits until it
+    /// returns.
+    #[must_use]
+    pub fn on_tick(mut self, on_tick: OnTick) -> Self {
+        self.new.on_tick = Some(on_tick);
+        self
+    }
+}
+
+/// Collects the worlds, addresses and limits of a server before it starts.
+#[derive(Default)]
+pub struct Builder {
+    worlds: Vec<WorldConfig>,
+    addresses: Vec<Address>,
+    /// Each with whether another port will do if this one is taken.
+    viewers: Vec<(SocketAddr, bool)>,
+    recordings: Option<Folder>,
+    films: Option<mpsc::Sender<Film>>,
+    insecure: bool,
+    connections: Option<usize>,
+    first_call_within: Option<Duration>,
+}
+
+impl Builder {
+    /// Adds a world.
+    #[must_use]
+    pub fn world(mut self, world: WorldConfig) -> Self {
+        self.worlds.push(world);
+        self
+    }
+
+    /// Adds an address to listen on.
+    #[must_use]
+    pub fn listen(mut self, address: Address) -> Self {
+        self.addresses.push(address);
+        self
+    }
+
+    /// Adds an address for the viewer, a page for browsers, and for `/metrics`.
+    #[must_use]
+    pub fn viewer(mut self, address: SocketAddr) -> Self {
+        self.viewers.push((address, false));
+        self
+    }
+
+    /// As [`viewer`](Self::viewer); if this port is taken, on another one that is free.
+    #[must_use]
+    pub fn viewer_or_free_port(mut self, address: SocketAddr) -> Self {
+        self.viewers.push((address, true));
+        self
+    }
+
+    /// Lets operators record worlds into this folder, which must be there, and replay what is in it.
+    #[must_use]
+    pub fn recordings(mut self, folder: PathBuf) -> Self {
+        self.recordings = Some(Folder::new(folder));
+        self
+    }
+
+    /// Takes films that the viewer's page posts, and sends them here.
+    #[must_use]
+    pub fn films(mut self, films: mpsc::Sender<Film>) -> Self {
+        self.films = Some(films);
+        self
+    }
+
+    /// Allows addresses that other machines can reach.
+    #[must_use]
+    pub fn insecure(mut self, insecure: bool) -> Self {
+        self.insecure = insecure;
+        self
+    }
+
+    /// Limits the connections at a time, over all addresses and viewers. Without it the limit is three quarters of the files
+    /// that the process may have open ([`raise_descriptor_limit`](crate::raise_descriptor_limit)). When all places are taken,
+    /// a new connection displaces the oldest one that has not made a call; if there is none, its calls are refused with
+    /// `UNAVAILABLE`, and may succeed later.
+    #[must_use]
+    pub fn connections(mut self, connections: usize) -> Self {
+        self.connections = Some(connections);
+        self
+    }
+
+    /// Closes a connection that has not made a call within so long, and the stream of a brain that has sent no Hello by then.
+    /// Without it the limit is 10 s. Connections that have made a call may be silent for as long as they like.
+    #[must_use]
+    pub fn first_call_within(mut self, patience: Duration) -> Self {
+        self.first_call_within = Some(patience);
+        self
+    }
+
+    /// Starts the server without a port: it is reached through [`Server::channel`] only.
+    ///
+    /// # Errors
+    /// If a world cannot be made.
+    pub async fn in_process(self) -> Result<Server, ServerError> {
+        Self { addresses: Vec::new(), viewers: Vec::new(), ..self }.serve().await
+    }
+
+    /// Starts the server on its addresses.
+    ///
+    /// # Errors
+    /// If an address cannot be listened on, or a world cannot be made.
+    pub async fn serve(self) -> Result<Server, ServerError> {
+        let mut listeners = Vec::new();
+        for address in self.addresses {
+            if !self.insecure && !address.is_local() {
+                return Err(ServerError::NotLoopback { address });
+            }
+            listeners.push(Listener::bind(address).await?);
+        }
+        let mut pages = Vec::new();
+        for viewer in self.viewers {
+            pages.push(listen_for_pages(viewer, self.insecure).await?);
+        }
+        let registry = Registry::default();
+        for world in self.worlds {
+            registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
+        }
+        let control = Control { registry, recordings: self.recordings };
+        let gate = Gate::new(
+            self.connections.unwrap_or_else(usual_connections),
+            self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
+        );
+        Server::start(control, gate, listeners, pages, self.films).await
+    }
+}

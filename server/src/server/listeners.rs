@@ -1,0 +1,94 @@
+//! Where a server listens.
+
+use std::io;
+use std::net::SocketAddr;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use tokio::net::{TcpListener, UnixListener, UnixStream};
+
+use super::ServerError;
+use crate::address::Address;
+
+/// Listens for pages, on another port that is free if this one is taken and `or_free_port`.
+pub(super) async fn listen_for_pages(
+    (socket, or_free_port): (SocketAddr, bool),
+    insecure: bool,
+) -> Result<TcpListener, ServerError> {
+    let address = Address::Tcp(socket);
+    if !insecure && !address.is_local() {
+        return Err(ServerError::NotLoopback { address });
+    }
+    let listener = match TcpListener::bind(socket).await {
+        Err(error) if or_free_port && error.kind() == io::ErrorKind::AddrInUse => {
+            TcpListener::bind((socket.ip(), 0)).await
+        }
+        listener => listener,
+    };
+    listener.map_err(|source| ServerError::Bind { address, source })
+}
+
+/// A listener for gRPC.
+pub(super) enum Listener {
+    Tcp(Address, TcpListener),
+    Unix(Address, UnixListener),
+}
+
+impl Listener {
+    pub(super) async fn bind(address: Address) -> Result<Self, ServerError> {
+        let failed = |source| ServerError::Bind { address: address.clone(), source };
+        match &address {
+            Address::Tcp(socket) => {
+                let listener = TcpListener::bind(socket).await.map_err(failed)?;
+                let bound = listener.local_addr().map_err(failed)?;
+                Ok(Self::Tcp(Address::Tcp(bound), listener))
+            }
+            Address::Unix(path) => {
+                remove_stale(path).await.map_err(failed)?;
+                let listener = UnixListener::bind(path).map_err(failed)?;
+                Ok(Self::Unix(address, listener))
+            }
+        }
+    }
+
+    pub(super) fn address(&self) -> &Address {
+        match self {
+            Self::Tcp(address, _) | Self::Unix(address, _) => address,
+        }
+    }
+}
+
+/// The file of a Unix socket that this server listens on.
+pub(super) struct SocketFile {
+    path: PathBuf,
+    device_and_inode: (u64, u64),
+}
+
+impl SocketFile {
+    pub(super) fn at(path: &Path) -> Option<Self> {
+        let metadata = std::fs::symlink_metadata(path).ok()?;
+        Some(Self { path: path.to_owned(), device_and_inode: (metadata.dev(), metadata.ino()) })
+    }
+
+    /// Removes it, unless that of another server is there by now.
+    pub(super) fn remove(&self) {
+        let here = Self::at(&self.path);
+        if here.is_some_and(|here| here.device_and_inode == self.device_and_inode) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// A socket that refuses connections is what a killed server left behind. Any other is in use.
+async fn remove_stale(path: &Path) -> io::Result<()> {
+    let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    if !metadata.file_type().is_socket() {
+        return Ok(());
+    }
+    let answer = tokio::time::timeout(Duration::from_secs(1), UnixStream::connect(path)).await;
+    match answer {
+        Ok(Err(error)) if error.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,127 @@
+//! A session: the stream of one brain program.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use baudbot_sim::{SimTime, Turn, World};
+use tokio::sync::mpsc;
+
+use super::debt::{Debt, OpenTurn};
+use super::quota::Quota;
+use super::slot::Slot;
+use crate::measures::Answering;
+use crate::message::{Delivery, RobotDelivery};
+
+/// Places in a brain's stream that Turns leave free, so that the news of an end always finds room.
+pub(crate) const RESERVED: usize = 8;
+
+/// Turns that a brain may leave unanswered while the world goes on without it.
+const MAX_OPEN: usize = 256;
+
+/// The stream of a brain program.
+pub(super) struct Session {
+    /// The name of the brain.
+    pub(super) brain: String,
+    /// Whether it takes and gives bytes of the wire instead of messages.
+    pub(super) raw: bool,
+    /// Whether it has promised to think as long as the scenario says.
+    pub(super) thinks_as_scenario: bool,
+    /// Indices of its robots in the world.
+    pub(super) robots: Vec<usize>,
+    pub(super) deliveries: mpsc::Sender<Delivery>,
+    pub(super) turns: Turns,
+    pub(super) debt: Debt,
+    pub(super) answering: Answering,
+    pub(super) quota: Quota,
+}
+
+/// The numbers of the Turns of a session. They begin with 1.
+#[derive(Default)]
+pub(super) struct Turns {
+    /// The last Turn that was given.
+    last: u64,
+    /// The last Turn before a reset, or before a change of pace. Answers to it and to earlier ones are thrown away.
+    void: u64,
+    /// The last Turns that were given, with their ticks; oldest first.
+    given: VecDeque<(u64, u64)>,
+}
+
+impl Turns {
+    fn give(&mut self, number: u64, tick: u64) {
+        self.last = number;
+        if self.given.len() == MAX_OPEN {
+            self.given.pop_front();
+        }
+        self.given.push_back((number, tick));
+    }
+
+    /// All Turns up to now are void.
+    pub(super) fn void(&mut self) {
+        self.void = self.last;
+    }
+
+    pub(super) fn is_void(&self, number: u64) -> bool {
+        number != 0 && number <= self.void
+    }
+
+    /// The tick of the Turn of this number, if it is not too long ago.
+    pub(super) fn tick_of(&self, number: u64) -> Option<u64> {
+        self.given.iter().rev().find(|(given, _)| *given == number).map(|(_, tick)| *tick)
+    }
+}
+
+impl Session {
+    /// Gives the brain the Turn of those of its robots that step in this tick, `at` by robot. With `begun`, the instant at
+    /// which the tick began, the brain owes an answer.
+    ///
+    /// A stream is bounded and a world never waits for one. If the brain does not read, so that its stream is full, the
+    /// Turn is lost: that is counted, and no answer to it is owed, since the brain does not know of it. [`RESERVED`] places
+    /// stay free for the news that the run or the stream has ended, which must not be lost.
+    pub(super) fn deliver(
+        &mut self,
+        world: &World,
+        at: &[Option<SimTime>],
+        begun: Option<Instant>,
+        slots: &mut [Slot],
+    ) {
+        let steps = self.steps(at);
+        if steps.is_empty() {
+            return;
+        }
+        let places = self.robots.iter().enumerate();
+        let robots = places.filter_map(|(place, &robot)| Some((place, robot, at[robot]?)));
+        let robots = robots.map(|(place, robot, at)| delivery(world, robot, place, at, self.raw)).collect();
+        let number = self.turns.last + 1;
+        let delivery = Delivery::Turn { number, tick: world.tick(), robots };
+        let has_room = self.deliveries.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
+        if !has_room || self.deliveries.try_send(delivery).is_err() {
+            self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
+            return;
+        }
+        self.turns.give(number, world.tick());
+        // The brain is asked now, whatever it was waiting for.
+        steps.iter().for_each(|turn| slots[turn.robot].set_until(None));
+        if let Some(begun) = begun {
+            self.debt.add(OpenTurn { number, begun, steps });
+        }
+    }
+
+    /// The steps of its robots, `at` by robot.
+    pub(super) fn steps(&self, at: &[Option<SimTime>]) -> Vec<Turn> {
+        self.robots.iter().filter_map(|&robot| Some(Turn { robot, at: at[robot]? })).collect()
+    }
+}
+
+fn delivery(world: &World, robot: usize, slot: usize, at: SimTime, raw: bool) -> RobotDelivery {
+    let view = world.robot(robot);
+    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), ports: Vec::new(), readings: Vec::new() };
+    if raw {
+        delivery.raw = view.unread().to_vec();
+        let ports = view.unread_of_ports().filter(|(_, bytes)| !bytes.is_empty());
+        delivery.ports = ports.map(|(sensor, bytes)| (sensor, bytes.to_vec())).collect();
+    } else {
+        let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
+        delivery.readings = arrived.map(|(i, reading)| (i, reading.clone())).collect();
+    }
+    delivery
+}

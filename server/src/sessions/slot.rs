@@ -1,0 +1,87 @@
+//! A robot's slot: its place for a brain.
+
+use crate::endpoint::Until;
+use crate::measures::Answering;
+
+/// A robot's place for a brain, and what was counted of the brains that have held it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Slot {
+    pub(super) state: SlotState,
+    pub(super) lost_deliveries: u64,
+    /// Of sessions that are over.
+    pub(super) lost_steps: u64,
+    /// Of sessions that are over.
+    pub(super) answering: Answering,
+}
+
+/// Whether a brain holds a robot, and what that means for a world in lockstep.
+///
+/// ```text
+///   Vacant(Awaited) ──attach──▶ Held ──detach──▶ Vacant(Awaited | LeftOpen)   watchdog policy `wait`
+///          │                                     Vacant(Excused)              other policies, other paces
+///          └──StartWorld──▶ Vacant(Excused) ──attach──▶ Held
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SlotState {
+    Vacant(Vacancy),
+    Held {
+        session: u64,
+        /// Its brain has answered, and waits for a message.
+        until: Option<Until>,
+    },
+}
+
+/// What a world in lockstep does about a robot without a brain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Vacancy {
+    /// It goes on without a brain.
+    Excused,
+    /// It begins no tick until a brain holds the robot.
+    Awaited,
+    /// Nor does it end the present tick: the last brain has left a Turn of this tick unanswered.
+    LeftOpen,
+}
+
+impl Default for SlotState {
+    fn default() -> Self {
+        Self::Vacant(Vacancy::Awaited)
+    }
+}
+
+impl Slot {
+    pub(super) fn session(&self) -> Option<u64> {
+        match self.state {
+            SlotState::Held { session, .. } => Some(session),
+            SlotState::Vacant(_) => None,
+        }
+    }
+
+    /// What the brain waits for that holds it, if it waits for anything.
+    pub(super) fn until(&self) -> Option<Until> {
+        match self.state {
+            SlotState::Held { until, .. } => until,
+            SlotState::Vacant(_) => None,
+        }
+    }
+
+    /// Notes what the brain waits for that holds it.
+    pub(super) fn set_until(&mut self, new: Option<Until>) {
+        if let SlotState::Held { until, .. } = &mut self.state {
+            *until = new;
+        }
+    }
+
+    pub(super) fn vacancy(&self) -> Option<Vacancy> {
+        match self.state {
+            SlotState::Vacant(vacancy) => Some(vacancy),
+            SlotState::Held { .. } => None,
+        }
+    }
+
+    /// The tick is over, or void: no Turn of it is open any more.
+    pub(super) fn forget_open_turn(&mut self) {
+        if self.vacancy() == Some(Vacancy::LeftOpen) {
+            self.state = SlotState::Vacant(Vacancy::Awaited);
+        }
+    }
+}
