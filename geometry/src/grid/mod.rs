@@ -105,7 +105,7 @@ impl Rectangle {
         let column = cell.column.checked_sub(self.first.column)?;
         let row = cell.row.checked_sub(self.first.row)?;
         let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
-        is_in.then_some(row as usize * self.columns as usize + column as usize)
+        is_in.then(|| row as usize * self.columns as usize + column as usize)
     }
 
     /// The cell of this number.

@@ -8,7 +8,7 @@ use super::Cell;
 pub fn line_of_sight(from: Cell, to: Cell, is_free: impl Fn(Cell) -> bool) -> bool {
     let columns = u64::from(to.column.abs_diff(from.column));
     let rows = u64::from(to.row.abs_diff(from.row));
-    let (right, up) = ((to.column - from.column).signum(), (to.row - from.row).signum());
+    let (right, up) = (to.column.cmp(&from.column) as i32, to.row.cmp(&from.row) as i32);
     let mut cell = from;
     // Borders between columns and rows that have been crossed.
     let (mut across, mut along) = (0, 0);
