@@ -6,7 +6,6 @@ use std::path::Path;
 
 use baudbot_client::Body;
 use baudbot_proto::v1::RobotDescription;
-use baudbot_sim::Scenario;
 use baudbot_sim::robot::RobotSpec;
 
 /// Calls this for each robot.
@@ -16,7 +15,8 @@ fn for_each_robot(mut check: impl FnMut(&RobotSpec)) {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let toml = fs::read_to_string(&path).unwrap();
-            let scenario = Scenario::parse(&toml).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            let scenario =
+                baudbot_scenario::parse(&toml).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
             scenario.robots().iter().for_each(&mut check);
         }
     }

@@ -1,4 +1,3 @@
-use baudbot_sim::Scenario;
 
 use super::*;
 use crate::timing::Class;

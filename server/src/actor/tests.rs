@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use baudbot_sim::{Scenario, World};
+use baudbot_sim::World;
 
 use super::{NewWorld, Next, WorldActor};
 use crate::pace::{Pace, Timed};
