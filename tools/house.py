@@ -4,7 +4,8 @@
     python3 tools/house.py [--rev COMMIT] [--json]
 
 A module is a file or folder right below a crate's `src`; it reaches another if its path stands in its code, tests left out.
-Lines of code are those that have more than a comment. What only tests use (`#[cfg(test)]`, `tests.rs`, `tests/`) is counted apart.
+Lines of code are those that have more than a comment. What only tests use (`#[cfg(test)]`, `tests.rs`, `tests/`) is counted apart;
+generated code is not counted.
 """
 
 import argparse
@@ -47,6 +48,7 @@ def sources(rev):
 def measured(files):
     """What there is to tell of each crate."""
     by_crate = defaultdict(dict)
+    files = {path: text for path, text in files.items() if "/generated/" not in path}
     for path, text in files.items():
         if "/src/" in path:
             crate, inside = path.split("/src/", 1)

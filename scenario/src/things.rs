@@ -190,7 +190,7 @@ pub(super) fn movable(path: &Path, raw: &RawMovable, names: &mut Names) -> Resul
 /// Corners about their centroid, counter-clockwise; the start moves along with them.
 fn convex(path: &Path, raw: &[[f64; 2]], start: &mut Pose) -> Result<MovableShape> {
     let mut corners = outline(path, raw)?;
-    if signed_area(&corners) < 0.0 {
+    if is_clockwise(&corners) {
         corners.reverse();
     }
     if !polygon::is_convex(&corners) {
@@ -202,9 +202,10 @@ fn convex(path: &Path, raw: &[[f64; 2]], start: &mut Pose) -> Result<MovableShap
     Ok(MovableShape::Box { outline: moved })
 }
 
-fn signed_area(corners: &[Point]) -> f64 {
+/// Whether the corners go around the outline clockwise: its area by Gauss's formula is then negative.
+fn is_clockwise(corners: &[Point]) -> bool {
     let cross = |a: Vector, b: Vector| a.x * b.y - a.y * b.x;
-    polygon::edges(corners).map(|edge| 0.5 * cross(edge.start.coords, edge.end.coords)).sum()
+    polygon::edges(corners).map(|edge| cross(edge.start.coords, edge.end.coords)).sum::<f64>() < 0.0
 }
 
 fn pose(path: &Path, x_m: f64, y_m: f64, heading_rad: f64) -> Result<Pose> {

@@ -17,8 +17,8 @@ use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
 #[tokio::test]
 async fn ten_seconds_of_avoiding() -> Result<(), Box<dyn std::error::Error>> {
     let toml = std::fs::read_to_string("../scenarios/wander.toml")? + "\n[end]\nafter_s = 10.0\n";
-    let world =
-        WorldConfig::new("w", baudbot_scenario::parse(&toml)?).pace(Pace::Lockstep(Lockstep::default()));
+    let scenario = baudbot_scenario::parse(&toml)?;
+    let world = WorldConfig::new("w", scenario).pace(Pace::Lockstep(Lockstep::default()));
     let server = Server::builder().world(world).in_process().await?;
 
     let mut robot = Client::from_channel(server.channel().await?).attach("w", "robot").await?;

@@ -1,7 +1,7 @@
 //! Diagrams of made-up events, looked at as XML.
 
-use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::SimTime;
+use baudbot_sim::timeline::{Event, What};
 
 use super::*;
 

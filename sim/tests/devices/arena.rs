@@ -142,6 +142,23 @@ fn a_box_is_pushed_up_to_the_wall_and_not_into_it() {
 }
 
 #[test]
+fn the_wheels_of_a_robot_that_pushes_roll_as_it_moves() {
+    let mut world = world(&scene(&(wall(1.5) + CRATE), "", ""));
+    let mut slowed = 0;
+    for _ in 0..600 {
+        let before = world.robot(0).motion().speed_m_s;
+        tick(&mut world, 0.6, 0.6);
+        let (robot, motion) = (world.robot(0), world.robot(0).motion());
+        let drive = &robot.spec().drive;
+        let turning = drive.half_track_m * motion.turn_rate_rad_s;
+        near(motion.wheel_speed_rad_s.left, (motion.speed_m_s - turning) / drive.wheel_radius_m);
+        near(motion.wheel_speed_rad_s.right, (motion.speed_m_s + turning) / drive.wheel_radius_m);
+        slowed += usize::from(motion.speed_m_s < before);
+    }
+    assert!(slowed > 0, "the crate and the wall slow it down");
+}
+
+#[test]
 fn a_robot_that_jams_something_light_against_a_wall_stands_still() {
     for (mass_kg, substeps) in [(0.05, 1), (0.005, 1), (0.001, 1), (0.001, 10), (1.0, 1)] {
         let top = format!(
