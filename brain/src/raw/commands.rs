@@ -23,7 +23,7 @@ impl RawCommands {
     /// An encoder for the robot with this body.
     ///
     /// # Errors
-    /// As [`RawReadings::new`].
+    /// If the body's encodings are such as no cable can have; those of an attached robot never are.
     pub fn new(body: &Body) -> Result<Self, LayoutError> {
         let layout = body.layout();
         layout.check(body.firmware.protocol)?;
