@@ -2,7 +2,7 @@
 //!
 //! 1. This file sees what is wanted, and that no output goes into another one or into the recording.
 //! 2. [`pass`] simulates the run once more, a [`window`] of it, and shows every tick to all outputs at once: those of
-//!    `baudbot run` ([`watched`]), [`rows`] of Parquet, [`events`], [`trails`] for a picture, and [`beliefs`], which are in the
+//!    `baudbot run` ([`watched`]), `rows` of Parquet, [`events`], [`trails`] for a picture, and [`beliefs`], which are in the
 //!    recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.

@@ -4,7 +4,7 @@
 //!
 //! | | cells |
 //! |---|---|
-//! | [`line`], [`Grid::line`] | that a straight line runs through, in order |
+//! | [`line()`], [`Grid::line`] | that a straight line runs through, in order |
 //! | [`line_of_sight`] | whether all that a straight line touches are free, in whole numbers |
 //! | [`Grid::in_disc`], [`Grid::in_swept`], [`Grid::along`] | whose centres are in a shape, or that a segment touches |
 //! | [`cover`] | as few rectangles |
