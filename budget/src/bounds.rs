@@ -215,7 +215,7 @@ impl Fixed<'_> {
             _ if self.plan.has_ports() => step_ns.max(busy),
             Mode::Poll => {
                 let command = wire::least_ns(link, self.plan.command_bytes().least);
-                let robot = super::cycle::least_obeying_ns(self.plan);
+                let robot = self.plan.least_obeying_ns();
                 let down = spec.thinking_ns + wire::hold_down_ns(link).least + command + robot;
                 step_ns.saturating_sub(least + down).max(busy)
             }

@@ -52,21 +52,8 @@ fn bounds_of(plan: &Plan<'_>, bounds: &Bounds, part: Part) -> Span {
         Part::Obeying => {
             let (byte, obeying) = (plan.receiving_ns(), plan.spec.processor.obeying_ns);
             let worst = bounds.late_ns(byte + obeying).map(|late| late + byte + obeying);
-            Span::between(least_obeying_ns(plan), worst)
+            Span::between(plan.least_obeying_ns(), worst)
         }
         Part::Actuation => Span::between(0, Some(plan.pulse_ns())),
     }
-}
-
-/// From the arrival of a command's last byte until it is obeyed, at least: a receiver that is slower than the wire
-/// has others before it.
-pub(super) fn least_obeying_ns(plan: &Plan<'_>) -> u64 {
-    let byte = plan.receiving_ns();
-    // A longer command need not take longer: its end may come with a later frame of USB.
-    let commands = plan.command_bytes();
-    let least = (commands.least..=commands.most).map(|bytes| {
-        let apart = plan.spec.link.burst_ns(bytes) - plan.spec.link.burst_ns(bytes.min(1));
-        (bytes * byte).saturating_sub(apart).max(byte)
-    });
-    least.min().unwrap_or(byte) + plan.spec.processor.obeying_ns
 }

@@ -43,6 +43,19 @@ pub(super) struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
+    /// The least time from the arrival of a command's last byte until the command is obeyed: a receiver that is slower than
+    /// the wire has other bytes before it.
+    pub(super) fn least_obeying_ns(&self) -> u64 {
+        let byte = self.receiving_ns();
+        // A longer command need not take longer: its end may come with a later frame of USB.
+        let commands = self.command_bytes();
+        let least = (commands.least..=commands.most).map(|bytes| {
+            let apart = self.spec.link.burst_ns(bytes) - self.spec.link.burst_ns(bytes.min(1));
+            (bytes * byte).saturating_sub(apart).max(byte)
+        });
+        least.min().unwrap_or(byte) + self.spec.processor.obeying_ns
+    }
+
     /// Those that the microcontroller reads; they are the first.
     pub(super) fn on_wire(&self) -> &'a [Sensor] {
         let wired = self.spec.firmware.layout().counts.len();

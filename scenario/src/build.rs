@@ -6,9 +6,11 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::Point;
 
-use super::arena::{arena, disc, each, surroundings};
+use super::arena::{arena, each, surroundings};
+use super::context::{self, Step};
 use super::names::Names;
-use super::robots::{self, Step};
+use super::robots;
+use super::shapes::disc;
 use baudbot_sim::scenario::{End, Scenario, Source};
 use baudbot_sim::sheet::{FieldError, Path};
 
@@ -41,7 +43,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
     let movables =
         each(&at, "movables", &raw.arena.movables, |path, raw| things::movable(path, raw, &mut names))?;
     let bodies = stand(&at, &movers, &movables, &arena)?;
-    let mut world = robots::World {
+    let mut world = context::World {
         step,
         seed: raw.seed,
         surroundings: &surroundings,
@@ -73,7 +75,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
 
 fn step(path: &Path, raw: &raw::Scenario) -> Result<Step> {
     let step_ns = path.ms("step_ms", raw.step_ms, MIN_PERIOD_MS, 1000.0)?;
-    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, robots::MAX_SUBSTEPS)?;
+    let substeps = path.whole_within("substeps", u64::from(raw.substeps), 1, context::MAX_SUBSTEPS)?;
     if step_ns % substeps != 0 {
         let problem = format!("{substeps} substeps do not divide {step_ns} ns into whole nanoseconds");
         return Err(path.field("substeps").error(problem));

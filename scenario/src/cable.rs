@@ -25,16 +25,16 @@ pub(super) fn firmware(
 ) -> Result<Firmware> {
     let protocol = match raw.protocol {
         raw::Protocol::Framed => {
-            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
             Protocol::Framed { ages: raw.ages.unwrap_or(true) }
         }
         raw::Protocol::Bare => {
-            refuse(path, "ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
+            path.refuse("ages", raw.ages.is_some(), "the bare protocol carries no ages")?;
             Protocol::Bare { gap_ns: gap_ns(path, raw.gap_ms, link)? }
         }
         raw::Protocol::Khepera => {
-            refuse(path, "ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
-            refuse(path, "gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
+            path.refuse("ages", raw.ages.is_some(), "the khepera protocol carries no ages")?;
+            path.refuse("gap_ms", raw.gap_ms.is_some(), "only the bare protocol tells messages by silence")?;
             can_be_said_in_lines(path, sensors, &motors)?;
             Protocol::Khepera
         }
@@ -49,7 +49,7 @@ fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
-            refuse(path, "mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
+            path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
             let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
             Ok(Mode::Stream(Schedule::new(
                 period_ns,
@@ -57,8 +57,8 @@ fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
             )))
         }
         raw::Mode::Poll => {
-            refuse(path, "period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
-            refuse(path, "phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
+            path.refuse("period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
+            path.refuse("phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
             Ok(Mode::Poll)
         }
     }
@@ -152,8 +152,4 @@ fn longest_lines(path: &Path, layout: &Layout<'_>) -> Result<usize> {
     }
     let answers = khepera::ACKNOWLEDGEMENT.len() + readings;
     Ok(answers.max(khepera::command_len_max(layout) + khepera::POLL.len()))
-}
-
-pub(super) fn refuse(path: &Path, field: &str, given: bool, problem: &str) -> Result<()> {
-    if given { Err(path.field(field).error(problem)) } else { Ok(()) }
 }

@@ -4,8 +4,6 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::cable::refuse;
-use super::raw;
 use baudbot_sim::fault::{Fault, FaultKind, When};
 use baudbot_sim::link::Link;
 use baudbot_sim::random::Stream;
@@ -51,13 +49,18 @@ pub(super) enum RawOnLate {
 }
 
 /// The deadline of a brain: Δt, and nothing follows from it, unless the file states one.
-pub(super) fn deadline(path: &Path, raw: &raw::Brain, step_ns: u64) -> Result<Deadline> {
+pub(super) fn deadline(
+    path: &Path,
+    deadline_ms: Option<f64>,
+    on_late: Option<RawOnLate>,
+    step_ns: u64,
+) -> Result<Deadline> {
     let path = path.field("brain");
-    let Some(deadline_ms) = raw.deadline_ms else {
-        refuse(&path, "on_late", raw.on_late.is_some(), "needs a deadline: deadline_ms")?;
+    let Some(deadline_ms) = deadline_ms else {
+        path.refuse("on_late", on_late.is_some(), "needs a deadline: deadline_ms")?;
         return Ok(Deadline { within_ns: step_ns, on_late: None });
     };
-    let on_late = match raw.on_late.unwrap_or_default() {
+    let on_late = match on_late.unwrap_or_default() {
         RawOnLate::Hold => OnLate::Hold,
         RawOnLate::Stop => OnLate::Stop,
         RawOnLate::End => OnLate::End,
@@ -119,10 +122,10 @@ fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
     let is = |kind| raw.kind == kind;
     let rate = raw.byte_error_rate;
     let problem = "only for kind = \"byte-errors\"";
-    refuse(path, "byte_error_rate", rate.is_some() && !is(Kind::ByteErrors), problem)?;
+    path.refuse("byte_error_rate", rate.is_some() && !is(Kind::ByteErrors), problem)?;
     let no_sensor = !is(Kind::Sensor) && !is(Kind::LostSignal);
     let problem = "only for kind = \"sensor\" or \"lost-signal\"";
-    refuse(path, "sensor", raw.sensor.is_some() && no_sensor, problem)?;
+    path.refuse("sensor", raw.sensor.is_some() && no_sensor, problem)?;
     match raw.kind {
         Kind::Cable => Ok(FaultKind::Cable),
         Kind::Brain => Ok(FaultKind::Brain),

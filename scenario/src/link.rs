@@ -3,7 +3,6 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use super::cable::refuse;
 use super::raw;
 use baudbot_sim::link::{
     Adapter, Bluetooth, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
@@ -72,7 +71,7 @@ fn usb_fields(raw: &raw::Link) -> Fields<2> {
 }
 
 fn refuse_all(path: &Path, fields: &[(&str, bool)], problem: &str) -> Result<()> {
-    fields.iter().try_for_each(|(field, given)| refuse(path, field, *given, problem))
+    fields.iter().try_for_each(|(field, given)| path.refuse(field, *given, problem))
 }
 
 fn uart(path: &Path, raw: &raw::Link) -> Result<Uart> {
@@ -131,7 +130,7 @@ fn turnaround_ns(path: &Path, raw: &raw::Link) -> Result<Option<u64>> {
     if raw.half_duplex == Some(true) {
         return path.us("turnaround_us", raw.turnaround_us.unwrap_or(0.0), 1e6).map(Some);
     }
-    refuse(path, "turnaround_us", raw.turnaround_us.is_some(), "only with half_duplex = true")?;
+    path.refuse("turnaround_us", raw.turnaround_us.is_some(), "only with half_duplex = true")?;
     Ok(None)
 }
 
@@ -144,8 +143,8 @@ fn adapter(path: &Path, raw: &raw::Adapter) -> Result<Adapter> {
     match raw.kind {
         raw::AdapterKind::Cdc => {
             let problem = "a cdc adapter has no latency timer; did you mean kind = \"ftdi\"?";
-            refuse(path, "latency_ms", raw.latency_ms.is_some(), problem)?;
-            refuse(path, "packet_bytes", raw.packet_bytes.is_some(), problem)?;
+            path.refuse("latency_ms", raw.latency_ms.is_some(), problem)?;
+            path.refuse("packet_bytes", raw.packet_bytes.is_some(), problem)?;
             refuse_all(path, &radio_fields, "only a radio has that; did you mean kind = \"bluetooth\"?")?;
             Ok(Adapter::Cdc { frame_ns: frame_ns(path, raw.frame_ms)? })
         }
@@ -158,7 +157,7 @@ fn adapter(path: &Path, raw: &raw::Adapter) -> Result<Adapter> {
             }))
         }
         raw::AdapterKind::Bluetooth => {
-            refuse(path, "frame_ms", raw.frame_ms.is_some(), "a radio has no USB frames")?;
+            path.refuse("frame_ms", raw.frame_ms.is_some(), "a radio has no USB frames")?;
             bluetooth(path, raw).map(Adapter::Bluetooth)
         }
     }

@@ -8,10 +8,11 @@ use alloc::vec::Vec;
 use baudbot_geometry::{Point, polygon};
 use baudbot_wire::Encoding;
 
+use super::context::{MAX_SUBSTEPS, Step, World};
 use super::motors::{self, ParsedMotors};
 use super::names::Names;
 use super::starts::{self, Place};
-use super::{actuators, arena, cable, faults, link, raw, sensors};
+use super::{actuators, cable, faults, link, raw, sensors, shapes};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::battery::Battery;
@@ -28,9 +29,6 @@ use baudbot_sim::time::SECOND_NS;
 
 /// Most robots of one scenario.
 pub(super) const MAX_ROBOTS: usize = 10_000;
-
-/// Most Euler steps in a tick.
-pub(super) const MAX_SUBSTEPS: u64 = 10_000;
 
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
@@ -71,24 +69,6 @@ fn shared(mut model: RobotModel, last: Option<&RobotSpec>) -> Arc<RobotModel> {
         Some(_) | None => {}
     }
     Arc::new(model)
-}
-
-/// The length of a tick, which several checks need.
-#[derive(Clone, Copy)]
-pub(super) struct Step {
-    pub(super) step_ms: f64,
-    pub(super) step_ns: u64,
-    pub(super) substeps: u64,
-}
-
-/// The world that the robots are put into.
-pub(super) struct World<'a> {
-    pub(super) step: Step,
-    pub(super) seed: u64,
-    pub(super) surroundings: &'a Surroundings,
-    pub(super) arena: &'a mut Arena,
-    /// What moves or is pushed, where it starts.
-    pub(super) bodies: &'a [(String, Body)],
 }
 
 /// Euler steps that are too long for a body blow up, and end in numbers that are none.
@@ -135,7 +115,7 @@ fn model(
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
     let body = path.field("body");
     let (outline, radius_m) = outline(&body, &raw.body)?;
-    let look = arena::look(&body, raw.body.height_m, raw.body.color)?;
+    let look = shapes::look(&body, raw.body.height_m, raw.body.color)?;
     let drive = drive(&body, &raw.body, radius_m, motors)?;
     let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
@@ -156,7 +136,7 @@ fn model(
         firmware,
         link,
         thinking_ns,
-        deadline: faults::deadline(path, &raw.brain, context.step.step_ns)?,
+        deadline: faults::deadline(path, raw.brain.deadline_ms, raw.brain.on_late, context.step.step_ns)?,
         faults: Vec::new(),
         brain_operations: raw.brain.operations,
         brain_memory_bytes: raw.brain.memory_bytes,
@@ -246,7 +226,7 @@ fn outline(path: &Path, raw: &raw::Body) -> Result<(Vec<Point>, f64)> {
         (Some(radius), None) => Ok((Vec::new(), path.length("radius_m", radius)?)),
         (None, Some(corners)) => {
             let at = path.field("outline_m");
-            let corners = arena::outline(&at, corners)?;
+            let corners = shapes::outline(&at, corners)?;
             if !polygon::contains(&corners, Point::origin()) {
                 return Err(at.error("the robot's centre, between its wheels at (0, 0), must lie inside"));
             }

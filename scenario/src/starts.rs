@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Crowd, Pose, angle};
 
+use super::context::World;
 use super::names::Names;
-use super::robots::World;
 use super::{raw, things};
 use baudbot_sim::robot::{RobotSpec, Start};
 use baudbot_sim::sheet::{FieldError, Path};

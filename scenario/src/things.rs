@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Point, Pose, Vector, polygon};
 
-use super::arena::{look, outline, points};
 use super::names::Names;
+use super::shapes::{look, outline, points};
 use baudbot_sim::movable::{Form, Movable, MovableShape};
 use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
 use baudbot_sim::sheet::{FieldError, Path};
@@ -111,14 +111,8 @@ pub(super) fn mover(path: &Path, raw: &RawMover, names: &mut Names) -> Result<Mo
         }
         (None, Some(swing), None) => self::swing(&path.field("swing"), swing, start.heading)?,
         (None, None, Some(raw)) => {
-            if !outline.is_empty() {
-                return Err(path.field("outline_m").error("only a disc can wander"));
-            }
-            let path = path.field("wander");
-            Way::Wander {
-                speed_m_s: speed(&path, "speed_m_s", raw.speed_m_s)?,
-                turn_ns: seconds(&path, "turn_s", raw.turn_s)?.max(1),
-            }
+            path.refuse("outline_m", !outline.is_empty(), "only a disc can wander")?;
+            wander(&path.field("wander"), raw)?
         }
         _ => return Err(path.error("needs exactly one of `stops`, `swing` and `wander`")),
     };
@@ -162,6 +156,13 @@ fn swing(path: &Path, raw: &RawSwing, from_rad: f64) -> Result<Way> {
 }
 
 /// Something that is pushed.
+fn wander(path: &Path, raw: &RawWander) -> Result<Way> {
+    Ok(Way::Wander {
+        speed_m_s: speed(path, "speed_m_s", raw.speed_m_s)?,
+        turn_ns: seconds(path, "turn_s", raw.turn_s)?.max(1),
+    })
+}
+
 pub(super) fn movable(path: &Path, raw: &RawMovable, names: &mut Names) -> Result<Movable> {
     let mut start = pose(path, raw.x_m, raw.y_m, raw.heading_rad)?;
     let shape = match (raw.radius_m, raw.size_m, &raw.outline_m) {

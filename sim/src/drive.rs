@@ -13,6 +13,8 @@
 use baudbot_geometry::{Pose, Twist, angle, math};
 use serde::{Deserialize, Serialize};
 
+pub use crate::wheels::Wheels;
+
 use crate::motor::{MotorNoise, Motors, Steps};
 use crate::sound;
 
@@ -66,15 +68,6 @@ pub fn turn_gain(inertia_kg_m2: f64, half_track_m: f64, wheel_radius_m: f64, whe
     let (track, r) = (half_track_m, wheel_radius_m);
     let share = wheel.inertia_kg_m2 * track / (inertia_kg_m2 * r) + wheel.mass_kg * track * r / inertia_kg_m2;
     1.0 / (r / track + 2.0 * share)
-}
-
-/// A pair of values, one of each wheel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Wheels {
-    /// Of the left wheel.
-    pub left: f64,
-    /// Of the right wheel.
-    pub right: f64,
 }
 
 /// How a robot moves now.

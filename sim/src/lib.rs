@@ -68,6 +68,7 @@ pub mod time;
 pub mod timeline;
 mod vicinity;
 mod view;
+mod wheels;
 mod world;
 
 pub use baudbot_geometry::Pose;

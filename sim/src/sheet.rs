@@ -69,6 +69,11 @@ impl Path {
         FieldError::new(self.0.clone(), problem)
     }
 
+    /// An error if a field is given that must not be.
+    pub fn refuse(&self, field: &str, is_given: bool, problem: &str) -> Result<(), FieldError> {
+        if is_given { Err(self.field(field).error(problem)) } else { Ok(()) }
+    }
+
     /// A finite number.
     pub fn finite(&self, field: &str, value: f64) -> Result<f64, FieldError> {
         self.rule(field, value, value.is_finite(), "must be a finite number")

@@ -3,7 +3,7 @@
 
 use baudbot_geometry::Pose;
 
-use crate::drive::Wheels;
+use crate::wheels::Wheels;
 
 /// Whether so much has been counted that any run can go on from it.
 pub(crate) fn count(n: u64) -> bool {

@@ -5,8 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::drive::Wheels;
 use crate::random::Stream;
+use crate::wheels::Wheels;
 
 /// How uneven a robot's motors are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,9 +61,9 @@ mod tests {
     use alloc::vec::Vec;
 
     use super::{MotorNoise, NoiseState};
-    use crate::drive::Wheels;
     use crate::random::Stream;
     use crate::statistics::{SAMPLES, assert_distributed, correlation, normal};
+    use crate::wheels::Wheels;
 
     const SIGNALS: Wheels = Wheels { left: 0.5, right: -0.25 };
 

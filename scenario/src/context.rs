@@ -1,0 +1,28 @@
+//! What robots are checked against: the length of a tick, and the world that they are put into.
+
+use alloc::string::String;
+
+use baudbot_sim::arena::Arena;
+use baudbot_sim::movable::Body;
+use baudbot_sim::surroundings::Surroundings;
+
+/// Most Euler steps in a tick.
+pub(super) const MAX_SUBSTEPS: u64 = 10_000;
+
+/// The length of a tick, which several checks need.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) step_ms: f64,
+    pub(super) step_ns: u64,
+    pub(super) substeps: u64,
+}
+
+/// The world that the robots are put into.
+pub(super) struct World<'a> {
+    pub(super) step: Step,
+    pub(super) seed: u64,
+    pub(super) surroundings: &'a Surroundings,
+    pub(super) arena: &'a mut Arena,
+    /// What moves or is pushed, where it starts.
+    pub(super) bodies: &'a [(String, Body)],
+}

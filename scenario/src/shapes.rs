@@ -1,0 +1,53 @@
+//! Shapes and looks, as several tables of a file have them.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use baudbot_geometry::{Circle, Point, polygon::is_simple};
+use baudbot_sim::arena::Look;
+use baudbot_sim::sheet::{FieldError, Path};
+
+/// Most corners of one polygon: whether it crosses itself is found by comparing all pairs of sides.
+const MAX_POINTS: usize = 4096;
+
+type Result<T> = core::result::Result<T, FieldError>;
+
+/// A disc.
+pub(super) fn disc(path: &Path, x_m: f64, y_m: f64, radius_m: f64) -> Result<Circle> {
+    Ok(Circle { center: point(path, x_m, y_m)?, radius: path.length("radius_m", radius_m)? })
+}
+
+/// A point.
+pub(super) fn point(path: &Path, x_m: f64, y_m: f64) -> Result<Point> {
+    Ok(Point::new(path.coordinate("x_m", x_m)?, path.coordinate("y_m", y_m)?))
+}
+
+/// Corners in order.
+pub(super) fn points(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
+    if raw.len() > MAX_POINTS {
+        return Err(path.error(format!("a polygon has at most {MAX_POINTS} points, this one {}", raw.len())));
+    }
+    let corner = |(i, &[x, y]): (usize, &[f64; 2])| {
+        let at = path.index(i);
+        Ok(Point::new(at.coordinate("x", x)?, at.coordinate("y", y)?))
+    };
+    raw.iter().enumerate().map(corner).collect()
+}
+
+/// Corners of a region with an inside.
+pub(super) fn outline(path: &Path, raw: &[[f64; 2]]) -> Result<Vec<Point>> {
+    let points = points(path, raw)?;
+    if points.len() < 3 {
+        return Err(path.error(format!("an outline has at least 3 points; here are {}", points.len())));
+    }
+    if !is_simple(&points) {
+        return Err(path.error("the outline crosses itself, so its inside is not defined"));
+    }
+    Ok(points)
+}
+
+/// Height and colour; what has no height reaches up to every sensor.
+pub(super) fn look(path: &Path, height_m: Option<f64>, color: Option<[u8; 3]>) -> Result<Look> {
+    let height_m = height_m.map_or(Ok(f64::INFINITY), |height| path.length("height_m", height))?;
+    Ok(Look { height_m, color: color.unwrap_or(Look::WALL.color) })
+}
