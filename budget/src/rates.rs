@@ -7,7 +7,6 @@ use alloc::vec::Vec;
 use baudbot_wire::khepera;
 
 use super::bounds::Bounds;
-use super::cycle::least_obeying_ns;
 use super::plan::{Plan, adapter, turnaround_ns};
 use super::report::Rate;
 use super::timeline::Outcome;
@@ -105,7 +104,7 @@ fn round_trip_ns(plan: &Plan<'_>, bounds: &Bounds) -> u64 {
     let link = &plan.spec.link;
     let turn = turnaround_ns(link).unwrap_or(0);
     let (up, down) = (wire::hold_up_ns(link).least, wire::hold_down_ns(link).least);
-    let robot = (least_obeying_ns(plan) + bounds.framing.least).max(turn);
+    let robot = (plan.least_obeying_ns() + bounds.framing.least).max(turn);
     let laptop = (up + plan.spec.thinking_ns + down).max(turn);
     let bytes = bounds.pattern.bytes.least;
     let wires = wire::least_ns(link, bytes + plan.acknowledgement_bytes())

@@ -14,17 +14,14 @@ use super::names::Names;
 use super::starts::{self, Place};
 use super::{actuators, cable, faults, link, raw, sensors, shapes};
 use baudbot_sim::actuator::Actuator;
-use baudbot_sim::arena::Arena;
 use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Drive, Wheel, forward_gain, turn_gain};
 use baudbot_sim::firmware::Firmware;
 use baudbot_sim::link::Link;
 use baudbot_sim::microcontroller::Processor;
-use baudbot_sim::movable::Body;
 use baudbot_sim::robot::{RobotModel, RobotSpec};
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::sheet::{FieldError, Path};
-use baudbot_sim::surroundings::Surroundings;
 use baudbot_sim::time::SECOND_NS;
 
 /// Most robots of one scenario.
