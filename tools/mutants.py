@@ -4,7 +4,7 @@
     cargo install --locked cargo-mutants
     python3 tools/mutants.py [--count 200] [--seed 1] [--minutes 60] [--shard I/N] [--only CRATE] [--results FILE]
 
-Of all changes that cargo-mutants knows for `geometry`, `wire` and `sim` it draws `--count` by `--seed`. Those that have no line
+Of all changes that cargo-mutants knows for these crates (`CRATES`) it draws `--count` by `--seed`. Those that have no line
 in the results file yet are tried, a few at a time, until `--minutes` are over; each outcome is appended at once, so the next
 call goes on where this one stopped. A change is known by its place and text: after the code has moved begin a new file.
 """
@@ -21,7 +21,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-CRATES = ["geometry", "wire", "sim"]
+CRATES = ["geometry", "wire", "brain", "sim", "scenario", "budget"]
 OUTCOMES = ["caught", "missed", "timeout", "unviable"]
 BATCH = 5
 # Those within a crate, and all; as cargo takes them.

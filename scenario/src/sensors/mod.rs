@@ -172,13 +172,11 @@ fn fits(path: &Path, takes_ns: u64, period_ns: u64) -> Result<()> {
 }
 
 fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
-    let refuse = |field: &str, given: bool| match given {
-        true => Err(path.field(field).error(format!("a sensor of kind `{}` has none", device.kind()))),
-        false => Ok(()),
-    };
-    refuse("characters", raw.characters.is_some() && !matches!(device, Device::Laser(_)))?;
-    refuse("first_step", raw.first_step.is_some() && !matches!(device, Device::Laser(_)))?;
-    refuse("sentences", raw.sentences.is_some() && !matches!(device, Device::Gps(_)))?;
+    let problem = format!("a sensor of kind `{}` has none", device.kind());
+    let (is_laser, is_gps) = (matches!(device, Device::Laser(_)), matches!(device, Device::Gps(_)));
+    path.refuse("characters", raw.characters.is_some() && !is_laser, &problem)?;
+    path.refuse("first_step", raw.first_step.is_some() && !is_laser, &problem)?;
+    path.refuse("sentences", raw.sentences.is_some() && !is_gps, &problem)?;
     let format = match device {
         Device::Laser(laser) => scip_format(path, raw, laser.rays())?,
         Device::LineCamera(_) => Format::LineImage,
