@@ -2,7 +2,7 @@
 //! each with a command, so that robots do avoid what they see.
 
 use baudbot_sim::Reading;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 /// A brain without memory: the signals of the wheels follow from the last readings (Braitenberg's vehicles).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

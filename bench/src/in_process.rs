@@ -1,7 +1,7 @@
 //! Worlds with their brains in one thread: no network, no pace.
 
 use baudbot_scenario::ScenarioError;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 use crate::measure::{self, Effort, Sample};
 use crate::plan::{Plan, PlanError};

@@ -9,7 +9,7 @@ use super::change::{Change, MS, Robot, chip, has_many_bits, has_many_signal_bits
 use baudbot_scenario::presets::Preset;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::{Adapter, Ftdi, Link, Uart, Usb};
-use baudbot_sim::robot::RobotModel;
+use baudbot_sim::model::RobotModel;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::Sensor;
 

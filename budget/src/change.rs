@@ -12,8 +12,8 @@ use baudbot_scenario::presets::{Preset, PresetKind, presets};
 use baudbot_sim::fault::{Fault, FaultKind};
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link, Uart};
-use baudbot_sim::microcontroller::Processor;
-use baudbot_sim::robot::{Deadline, OnLate, RobotModel, RobotSpec};
+use baudbot_sim::model::{Deadline, OnLate, RobotModel, RobotSpec};
+use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::{Device, Sensor};
 use baudbot_sim::time::SECOND_NS;
 

@@ -54,7 +54,7 @@ pub use allowance::Allowance;
 pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
 
 use baudbot_sim::Scenario;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use bounds::Bounds;
 use plan::Plan;
 use timeline::{Outcome, Timeline};

@@ -7,8 +7,8 @@ use baudbot_wire::{frame, khepera};
 
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link};
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
-use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::{Device, OwnClock, Sensor};
 
 /// The least and the most of something, in nanoseconds or bytes.

@@ -2,8 +2,8 @@
 
 use super::plan::{Range, adapter};
 use baudbot_sim::link::{Adapter, Bluetooth, Link};
-use baudbot_sim::port::Format;
 use baudbot_sim::sensor::Sensor;
+use baudbot_sim::sensor::port::Format;
 use baudbot_sim::time::SimTime;
 
 /// How long so many characters take of the wire, cut off: no message of them takes less.

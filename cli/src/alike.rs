@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 /// The first robot of each table, in the robots' order, and how many of them are of that table.
 pub(crate) fn first_of_each<'a>(

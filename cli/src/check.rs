@@ -10,7 +10,7 @@ use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 use baudbot_sim::fault::When;
 use baudbot_sim::firmware::{Mode, Protocol};
-use baudbot_sim::robot::{Deadline, OnLate, RobotSpec};
+use baudbot_sim::model::{Deadline, OnLate, RobotSpec};
 use baudbot_sim::sensor::Sensor;
 use baudbot_wire::{Encoding, frame, khepera};
 

@@ -4,7 +4,7 @@ use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
 use baudbot_experiment::crew::{self, CrewError};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 pub(crate) use baudbot_experiment::crew::{Job, fitting_brain};
 

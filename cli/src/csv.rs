@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use std::io::{self, BufWriter, Write};
 
 use baudbot_server::{sensor_columns, state_columns, state_values};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{RobotView, World};
 use tokio::sync::oneshot;
 

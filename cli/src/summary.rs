@@ -4,7 +4,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::pace::Kind;
 use baudbot_sim::Scenario;
 use baudbot_sim::link::Link;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 

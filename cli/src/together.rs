@@ -7,7 +7,7 @@ use baudbot_brains::catalogue::catalogue;
 use baudbot_budget::{Budget, RobotBudget};
 use baudbot_plot::quantity::duration;
 use baudbot_sim::Scenario;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 
 use crate::alike;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
 
 /// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.

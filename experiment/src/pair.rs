@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Reading, Turn};
 use baudbot_brains::catalogue::{self, CatalogueError};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
 
 use crate::crew::Job;

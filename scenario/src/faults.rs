@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 
 use baudbot_sim::fault::{Fault, FaultKind, When};
 use baudbot_sim::link::Link;
+use baudbot_sim::model::{Deadline, OnLate};
 use baudbot_sim::random::Stream;
-use baudbot_sim::robot::{Deadline, OnLate};
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::{SECOND_NS, SimTime};

@@ -9,8 +9,8 @@ use core::fmt;
 use baudbot_geometry::{Pose, angle};
 
 use baudbot_sim::Scenario;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::mover::{Mover, Path as Way};
-use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 
 /// Something about a scenario that its author should know.

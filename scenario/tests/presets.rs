@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use crate::common::{ARSIM, refusal, run, tick, world};
 use baudbot_scenario::Override;
 use baudbot_scenario::presets::{Preset, PresetKind, preset, presets};
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
-use baudbot_sim::port::Format;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::sensor::port::Format;
 use baudbot_sim::sensor::{Device, Sensor};
 use baudbot_sim::{Scenario, World};
 

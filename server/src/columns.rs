@@ -2,7 +2,7 @@
 
 use baudbot_sim::RobotView;
 use baudbot_sim::actuator::ActuatorKind;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 /// The names of the sensors' values: `ir_left` for a sensor of one, `odometer.x_m` for a component of several,
 /// `laser.0` and so on for a component of many values, `camera.red.0` for several of those.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::link::Link;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, SimTime};
 use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;

@@ -10,10 +10,11 @@ use baudbot_brain::{
 };
 
 use crate::link::Link;
+use crate::model::RobotSpec;
 use crate::motor::Motors;
-use crate::robot::RobotSpec;
 use crate::sensor::Device;
-use crate::{actuator, firmware, port, sensor};
+use crate::sensor::{self, port};
+use crate::{actuator, firmware};
 
 impl From<&RobotSpec> for Body {
     fn from(spec: &RobotSpec) -> Self {

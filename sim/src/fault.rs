@@ -33,14 +33,14 @@ pub enum FaultKind {
     Brain,
     /// A sensor sticks: it gives its last value again and again, as if it were new.
     Sensor {
-        /// Its place in [`RobotModel::sensors`](crate::robot::RobotModel::sensors).
+        /// Its place in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
         sensor: usize,
         /// Its name.
         name: String,
     },
     /// The signal of a sensor is lost: it gives zeros, as if these were new.
     LostSignal {
-        /// Its place in [`RobotModel::sensors`](crate::robot::RobotModel::sensors).
+        /// Its place in [`RobotModel::sensors`](crate::model::RobotModel::sensors).
         sensor: usize,
         /// Its name.
         name: String,

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::firmware::{Decoder, Firmware, Found, Protocol};
 use crate::histogram::Histogram;
 use crate::link::{Line, Message as Arrived};
-use crate::port::{Heard, PortState};
-use crate::robot::RobotSpec;
+use crate::model::RobotSpec;
 use crate::sensor::Sensor;
+use crate::sensor::port::{Heard, PortState};
 use crate::time::SimTime;
 
 /// The last reading of one sensor that reached the laptop.

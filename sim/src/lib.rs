@@ -11,7 +11,7 @@
 //! 4. motors push, bodies and turrets move ([`motor`], [`drive`], [`actuator`]), batteries run down ([`battery`])
 //! 5. things are pushed ([`movable`]) or move by themselves ([`mover`]), contacts are found ([`collision`],
 //!    [`arena`])
-//! 6. what is to be counted is counted ([`coverage`], [`referee`]); the run ends, or goes on
+//! 6. what is to be counted is counted ([`coverage`], [`rules`]); the run ends, or goes on
 //!
 //! What there is before the first tick is a [`Scenario`], which `baudbot-scenario` makes from a text: walls in the
 //! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`]
@@ -40,19 +40,19 @@ pub mod fault;
 pub mod firmware;
 mod hash;
 mod histogram;
-mod intervention;
 mod laptop;
 pub mod link;
-pub mod microcontroller;
+mod microcontroller;
+pub mod model;
 pub mod motor;
 pub mod movable;
 pub mod mover;
 mod parallel;
-pub mod port;
 pub mod printable;
+pub mod processor;
 pub mod random;
-pub mod referee;
 pub mod robot;
+pub mod rules;
 pub mod scenario;
 mod scene;
 pub mod schedule;
@@ -66,16 +66,14 @@ mod statistics;
 pub mod surroundings;
 pub mod time;
 pub mod timeline;
-mod vicinity;
 mod view;
 mod wheels;
 mod world;
 
 pub use baudbot_geometry::Pose;
 pub use histogram::Histogram;
-pub use intervention::{Intervention, InterventionError};
 pub use laptop::{Freshness, Reading};
 pub use scenario::Scenario;
 pub use time::SimTime;
 pub use view::{Outline, RobotView, SensorView, ThingView};
-pub use world::{Ending, Input, SavedError, Turn, World};
+pub use world::{Ending, Input, Intervention, InterventionError, SavedError, Score, Turn, World};

@@ -8,10 +8,10 @@ use baudbot_geometry::Circle;
 
 use crate::arena::Arena;
 use crate::collision::CollisionPolicy;
+use crate::model::RobotSpec;
 use crate::movable::Movable;
 use crate::mover::Mover;
-use crate::referee::Rules;
-use crate::robot::RobotSpec;
+use crate::rules::Rules;
 use crate::surroundings::Surroundings;
 use crate::time::SimTime;
 

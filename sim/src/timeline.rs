@@ -18,8 +18,8 @@ pub struct Event {
     pub what: What,
 }
 
-/// What can happen. Sensors go by their place in [`RobotModel::sensors`](crate::robot::RobotModel::sensors), faults by
-/// theirs in [`RobotModel::faults`](crate::robot::RobotModel::faults).
+/// What can happen. Sensors go by their place in [`RobotModel::sensors`](crate::model::RobotModel::sensors), faults by
+/// theirs in [`RobotModel::faults`](crate::model::RobotModel::faults).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// The microcontroller read a sensor.

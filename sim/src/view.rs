@@ -8,9 +8,10 @@ use crate::battery::{Battery, BatteryState};
 use crate::drive::{Motion, Wheels};
 use crate::laptop::{Freshness, Reading};
 use crate::link::LineCounters;
+use crate::model::RobotSpec;
 use crate::movable::{Body, Form, Movable, MovableState};
 use crate::mover::{Mover, MoverState};
-use crate::robot::{Cycles, Robot, RobotCounters, RobotSpec};
+use crate::robot::{Cycles, Robot, RobotCounters};
 use crate::time::SimTime;
 use crate::timeline::Timeline;
 

@@ -49,7 +49,7 @@ impl Brain {
     }
 
     /// Commands, nothing, and what makes no sense, more than the cable carries.
-    fn bytes(&self, spec: &baudbot_sim::robot::RobotSpec, robot: usize, at: SimTime) -> Vec<u8> {
+    fn bytes(&self, spec: &baudbot_sim::model::RobotSpec, robot: usize, at: SimTime) -> Vec<u8> {
         let signal = (self.draw(robot, at, 0) % 200) as f64 / 100.0 - 1.0;
         match self.draw(robot, at, 1) % 60 {
             0 => vec![0x55; (self.draw(robot, at, 2) % 60) as usize],
@@ -60,7 +60,7 @@ impl Brain {
     }
 }
 
-fn command(spec: &baudbot_sim::robot::RobotSpec, signal: f64) -> Vec<u8> {
+fn command(spec: &baudbot_sim::model::RobotSpec, signal: f64) -> Vec<u8> {
     let (mut payload, mut bytes) = ([0; 255], [0; 300]);
     let n = baudbot_wire::write_command(&spec.firmware.layout(), 0, [signal, -signal], &mut payload);
     let n = baudbot_wire::frame::encode(&payload[..n.unwrap()], &mut bytes).unwrap();

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use baudbot_client::Body;
 use baudbot_proto::v1::RobotDescription;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 /// Calls this for each robot.
 fn for_each_robot(mut check: impl FnMut(&RobotSpec)) {

@@ -1,7 +1,7 @@
 //! Lanes: the lines of a timing diagram.
 
 use baudbot_sim::link::{Adapter, Link};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::What;
 
 use crate::words;

@@ -1,6 +1,6 @@
 //! What an event is, in words.
 
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::What;
 
 /// What happened, in few words; sensors and faults by their names.

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use baudbot_budget::{Budget, Verdict};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 use crate::alike;
 use crate::args::BudgetArgs;

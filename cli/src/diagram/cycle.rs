@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use baudbot_sim::SimTime;
 use baudbot_sim::firmware::Protocol;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 
 /// A control cycle: (1) sensors are read and their values go up, (2) the brain thinks, (3) its command goes down and is

@@ -16,7 +16,7 @@ mod tests;
 use anyhow::anyhow;
 use baudbot_experiment::pair::Pair;
 use baudbot_sim::Scenario;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use baudbot_plot::caption;

@@ -2,7 +2,7 @@
 
 use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::SimTime;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 
 use super::cycle::{Cycle, is_anchor};

@@ -2,7 +2,7 @@
 
 use baudbot_plot::text::columns;
 use baudbot_plot::timing::{is_in, ms, what};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
 use baudbot_trace::Lane;
 

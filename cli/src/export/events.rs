@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use baudbot_proto::v1::{RecordedEvent, ReplayEventKind};
 use baudbot_recording::Tape;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{SimTime, World};
 use baudbot_trace::{Lane, words};

@@ -4,7 +4,7 @@ use std::io;
 
 use baudbot_experiment::columnar::{Column, Kind, Writer};
 use baudbot_server::{sensor_columns_with_units, state_columns, state_values};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{RobotView, World};
 
 use super::Out;

@@ -8,7 +8,7 @@ use baudbot_client::{Body, Reading};
 use baudbot_geometry::Pose;
 use baudbot_plot::quantity::handy;
 use baudbot_sim::arena::Arena;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::{Device, Laser, Sensor};
 use baudbot_sim::{Intervention, InterventionError, Scenario, SimTime, World};
 

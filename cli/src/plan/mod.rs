@@ -13,7 +13,7 @@ use baudbot_geometry::{Bounds, Point};
 use baudbot_plot::arena::{self, Route};
 use baudbot_plot::quantity::{count, handy};
 use baudbot_sim::Scenario;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use clap::ValueEnum;
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 use baudbot_geometry::{Circle, Point, Pose, math};
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::arena::Look;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
 
 use super::view::{View, arc};

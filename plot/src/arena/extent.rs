@@ -2,9 +2,9 @@
 
 use baudbot_geometry::{Bounds, Circle, Point, Pose, Vector, polygon};
 use baudbot_sim::Scenario;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::movable::MovableShape;
 use baudbot_sim::mover::{Mover, Path};
-use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::surroundings::Region;
 
 /// The box around walls, things and robots, with a margin. Zones, lamps and bells widen it by a half at most: next to a sun

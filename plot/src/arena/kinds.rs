@@ -1,6 +1,6 @@
 //! Robots that are alike but for their names, places and cables.
 
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 /// Robots that are alike.
 #[derive(Debug)]

@@ -99,7 +99,7 @@ fn draw_inside(
     things::draw(canvas, view, scenario, false);
     let robot = (kind.first, kind.robot);
     senses::fans(canvas, view, onlooker, robot);
-    let near = |other: &&baudbot_sim::robot::RobotSpec| view.shows(&extent::of_robot(other));
+    let near = |other: &&baudbot_sim::model::RobotSpec| view.shows(&extent::of_robot(other));
     for other in scenario.robots().iter().filter(near) {
         body::draw(canvas, view, other);
     }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use baudbot_geometry::{Bounds, Point, Pose, Vector, math};
 use baudbot_sim::Scenario;
-use baudbot_sim::robot::{RobotSpec, Start};
+use baudbot_sim::model::{RobotSpec, Start};
 
 use super::block::{Block, WIDTH};
 use super::extent::of_disc;

@@ -1,7 +1,7 @@
 //! Sensors: fans as far as they really see, rays, whiskers, bumpers, and mounts.
 
 use baudbot_geometry::{Fan, Point, Pose};
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::{Device, Mount, Sensor};
 use baudbot_sim::sight::{Glance, Onlooker};
 

@@ -2,7 +2,7 @@
 
 use baudbot_geometry::{Bounds, Point, Pose};
 use baudbot_sim::arena::Look;
-use baudbot_sim::robot::{RobotSpec, Start};
+use baudbot_sim::model::{RobotSpec, Start};
 use baudbot_sim::{Scenario, SimTime};
 
 use super::block::{Block, WIDTH};

@@ -7,7 +7,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_server::ControlService;
 use baudbot_scenario::Override;
 use baudbot_scenario::ScenarioError;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Scenario, World};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tonic::{Code, Request, Response, Status};

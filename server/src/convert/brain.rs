@@ -4,7 +4,7 @@ use baudbot_brain::Body;
 use baudbot_proto::v1;
 use baudbot_sim::SimTime;
 use baudbot_sim::drive::Wheels;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use tonic::Status;
 
 use crate::endpoint::{Output, Signals, Thinking, Until, Write};

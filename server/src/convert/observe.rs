@@ -6,9 +6,9 @@ use baudbot_proto::v1;
 use baudbot_sim::Scenario;
 use baudbot_sim::actuator::ActuatorState;
 use baudbot_sim::arena::{Look, Pillar, Polygon};
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::movable::{Movable, MovableShape};
 use baudbot_sim::mover::Mover;
-use baudbot_sim::robot::RobotSpec;
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Zone};
 
 use super::brain::description;

@@ -1,6 +1,6 @@
 //! Details of the robots for which an observer has asked.
 
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sight::{Glance, Onlooker};
 use baudbot_sim::{RobotView, SensorView, SimTime, World};
 

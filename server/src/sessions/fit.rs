@@ -2,7 +2,7 @@
 
 use baudbot_sim::Scenario;
 use baudbot_sim::link::Link;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use tonic::Status;
 
 use super::Sessions;

@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::RobotSpec;
 use crate::random::Stream;
-use crate::robot::RobotSpec;
 use crate::schedule::Due;
 use crate::sensor::noise::NoiseState;
 use crate::sensor::{Effect, Measurement, Memory, Running, Sensor};

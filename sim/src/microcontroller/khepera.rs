@@ -5,7 +5,7 @@ use baudbot_wire::khepera::{self, Question};
 
 use super::{FITS, Microcontroller, Request};
 use crate::firmware::{Firmware, Owed};
-use crate::robot::RobotSpec;
+use crate::model::RobotSpec;
 
 impl Microcontroller {
     /// The lines that it owes: first that a command was obeyed, then readings. Says how many bytes they are, and

@@ -19,35 +19,12 @@ use crate::drive::Wheels;
 use crate::fault::Amiss;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
-use crate::robot::RobotSpec;
+use crate::model::RobotSpec;
 use crate::scene::Ping;
 use crate::schedule::Due;
 use crate::sensor::{Event, Measurement, Parts, Sensor};
 use crate::sound;
-use crate::time::{SECOND_NS, SimTime};
-
-/// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Processor {
-    /// To frame readings, for each byte that goes on the wire.
-    pub framing_ns_per_byte: u64,
-    /// To take a byte from the receiver.
-    pub receiving_ns_per_byte: u64,
-    /// To obey a command, once its last byte is taken.
-    pub obeying_ns: u64,
-    /// How many operations of a brain's program it does a second, if it is to run one.
-    pub operations_per_s: Option<f64>,
-    /// Memory for a brain's variables, in bytes, if that matters.
-    pub ram_bytes: Option<u64>,
-}
-
-impl Processor {
-    /// How long it takes for so many operations, in nanoseconds.
-    pub fn thinking_ns(&self, operations: u64) -> Option<u64> {
-        let per_s = self.operations_per_s?;
-        Some((operations as f64 / per_s * SECOND_NS as f64 + 0.5) as u64)
-    }
-}
+use crate::time::SimTime;
 
 /// State of the microcontroller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -168,10 +145,11 @@ impl Microcontroller {
     }
 
     /// Reads sensor `i`; gives back the pulse that it sent, if others can hear it.
-    pub(crate) fn acquire(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) -> Option<Ping> {
+    pub(crate) fn acquire(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) -> Option<Ping> {
+        let sensor = &spec.sensors[i];
         let channel = &mut self.channels[i];
         channel.due.serve(&sensor.schedule, at.now);
-        let amiss = at.robot.amiss(i, at.now);
+        let amiss = spec.amiss(i, at.now);
         let sticks = channel.samples > 0 && amiss == Some(Amiss::Sticks);
         let stuck = sticks.then(|| (channel.values.clone(), channel.measured_at));
         let effect = channel.read(sensor, at);
@@ -196,10 +174,11 @@ impl Microcontroller {
     }
 
     /// The device of sensor `i` measures, as its own clock says.
-    pub(crate) fn measure(&mut self, i: usize, sensor: &Sensor, at: &Measurement<'_>) {
+    pub(crate) fn measure(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) {
+        let sensor = &spec.sensors[i];
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
         let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
-        let amiss = at.robot.amiss(i, at.now);
+        let amiss = spec.amiss(i, at.now);
         running.measure(sensor, clock, at, Parts { memory, noise, stream }, amiss);
     }
 

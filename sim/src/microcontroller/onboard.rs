@@ -5,7 +5,7 @@ use baudbot_wire::clock;
 use super::Microcontroller;
 use crate::firmware::Protocol;
 use crate::laptop::Laptop;
-use crate::robot::RobotSpec;
+use crate::model::RobotSpec;
 use crate::time::SimTime;
 
 impl Microcontroller {

@@ -1,15 +1,15 @@
 //! A robot's timeline within a tick: its devices, its microcontroller and its cables, one event after the other.
 
-use super::{Moment, OnLate, Robot, RobotSpec};
+use super::{Moment, Robot};
 use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
 use crate::link::{Link, Message};
 use crate::microcontroller::{Order, Taken, Task};
+use crate::model::{OnLate, RobotSpec};
 use crate::sensor::{Event, Measurement};
 use crate::time::SimTime;
 use crate::timeline::What;
-use crate::world::Input;
 
 /// What comes next on a robot.
 enum Next {
@@ -152,7 +152,7 @@ impl Robot {
         let Self { microcontroller, motion, actuators, battery, .. } = self;
         let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
         let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
-        let ping = microcontroller.acquire(i, &spec.sensors[i], &at);
+        let ping = microcontroller.acquire(spec, i, &at);
         self.pings[0] = ping.or(self.pings[0]);
         let (sensor, until) = (i as u16, microcontroller.free_at());
         if microcontroller.channels()[i].missed() != missed {
@@ -215,7 +215,7 @@ impl Robot {
             Event::Measure => {
                 let Self { microcontroller, motion, actuators, battery, .. } = self;
                 let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
-                microcontroller.measure(i, sensor, &at);
+                microcontroller.measure(spec, i, &at);
             }
             Event::Output => {
                 if let Some(begun) = self.microcontroller.pending_since(i) {
@@ -264,12 +264,12 @@ impl Robot {
         }
     }
 
-    /// What the brain hands to its port.
-    pub(crate) fn answer(&mut self, spec: &RobotSpec, input: &Input<'_>) {
+    /// What the brain hands to its port at `at`.
+    pub(crate) fn answer(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
         let begun = self.laptop.busy_until;
-        let at = self.think(spec, begun, input.at.max(begun));
+        let at = self.think(spec, begun, at.max(begun));
         self.laptop.busy_until = at;
-        self.write(spec, at, input.bytes);
+        self.write(spec, at, bytes);
     }
 
     /// What has happened on it in this tick is over, and it begins to move.
@@ -359,17 +359,17 @@ impl Robot {
 }
 
 fn measurement<'a>(
-    robot: &'a RobotSpec,
+    spec: &'a RobotSpec,
     moment: &Moment<'a>,
     now: SimTime,
     (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
 ) -> Measurement<'a> {
     Measurement {
         scene: moment.scene,
-        robot,
+        drive: &spec.drive,
         motion,
         actuators,
-        battery,
+        battery: spec.battery.as_ref().zip(battery),
         noise: moment.noise,
         now,
         tick_start: moment.start,

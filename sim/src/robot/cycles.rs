@@ -17,27 +17,8 @@ use alloc::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use crate::histogram::Histogram;
+use crate::model::Deadline;
 use crate::time::SimTime;
-
-/// When a command must have answered the readings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Deadline {
-    /// After the cycle began, in nanoseconds. Δt if the scenario states none.
-    pub within_ns: u64,
-    /// What a brain gets that is late; `None` if the scenario states no deadline: then it is only counted.
-    pub on_late: Option<OnLate>,
-}
-
-/// What happens when a cycle is not closed by its deadline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OnLate {
-    /// The old command stays in force.
-    Hold,
-    /// The motors are switched off until the next command is obeyed.
-    Stop,
-    /// The run ends.
-    End,
-}
 
 /// How the control cycles of a robot went.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -6,7 +6,8 @@
 
 use crate::firmware::Protocol;
 use crate::link::Link;
-use crate::robot::{Robot, RobotSpec};
+use crate::model::RobotSpec;
+use crate::robot::Robot;
 use crate::time::SimTime;
 
 impl RobotSpec {

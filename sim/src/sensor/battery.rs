@@ -30,7 +30,7 @@ impl Sense for BatteryGauge {
 
     /// Voltage in volts, and the share of the capacity that is left. A robot with a gauge has a battery.
     fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
-        if let (Some(battery), Some(state)) = (&at.robot.battery, at.battery) {
+        if let Some((battery, state)) = at.battery {
             values.copy_from_slice(&[state.terminal_v(battery), state.share(battery)]);
         }
         Effect::NONE

@@ -82,7 +82,7 @@ impl Sense for Encoders {
     /// count is made when a mark passes, so the value is rounded down. The wire wraps it as a counter register
     /// does.
     fn read(&self, at: &Measurement<'_>, seen: &mut Seen, stream: &mut Stream, values: &mut [f64]) -> Effect {
-        let wheel_radius_m = at.robot.drive.wheel_radius_m;
+        let wheel_radius_m = at.drive.wheel_radius_m;
         let counts_per_m = f64::from(self.counts_per_turn) / (core::f64::consts::TAU * wheel_radius_m);
         let travel = at.motion.travel_m;
         let passed = Wheels {

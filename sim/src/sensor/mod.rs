@@ -20,6 +20,7 @@ pub(crate) mod noise;
 mod odometer;
 mod own_clock;
 mod photoresistor;
+pub mod port;
 mod set;
 mod sonar;
 mod touch;
@@ -56,6 +57,7 @@ pub use odometer::Odometer;
 pub use own_clock::OwnClock;
 pub(crate) use own_clock::{Event, Parts, Running};
 pub use photoresistor::Photoresistor;
+pub use port::Port;
 pub use set::Sensors;
 pub(crate) use sonar::is_heard;
 pub use sonar::{CrossTalk, Sonar};
@@ -64,10 +66,9 @@ pub use voltage::VoltageRanger;
 
 use crate::actuator::ActuatorState;
 pub use crate::arena::Height;
-use crate::drive::Motion;
-use crate::port::Port;
+use crate::battery::{Battery, BatteryState};
+use crate::drive::{Drive, Motion};
 use crate::random::Stream;
-use crate::robot::RobotSpec;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::sheet::{FieldError, Fields, Path};
@@ -98,10 +99,11 @@ pub struct Sensor {
 #[derive(Clone, Copy)]
 pub(crate) struct Measurement<'a> {
     pub(crate) scene: &'a Scene<'a>,
-    pub(crate) robot: &'a RobotSpec,
+    pub(crate) drive: &'a Drive,
     pub(crate) motion: &'a Motion,
     pub(crate) actuators: &'a [ActuatorState],
-    pub(crate) battery: Option<&'a crate::battery::BatteryState>,
+    /// What feeds the robot, if that can run out, and how full it is.
+    pub(crate) battery: Option<(&'a Battery, &'a BatteryState)>,
     pub(crate) noise: bool,
     pub(crate) now: SimTime,
     /// The tick: from here …
@@ -113,7 +115,7 @@ pub(crate) struct Measurement<'a> {
 impl Measurement<'_> {
     /// The robot's motion over ground, whatever its wheels do.
     fn over_ground(&self) -> Twist {
-        self.scene.surroundings.over_ground(&self.robot.drive, self.motion)
+        self.scene.surroundings.over_ground(self.drive, self.motion)
     }
 }
 

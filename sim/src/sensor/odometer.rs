@@ -98,7 +98,7 @@ impl Sense for Odometer {
         estimate.travel_m = travel;
 
         let pose = &mut estimate.pose;
-        let Twist { forward, turn } = Twist::of_wheels([left, right], at.robot.drive.half_track_m);
+        let Twist { forward, turn } = Twist::of_wheels([left, right], at.drive.half_track_m);
         pose.heading = angle::wrap(pose.heading + turn);
         let (sin, cos) = math::sin_cos(pose.heading);
         pose.position.x += forward * cos;

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::ops::Deref;
 
 use super::Sensor;
-use crate::vicinity::Reach;
+use crate::scene::Reach;
 
 /// The sensors of a robot: those that the microcontroller reads, in the order of the wire, then those with a cable of their
 /// own. A clone shares them.
@@ -44,7 +44,7 @@ impl From<Vec<Sensor>> for Sensors {
         };
         let own_clocks = indices(|sensor| sensor.own_clock.is_some());
         let ports = indices(|sensor| sensor.port.is_some());
-        let reach = Reach::of(&all);
+        let reach = reach_of(&all);
         Self(Arc::new(Parts { all, own_clocks, ports, reach }))
     }
 }
@@ -56,3 +56,20 @@ impl Deref for Sensors {
         &self.0.all
     }
 }
+
+/// How far sensors that look along few rays reach; `None` if collecting what is there once for all would not pay.
+fn reach_of(sensors: &[Sensor]) -> Option<Reach> {
+    let looks = sensors.iter().filter_map(|sensor| {
+        let (mount, range_m) = (sensor.device.mount()?, sensor.device.range_m()?);
+        let is_narrow = sensor.device.fan().is_some_and(|fan| fan.len() <= FEW_RAYS);
+        let offset_m = mount.pose.position.coords.norm();
+        is_narrow.then_some((mount.height.layer, offset_m + range_m))
+    });
+    let (layer, _) = looks.clone().next()?;
+    let here = looks.filter(|(other, _)| *other == layer);
+    let farthest_m = here.clone().map(|(_, reach_m)| reach_m).fold(0.0, f64::max);
+    (here.count() > 1).then(|| Reach::new(farthest_m, layer))
+}
+
+/// Sensors with more rays than this look for themselves.
+const FEW_RAYS: usize = 16;

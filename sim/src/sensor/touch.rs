@@ -171,7 +171,7 @@ impl Sense for Bumper {
         values: &mut [f64],
     ) -> Effect {
         let pose = self.mount.world_from_sensor(at);
-        let reach = at.robot.drive.radius_m + self.travel_m;
+        let reach = at.drive.radius_m + self.travel_m;
         let eye = self.mount.look(at, &pose, reach);
         let pressed = eye.nearest(&pose, &self.fan).is_some();
         values[0] = self.switch.read(pressed, at, contact, stream);

@@ -92,6 +92,6 @@ impl Figure {
 impl Scenario {
     /// The scene as robot `own` sees it.
     pub(crate) fn scene<'a>(&'a self, frozen: &'a Frozen, own: usize) -> Scene<'a> {
-        Scene::new(self, frozen, own)
+        Scene::new((&self.arena, &self.surroundings), frozen, own, self.robots[own].sensors.reach())
     }
 }

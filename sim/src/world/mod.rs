@@ -2,9 +2,11 @@
 
 mod frozen;
 mod given;
+mod intervention;
 mod lookahead;
 mod motion;
 mod saved;
+mod score;
 
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -15,20 +17,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
 use crate::hash;
-use crate::intervention::Altered;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::parallel;
-use crate::referee::Score;
 use crate::robot::{Moment, Recorder, Robot};
 use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
 use given::Given;
+use intervention::Altered;
+pub use intervention::{Intervention, InterventionError};
 use lookahead::Ahead;
 use motion::Lists;
 pub use saved::SavedError;
+pub use score::Score;
 
 /// A world: a scenario, which changes by hand alone, and a state, which is a value: a snapshot is a clone.
 ///
@@ -259,7 +262,7 @@ impl World {
             if let Some(at) = *step {
                 robot.hand_over(tick, at);
             }
-            given.of(own).for_each(|i| robot.answer(spec, &inputs[i]));
+            given.of(own).for_each(|i| robot.answer(spec, inputs[i].at, inputs[i].bytes));
             if let Some(at) = step.filter(|&at| !ahead.holds(&Turn { robot: own, at })) {
                 robot.step_over(spec, at);
             }

@@ -10,11 +10,12 @@ use super::{Ending, World};
 use crate::actuator::ActuatorKind;
 use crate::collision::{Collision, CollisionPolicy, Met, Partner, Step, swept};
 use crate::drive::Wheels;
+use crate::model::RobotSpec;
 use crate::motor::Motors;
 use crate::movable::{self, Body, Fixed, Form, Pusher};
 use crate::mover::Around;
 use crate::parallel;
-use crate::robot::{Robot, RobotSpec};
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::time::{SECOND_NS, SimTime};
 

@@ -10,16 +10,17 @@ use alloc::vec::Vec;
 
 use thiserror::Error;
 
+use super::intervention::Altered;
 use super::{Ending, State, Turn, World};
 use crate::actuator::ActuatorState;
 use crate::collision::{Collision, Partner};
-use crate::intervention::Altered;
 use crate::link::Direction;
+use crate::model::RobotSpec;
 use crate::movable::MovableState;
-use crate::port::PortState;
-use crate::robot::{Robot, RobotCounters, RobotSpec};
+use crate::robot::{Robot, RobotCounters};
 use crate::scenario::Scenario;
 use crate::scene::Ping;
+use crate::sensor::port::PortState;
 use crate::sound;
 use crate::time::SimTime;
 

@@ -5,7 +5,7 @@ pub mod statistics;
 
 use baudbot_scenario::Override;
 use baudbot_sim::firmware::Protocol;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Input, World};
 use baudbot_wire::{frame, khepera, write_command, write_values};
 

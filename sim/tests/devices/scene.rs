@@ -1,6 +1,6 @@
 //! Small scenes for one device, and ways to read it.
 
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Input, SensorView, World};
 use baudbot_wire::{frame, write_command};
 

@@ -13,7 +13,7 @@ use anyhow::Context;
 use baudbot_proto::v1::Belief;
 use baudbot_recording::{Frames, Tape};
 use baudbot_server::sensor_columns;
-use baudbot_sim::robot::RobotSpec;
+use baudbot_sim::model::RobotSpec;
 
 pub(super) use self::picture::Picture;
 pub(super) use self::table::Table;

@@ -12,11 +12,11 @@ use baudbot_geometry::{Pose, Vector, angle};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::World;
 use crate::fault::When;
 use crate::link::{Link, Uart, Usb};
 use crate::movable::{Body, MovableState};
 use crate::time::SimTime;
-use crate::world::World;
 
 /// A change by hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,7 @@
 use arrayvec::ArrayVec;
 use baudbot_geometry::{Circle, Index, Point, Shape, Sweep};
 
-use crate::robot::RobotSpec;
-use crate::scene::Frozen;
-use crate::sensor::Sensor;
+use super::Frozen;
 
 /// How far around a robot its sensors with few rays look.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,25 +26,15 @@ pub(crate) struct Vicinity {
 }
 
 impl Reach {
-    /// That of a robot with these sensors; `None` if it would not pay.
-    pub(crate) fn of(sensors: &[Sensor]) -> Option<Self> {
-        let looks = sensors.iter().filter_map(|sensor| {
-            let (mount, range_m) = (sensor.device.mount()?, sensor.device.range_m()?);
-            let is_narrow = sensor.device.fan().is_some_and(|fan| fan.len() <= FEW_RAYS);
-            let offset_m = mount.pose.position.coords.norm();
-            is_narrow.then_some((mount.height.layer, offset_m + range_m))
-        });
-        let (layer, _) = looks.clone().next()?;
-        let here = looks.filter(|(other, _)| *other == layer);
-        let radius_m = here.clone().map(|(_, reach_m)| reach_m).fold(0.0, f64::max) * (1.0 + SLACK);
-        (here.count() > 1).then_some(Self { radius_m, layer })
+    /// In this layer, as far as `farthest_m` and by what rounding can make of that.
+    pub(crate) fn new(farthest_m: f64, layer: usize) -> Self {
+        Self { radius_m: farthest_m * (1.0 + SLACK), layer }
     }
 }
 
 impl Vicinity {
     /// What is near robot `own`; `None` if that is more than can be told in short.
-    pub(crate) fn of(spec: &RobotSpec, own: usize, index: &Index, frozen: &Frozen) -> Option<Self> {
-        let reach = spec.sensors.reach()?;
+    pub(super) fn of(reach: Reach, own: usize, index: &Index, frozen: &Frozen) -> Option<Self> {
         let around = Circle { center: frozen.bodies[own].disc.center, radius: reach.radius_m };
         let (mut shapes, mut bodies) = (ArrayVec::new(), ArrayVec::new());
         let mut overflows = false;
@@ -102,9 +90,6 @@ fn widened(disc: &Circle, near: Point) -> Circle {
     let size = disc.center.coords.abs().sum() + near.coords.abs().sum();
     Circle { radius: disc.radius + SLACK * size, ..*disc }
 }
-
-/// Sensors with more rays than this look for themselves.
-const FEW_RAYS: usize = 16;
 
 const MOST_SHAPES: usize = 24;
 

@@ -1,7 +1,8 @@
 //! The scene that sensors look at: the arena and all that moves in it, frozen at the start of the tick.
 
-use alloc::vec::Vec;
+mod vicinity;
 
+use alloc::vec::Vec;
 use core::cell::OnceCell;
 use core::ops::Range;
 
@@ -11,11 +12,10 @@ use baudbot_geometry::{
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Height, Look};
-use crate::robot::RobotSpec;
-use crate::scenario::Scenario;
 use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
-use crate::vicinity::Vicinity;
+pub(crate) use vicinity::Reach;
+use vicinity::Vicinity;
 
 /// A body in the scene: a robot, or a thing that moves.
 #[derive(Clone, Debug)]
@@ -64,18 +64,22 @@ pub(crate) struct Scene<'a> {
     pub(crate) frozen: &'a Frozen,
     /// The robot that looks: its own body hides nothing from it.
     pub(crate) own: usize,
-    spec: &'a RobotSpec,
+    /// How far around it is collected what its sensors may meet, if that pays.
+    reach: Option<Reach>,
     /// What is near it, once somebody asks; `None` if there is too much.
     vicinity: OnceCell<Option<Vicinity>>,
     facing: OnceCell<Direction>,
 }
 
 impl<'a> Scene<'a> {
-    /// As robot `own` sees it.
-    pub(crate) fn new(scenario: &'a Scenario, frozen: &'a Frozen, own: usize) -> Self {
-        let (arena, surroundings) = (&scenario.arena, &scenario.surroundings);
-        let spec = &scenario.robots()[own];
-        Self { arena, surroundings, frozen, own, spec, vicinity: OnceCell::new(), facing: OnceCell::new() }
+    /// As robot `own` sees it, whose sensors reach so far.
+    pub(crate) fn new(
+        (arena, surroundings): (&'a Arena, &'a Surroundings),
+        frozen: &'a Frozen,
+        own: usize,
+        reach: Option<Reach>,
+    ) -> Self {
+        Self { arena, surroundings, frozen, own, reach, vicinity: OnceCell::new(), facing: OnceCell::new() }
     }
 
     /// The robot's heading, at `pose`, as a direction. It has the same pose all the time that the scene is frozen.
@@ -85,13 +89,9 @@ impl<'a> Scene<'a> {
 
     /// What is near the robot, if all within this disc is.
     fn vicinity(&self, disc: &Circle, layer: usize) -> Option<&Vicinity> {
-        let collect = || Vicinity::of(self.spec, self.own, self.arena.seen(layer), self.frozen);
-        let is_for = self
-            .spec
-            .sensors
-            .reach()
-            .is_some_and(|reach| reach.layer == layer && reach.radius_m >= disc.radius);
-        let vicinity = is_for.then(|| self.vicinity.get_or_init(collect).as_ref()).flatten();
+        let reach = self.reach.filter(|reach| reach.layer == layer && reach.radius_m >= disc.radius)?;
+        let collect = || Vicinity::of(reach, self.own, self.arena.seen(layer), self.frozen);
+        let vicinity = self.vicinity.get_or_init(collect).as_ref();
         vicinity.filter(|vicinity| vicinity.covers(disc, layer))
     }
 

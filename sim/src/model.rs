@@ -1,0 +1,162 @@
+//! What a robot is before it moves: its parts, where it starts, and what goes wrong on it.
+
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::ops::Deref;
+
+use baudbot_geometry::{Point, Pose};
+
+use crate::actuator::Actuator;
+use crate::arena::Look;
+use crate::battery::Battery;
+use crate::drive::Drive;
+use crate::fault::{Amiss, Fault, FaultKind, When};
+use crate::firmware::Firmware;
+use crate::link::Link;
+use crate::movable::Form;
+use crate::processor::Processor;
+use crate::sensor::Sensors;
+use crate::time::SimTime;
+
+/// A robot of a scenario: its name, where it starts, and what it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotSpec {
+    /// Unique in its world.
+    pub name: String,
+    /// The name of the scenario's table that it stands in together with others, if there are `starts` in that.
+    pub group: Option<Arc<str>>,
+    /// Where and how it starts.
+    pub start: Start,
+    /// What it is. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
+    pub model: Arc<RobotModel>,
+}
+
+/// A robot is what its model is, so that `robot.link` is `robot.model.link`.
+impl Deref for RobotSpec {
+    type Target = RobotModel;
+
+    fn deref(&self) -> &RobotModel {
+        &self.model
+    }
+}
+
+/// What a robot is, whatever its name and wherever it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotModel {
+    /// Body, wheels and motors.
+    pub drive: Drive,
+    /// Corners of the body in the robot's frame, in metres; none if it is a disc. The collision geometry of §3.2.5.
+    pub outline: Vec<Point>,
+    /// What it looks like from the side.
+    pub look: Look,
+    /// Largest motor signal that a brain may ask for; `None` means any, as in ARSim.
+    pub signal_limit: Option<f64>,
+    /// Actuators besides the wheels, in the order of the wire.
+    pub actuators: Vec<Actuator>,
+    /// What feeds it, if that can run out.
+    pub battery: Option<Battery>,
+    /// How full that is at the start, in [0, 1].
+    pub charge: f64,
+    /// Motors stand still if no command comes for so long, in nanoseconds.
+    pub command_timeout_ns: Option<u64>,
+    /// Sensors. Models whose sensors are alike share them.
+    pub sensors: Sensors,
+    /// What the microcontroller's tasks cost.
+    pub processor: Processor,
+    /// What it says on its wire.
+    pub firmware: Firmware,
+    /// The cable to the brain.
+    pub link: Link,
+    /// How long a brain thinks that does not say, in nanoseconds.
+    pub thinking_ns: u64,
+    /// When its commands must be there.
+    pub deadline: Deadline,
+    /// What goes wrong on it.
+    pub faults: Vec<Fault>,
+    /// How many operations a brain on board thinks, if the scenario says it so.
+    pub brain_operations: Option<u64>,
+    /// Memory that a brain on board needs for its variables, in bytes, if the scenario says.
+    pub brain_memory_bytes: Option<u64>,
+}
+
+impl RobotSpec {
+    /// The name of its table in the scenario, by which its fields can be changed.
+    pub fn table_name(&self) -> &str {
+        self.group.as_deref().unwrap_or(&self.name)
+    }
+
+    /// Whether its brain is the microcontroller's program: then nothing is framed and nothing received.
+    pub fn is_onboard(&self) -> bool {
+        matches!(self.link, Link::Onboard)
+    }
+
+    /// What is wrong with this sensor. One whose signal is lost cannot stick.
+    pub(crate) fn amiss(&self, sensor: usize, at: SimTime) -> Option<Amiss> {
+        let of = |fault: &Fault| {
+            let amiss = match &fault.kind {
+                FaultKind::Sensor { sensor: i, .. } if *i == sensor => Amiss::Sticks,
+                FaultKind::LostSignal { sensor: i, .. } if *i == sensor => Amiss::Lost,
+                FaultKind::Sensor { .. } | FaultKind::LostSignal { .. } => return None,
+                FaultKind::Cable | FaultKind::ByteErrors { .. } | FaultKind::Brain => return None,
+            };
+            fault.when.until(at).map(|_| amiss)
+        };
+        let all = || self.faults.iter().filter_map(of);
+        all().find(|amiss| *amiss == Amiss::Lost).or_else(|| all().next())
+    }
+
+    /// From when on its brain does not stall, from `from` on and as far as `end`.
+    pub(crate) fn awake_from(&self, from: SimTime, end: SimTime) -> SimTime {
+        let mut from = from;
+        while from < end
+            && let Some(until) = self.stalls().filter_map(|when| when.until(from)).max()
+        {
+            from = until;
+        }
+        from
+    }
+
+    /// The faults that make its brain stall.
+    pub(crate) fn stalls(&self) -> impl Iterator<Item = When> {
+        self.faults.iter().filter(|fault| fault.kind == FaultKind::Brain).map(|fault| fault.when)
+    }
+
+    /// The shape of its body.
+    pub fn form(&self) -> Form<'_> {
+        Form::of(&self.outline, self.drive.radius_m)
+    }
+}
+
+/// Where and how a robot starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// World from robot.
+    pub pose: Pose,
+    /// Speed along the heading, in m/s.
+    pub speed_m_s: f64,
+    /// In rad/s.
+    pub turn_rate_rad_s: f64,
+    /// The motors do not see the start speed in the first step: ARSim's quirk.
+    pub wheels_at_rest: bool,
+}
+
+/// When a command must have answered the readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Deadline {
+    /// After the cycle began, in nanoseconds. Δt if the scenario states none.
+    pub within_ns: u64,
+    /// What a brain gets that is late; `None` if the scenario states no deadline: then it is only counted.
+    pub on_late: Option<OnLate>,
+}
+
+/// What happens when a cycle is not closed by its deadline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnLate {
+    /// The old command stays in force.
+    Hold,
+    /// The motors are switched off until the next command is obeyed.
+    Stop,
+    /// The run ends.
+    End,
+}

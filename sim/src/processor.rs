@@ -1,0 +1,26 @@
+//! The processor of a microcontroller: what its tasks cost.
+
+use crate::time::SECOND_NS;
+
+/// How long the processor takes for what it does; reading a sensor is that sensor's acquisition time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Processor {
+    /// To frame readings, for each byte that goes on the wire.
+    pub framing_ns_per_byte: u64,
+    /// To take a byte from the receiver.
+    pub receiving_ns_per_byte: u64,
+    /// To obey a command, once its last byte is taken.
+    pub obeying_ns: u64,
+    /// How many operations of a brain's program it does a second, if it is to run one.
+    pub operations_per_s: Option<f64>,
+    /// Memory for a brain's variables, in bytes, if that matters.
+    pub ram_bytes: Option<u64>,
+}
+
+impl Processor {
+    /// How long it takes for so many operations, in nanoseconds.
+    pub fn thinking_ns(&self, operations: u64) -> Option<u64> {
+        let per_s = self.operations_per_s?;
+        Some((operations as f64 / per_s * SECOND_NS as f64 + 0.5) as u64)
+    }
+}
