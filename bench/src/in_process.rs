@@ -119,7 +119,7 @@ impl InProcess {
 
 /// Whether every robot drives, is somewhere, and reads its sensors as often as it should.
 fn check(rig: &Rig) -> Result<(), Unfit> {
-    let (world, step_ns) = (rig.world(), rig.world().scenario().step_ns());
+    let (world, step_ns) = (rig.world(), rig.world().scenario().step_ns);
     let run_ns = world.tick() * step_ns;
     for robot in world.robots() {
         let (spec, pose) = (robot.spec(), robot.motion().pose);
@@ -209,9 +209,9 @@ mod tests {
         let facts = |world: InProcess| {
             let rig = world.rig().unwrap();
             let scenario = rig.world().scenario();
-            let spec = &scenario.robots()[0];
+            let spec = &scenario.robots[0];
             let rays: usize = spec.sensors.iter().map(|sensor| sensor.device.values()).sum();
-            (scenario.arena().index().segments().len(), scenario.robots().len(), rays, scenario.noise())
+            (scenario.arena.index().segments().len(), scenario.robots.len(), rays, scenario.noise)
         };
         assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
         assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));

@@ -22,7 +22,7 @@ pub struct Rig {
 impl Rig {
     /// A world at its start, which keeps no timelines.
     pub fn new(scenario: Scenario) -> Self {
-        let drivers = scenario.robots().iter().map(Driver::for_robot).collect();
+        let drivers = scenario.robots.iter().map(Driver::for_robot).collect();
         let mut world = World::new(scenario.into());
         world.keep_timeline(0);
         Self { world, drivers, sequence: 0, bytes: Vec::new(), commands: Vec::new(), threads: None }
@@ -73,7 +73,7 @@ impl Rig {
     fn think(&mut self) {
         self.bytes.clear();
         self.commands.clear();
-        let robots = self.world.scenario().robots();
+        let robots = &self.world.scenario().robots;
         let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
         for turn in self.world.turns() {
             let signals = self.drivers[turn.robot].steer(self.world.robot(turn.robot).readings());

@@ -81,7 +81,7 @@ const TOO_MANY: &str =
 impl Budget {
     /// Of all robots of a scenario, with mends for those that do not keep their step.
     pub fn of(scenario: &Scenario) -> Self {
-        Self::of_some(scenario, scenario.robots())
+        Self::of_some(scenario, &scenario.robots)
     }
 
     /// Of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
@@ -108,7 +108,7 @@ impl RobotBudget {
 
     /// Of one of several robots that share an allowance. Once it is used up, robots get no mends, and say so.
     pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
-        let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
+        let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
         if allowance.is_used_up() {
             let budget = Self::computed(&plan, LEAST, allowance);
             return Self { left_out: Some(TOO_MANY.to_string()), ..budget };
@@ -122,7 +122,7 @@ impl RobotBudget {
 
     /// The same without looking for mends, which takes by far the most time.
     pub fn without_mends(scenario: &Scenario, spec: &RobotSpec) -> Self {
-        let plan = Plan { spec, step_ns: scenario.step_ns(), noise: scenario.noise() };
+        let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
         Self::computed(&plan, FULL, &mut Allowance::default())
     }
 

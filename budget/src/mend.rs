@@ -15,7 +15,7 @@ pub(super) fn add(scenario: &Scenario, plan: &Plan<'_>, budget: &mut RobotBudget
     if budget.verdict != Verdict::Misses {
         return;
     }
-    let robot = Robot { spec: plan.spec.clone(), step_ns: plan.step_ns, substeps: scenario.substeps() };
+    let robot = Robot { spec: plan.spec.clone(), step_ns: plan.step_ns, substeps: scenario.substeps };
     let mut search = Search { plan, allowance, tries: MOST_TRIES, mends: Vec::new() };
     let is_done = search.look(&robot).is_ok();
     search.mends.sort_by_key(|mend| mend.cost);

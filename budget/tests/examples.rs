@@ -179,7 +179,7 @@ fn robots_of_one_table_have_a_budget_each_under_their_own_names() {
     let scenario = baudbot_scenario::parse(&toml).unwrap();
     let budgets = Budget::of(&scenario).robots;
     let names: Vec<_> = budgets.iter().map(|budget| budget.robot.as_str()).collect();
-    assert_eq!(names, scenario.robots().iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>());
+    assert_eq!(names, scenario.robots.iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>());
     assert!(names.len() == 2 && budgets[0].cycle == budgets[1].cycle, "{names:?}");
 }
 

@@ -65,7 +65,7 @@ fn a_robot_for_which_too_much_could_be_tried_says_that_not_all_was() {
     for ports in [100, 200] {
         let scenario = hostile(1, ports);
         let mut allowance = Allowance::of_a_call();
-        let robot = RobotBudget::within(&scenario, &scenario.robots()[0], &mut allowance);
+        let robot = RobotBudget::within(&scenario, &scenario.robots[0], &mut allowance);
         assert_eq!(robot.verdict, Verdict::Misses);
         let left_out = robot.left_out.unwrap_or_default();
         assert!(left_out.starts_with("not everything was tried"), "{ports} ports: {left_out:?}");
@@ -79,7 +79,7 @@ fn robots_that_come_after_the_allowance_of_a_call_get_no_mends_and_say_so() {
     let scenario = hostile(7, 100);
     let mut allowance = Allowance::of_a_call();
     let of = |spec| RobotBudget::within(&scenario, spec, &mut allowance);
-    let robots: Vec<_> = scenario.robots().iter().map(of).collect();
+    let robots: Vec<_> = scenario.robots.iter().map(of).collect();
     let beyond = robots.iter().filter(|robot| {
         robot.left_out.as_ref().is_some_and(|why| why.starts_with("no mends were looked for"))
     });

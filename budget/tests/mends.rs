@@ -24,7 +24,7 @@ fn budget(toml: &str, changes: &[&str]) -> RobotBudget {
 fn mended(toml: &str, changes: &[&str], mend: &Mend) -> RobotBudget {
     let all: Vec<_> = changes.iter().map(|&text| text.to_owned()).chain(mend.overrides.clone()).collect();
     let scenario = scenario(toml, &all);
-    RobotBudget::without_mends(&scenario, &scenario.robots()[0])
+    RobotBudget::without_mends(&scenario, &scenario.robots[0])
 }
 
 /// Checks each mend that can be said as overrides; says what they are.
@@ -110,7 +110,7 @@ fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
         for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
             let all = [changes, &mend.overrides].concat();
             let scenario = self::scenario(toml, &all);
-            let after = RobotBudget::without_mends(&scenario, &scenario.robots()[i]);
+            let after = RobotBudget::without_mends(&scenario, &scenario.robots[i]);
             let found = (after.step_ns, after.cycle.total, after.verdict);
             assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{changes:?}\n{toml}");
             names.push(mend.what.clone());
@@ -126,7 +126,7 @@ fn what_is_promised_of_each_device_is_what_comes_of_it() {
     for file in std::fs::read_dir(folder).unwrap() {
         let toml = std::fs::read_to_string(file.unwrap().path()).unwrap();
         let Some(robot) =
-            baudbot_scenario::parse(&toml).unwrap().robots().first().map(|robot| robot.name.clone())
+            baudbot_scenario::parse(&toml).unwrap().robots.first().map(|robot| robot.name.clone())
         else {
             continue;
         };

@@ -23,7 +23,7 @@ pub(crate) struct Measured {
 /// Runs the only robot for a while; its brain answers each message, from a port too, and thinks as long as the scenario
 /// says, in each step.
 pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
-    let step_ns = scenario.step_ns();
+    let step_ns = scenario.step_ns;
     let ticks = (seconds * 1e9 / step_ns as f64).ceil() as u64;
     let mut world = World::new(scenario.into());
     let bytes = command(world.robot(0).spec(), 0.0, 0.0);

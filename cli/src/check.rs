@@ -39,7 +39,7 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
 fn describe(source: &Source, scenario: &Scenario) -> String {
     let mut text = format!("{}: sound\n", source.label());
     text += &pairs("  ", &facts(scenario));
-    for (robot, count) in alike::first_of_each(scenario.robots()) {
+    for (robot, count) in alike::first_of_each(&scenario.robots) {
         text.push('\n');
         text += &describe_robot(robot);
         text += &alike::others(robot, count);
@@ -54,24 +54,21 @@ fn describe(source: &Source, scenario: &Scenario) -> String {
 }
 
 fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
-    let substeps = count(scenario.substeps() as usize, "substep");
-    let collision = match scenario.collision() {
+    let substeps = count(scenario.substeps as usize, "substep");
+    let collision = match scenario.collision {
         CollisionPolicy::StopRun => "ends the run",
         CollisionPolicy::StopRobot => "stops the robot",
     };
     vec![
-        ("name", scenario.name().to_owned()),
-        ("description", text::one_line(scenario.description())),
-        ("step", format!("{} in {substeps}", duration(scenario.step_ns() as f64))),
-        (
-            "seed",
-            format!("{}, sensor noise {}", scenario.seed(), if scenario.noise() { "on" } else { "off" }),
-        ),
-        ("arena", arena(scenario.arena())),
+        ("name", scenario.name.to_owned()),
+        ("description", text::one_line(&scenario.description)),
+        ("step", format!("{} in {substeps}", duration(scenario.step_ns as f64))),
+        ("seed", format!("{}, sensor noise {}", scenario.seed, if scenario.noise { "on" } else { "off" })),
+        ("arena", arena(&scenario.arena)),
         ("in it", things(scenario)),
         ("collision", collision.to_owned()),
         ("end", end(scenario)),
-        ("robots", scenario.robots().len().to_string()),
+        ("robots", scenario.robots.len().to_string()),
     ]
     .into_iter()
     .filter(|(_, value)| !value.is_empty())
@@ -96,13 +93,13 @@ fn arena(arena: &Arena) -> String {
 
 /// What is in the arena besides walls and robots.
 fn things(scenario: &Scenario) -> String {
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     let things = [
         (around.zones.len(), "zone"),
         (around.lights.len(), "lamp"),
         (around.fields.len(), "field"),
-        (scenario.movers().len(), "mover"),
-        (scenario.movables().len(), "movable"),
+        (scenario.movers.len(), "mover"),
+        (scenario.movables.len(), "movable"),
     ];
     let things: Vec<_> = things.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
     things.join(", ")
@@ -110,13 +107,13 @@ fn things(scenario: &Scenario) -> String {
 
 fn end(scenario: &Scenario) -> String {
     let mut ends = Vec::new();
-    if let Some(after) = scenario.end().after {
+    if let Some(after) = scenario.end.after {
         ends.push(format!("after {} s", handy(after.as_seconds())));
     }
-    if let Some(Circle { center, radius }) = scenario.end().goal {
+    if let Some(Circle { center, radius }) = scenario.end.goal {
         ends.push(format!("when a robot is within {radius} m of ({}, {}) m", center.x, center.y));
     }
-    let rules = scenario.rules();
+    let rules = &scenario.rules;
     if let Some(collisions) = rules.collisions {
         let collisions = usize::try_from(collisions).unwrap_or(usize::MAX);
         ends.push(format!("after {}", count(collisions, "collision")));
@@ -343,8 +340,8 @@ mod tests {
     fn wanders_cable_just_keeps_up() {
         // A frame of five 8-bit readings is 8 + 1 + 5 · 2 = 19 bytes, 50 times a second.
         let wander = scenario("wander", &[]);
-        let (bytes, used) = load(&wander.robots()[0]).unwrap();
-        assert_eq!((frame_bytes(&wander.robots()[0]), bytes), (19, 950.0));
+        let (bytes, used) = load(&wander.robots[0]).unwrap();
+        assert_eq!((frame_bytes(&wander.robots[0]), bytes), (19, 950.0));
         assert!((used - 950.0 / 960.0).abs() < 1e-12);
         assert!(!describe(&Source::find("wander").unwrap(), &wander).contains("warning"));
     }
@@ -400,21 +397,21 @@ mod tests {
     #[test]
     fn a_slow_cable_is_warned_of() {
         let slow = scenario("wander", &["robots.robot.link.baud=4800"]);
-        assert!(describe_robot(&slow.robots()[0]).contains("warning: the up line cannot carry"));
+        assert!(describe_robot(&slow.robots[0]).contains("warning: the up line cannot carry"));
     }
 
     #[test]
     fn a_sensor_without_news_is_in_no_frame() {
         // 100 frames a second of 4 + 4 + 2 bytes; 8 sensors of 1 + 2 bytes at 50 Hz; encoders of 1 + 4.
         let khepera = scenario("khepera", &[]);
-        let (bytes, _) = load(&khepera.robots()[0]).unwrap();
+        let (bytes, _) = load(&khepera.robots[0]).unwrap();
         assert!((bytes - (100.0 * 10.0 + 50.0 * 8.0 * 3.0 + 100.0 * 5.0)).abs() < 1e-9, "{bytes}");
     }
 
     #[test]
     fn lines_of_text_are_told_with_their_greatest_length() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices/khepera-ascii.toml");
-        let text = describe_robot(&scenario(path, &[]).robots()[0]);
+        let text = describe_robot(&scenario(path, &[]).robots[0]);
         for part in [
             "khepera, lines of text; answers when asked\n",
             "43 bytes with all sensors, 49.271 ms on the link\n",
@@ -427,8 +424,8 @@ mod tests {
 
     #[test]
     fn an_ideal_link_has_no_load_and_a_polled_firmware_none_either() {
-        assert!(load(&scenario("arsim", &[]).robots()[0]).is_none());
+        assert!(load(&scenario("arsim", &[]).robots[0]).is_none());
         let polled = "robots.robot.firmware={mode=\"poll\"}";
-        assert!(load(&scenario("wander", &[polled]).robots()[0]).is_none());
+        assert!(load(&scenario("wander", &[polled]).robots[0]).is_none());
     }
 }

@@ -187,7 +187,7 @@ mod tests {
         let shared = Shared::default();
         let start = Override::parse("robots.a.start.heading_rad=0.1").unwrap();
         let mut world = World::new(baudbot_scenario::parse_with(TWO_ROBOTS, &[start]).unwrap().into());
-        let (mut table, mut outcome) = Table::new(Box::new(shared.clone()), world.scenario().robots());
+        let (mut table, mut outcome) = Table::new(Box::new(shared.clone()), &world.scenario().robots);
         world.begin();
         table.write(&world);
         assert!(outcome.try_recv().is_err(), "nothing to tell yet");
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_failure_is_told_at_once_and_once() {
         let mut world = World::new(baudbot_scenario::parse(TWO_ROBOTS).unwrap().into());
-        let (mut table, mut outcome) = Table::new(Box::new(Full), world.scenario().robots());
+        let (mut table, mut outcome) = Table::new(Box::new(Full), &world.scenario().robots);
         world.begin();
         // The buffer holds the first rows.
         for _ in 0..BUFFER / 100 {

@@ -107,7 +107,7 @@ mod tests {
     fn link(toml: &str) -> Link {
         let robot = "[[robots]]\nname = \"a\"\nbody = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, \
                      wheel_radius_m = 0.1 }\nlink = ";
-        baudbot_scenario::parse(&format!("{robot}{toml}")).unwrap().robots()[0].link.clone()
+        baudbot_scenario::parse(&format!("{robot}{toml}")).unwrap().robots[0].link.clone()
     }
 
     #[test]

@@ -213,7 +213,7 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
     Finding {
         recording: args.recording.display().to_string(),
         world: header.world.clone(),
-        scenario: tape.scenario().name().to_owned(),
+        scenario: tape.scenario().name.to_owned(),
         seed: header.seed,
         recorded_by: format!("baudbot {}", header.program_version),
         first_tick: tape.first_tick(),
@@ -256,11 +256,11 @@ fn words(finding: &Finding) -> String {
 }
 
 fn tick(at_s: f64, scenario: &Scenario) -> u64 {
-    (at_s * 1e9 / scenario.step_ns() as f64).round() as u64
+    (at_s * 1e9 / scenario.step_ns as f64).round() as u64
 }
 
 fn seconds(ticks: u64, scenario: &Scenario) -> f64 {
-    ticks.saturating_mul(scenario.step_ns()) as f64 / 1e9
+    ticks.saturating_mul(scenario.step_ns) as f64 / 1e9
 }
 
 fn progress(first: u64, last: u64, quiet: bool) -> ProgressBar {

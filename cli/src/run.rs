@@ -95,14 +95,14 @@ impl Plan {
         let mut overrides = overrides(&args.changes)?;
         let mut scenario = source.parse(&overrides)?;
         let mut note = None;
-        let end = scenario.end();
+        let end = &scenario.end;
         let seconds = args.seconds.map(|seconds| ("--seconds", seconds));
-        let limit = seconds.or_else(|| args.ticks.map(|n| ("--ticks", after_s(n, scenario.step_ns()))));
+        let limit = seconds.or_else(|| args.ticks.map(|n| ("--ticks", after_s(n, scenario.step_ns))));
         if let Some((option, after_s)) = limit {
             overrides.push(scenarios::set("end.after_s", format_args!("{after_s:?}")));
             let limited = source.parse(&overrides);
             scenario = limited.map_err(|error| Refused::error(format!("{option}: {error}")))?;
-        } else if end.after.is_none() && end.goal.is_none() && !scenario.rules().end_runs() {
+        } else if end.after.is_none() && end.goal.is_none() && !scenario.rules.end_runs() {
             overrides.push(scenarios::set("end.after_s", format_args!("{DEFAULT_SECONDS:?}")));
             scenario = source.parse(&overrides)?;
             let text =
@@ -110,17 +110,17 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let jobs = crew::share_out(&args.brains, scenario.robots())?;
+        let jobs = crew::share_out(&args.brains, &scenario.robots)?;
         jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
-        let (world, seed) = (source.world_name(&scenario), scenario.seed());
-        let frame = record::short_frame(&args.record, scenario.step_ns());
+        let (world, seed) = (source.world_name(&scenario), scenario.seed);
+        let frame = record::short_frame(&args.record, scenario.step_ns);
         Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, frame, note })
     }
 
     /// How many ticks the run has, if its time is limited.
     fn ticks(&self) -> Option<u64> {
-        let after = self.scenario.end().after?;
-        Some(after.as_ns().div_ceil(self.scenario.step_ns()).max(1))
+        let after = self.scenario.end.after?;
+        Some(after.as_ns().div_ceil(self.scenario.step_ns).max(1))
     }
 }
 
@@ -189,7 +189,7 @@ impl Drop for Telling {
 
 fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(OnTick, Files)> {
     let mut files = Files::default();
-    let robots = plan.scenario.robots();
+    let robots = &plan.scenario.robots;
     let mut table = None;
     if let Some(path) = &args.csv {
         let is_stdout = path == Path::new(STDOUT);
@@ -320,9 +320,9 @@ mod tests {
     fn so_many_ticks_are_so_many_ticks_whatever_the_step() {
         for step in [10.0, 0.01, 0.07, 3.3, 1000.0] {
             for ticks in [1, 2, 3, 7, 1_000_003] {
-                let step_ns = baudbot_scenario::parse(&format!("step_ms = {step:?}")).unwrap().step_ns();
+                let step_ns = baudbot_scenario::parse(&format!("step_ms = {step:?}")).unwrap().step_ns;
                 let toml = format!("step_ms = {step:?}\nend.after_s = {:?}", after_s(ticks, step_ns));
-                let after = baudbot_scenario::parse(&toml).unwrap().end().after.unwrap();
+                let after = baudbot_scenario::parse(&toml).unwrap().end.after.unwrap();
                 assert_eq!(after.as_ns().div_ceil(step_ns), ticks, "{ticks} of {step} ms");
             }
         }

@@ -67,7 +67,7 @@ impl Source {
     /// name cannot have becomes `-`.
     pub(crate) fn world_name(&self, scenario: &Scenario) -> String {
         let stem = Path::new(&self.label).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-        let name = if scenario.name().is_empty() { stem } else { scenario.name() };
+        let name = if scenario.name.is_empty() { stem } else { &scenario.name };
         let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         let name: String = name.chars().take(64).map(|c| if fits(c) { c } else { '-' }).collect();
         if name.is_empty() { "world".to_owned() } else { name }
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn every_embedded_scenario_is_sound() {
         for (name, _) in EMBEDDED {
-            assert_eq!(Source::find(name).unwrap().parse(&[]).unwrap().name(), name);
+            assert_eq!(&Source::find(name).unwrap().parse(&[]).unwrap().name, name);
         }
     }
 }

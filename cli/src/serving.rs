@@ -46,7 +46,7 @@ impl<'a> Serving<'a> {
 
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Scenario, world: WorldConfig) {
-        let robot = scenario.robots().first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec)));
+        let robot = scenario.robots.first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec)));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
@@ -110,7 +110,7 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
 }
 
 fn describe(world: &str, scenario: &Scenario) -> String {
-    let robots: Vec<_> = scenario.robots().iter().map(|spec| spec.name.as_str()).collect();
+    let robots: Vec<_> = scenario.robots.iter().map(|spec| spec.name.as_str()).collect();
     let robots = match robots.as_slice() {
         [] => "no robots".to_owned(),
         [robot] => format!("robot {robot}"),

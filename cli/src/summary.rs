@@ -230,12 +230,12 @@ impl Summary {
         let pacing = status.pacing.clone().unwrap_or_default();
         let kind = status.pace.and_then(|pace| pace.kind);
         let interrupted = interrupted && status.ending.is_empty();
-        let robots = scenario.robots().iter().zip(&status.robots);
+        let robots = scenario.robots.iter().zip(&status.robots);
         Self {
             scenario: status.scenario.clone(),
             world: status.world.clone(),
             pace: kind.as_ref().map_or_else(String::new, pace_name),
-            seed: scenario.seed(),
+            seed: scenario.seed,
             ticks: status.tick,
             step_ns: status.step_ns,
             simulated_s,

@@ -14,7 +14,7 @@ use crate::alike;
 
 /// What is to be said of the robots of a scenario: the name of each with a sentence.
 pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {
-    let robots = alike::first_of_each(scenario.robots()).into_iter().map(|(robot, _)| robot);
+    let robots = alike::first_of_each(&scenario.robots).into_iter().map(|(robot, _)| robot);
     // A budget takes a while: only of those with sensors that some brain needs together.
     let robots: Vec<_> = robots.filter(|robot| wanted().any(|kinds| has_both(robot, kinds))).collect();
     let budget = Budget::of_some(scenario, robots.iter().copied());

@@ -53,7 +53,7 @@ impl Trace {
 
     fn events(&mut self, world: &World) -> io::Result<()> {
         if let Some(out) = self.out.take() {
-            self.writer = Some(TraceWriter::new(out, &self.world, world.scenario().robots())?);
+            self.writer = Some(TraceWriter::new(out, &self.world, &world.scenario().robots)?);
         }
         let Some(writer) = &mut self.writer else { return Ok(()) };
         for (i, (robot, seen)) in world.robots().zip(&mut self.seen).enumerate() {

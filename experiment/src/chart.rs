@@ -169,7 +169,7 @@ fn subtitle(experiment: &Experiment, chart: &Chart) -> String {
 pub(crate) fn of_what(experiment: &Experiment) -> String {
     let mut words = format!("{}: {}", experiment.name, experiment.brains.join(", "));
     let Ok(scenario) = baudbot_scenario::parse(&experiment.text) else { return words };
-    let name = if scenario.name().is_empty() { &experiment.scenario } else { scenario.name() };
+    let name = if scenario.name.is_empty() { &experiment.scenario } else { &scenario.name };
     words += &format!(" in {name}");
     let varied = experiment.fields.iter().any(|field| varies_links(&field.choice));
     let mut links = caption::links(&scenario);

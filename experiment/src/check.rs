@@ -33,7 +33,7 @@ pub fn check(experiment: &Experiment) -> Result<(), Error> {
     let is_end =
         |setting: &Setting| matches!(setting, Setting::Scenario { path, .. } if path.starts_with("end"));
     let ends = || levels(experiment).any(|(_, level)| level.settings.iter().any(is_end));
-    if scenario.end().after.is_none() && !ends() {
+    if scenario.end.after.is_none() && !ends() {
         let problem = format!("is missing, and {} sets no end.after_s; a run must end", experiment.scenario);
         return Err(Error::field("seconds", problem));
     }
@@ -53,7 +53,7 @@ fn levels(experiment: &Experiment) -> impl Iterator<Item = (usize, Level)> {
 
 fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Error> {
     let field = if experiment.brains.len() == 1 { "brain" } else { "brains" };
-    let jobs = match crew::share_out(&experiment.brains, scenario.robots()) {
+    let jobs = match crew::share_out(&experiment.brains, &scenario.robots) {
         Ok(jobs) => jobs,
         Err(error @ (CrewError::Robot { .. } | CrewError::Twice { .. })) => {
             return Err(Error::field(field, error.to_string()));
@@ -62,7 +62,7 @@ fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Erro
         Err(CrewError::Blind { .. } | CrewError::Brain(_) | CrewError::Client(_)) => Vec::new(),
     };
     for job in &jobs {
-        let robots = scenario.robots().iter().filter(|spec| job.robots.contains(&spec.name));
+        let robots = scenario.robots.iter().filter(|spec| job.robots.contains(&spec.name));
         for spec in robots {
             match catalogue::brain(&job.brain, 1, &Body::from(spec)) {
                 // A run may have other sensors.
@@ -116,8 +116,7 @@ fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<Str
 
 /// What a described brain has no place for.
 fn wrong_path(setup: &Setup) -> Option<String> {
-    let body =
-        |robot: &String| setup.scenario.robots().iter().find(|spec| spec.name == *robot).map(Body::from);
+    let body = |robot: &String| setup.scenario.robots.iter().find(|spec| spec.name == *robot).map(Body::from);
     let mut all = setup.jobs.iter().flat_map(|job| job.robots.iter().map(move |robot| (job, robot)));
     all.find_map(|(job, robot)| match catalogue::brain(&job.brain, 1, &body(robot)?) {
         Err(error @ CatalogueError::Description { .. }) => Some(error.to_string()).filter(|error| {
@@ -189,7 +188,7 @@ fn mentions(setting: &Setting, field: &str) -> bool {
 
 /// Names of all sensors and actuators.
 fn devices(scenario: &Scenario) -> Vec<&str> {
-    let robots = scenario.robots().iter();
+    let robots = scenario.robots.iter();
     let names = robots.flat_map(|robot| {
         let sensors = robot.sensors.iter().map(|sensor| sensor.name.as_str());
         sensors.chain(robot.actuators.iter().map(|actuator| actuator.name.as_str()))

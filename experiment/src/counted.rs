@@ -70,12 +70,12 @@ impl Counted {
     pub(crate) fn of_world(world: &World) -> Self {
         let scenario = world.scenario();
         let ending = world.ending().map(ToString::to_string).unwrap_or_default();
-        let zones = scenario.surroundings().zones.iter().zip(world.score().visited());
+        let zones = scenario.surroundings.zones.iter().zip(world.score().visited());
         let goals = zones.filter(|(zone, visited)| zone.goal && **visited).count() as u64;
         Self {
             time_ns: world.time().as_ns(),
-            covered: world.score().covered(scenario.rules()),
-            sensed: world.score().sensed(scenario.rules()),
+            covered: world.score().covered(&scenario.rules),
+            sensed: world.score().sensed(&scenario.rules),
             robots: world.robots().map(|robot| RobotCounted::of_view(&robot)).collect(),
             hash: world.hash(),
             ..Self::ended(ending, goals)

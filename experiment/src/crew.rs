@@ -177,7 +177,7 @@ mod tests {
         let toml = robot("alice", 0.0, ir) + &robot("bob", 1.0, "") + &robot("carol", 2.0, ir);
         let scenario = baudbot_scenario::parse(&toml).map_err(|error| error.to_string())?;
         let arguments: Vec<_> = arguments.iter().map(|&argument| argument.to_owned()).collect();
-        let jobs = share_out(&arguments, scenario.robots()).map_err(|error| error.to_string())?;
+        let jobs = share_out(&arguments, &scenario.robots).map_err(|error| error.to_string())?;
         Ok(jobs.into_iter().map(|job| (job.brain, job.robots)).collect())
     }
 
@@ -202,7 +202,7 @@ mod tests {
                     body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }\n";
         let scenario = baudbot_scenario::parse(toml).unwrap();
         let arguments = ["constant", "ant=wander", "queen=none"].map(str::to_owned);
-        let jobs = share_out(&arguments, scenario.robots()).unwrap();
+        let jobs = share_out(&arguments, &scenario.robots).unwrap();
         assert_eq!(jobs, [Job { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]);
     }
 

@@ -63,7 +63,7 @@ impl Pair {
     /// # Errors
     /// If the catalogue has no such brain for a robot.
     pub fn new(scenario: Scenario, brain: &str) -> Result<Self, PairError> {
-        let robots = scenario.robots().iter().map(|spec| spec.name.clone()).collect();
+        let robots = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
         Self::with_jobs(scenario, &[Job { brain: brain.to_owned(), robots }])
     }
 
@@ -75,12 +75,11 @@ impl Pair {
     pub fn with_jobs(scenario: Scenario, jobs: &[Job]) -> Result<Self, PairError> {
         let driver = |spec: &RobotSpec| {
             let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
-            let make = |job: &Job| {
-                Driver::new(spec, |body| Ok(catalogue::brain(&job.brain, scenario.seed(), body)?))
-            };
+            let make =
+                |job: &Job| Driver::new(spec, |body| Ok(catalogue::brain(&job.brain, scenario.seed, body)?));
             job.map(make).transpose()
         };
-        let brains = scenario.robots().iter().map(driver).collect::<Result<_, _>>()?;
+        let brains = scenario.robots.iter().map(driver).collect::<Result<_, _>>()?;
         Ok(Self { world: World::new(scenario.into()), brains })
     }
 
@@ -89,7 +88,7 @@ impl Pair {
     /// # Errors
     /// If there is not one robot.
     pub fn with_brain(scenario: Scenario, brain: impl Brain + Send + 'static) -> Result<Self, PairError> {
-        let [spec] = scenario.robots() else { return Err(PairError::Robots(scenario.robots().len())) };
+        let [spec] = scenario.robots.as_slice() else { return Err(PairError::Robots(scenario.robots.len())) };
         let brains = vec![Some(Driver::new(spec, |_| Ok(Box::new(brain)))?)];
         Ok(Self { world: World::new(scenario.into()), brains })
     }

@@ -70,7 +70,7 @@ impl Remote {
         world: &str,
         setup: Setup,
     ) -> Result<Ran, Failure> {
-        let seed = setup.scenario.seed();
+        let seed = setup.scenario.seed;
         let mut crews = Vec::new();
         for job in setup.jobs {
             let crew = Crew::attach(self.client.clone(), world, job, seed).await;

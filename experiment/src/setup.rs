@@ -22,7 +22,7 @@ impl Setup {
         let mut overrides = overrides(experiment, settings(task));
         overrides.push(format!("seed={}", task.seed));
         let scenario = parse(experiment, &overrides)?;
-        if scenario.end().after.is_none() {
+        if scenario.end.after.is_none() {
             return Err("the run has no end in time; set `seconds`, or end.after_s".to_owned());
         }
         let jobs = jobs(experiment, task, &scenario)?;
@@ -59,7 +59,7 @@ fn jobs(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Vec
             brains.push(brain.clone());
         }
     }
-    let mut jobs = crew::share_out(&brains, scenario.robots()).map_err(|error| error.to_string())?;
+    let mut jobs = crew::share_out(&brains, &scenario.robots).map_err(|error| error.to_string())?;
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
             set_parameter(&mut jobs, name, value)?;

@@ -10,10 +10,10 @@ pub fn about(scenario: &Scenario, by_hand: bool) -> String {
         let path = change.split('=').next().unwrap_or_default().trim();
         path == "seed" || path == "end.after_s"
     };
-    let fields = scenario.source().overrides.iter().filter(|change| !tells_itself(change));
+    let fields = scenario.source.overrides.iter().filter(|change| !tells_itself(change));
     let changes: Vec<_> = fields.map(String::as_str).chain(by_hand.then_some("something by hand")).collect();
     match changes.as_slice() {
-        [] => scenario.description().to_owned(),
+        [] => scenario.description.to_owned(),
         changes => format!("changed: {}", changes.join(", ")),
     }
 }
@@ -33,7 +33,7 @@ pub fn facts(brains: &[String], links: &[String], seed: u64) -> String {
 
 /// The links of a scenario's robots.
 pub fn links(scenario: &Scenario) -> Vec<String> {
-    scenario.robots().iter().map(|robot| link(&robot.link)).collect()
+    scenario.robots.iter().map(|robot| link(&robot.link)).collect()
 }
 
 /// A link in about two words.

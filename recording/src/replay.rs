@@ -192,7 +192,7 @@ impl Replay {
     fn check<'a>(&mut self, inputs: impl Iterator<Item = &'a v1::RecordedInput>, world: &World) {
         for input in inputs {
             if input.checksum != writer::checksum(input.after_ns, &input.data) {
-                let robots = world.scenario().robots();
+                let robots = &world.scenario().robots;
                 let name = robots.get(input.robot as usize).map_or("no robot", |robot| &robot.name);
                 self.differs(world, format!("`{name}`: what its brain wrote is not what was recorded"));
             }

@@ -184,7 +184,7 @@ const CHUNK: u64 = 4 << 20;
 
 /// The header of a recording of this world that begins now.
 pub fn header(world: &str, scenario: &Scenario, pace: Option<v1::Pace>) -> v1::RecordingHeader {
-    let source = scenario.source();
+    let source = &scenario.source;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     v1::RecordingHeader {
         format: FORMAT,
@@ -192,11 +192,11 @@ pub fn header(world: &str, scenario: &Scenario, pace: Option<v1::Pace>) -> v1::R
         world: world.to_owned(),
         scenario_toml: source.toml.to_string(),
         overrides: source.overrides.clone(),
-        seed: scenario.seed(),
-        step_ns: scenario.step_ns(),
+        seed: scenario.seed,
+        step_ns: scenario.step_ns,
         pace,
         started_unix_ns: u64::try_from(now.as_nanos()).unwrap_or(u64::MAX),
-        robots: scenario.robots().iter().map(|robot| robot.name.clone()).collect(),
+        robots: scenario.robots.iter().map(|robot| robot.name.clone()).collect(),
     }
 }
 

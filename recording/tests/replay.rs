@@ -45,7 +45,7 @@ body = { radius_m = 0.1, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.
 fn bytes(tick: u64, robot: usize) -> Vec<u8> {
     let command = |left: i8| {
         let scenario = scenario();
-        let layout = scenario.robots()[robot].firmware.layout();
+        let layout = scenario.robots[robot].firmware.layout();
         let mut payload = [0; baudbot_wire::frame::MAX_PAYLOAD];
         let signals = [f64::from(left) / 100.0, 0.3];
         let n = baudbot_wire::message::write_command(&layout, tick as u8, signals, &mut payload).unwrap();

@@ -32,13 +32,13 @@ impl fmt::Display for Warning {
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut tables = BTreeSet::new();
-    for robot in scenario.robots().iter().filter(|robot| tables.insert(robot.table_name())) {
+    for robot in scenario.robots.iter().filter(|robot| tables.insert(robot.table_name())) {
         too_fast_to_read(robot, &mut warnings);
         too_long_for_the_port(robot, &mut warnings);
     }
     for mover in &scenario.movers {
         let meets = |robot: &&RobotSpec| passes(mover, robot);
-        if let Some(robot) = scenario.robots().iter().find(meets) {
+        if let Some(robot) = scenario.robots.iter().find(meets) {
             let problem = format!(
                 "its way leads over the place at ({}, {}) m where robot `{}` starts; it waits while something \
                  stands there",

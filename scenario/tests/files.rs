@@ -29,7 +29,7 @@ fn sensors_stay_in_the_order_of_the_file() {
     );
     let change = Override::parse("robots.r.sensors.b={ kind = \"compass\" }").unwrap();
     let scenario = baudbot_scenario::parse_with(&toml, &[change]).unwrap();
-    let names: Vec<_> = scenario.robots()[0].sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+    let names: Vec<_> = scenario.robots[0].sensors.iter().map(|sensor| sensor.name.as_str()).collect();
     assert_eq!(names, ["z", "m", "a", "b"]);
 }
 
@@ -169,7 +169,7 @@ fn the_silence_of_a_bare_message_is_longer_than_an_adapter_holds_bytes() {
     let problem = "must be longer than the longest pause within a message on this link, 18 ms, is 17.5";
     refused(&bare(", gap_ms = 17.5"), "robots[0].firmware.gap_ms", problem);
     let scenario = baudbot_scenario::parse(&bare("")).unwrap();
-    let protocol = scenario.robots()[0].firmware.protocol;
+    let protocol = scenario.robots[0].firmware.protocol;
     assert_eq!(protocol, baudbot_sim::firmware::Protocol::Bare { gap_ns: 37_000_000 });
 }
 
@@ -258,9 +258,9 @@ fn overrides_reach_any_field_by_name_and_by_index() {
     };
     for path in ["robots.robot.start.x_m", "robots.0.start.x_m", "robots[0].start.x_m"] {
         let scenario = parse(&[&format!("{path}=0.5")]).unwrap();
-        assert_eq!(scenario.robots()[0].start.pose.position.x, 0.5);
+        assert_eq!(scenario.robots[0].start.pose.position.x, 0.5);
     }
-    assert!(!parse(&["noise=false"]).unwrap().noise());
+    assert!(!parse(&["noise=false"]).unwrap().noise);
     assert!(parse(&["collision=stop-robot", "robots.robot.link={ kind = \"uart\", baud = 9600 }"]).is_ok());
     let refused = |change: &str| parse(&[change]).unwrap_err().to_string();
     assert_eq!(refused("robots.bob.start.x_m=1"), "robots.bob: there is no such element; there are: robot");

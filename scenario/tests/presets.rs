@@ -31,7 +31,7 @@ fn parse(toml: &str, sets: &[&str]) -> Scenario {
 /// The robot of a preset, changed as `fields` say.
 fn spec(name: &str, fields: &str) -> RobotSpec {
     let scenario = preset_robot(name, fields, &[]);
-    scenario.robots()[0].clone()
+    scenario.robots[0].clone()
 }
 
 fn preset_robot(name: &str, fields: &str, sets: &[&str]) -> Scenario {
@@ -51,14 +51,14 @@ fn names(spec: &RobotSpec) -> Vec<&str> {
 /// A robot with this sensor.
 fn with_sensor(name: &str, fields: &str) -> Sensor {
     let toml = robot(&format!("{BODY}sensors.s = {{ preset = \"{name}\"{fields} }}"));
-    sensor(&parse(&toml, &[]).robots()[0], "s").clone()
+    sensor(&parse(&toml, &[]).robots[0], "s").clone()
 }
 
 #[test]
 fn every_robot_stands_alone_in_an_empty_world_in_steps_of_10_ms() {
     for preset in of_kind(PresetKind::Robot) {
         let scenario = preset_robot(preset.name, "", &[]);
-        assert_eq!((scenario.step_ns(), scenario.substeps()), (10_000_000, 1), "{}", preset.name);
+        assert_eq!((scenario.step_ns, scenario.substeps), (10_000_000, 1), "{}", preset.name);
         assert!(preset.description.contains("one substep of 10 ms does"), "{}", preset.name);
     }
 }
@@ -221,7 +221,7 @@ fn a_urgs_scan_is_a_message_of_2137_bytes() {
 #[test]
 fn a_pololu_turns_and_stalls_as_its_data_sheet_says() {
     let toml = format!("substeps = 100\n{}", robot(&format!("{BODY}motors.preset = \"pololu-37d-30-1\"")));
-    let Motors::Dc(mut motor) = parse(&toml, &[]).robots()[0].drive.motor.clone() else {
+    let Motors::Dc(mut motor) = parse(&toml, &[]).robots[0].drive.motor.clone() else {
         panic!("no DC motor")
     };
     let no_load = 330.0 * TAU / 60.0;
@@ -329,13 +329,13 @@ fn sensors_can_be_left_out_and_added_behind_the_presets() {
 #[test]
 fn overrides_choose_presets_and_change_what_the_file_does_not_mention() {
     let chosen = preset_robot("khepera-1", "", &["preset=arsim"]);
-    assert_eq!(names(&chosen.robots()[0]), ["ir_left", "ir_right", "odometer"]);
+    assert_eq!(names(&chosen.robots[0]), ["ir_left", "ir_right", "odometer"]);
     let chosen =
         parse(&robot("preset = \"khepera-1\""), &["robots[0].preset=khepera-2", "robots.r.body.mass_kg=0.1"]);
-    assert_eq!((chosen.robots()[0].drive.radius_m, chosen.robots()[0].drive.mass_kg), (0.035, 0.1));
+    assert_eq!((chosen.robots[0].drive.radius_m, chosen.robots[0].drive.mass_kg), (0.035, 0.1));
     let sets = ["sensors.ir_3.range_m=0.04", "link={ kind = \"ideal\" }", "without=[\"ir_0\"]"];
     let changed = preset_robot("khepera-1", "", &sets);
-    let changed = &changed.robots()[0];
+    let changed = &changed.robots[0];
     assert!(matches!(&sensor(changed, "ir_3").device, Device::Infrared(ir) if ir.range_m == 0.04));
     assert_eq!((&changed.link, changed.sensors.len()), (&baudbot_sim::link::Link::Ideal, 8));
 }

@@ -31,7 +31,7 @@ fn several_starts_are_the_world_of_robots_written_out() {
         + &one("bob", "x_m = 2.0")
         + &one("ann-3", "y_m = 3.0, speed_m_s = 0.1");
     let (mut short, mut long) = (world(&several(STARTS)), world(&written_out));
-    let names: Vec<_> = short.scenario().robots().iter().map(|robot| robot.name.as_str()).collect();
+    let names: Vec<_> = short.scenario().robots.iter().map(|robot| robot.name.as_str()).collect();
     assert_eq!(names, ["ann-1", "ann-3", "bob"]);
     assert_eq!(short.hash(), long.hash(), "at the start");
     run(&mut short, 100, 0.3, 0.5);
@@ -42,7 +42,7 @@ fn several_starts_are_the_world_of_robots_written_out() {
 #[test]
 fn those_that_are_alike_share_what_they_are() {
     let scenario = baudbot_scenario::parse(&several(STARTS).replace("faults", "#faults")).unwrap();
-    let [first, second, third] = scenario.robots() else { panic!("there are three") };
+    let [first, second, third] = scenario.robots.as_slice() else { panic!("there are three") };
     assert!(Arc::ptr_eq(&first.model, &second.model) && Arc::ptr_eq(&first.model, &third.model));
     assert_eq!((first.table_name(), third.table_name()), ("ann", "ann"));
 }
@@ -52,14 +52,14 @@ fn a_preset_says_what_starts_leave_out() {
     let text = "[[robots]]\nname = \"ann\"\npreset = \"arsim\"\n\
                 starts = [{ x_m = 1.0 }, { x_m = 2.0, wheels_at_rest = false }]";
     let scenario = baudbot_scenario::parse(text).unwrap();
-    let at_rest: Vec<_> = scenario.robots().iter().map(|robot| robot.start.wheels_at_rest).collect();
+    let at_rest: Vec<_> = scenario.robots.iter().map(|robot| robot.start.wheels_at_rest).collect();
     assert_eq!(at_rest, [true, false]);
 }
 
 #[test]
 fn starts_may_be_tables_of_their_own() {
     let text = format!("[[robots]]\nname = \"ann\"\n{BODY}\n[[robots.starts]]\n[[robots.starts]]\nx_m = 1.0");
-    assert_eq!(baudbot_scenario::parse(&text).unwrap().robots().len(), 2);
+    assert_eq!(baudbot_scenario::parse(&text).unwrap().robots.len(), 2);
 }
 
 #[test]
@@ -91,11 +91,11 @@ fn an_override_is_for_all_of_them_or_for_one_start() {
     let parse =
         |text: &str| baudbot_scenario::parse_with(&several(STARTS), &[Override::parse(text).unwrap()]);
     let scenario = parse("robots.ann.body.radius_m=0.1").unwrap();
-    assert!(scenario.robots().iter().all(|robot| robot.drive.radius_m == 0.1));
+    assert!(scenario.robots.iter().all(|robot| robot.drive.radius_m == 0.1));
     for path in ["robots.ann.starts[2].x_m=7", "robots.ann.starts.2.x_m=7", "robots[0].starts[2].x_m=7"] {
-        assert_eq!(parse(path).unwrap().robots()[1].start.pose.position.x, 7.0, "{path}");
+        assert_eq!(parse(path).unwrap().robots[1].start.pose.position.x, 7.0, "{path}");
     }
-    assert_eq!(parse("robots.ann.starts.bob.x_m=7").unwrap().robots()[2].start.pose.position.x, 7.0);
+    assert_eq!(parse("robots.ann.starts.bob.x_m=7").unwrap().robots[2].start.pose.position.x, 7.0);
     for (name, i) in [("ann-3", 2), ("bob", 1)] {
         let message = parse(&format!("robots.{name}.start.x_m=7")).unwrap_err().to_string();
         assert_eq!(
@@ -129,5 +129,5 @@ fn thousands_that_stand_free_are_soon_checked() {
     let starts: String =
         (0..10_000).map(|i| format!("{{ x_m = {}, y_m = {} }},", i % 100, i / 100)).collect();
     let text = format!("[[robots]]\nname = \"ann\"\nstarts = [{starts}]\n{BODY}");
-    assert_eq!(baudbot_scenario::parse(&text).unwrap().robots().len(), 10_000);
+    assert_eq!(baudbot_scenario::parse(&text).unwrap().robots.len(), 10_000);
 }

@@ -96,7 +96,7 @@ impl Endpoint {
             let problem = format!("is {}, but this stream has {} robots", write.slot, self.robots.len());
             return Err(("robot", problem));
         };
-        let spec = &self.scenario.robots()[robot];
+        let spec = &self.scenario.robots[robot];
         check_thinking(spec, write.thinking)?;
         match (&write.output, self.raw) {
             (None, _) => Ok(()),

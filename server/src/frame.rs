@@ -91,10 +91,10 @@ impl Score {
     /// The score of a world; `None` if there is nothing to count.
     pub(crate) fn of(world: &World) -> Option<Self> {
         let (scenario, score) = (world.scenario(), world.score());
-        let zones = scenario.surroundings().zones.iter().zip(score.visited());
+        let zones = scenario.surroundings.zones.iter().zip(score.visited());
         let zone = |name: &str, is_goal, visited| ZoneScore { name: name.to_owned(), is_goal, visited };
         let zones: Vec<_> = zones.map(|(spec, &visited)| zone(&spec.name, spec.goal, visited)).collect();
-        let (covered, sensed) = (score.covered(scenario.rules()), score.sensed(scenario.rules()));
+        let (covered, sensed) = (score.covered(&scenario.rules), score.sensed(&scenario.rules));
         let something = covered.is_some() || sensed.is_some() || !zones.is_empty();
         something.then_some(Self { covered, sensed, zones })
     }

@@ -60,7 +60,7 @@ impl ObserveService for Observe {
         let world = self.registry.find("world", &world)?;
         let scenario = world.ask(Message::Describe).await?;
         let every_ticks = match every_ticks {
-            0 => 1_000_000_000 / DEFAULT_RATE_HZ / scenario.step_ns(),
+            0 => 1_000_000_000 / DEFAULT_RATE_HZ / scenario.step_ns,
             ticks => ticks,
         };
         let details = detailed(&scenario, &details)?;
@@ -77,7 +77,7 @@ fn detailed(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, Status>
         let text = format!("details: there are {}, the limit is {MAX_DETAILS}", names.len());
         return Err(Status::invalid_argument(text));
     }
-    let robots = scenario.robots();
+    let robots = &scenario.robots;
     let place = |(i, name): (usize, &String)| {
         let found = robots.iter().position(|spec| spec.name == *name);
         found.ok_or_else(|| Status::not_found(format!("details[{i}]: there is no robot `{}`", brief(name))))

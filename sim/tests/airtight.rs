@@ -153,7 +153,7 @@ fn overlap(a: &Outline, b: &Outline) -> bool {
 }
 
 fn overlaps_arena(body: &Outline, world: &World) -> bool {
-    let arena = world.scenario().arena();
+    let arena = &world.scenario().arena;
     match body {
         Outline::Disc(disc) => arena.obstacle_at(disc).is_some(),
         Outline::Polygon(points) => arena.index().meets_polygon(points).is_some(),
@@ -173,7 +173,7 @@ fn is_outside(pose: &Pose) -> bool {
 /// What is wrong, if anything.
 fn flaws(world: &World) -> String {
     let scenario = world.scenario();
-    let movers = scenario.movers().len();
+    let movers = scenario.movers.len();
     // Movers may overlap each other and the arena; nothing else may.
     let mut bodies: Vec<(String, Pose, Outline)> =
         world.things().map(|thing| (thing.name.into(), thing.pose, thing.outline)).collect();

@@ -36,7 +36,7 @@ fn something_happens_in_each() {
 #[test]
 fn each_is_called_as_its_file_and_says_what_to_try() {
     for (name, text) in files() {
-        assert_eq!(parse(&name, &text).name(), name);
+        assert_eq!(parse(&name, &text).name, name);
         let head: Vec<_> = text.lines().take_while(|line| line.starts_with('#')).collect();
         assert!(head.iter().any(|line| line.starts_with("# Try:")), "{name} says nothing to try");
         let command = format!("baudbot run scenarios/devices/{name}.toml");
@@ -74,7 +74,7 @@ fn quoted_or_word(text: &str) -> &str {
 fn every_device_is_in_one_of_them() {
     let (mut sensors, mut motors, mut actuators) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     for (name, text) in files() {
-        for robot in parse(&name, &text).robots() {
+        for robot in &parse(&name, &text).robots {
             sensors.extend(robot.sensors.iter().map(|sensor| sensor.device.kind()));
             motors.insert(robot.drive.motor.kind());
             actuators.extend(robot.actuators.iter().map(baudbot_sim::actuator::Actuator::kind));
@@ -89,7 +89,7 @@ fn every_device_is_in_one_of_them() {
 fn every_cable_is_in_one_of_them() {
     let mut cables = BTreeSet::new();
     for (name, text) in files() {
-        for robot in parse(&name, &text).robots() {
+        for robot in &parse(&name, &text).robots {
             let (kind, outages) = match &robot.link {
                 Link::Ideal => ("ideal", &[][..]),
                 Link::Onboard => ("onboard", &[][..]),

@@ -26,7 +26,7 @@ fn scenarios() -> Vec<(String, Arc<Scenario>)> {
         // Those with maps and plans are other crates' matter.
         let scenario = baudbot_scenario::parse(&fs::read_to_string(&path).unwrap()).ok()?;
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        (scenario.robots().len() <= 4).then(|| (name, scenario.into()))
+        (scenario.robots.len() <= 4).then(|| (name, scenario.into()))
     };
     let found: Vec<_> = paths.into_iter().filter_map(parse).collect();
     assert!(found.len() > 15, "{}", found.len());

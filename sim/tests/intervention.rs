@@ -47,7 +47,7 @@ fn world() -> World {
 fn tick(world: &mut World) {
     let turns = world.begin().to_vec();
     let mut bytes = [0; frame::MAX_FRAME];
-    let layout = world.scenario().robots()[0].firmware.layout();
+    let layout = world.scenario().robots[0].firmware.layout();
     let mut payload = [0; frame::MAX_PAYLOAD];
     let n = message::write_command(&Layout { ..layout }, 0, [0.2, 0.2], &mut payload).unwrap();
     let n = frame::encode(&payload[..n], &mut bytes).unwrap();

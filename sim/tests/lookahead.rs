@@ -109,7 +109,7 @@ impl Twins {
         let answers = self.answers(&self.strict);
         finish(&mut self.strict, &answers);
 
-        let end = self.ahead.time() + self.ahead.scenario().step_ns();
+        let end = self.ahead.time() + self.ahead.scenario().step_ns;
         let near = move |world: &World, robot, done| world.reach(robot, done).is_none_or(|reach| reach < end);
         self.supply(near);
         self.ahead.begin();

@@ -22,7 +22,7 @@ fn run(world: &mut World, ticks: u64) {
 
 fn again(world: &World) -> World {
     // As another process does it: the scenario is parsed again.
-    let source = world.scenario().source();
+    let source = &world.scenario().source;
     let overrides: Vec<_> = source.overrides.iter().map(|text| Override::parse(text).unwrap()).collect();
     let scenario = baudbot_scenario::parse_with(&source.toml, &overrides).unwrap();
     World::load(Arc::new(scenario), &world.save(), world.hash()).unwrap()
@@ -85,7 +85,7 @@ fn within_a_tick_and_after_changes_by_hand() {
     world.intervene(&Intervention::PlaceRobot { robot: robot(), pose: Pose::new(1.0, 2.0, 0.5) }).unwrap();
     world.begin();
     let mut loaded = again(&world);
-    assert_eq!(loaded.scenario().robots(), world.scenario().robots());
+    assert_eq!(&loaded.scenario().robots, &world.scenario().robots);
     run(&mut world, 50);
     run(&mut loaded, 50);
     assert_eq!(loaded.hash(), world.hash());

@@ -335,7 +335,7 @@ proptest! {
                 let discs: Vec<_> = world.robots().map(|robot| (robot.motion().pose.position, robot.spec().drive.radius_m)).collect();
                 for (i, (center, radius)) in discs.iter().enumerate() {
                     let disc = baudbot_geometry::Circle { center: *center, radius: *radius };
-                    prop_assert_eq!(world.scenario().arena().obstacle_at(&disc), None);
+                    prop_assert_eq!(world.scenario().arena.obstacle_at(&disc), None);
                     for (other, other_radius) in &discs[..i] {
                         prop_assert!((other - center).norm() >= radius + other_radius - 1e-12);
                     }

@@ -67,7 +67,7 @@ fn main() {
     );
     for (name, toml) in COURSES {
         let scenario = scenario(toml, &[]);
-        let body = baudbot_client::Body::from(&scenario.robots()[0]);
+        let body = baudbot_client::Body::from(&scenario.robots[0]);
         let rays = body
             .sensors
             .iter()
@@ -76,7 +76,7 @@ fn main() {
             .max();
         let took = Arc::new(Mutex::new(Vec::new()));
         let brain = catalogue::brain(name, 1, &body).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let ticks = (minutes * 60.0 / (scenario.step_ns() as f64 / 1e9)) as u64;
+        let ticks = (minutes * 60.0 / (scenario.step_ns as f64 / 1e9)) as u64;
         let mut pair = Pair::with_brain(scenario, Timed { brain, took: Arc::clone(&took) }).unwrap();
         pair.run(ticks);
         let mut took = took.lock().unwrap().clone();

@@ -17,7 +17,7 @@ fn for_each_robot(mut check: impl FnMut(&RobotSpec)) {
             let toml = fs::read_to_string(&path).unwrap();
             let scenario =
                 baudbot_scenario::parse(&toml).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-            scenario.robots().iter().for_each(&mut check);
+            scenario.robots.iter().for_each(&mut check);
         }
     }
 }

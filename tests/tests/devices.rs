@@ -163,7 +163,7 @@ async fn a_brain_learns_of_its_turret_its_laser_and_its_ports() {
     assert_eq!((port.format.name(), port.baud), ("scip2", None));
     let nmea = body.sensors[2].port.as_ref().unwrap();
     assert_eq!((nmea.format.name(), nmea.baud), ("nmea", Some(4800)));
-    assert_eq!(body, &std::sync::Arc::new(baudbot_client::Body::from(&scenario(SCOUT, &[]).robots()[0])));
+    assert_eq!(body, &std::sync::Arc::new(baudbot_client::Body::from(&scenario(SCOUT, &[]).robots[0])));
     server.shutdown().await;
 }
 

@@ -107,7 +107,7 @@ fn a_ping_answers_after_115_us_to_18_5_ms_of_echo() {
     assert!((0.75 + 0.115 - 0.1..0.75 + 0.115 + 1.1).contains(&near), "{near}");
     assert!((0.75 + 18.5 - 0.1..0.75 + 18.5 + 1.1).contains(&far), "{far}");
     let scenario = baudbot_scenario::parse(&with_sensor("", "preset = \"ping\"")).unwrap();
-    let baudbot_sim::sensor::Device::Sonar(ping) = &scenario.robots()[0].sensors[0].device else { panic!() };
+    let baudbot_sim::sensor::Device::Sonar(ping) = &scenario.robots[0].sensors[0].device else { panic!() };
     let shortest_us = ping.echo_ns(0.0) / 1000;
     assert!((115..=117).contains(&shortest_us), "{shortest_us}");
     assert_eq!(ping.timeout_ns, 18_500_000);

@@ -42,8 +42,8 @@ pub(crate) type Believed = Arc<Mutex<Option<[f64; 2]>>>;
 /// A world with a brain that a text describes, and where that believes to be.
 pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (Pair, Believed) {
     let description = Description::parse(brain).unwrap();
-    let body = Body::from(&scenario.robots()[0]);
-    let brain = description.brain(scenario.seed(), &body, &Registry::standard()).unwrap();
+    let body = Body::from(&scenario.robots[0]);
+    let brain = description.brain(scenario.seed, &body, &Registry::standard()).unwrap();
     let believed_m = Believed::default();
     let pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
     (pair, believed_m)

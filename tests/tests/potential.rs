@@ -153,9 +153,8 @@ fn brain(trap: &Trap, knows: Knows, radius_m: f64) -> String {
 fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     let scenario = scenario(&arena(trap, knows, radius_m, start), &[]);
     let description = Description::parse(&brain(trap, knows, radius_m)).unwrap();
-    let brain = description
-        .brain(scenario.seed(), &Body::from(&scenario.robots()[0]), &Registry::standard())
-        .unwrap();
+    let brain =
+        description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard()).unwrap();
     let mut pair = Pair::with_brain(scenario, brain).unwrap();
     let arrives = |pair: &mut Pair| {
         pair.run(10);

@@ -30,7 +30,7 @@ fn run(toml: &str, brain: &str, link: &str, others: &[&str]) -> Run {
         seconds: pair.world.time().as_ns() as f64 * 1e-9,
         collisions: robot.counters().collisions,
         distance_m: robot.counters().distance_m,
-        sensed: score.sensed(pair.world.scenario().rules()).unwrap_or_default(),
+        sensed: score.sensed(&pair.world.scenario().rules).unwrap_or_default(),
         goals: score.visited().iter().filter(|is_visited| **is_visited).count(),
     }
 }

@@ -18,7 +18,7 @@ fn never_runs_empty(seeds: std::ops::RangeInclusive<u64>, minutes: u64) {
         // The hour is over, or it goes on.
         let ending = world.ending().map(ToString::to_string).unwrap_or_default();
         assert!(!ending.contains("battery"), "seed {seed}: {ending}");
-        let covered = world.score().covered(world.scenario().rules()).expect("it is counted");
+        let covered = world.score().covered(&world.scenario().rules).expect("it is counted");
         assert!(covered > 0.6, "seed {seed}: {covered}");
     }
 }
@@ -46,7 +46,7 @@ fn the_tuned_one_covers_more_than_the_one_set_by_hand_and_is_not_empty() {
         let covered = |brain: &str| {
             let pair = sweep(brain, seed, 30);
             assert!(pair.world.ending().is_none(), "seed {seed}: {:?}", pair.world.ending());
-            pair.world.score().covered(pair.world.scenario().rules()).expect("it is counted")
+            pair.world.score().covered(&pair.world.scenario().rules).expect("it is counted")
         };
         let (by_hand, tuned) = (covered("sweeper"), covered(TUNED));
         assert!(tuned > by_hand + 0.1, "seed {seed}: {by_hand} {tuned}");

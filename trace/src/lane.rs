@@ -135,7 +135,7 @@ mod tests {
 
     fn lanes(toml: &str) -> Vec<String> {
         let scenario = baudbot_scenario::parse(toml).unwrap();
-        let robot = &scenario.robots()[0];
+        let robot = &scenario.robots[0];
         Lane::all(robot).into_iter().map(|lane| lane.name(robot)).collect()
     }
 

@@ -33,7 +33,7 @@ fn event(start: u64, end: u64, what: What) -> Event {
 }
 
 fn written(events: &[(usize, Event)]) -> Trace {
-    let mut writer = TraceWriter::new(Vec::new(), "box", scenario().robots()).unwrap();
+    let mut writer = TraceWriter::new(Vec::new(), "box", &scenario().robots).unwrap();
     events.iter().for_each(|(robot, event)| writer.event(*robot, event).unwrap());
     Trace::decode(&*writer.finish().unwrap()).unwrap()
 }
@@ -135,7 +135,7 @@ fn bytes_sensors_and_news_are_told_of_a_slice() {
 
 #[test]
 fn what_was_not_recorded_leaves_a_mark_at_the_latest_instant() {
-    let mut writer = TraceWriter::new(Vec::new(), "box", scenario().robots()).unwrap();
+    let mut writer = TraceWriter::new(Vec::new(), "box", &scenario().robots).unwrap();
     writer.event(0, &event(0, 40, What::Block)).unwrap();
     writer.lost(0, 12).unwrap();
     let trace = Trace::decode(&*writer.finish().unwrap()).unwrap();
@@ -145,7 +145,7 @@ fn what_was_not_recorded_leaves_a_mark_at_the_latest_instant() {
 
 #[test]
 fn a_robot_or_a_sensor_that_is_not_there_is_no_panic() {
-    let mut writer = TraceWriter::new(Vec::new(), "box", scenario().robots()).unwrap();
+    let mut writer = TraceWriter::new(Vec::new(), "box", &scenario().robots).unwrap();
     assert!(writer.event(2, &event(0, 1, What::Act)).is_err() && writer.lost(2, 1).is_err());
     writer.event(0, &event(0, 1, What::Acquire { sensor: 9 })).unwrap();
     let trace = Trace::decode(&*writer.finish().unwrap()).unwrap();
@@ -154,7 +154,7 @@ fn a_robot_or_a_sensor_that_is_not_there_is_no_panic() {
 
 #[test]
 fn a_trace_grows_on_its_way_and_not_at_its_end() {
-    let mut writer = TraceWriter::new(Counting(0), "box", scenario().robots()).unwrap();
+    let mut writer = TraceWriter::new(Counting(0), "box", &scenario().robots).unwrap();
     for i in 0..1000 {
         writer.event(0, &event(10 * i, 10 * i + 5, What::Frame { bytes: 9 })).unwrap();
     }

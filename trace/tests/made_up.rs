@@ -13,7 +13,7 @@ fn a_trace_for_perfettos_own_schema() {
     let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml")).unwrap();
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("made-up.pftrace");
     let out = BufWriter::new(File::create(&path).unwrap());
-    let mut writer = TraceWriter::new(out, "made up", scenario.robots()).unwrap();
+    let mut writer = TraceWriter::new(out, "made up", &scenario.robots).unwrap();
     for cycle in 0..50 {
         events(20_000 * cycle).iter().for_each(|event| writer.event(0, event).unwrap());
     }

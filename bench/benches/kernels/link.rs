@@ -37,7 +37,7 @@ fn run(world: &mut World, commands: &[u8]) -> u64 {
 fn uart_both_ways(bencher: Bencher<'_, '_>) {
     let mut world = World::new(baudbot_scenario::parse(ROBOT).expect("a scenario").into());
     world.keep_timeline(0);
-    let layout = world.scenario().robots()[0].firmware.layout();
+    let layout = world.scenario().robots[0].firmware.layout();
     let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
     let len = write_command(&layout, 0, [0.3, 0.3], &mut payload).expect("a command");
     let len = frame::encode(&payload[..len], &mut framed).expect("a frame");

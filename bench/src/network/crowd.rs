@@ -24,7 +24,7 @@ pub(super) fn run(
     command: Command,
     mut progress: impl FnMut(u32),
 ) -> Result<(Found, Vec<String>), NetworkError> {
-    let step = Duration::from_nanos(scenario.step_ns());
+    let step = Duration::from_nanos(scenario.step_ns);
     let ticks = Ticks::default();
     let heard = ticks.clone();
     let world = WorldConfig::new(WORLD, scenario).pace(Pace::REAL_TIME).paused(true);

@@ -91,7 +91,7 @@ impl Network {
         let lookahead = self == Self::Serial { lookahead: true };
         let scenario = self.scenario()?;
         let scenario = parse(&scenario).map_err(Unfit::from)?;
-        let robots = scenario.robots().iter().map(|spec| spec.name.clone()).collect();
+        let robots = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
         if self == Self::Crowd {
             return crowd::run(scenario, robots, effort, command, progress);
         }

@@ -20,14 +20,14 @@ use crate::together;
 pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
-    let named = |name: &String| scenario.robots().iter().position(|robot| robot.name == *name);
+    let named = |name: &String| scenario.robots.iter().position(|robot| robot.name == *name);
     if let Some(name) = args.robots.iter().find(|name| named(name).is_none()) {
-        let names: Vec<_> = scenario.robots().iter().map(|robot| format!("`{}`", robot.name)).collect();
+        let names: Vec<_> = scenario.robots.iter().map(|robot| format!("`{}`", robot.name)).collect();
         let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
         return Err(Refused::error(format!("--robot: there is no robot `{name}`; there are: {there}")));
     }
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
-    let wanted: Vec<_> = scenario.robots().iter().filter(|robot| wanted(&robot.name)).collect();
+    let wanted: Vec<_> = scenario.robots.iter().filter(|robot| wanted(&robot.name)).collect();
     let budget = Budget::of_some(&scenario, wanted.iter().copied());
     if let Some(path) = &args.svg {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));

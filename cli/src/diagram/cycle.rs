@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_cycle_is_followed_from_its_first_read_to_its_act() {
         let (scenario, events) = demo::wander(0, 5);
-        let robot = &scenario.robots()[0];
+        let robot = &scenario.robots[0];
         let cycle = Cycle::find(robot, &events, 3).unwrap();
         let kinds: Vec<_> = cycle.events.iter().map(|i| events[*i].what).collect();
         let reads = kinds.iter().filter(|what| matches!(what, What::Acquire { .. })).count();
@@ -142,14 +142,14 @@ mod tests {
             event(10, 20, up),
             event(20, 30, up),
         ];
-        let cycle = Cycle::find(&scenario.robots()[0], &events, 3).unwrap();
+        let cycle = Cycle::find(&scenario.robots[0], &events, 3).unwrap();
         assert_eq!(cycle.events, BTreeSet::from([2, 5]));
     }
 
     #[test]
     fn a_cycle_without_an_answer_ends_where_it_got_to() {
         let (scenario, events) = demo::wander(0, 3);
-        let robot = &scenario.robots()[0];
+        let robot = &scenario.robots[0];
         let silent: Vec<_> =
             events.into_iter().filter(|event| !matches!(event.what, What::Think { .. })).collect();
         let cycle = Cycle::find(robot, &silent, 2).unwrap();

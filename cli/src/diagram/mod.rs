@@ -35,16 +35,16 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
-    let jobs = crew::share_out(&args.brains, scenario.robots())?;
+    let jobs = crew::share_out(&args.brains, &scenario.robots)?;
     jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
-    let place = place(args.robot.as_deref(), scenario.robots())?;
-    let robot = &scenario.robots()[place];
+    let place = place(args.robot.as_deref(), &scenario.robots)?;
+    let robot = &scenario.robots[place];
     let wanted = wanted(args);
-    let events = wanted.record(scenario.step_ns(), world(scenario.clone(), &jobs, place)?)?;
-    let window = wanted.window(robot, &events, scenario.step_ns());
+    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &jobs, place)?)?;
+    let window = wanted.window(robot, &events, scenario.step_ns);
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
-    let mut picture = picture(&name, scenario.step_ns(), robot, &events, &window);
+    let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
     picture.ran = ran(&scenario, robot, &jobs);
     text::write(path, &picture.draw())
 }
@@ -53,9 +53,9 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
 fn ran(scenario: &Scenario, robot: &RobotSpec, jobs: &[Job]) -> Vec<String> {
     let own = jobs.iter().filter(|job| job.robots.contains(&robot.name));
     let brains: Vec<_> = own.map(|job| job.brain.clone()).collect();
-    let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed());
+    let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed);
     let about = caption::about(scenario, false);
-    let changed = (about != scenario.description()).then_some(about);
+    let changed = (about != scenario.description).then_some(about);
     [Some(facts), changed].into_iter().flatten().collect()
 }
 

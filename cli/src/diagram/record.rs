@@ -211,13 +211,13 @@ mod tests {
     #[test]
     fn a_cycle_is_shown_from_the_boundary_before_it_to_one_behind_it() {
         let (scenario, events) = demo::wander(0, 6);
-        let window = |place| wanted(place).window(&scenario.robots()[0], &events, STEP_NS);
+        let window = |place| wanted(place).window(&scenario.robots[0], &events, STEP_NS);
         let cycle = window(Place::Cycle(3));
         let end = cycle.cycle.as_ref().unwrap().end(&events).as_ns();
         assert_eq!((end, cycle.from_ns, cycle.until_ns), (83_000_000, 38_000_000, 92_000_000));
         let usual = window(Place::Usual);
         assert_eq!((usual.from_ns, usual.until_ns, usual.cycle), (30_000_000, 60_000_000, None));
         let at = Wanted { place: Place::At(u64::MAX), span_ns: Some(7) };
-        assert_eq!(at.window(&scenario.robots()[0], &events, STEP_NS).until_ns, u64::MAX);
+        assert_eq!(at.window(&scenario.robots[0], &events, STEP_NS).until_ns, u64::MAX);
     }
 }

@@ -31,10 +31,10 @@ fn rectangles(svg: &str, title: &str) -> Vec<(f64, f64, String)> {
 
 fn of_wander(place: Place) -> String {
     let (scenario, events) = demo::wander(0, 8);
-    let robot = &scenario.robots()[0];
+    let robot = &scenario.robots[0];
     let wanted = Wanted { place, span_ns: None };
-    let window = wanted.window(robot, &events, scenario.step_ns());
-    picture("wander", scenario.step_ns(), robot, &events, &window).draw()
+    let window = wanted.window(robot, &events, scenario.step_ns);
+    picture("wander", scenario.step_ns, robot, &events, &window).draw()
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn a_cycle_that_is_longer_than_a_step_is_red_beyond_it() {
 #[test]
 fn the_table_has_a_line_for_each_event_and_a_star_for_those_of_the_cycle() {
     let (scenario, events) = demo::wander(0, 8);
-    let robot = &scenario.robots()[0];
+    let robot = &scenario.robots[0];
     let wanted = Wanted { place: Place::Cycle(3), span_ns: Some(3_000_000) };
     let window = wanted.window(robot, &events, STEP_NS);
     let table = table::table(robot, &events, &window);
@@ -94,7 +94,7 @@ start ms  duration ms  who              what
 #[test]
 fn an_adapter_a_port_and_a_device_with_a_clock_have_lanes() {
     let (scenario, events) = demo::scout(6);
-    let robot = &scenario.robots()[0];
+    let robot = &scenario.robots[0];
     let wanted = Wanted { place: Place::Cycle(2), span_ns: None };
     let window = wanted.window(robot, &events, STEP_NS);
     let svg = picture("lab", STEP_NS, robot, &events, &window).draw();

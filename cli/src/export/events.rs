@@ -32,7 +32,7 @@ impl Events {
     pub(super) fn new(out: Out, tape: &Arc<Tape>, from: SimTime) -> Self {
         let mut recorded = tape.events().to_vec();
         recorded.sort_by_key(|event| event.tick);
-        let seen = vec![0; tape.scenario().robots().len()];
+        let seen = vec![0; tape.scenario().robots.len()];
         Self { out: csv::Writer::from_writer(out), recorded, next: 0, from, seen, is_begun: false }
     }
 
@@ -40,12 +40,12 @@ impl Events {
     fn recorded(&mut self, world: &World) -> io::Result<()> {
         while let Some(event) = self.recorded.get(self.next).filter(|event| event.tick <= world.tick()) {
             self.next += 1;
-            let at_ns = event.tick.saturating_mul(world.scenario().step_ns());
+            let at_ns = event.tick.saturating_mul(world.scenario().step_ns);
             if at_ns < self.from.as_ns() {
                 continue;
             }
             let at_ns = at_ns.to_string();
-            let robot = robot_of(event, world.scenario().robots());
+            let robot = robot_of(event, &world.scenario().robots);
             self.out.write_record([&at_ns, &at_ns, robot, kind_of(event), "", "", &event.text])?;
         }
         Ok(())

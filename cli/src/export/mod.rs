@@ -117,7 +117,7 @@ fn notes(args: &ExportArgs, tape: &Tape) {
 
 /// All that is written while the run is simulated.
 fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Result<Vec<Output>> {
-    let robots = tape.scenario().robots();
+    let robots = &tape.scenario().robots;
     let every = window::every(&args.rows, tape.header().step_ns);
     // Before any file is opened: it may be that there is nothing to write.
     let with = beliefs::columns(&args.with, robots)?;

@@ -30,7 +30,7 @@ impl Ran {
         }
         let scenario: &Scenario = tape.scenario();
         let about = caption::about(scenario, !changed.is_empty());
-        Self { about, brains, links: Vec::new(), seed: scenario.seed(), changed }
+        Self { about, brains, links: Vec::new(), seed: scenario.seed, changed }
     }
 
     /// Whether somebody changed something by hand before this tick.

@@ -66,7 +66,7 @@ impl<'a> Summary<'a> {
             format: header.format,
             program_version: &header.program_version,
             world: &header.world,
-            scenario: tape.scenario().name(),
+            scenario: &tape.scenario().name,
             seed: header.seed,
             started: started.to_string(),
             step_ns,

@@ -41,7 +41,7 @@ struct Way {
 
 impl Picture {
     pub(super) fn new(out: Out, tape: &Arc<Tape>) -> Self {
-        let robots = tape.scenario().robots().len();
+        let robots = tape.scenario().robots.len();
         Self {
             out,
             scenario: Arc::clone(tape.scenario()),
@@ -69,7 +69,7 @@ impl Sink for Picture {
         let missing = world.tick() - before - 1;
         self.missing += missing;
         let changed = self.ran.is_changed(world.tick());
-        let step_s = world.scenario().step_ns() as f64 * 1e-9;
+        let step_s = world.scenario().step_ns as f64 * 1e-9;
         for (way, robot) in self.ways.iter_mut().zip(world.robots()) {
             if missing == 0 {
                 way.go_on(&robot, step_s, changed);
@@ -98,7 +98,7 @@ impl Sink for Picture {
         let robots = self.ways.into_iter().map(Way::done).collect();
         let (about, mut facts) = (self.ran.about().to_owned(), self.ran.facts());
         if self.missing > 0 {
-            let missing_ns = (self.missing * self.scenario.step_ns()) as f64;
+            let missing_ns = (self.missing * self.scenario.step_ns) as f64;
             facts += &format!(" · {} missing in the recording", duration(missing_ns));
         }
         let trails = Trails { robots, from, until, about, facts };
@@ -213,7 +213,7 @@ mod tests {
             world.intervene(&Intervention::PlaceRobot { robot: "a".to_owned(), pose }).unwrap();
         }
         world.begin();
-        way.go_on(&world.robots().next().unwrap(), world.scenario().step_ns() as f64 * 1e-9, put.is_some());
+        way.go_on(&world.robots().next().unwrap(), world.scenario().step_ns as f64 * 1e-9, put.is_some());
     }
 
     #[test]

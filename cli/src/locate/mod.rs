@@ -27,11 +27,11 @@ use crate::text::{self, pairs};
 pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = Arc::new(source.parse(&overrides(&args.changes)?)?);
-    let looker = Looker::find(args, scenario.robots())?;
-    let map = looker.map(scenario.arena())?;
+    let looker = Looker::find(args, &scenario.robots)?;
+    let map = looker.map(&scenario.arena)?;
     let (whole, truth) = looker.scan(&scenario, args.at)?;
     let scan = whole.thinned(args.rays as usize);
-    let hunt = Hunt::new(args, &map, &scan, scenario.seed())?;
+    let hunt = Hunt::new(args, &map, &scan, scenario.seed)?;
     let error_at_truth = error_at(&map, &scan, &truth);
     let rays = whole.distances_m.len();
     let told = Told { args, looker, hunt: &hunt, scan: &scan, rays, truth, error_at_truth };

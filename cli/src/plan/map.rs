@@ -68,9 +68,9 @@ mod tests {
     #[test]
     fn a_cell_is_free_if_all_of_it_is_clear() {
         let scenario = baudbot_scenario::parse(ROOM).unwrap();
-        let grid = grid(scenario.arena(), 0.1, 0.2).unwrap();
+        let grid = grid(&scenario.arena, 0.1, 0.2).unwrap();
         assert_eq!((grid.columns(), grid.rows()), (40, 30));
-        let pillar = scenario.arena().pillars()[0].circle;
+        let pillar = scenario.arena.pillars()[0].circle;
         for cell in grid.cells() {
             let least = grid.corner(cell);
             let square = Bounds { min: least, max: grid.corner(cell.offset(1, 1)) };
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn a_plane_without_walls_is_no_map() {
         let nothing = baudbot_scenario::parse("").unwrap();
-        assert_eq!(grid(nothing.arena(), 0.1, 0.2), Err(GridError::NoWalls));
+        assert_eq!(grid(&nothing.arena, 0.1, 0.2), Err(GridError::NoWalls));
     }
 
     #[test]

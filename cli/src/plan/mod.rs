@@ -27,7 +27,7 @@ use crate::text::{self, pairs};
 pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
-    let robot = robot(args.robot.as_deref(), scenario.robots())?;
+    let robot = robot(args.robot.as_deref(), &scenario.robots)?;
     let task = Task::new(args, &scenario, robot)?;
     let way = Way::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
     let code = if way.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
@@ -78,7 +78,7 @@ impl<'a> Task<'a> {
             return Err(Refused::error(format!("--margin-m: must be 0 or more, is {}", args.margin_m)));
         }
         let clearance_m = robot.drive.radius_m + args.margin_m;
-        let grid = map::grid(scenario.arena(), args.cell_m, clearance_m);
+        let grid = map::grid(&scenario.arena, args.cell_m, clearance_m);
         let grid = grid.map_err(|error| {
             Refused::error(match error {
                 GridError::NoWalls => {

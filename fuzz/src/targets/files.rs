@@ -76,7 +76,7 @@ fn scenarios() -> anyhow::Result<Vec<Vec<u8>>> {
 fn scenario(bytes: &[u8]) -> u64 {
     let text = String::from_utf8_lossy(bytes);
     match baudbot_scenario::parse(&text) {
-        Ok(scenario) => scenario.robots().len().min(5) as u64,
+        Ok(scenario) => scenario.robots.len().min(5) as u64,
         Err(error) => outcome(&error.to_string()),
     }
 }

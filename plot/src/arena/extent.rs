@@ -46,14 +46,14 @@ pub(super) fn radius(shape: &MovableShape) -> f64 {
 }
 
 fn core(scenario: &Scenario) -> Option<Bounds> {
-    let arena = scenario.arena();
+    let arena = &scenario.arena;
     let polygons = arena.polygons().iter().filter_map(|polygon| Bounds::of_points(&polygon.points));
     let pillars = arena.pillars().iter().map(|pillar| Bounds::of_circle(&pillar.circle));
-    let movers = scenario.movers().iter().map(of_mover);
+    let movers = scenario.movers.iter().map(of_mover);
     let movable = |thing: &baudbot_sim::movable::Movable| of_disc(thing.start.position, radius(&thing.shape));
-    let movables = scenario.movables().iter().map(movable);
-    let robots = scenario.robots().iter().map(of_robot);
-    let goal = scenario.end().goal.iter().map(Bounds::of_circle);
+    let movables = scenario.movables.iter().map(movable);
+    let robots = scenario.robots.iter().map(of_robot);
+    let goal = scenario.end.goal.iter().map(Bounds::of_circle);
     let all = polygons.chain(pillars).chain(movers).chain(movables).chain(robots).chain(goal);
     all.reduce(|a, b| a.union(&b))
 }
@@ -75,7 +75,7 @@ fn of_mover(mover: &Mover) -> Bounds {
 }
 
 fn others(scenario: &Scenario) -> Vec<Bounds> {
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     let zones = around.zones.iter().filter_map(|zone| match &zone.region {
         Region::Disc(disc) => Some(Bounds::of_circle(disc)),
         Region::Polygon(points) => Bounds::of_points(points),
@@ -92,7 +92,7 @@ fn is_near(core: &Bounds, other: &Bounds) -> bool {
 }
 
 fn has_walls(scenario: &Scenario) -> bool {
-    !scenario.arena().polygons().is_empty() || !scenario.arena().pillars().is_empty()
+    !scenario.arena.polygons().is_empty() || !scenario.arena.pillars().is_empty()
 }
 
 /// The margin in a world without walls, in metres: sensors must have room for their fans.
@@ -101,7 +101,7 @@ fn reach(scenario: &Scenario) -> f64 {
         let range = robot.sensors.iter().filter_map(|sensor| sensor.device.range_m()).fold(0.0, f64::max);
         range.clamp(3.0 * robot.drive.radius_m, 12.0 * robot.drive.radius_m)
     };
-    scenario.robots().iter().map(of_robot).fold(0.0, f64::max)
+    scenario.robots.iter().map(of_robot).fold(0.0, f64::max)
 }
 
 /// A box with a margin that is neither too wide nor too high.

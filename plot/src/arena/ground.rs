@@ -45,7 +45,7 @@ pub(super) fn definitions(canvas: &mut Canvas, around: &Surroundings) {
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     draw_near(canvas, view, scenario);
     // Both tell of what is far away, and would be wrong in a smaller window.
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     for (i, field) in around.fields.iter().enumerate() {
         draw_slope(canvas, view, i, field);
     }
@@ -56,7 +56,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
 
 /// Draws the floor of any window.
 pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     canvas.put(view.frame().set("fill", &palette::floor(around.floor)));
     for zone in around.zones.iter().filter(|zone| view.shows(&bounds(&zone.region))) {
         draw_zone(canvas, view, zone);
@@ -67,7 +67,7 @@ pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
     for light in around.lights.iter().filter(|light| is_in(view, light)) {
         draw_light(canvas, view, light);
     }
-    if let Some(goal) = &scenario.end().goal {
+    if let Some(goal) = &scenario.end.goal {
         let ring = view.circle(goal).set("fill", GOAL).set("fill-opacity", "0.1").set("stroke", GOAL);
         let ring = ring.set("stroke-width", "2").set("stroke-dasharray", "7 4");
         canvas.put(ring.titled("the run ends when a robot's centre is in here"));
@@ -76,8 +76,8 @@ pub(super) fn draw_near(canvas: &mut Canvas, view: &View, scenario: &Scenario) {
 
 /// Puts names of zones, lamps and fields.
 pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
-    let around = scenario.surroundings();
-    if let Some(goal) = scenario.end().goal {
+    let around = &scenario.surroundings;
+    if let Some(goal) = scenario.end.goal {
         labels.put("end of the run", NAME, about(view, goal.center, view.length(goal.radius)));
     }
     for light in &around.lights {

@@ -95,7 +95,7 @@ pub(super) fn of_surroundings(scenario: &Scenario, shown: Shown<'_>) -> Option<B
 }
 
 fn entries(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     let mut entries = marks(scenario, shown);
     for zone in &around.zones {
         let uses = ZoneUses::from(zone);
@@ -128,9 +128,9 @@ fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     let with_robots = matches!(shown, Shown::Starts);
     let with_wheels = with_robots || matches!(shown, Shown::Trails(_));
     let mut devices =
-        scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device);
+        scenario.robots.iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device);
     let turrets = with_robots
-        && scenario.robots().iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
+        && scenario.robots.iter().any(|robot| robot.actuators.iter().any(|a| a.kind() == "turret"));
     let line = |data: &str| drawn(data).set("fill", "none").set("stroke-width", "1.6");
     let dashed = rectangle((0.0, 0.0), (15.0, 10.0)).set("fill", "#dadde2").set("stroke", WALL);
     let movable = rectangle((1.0, 0.0), (13.0, 10.0)).set("fill", MOVABLE);
@@ -139,16 +139,16 @@ fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
     let all = [
         (rays, ray(), "a ray, with a dot where it meets something"),
         (
-            has_low_walls(scenario.arena()),
+            has_low_walls(&scenario.arena),
             dashed.set("stroke-dasharray", "4 2"),
             "low, with its height: sensors that sit higher overlook it",
         ),
         (
-            !scenario.movers().is_empty(),
+            !scenario.movers.is_empty(),
             line("M0 5H15").set("stroke", MOVER).set("stroke-dasharray", "5 3"),
             "the way of what moves by itself; dots around what wanders",
         ),
-        (!scenario.movables().is_empty(), movable.set("stroke", "#78603c"), "can be pushed"),
+        (!scenario.movables.is_empty(), movable.set("stroke", "#78603c"), "can be pushed"),
         (
             with_wheels && devices.any(|device| matches!(device, Device::Encoders(_))),
             wheel.set("stroke-width", "1"),

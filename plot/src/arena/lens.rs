@@ -95,12 +95,12 @@ fn draw_inside(
 ) {
     let scenario: &Scenario = world.scenario();
     ground::draw_near(canvas, view, scenario);
-    walls::draw(canvas, view, scenario.arena());
+    walls::draw(canvas, view, &scenario.arena);
     things::draw(canvas, view, scenario, false);
     let robot = (kind.first, kind.robot);
     senses::fans(canvas, view, onlooker, robot);
     let near = |other: &&baudbot_sim::model::RobotSpec| view.shows(&extent::of_robot(other));
-    for other in scenario.robots().iter().filter(near) {
+    for other in scenario.robots.iter().filter(near) {
         body::draw(canvas, view, other);
     }
     senses::mounts(canvas, view, onlooker, robot);

@@ -84,10 +84,10 @@ enum Shown<'a> {
 fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let world = World::new(Arc::new(scenario.clone()));
     let onlooker = Onlooker::new(&world);
-    let kinds = kinds::of(scenario.robots());
+    let kinds = kinds::of(&scenario.robots);
     let start = extent::of(scenario);
     let went = match shown {
-        Shown::Trails(trails) => trails.bounds(scenario.robots()),
+        Shown::Trails(trails) => trails.bounds(&scenario.robots),
         Shown::PoseSearch(search) => Some(search.bounds()),
         Shown::Starts | Shown::Route(_) => None,
     };
@@ -149,7 +149,7 @@ fn document(
     canvas.open(root.titled(&format!("{}, seen from above", name(scenario, label))));
     canvas.put(Element::new("desc").text(&format!("{} ", told(scenario, shown).join(" "))));
     canvas.open(Element::new("defs"));
-    ground::definitions(&mut canvas, scenario.surroundings());
+    ground::definitions(&mut canvas, &scenario.surroundings);
     canvas.close("defs");
     canvas.put(svg::paper((width, height)));
     canvas.append(inside);
@@ -158,7 +158,7 @@ fn document(
 }
 
 fn name<'a>(scenario: &'a Scenario, label: &'a str) -> &'a str {
-    if scenario.name().is_empty() { label } else { scenario.name() }
+    if scenario.name.is_empty() { label } else { &scenario.name }
 }
 
 /// What it is of, and what ran in it.
@@ -235,7 +235,7 @@ impl Plan<'_> {
             route::draw_cells(canvas, view, route);
         }
         frame::grid(canvas, view);
-        walls::draw(canvas, view, scenario.arena());
+        walls::draw(canvas, view, &scenario.arena);
         things::draw(canvas, view, scenario, true);
         match self.shown {
             Shown::Starts => self.draw_robots(canvas),
@@ -243,7 +243,7 @@ impl Plan<'_> {
             Shown::PoseSearch(search) => pose_search::draw(canvas, view, scenario, search),
             Shown::Trails(trails) => {
                 canvas.open(Element::group().set("opacity", "0.4"));
-                scenario.robots().iter().for_each(|robot| body::draw(canvas, view, robot));
+                scenario.robots.iter().for_each(|robot| body::draw(canvas, view, robot));
                 canvas.close("g");
                 trails::draw(canvas, view, scenario, trails);
             }
@@ -258,7 +258,7 @@ impl Plan<'_> {
 
     /// Robots at their starts, with what they look at.
     fn draw_robots(&self, canvas: &mut Canvas) {
-        let (view, onlooker, robots) = (&self.view, self.onlooker, self.world.scenario().robots());
+        let (view, onlooker, robots) = (&self.view, self.onlooker, &self.world.scenario().robots);
         let is_crowd = robots.len() > CROWD;
         for robot in robots.iter().enumerate().take(MOST_FANS) {
             match is_crowd {
@@ -282,14 +282,14 @@ impl Plan<'_> {
         let (view, scenario): (&View, &Scenario) = (&self.view, self.world.scenario());
         let lenses = self.lenses;
         let robots = if matches!(self.shown, Shown::Route(_) | Shown::PoseSearch(_)) {
-            &[]
+            &[][..]
         } else {
-            scenario.robots()
+            &scenario.robots
         };
         for robot in robots {
             labels.keep_disc(view.at(robot.start.pose.position), view.length(body::reach(robot)) + 1.0);
         }
-        let outside = walls::label_inside(labels, view, scenario.arena());
+        let outside = walls::label_inside(labels, view, &scenario.arena);
         let is_start = matches!(self.shown, Shown::Starts);
         let is_told = |kind: &&Kind<'_>| !lenses.has(kind) && robots.len() <= CROWD && is_start;
         for kind in self.kinds.iter().filter(is_told) {
@@ -310,7 +310,7 @@ impl Plan<'_> {
         }
         things::label(labels, view, scenario);
         ground::label(labels, view, scenario);
-        walls::label_outside(labels, view, scenario.arena(), &outside);
+        walls::label_outside(labels, view, &scenario.arena, &outside);
     }
 }
 

@@ -68,7 +68,7 @@ impl PoseSearch {
 /// Draws it into the plan: robots, what was seen, and both ends of the search.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, search: &PoseSearch) {
     canvas.open(Element::group().set("opacity", "0.4"));
-    for robot in scenario.robots() {
+    for robot in &scenario.robots {
         let is_own = robot.name == search.robot;
         let pose = if is_own { search.truth } else { robot.start.pose };
         body::draw(canvas, view, &RobotSpec { start: Start { pose, ..robot.start }, ..robot.clone() });
@@ -99,7 +99,7 @@ pub(super) fn enlarged(search: &PoseSearch, scenario: &Scenario, plan_scale: f64
     canvas.put(Element::new("clipPath").set("id", "poses").with(shape()));
     canvas.open(Element::group().set("clip-path", "url(#poses)"));
     ground::draw_near(&mut canvas, &view, scenario);
-    walls::draw(&mut canvas, &view, scenario.arena());
+    walls::draw(&mut canvas, &view, &scenario.arena);
     things::draw(&mut canvas, &view, scenario, false);
     seen(&mut canvas, &view, search);
     let rejected: String = search.rejected.iter().map(|pose| heading(&view, pose, 5.0)).collect();

@@ -29,7 +29,7 @@ fn everything_is_in_the_picture_by_name() {
     let picture = drawing(EVERYTHING);
     let texts = texts(&picture);
     let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
-    for robot in scenario.robots() {
+    for robot in &scenario.robots {
         assert!(texts.contains(&format!("robot {}", robot.name)), "{}", robot.name);
         for sensor in robot.sensors.iter() {
             assert!(texts.contains(&format!("{}.{}: ", robot.name, sensor.name)), "{}", sensor.name);
@@ -38,13 +38,13 @@ fn everything_is_in_the_picture_by_name() {
             assert!(texts.contains(&format!(" {}: ", actuator.name)), "{}", actuator.name);
         }
     }
-    let around = scenario.surroundings();
+    let around = &scenario.surroundings;
     let names = around.zones.iter().map(|zone| format!("zone {}: ", zone.name));
     let names = names.chain(around.lights.iter().map(|light| format!("lamp {}: ", light.name)));
     let names = names.chain(around.fields.iter().map(|field| format!("field {}: ", field.name)));
-    let names = names.chain(scenario.movers().iter().map(|mover| format!("{}: moves by itself", mover.name)));
-    let names = names.chain(scenario.movables().iter().map(|thing| format!("{}: a b", thing.name)));
-    let names = names.chain(scenario.arena().polygons().iter().map(|polygon| format!("{}: ", polygon.name)));
+    let names = names.chain(scenario.movers.iter().map(|mover| format!("{}: moves by itself", mover.name)));
+    let names = names.chain(scenario.movables.iter().map(|thing| format!("{}: a b", thing.name)));
+    let names = names.chain(scenario.arena.polygons().iter().map(|polygon| format!("{}: ", polygon.name)));
     for name in names.chain(["the run ends when".to_owned(), "stool: a pillar, 0.45 m high".to_owned()]) {
         assert!(texts.contains(&name), "{name}");
     }
@@ -53,7 +53,7 @@ fn everything_is_in_the_picture_by_name() {
 #[test]
 fn every_kind_of_sensor_is_tried_here() {
     let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
-    let sensors = scenario.robots().iter().flat_map(|robot| robot.sensors.iter());
+    let sensors = scenario.robots.iter().flat_map(|robot| robot.sensors.iter());
     let kinds: BTreeSet<_> = sensors.map(|sensor| sensor.device.kind()).collect();
     // All that there are but `steps`, which needs motors of its own.
     assert_eq!(kinds.len(), 19, "{kinds:?}");
@@ -151,7 +151,7 @@ fn a_fan_ends_where_the_ray_does() {
     let view = View { world: extent::of(world.scenario()), scale: 100.0, left: 0.0, top: 0.0 };
     let mut canvas = Canvas::default();
     let onlooker = Onlooker::new(&world);
-    senses::mounts(&mut canvas, &view, &onlooker, (0, &world.scenario().robots()[0]));
+    senses::mounts(&mut canvas, &view, &onlooker, (0, &world.scenario().robots[0]));
     let (start, end) = (view.at([0.2, 0.0].into()), view.at([0.7, 0.0].into()));
     let line = path([start, end]);
     let drawn = canvas.into_text();

@@ -15,7 +15,7 @@ use crate::text::width;
 
 /// Draws the things that a window shows. Paths are drawn in the plan only.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_ways: bool) {
-    for mover in scenario.movers() {
+    for mover in &scenario.movers {
         if with_ways {
             canvas.open(Element::group().set("stroke", MOVER).set("fill", "none").titled(&way_title(mover)));
             draw_way(canvas, view, mover);
@@ -28,7 +28,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_w
             canvas.put(body.set("stroke-width", "1.3").titled(&way_title(mover)));
         }
     }
-    for thing in scenario.movables() {
+    for thing in &scenario.movables {
         if view.shows(&of_disc(thing.start.position, extent::radius(&thing.shape))) {
             draw_movable(canvas, view, thing);
         }
@@ -37,9 +37,9 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, with_w
 
 /// Puts their names.
 pub(super) fn label(labels: &mut Labels, view: &View, scenario: &Scenario) {
-    let movers = scenario.movers().iter().map(|mover| (&mover.name, bounds_of(mover)));
+    let movers = scenario.movers.iter().map(|mover| (&mover.name, bounds_of(mover)));
     let movables = scenario
-        .movables()
+        .movables
         .iter()
         .map(|thing| (&thing.name, of_disc(thing.start.position, extent::radius(&thing.shape))));
     for (name, bounds) in movers.chain(movables) {

@@ -77,7 +77,7 @@ impl Trails {
 
 /// Draws the trails, over everything else.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, trails: &Trails) {
-    let robots = scenario.robots();
+    let robots = &scenario.robots;
     let is_crowd = robots.len() > MOST_THICK;
     for (i, (trail, robot)) in trails.robots.iter().zip(robots).enumerate() {
         let title = format!("the way of {}: {}", robot.name, told(trail));
@@ -155,7 +155,7 @@ fn cross((x, y): Place) -> Element {
 /// The key of lines and marks.
 pub(super) fn key(scenario: &Scenario, trails: &Trails) -> Block {
     let mut canvas = Canvas::default();
-    let robots = scenario.robots();
+    let robots = &scenario.robots;
     let (from_s, until_s) = (trails.from.as_seconds(), trails.until.as_seconds());
     let whose = if robots.len() == 1 {
         "The way of a robot".to_owned()

@@ -8,8 +8,7 @@ const VIEWER_TIMING: &str = include_str!("../../../viewer/src/timing/kinds.ts");
 #[test]
 fn every_sensor_has_the_style_of_its_kind() {
     let scenario = baudbot_scenario::parse(EVERYTHING).unwrap();
-    for device in scenario.robots().iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device)
-    {
+    for device in scenario.robots.iter().flat_map(|robot| robot.sensors.iter()).map(|sensor| &sensor.device) {
         assert_eq!(sensor(device).kind, device.kind());
         assert_eq!(sensor_kind(device.kind()), Some(sensor(device)));
     }

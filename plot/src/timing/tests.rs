@@ -114,7 +114,7 @@ fn what_cannot_be_told_from_its_neighbour_has_no_label() {
 #[test]
 fn what_was_missed_and_lost_has_lanes_of_its_own_if_there_is_any() {
     let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
-    let robot = &scenario.robots()[0];
+    let robot = &scenario.robots[0];
     let event = |start, end, what| Event { start: SimTime::from_ns(start), end: SimTime::from_ns(end), what };
     let labels = |events: &[Event]| -> Vec<_> {
         lanes(robot, events, (0, 100), None).into_iter().map(|lane| lane.label).collect()

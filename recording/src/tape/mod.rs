@@ -82,8 +82,8 @@ impl Tape {
         let overrides: std::result::Result<Vec<_>, _> =
             header.overrides.iter().map(|text| Override::parse(text)).collect();
         let scenario = baudbot_scenario::parse_with(&header.scenario_toml, &overrides?)?;
-        if header.step_ns != scenario.step_ns() {
-            let (found, step_ns) = (header.step_ns, scenario.step_ns());
+        if header.step_ns != scenario.step_ns {
+            let (found, step_ns) = (header.step_ns, scenario.step_ns);
             return Err(RecordingError::Step { found, step_ns });
         }
         let mut tape = Self {
@@ -118,7 +118,7 @@ impl Tape {
                 }
             topic::EVENTS => self.events.push(decode(topic, data)?),
             topic::INPUTS => {
-                let robots = self.scenario.robots().len();
+                let robots = self.scenario.robots.len();
                 at_most(topic, data, INPUTS_CHANGES, MOST_BY_HAND)?;
                 at_most(topic, data, INPUTS_INPUTS, MOST_BY_HAND.max(MOST_A_ROBOT * robots))?;
                 let kept = self.keep(topic, data)?;

@@ -90,7 +90,7 @@ impl Tape {
 
     /// Beyond that there is no time.
     fn has_time(&self, tick: u64) -> bool {
-        tick <= u64::MAX / self.scenario.step_ns().max(1)
+        tick <= u64::MAX / self.scenario.step_ns.max(1)
     }
 
     /// The parts that can be done again, in the order of ticks: one, unless something is damaged between them.
@@ -100,7 +100,7 @@ impl Tape {
 
     /// The first and the last tick that the recording ever had, as far as the file still tells.
     pub fn extent(&self) -> (u64, u64) {
-        let step_ns = self.scenario.step_ns().max(1);
+        let step_ns = self.scenario.step_ns.max(1);
         let ticks =
             self.condition.times_ns.map(|(first_ns, last_ns)| (first_ns / step_ns, last_ns / step_ns));
         let (first, last) = ticks.unwrap_or((u64::MAX, 0));

@@ -117,7 +117,7 @@ impl WorldActor {
             let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
             let at = self.written_at(robot, write.thinking);
             self.sessions.wait_until(robot, write.until);
-            let spec = &self.world.scenario().robots()[robot];
+            let spec = &self.world.scenario().robots[robot];
             let bytes = self.ports.senders[robot].encode(spec, write.output);
             self.ports.inputs.push(Pending { robot, at, bytes, tick });
         }

@@ -45,7 +45,7 @@ impl WorldActor {
 
     /// The names of robots, as a text.
     fn names(&self, robots: &[usize]) -> String {
-        let specs = self.world.scenario().robots();
+        let specs = &self.world.scenario().robots;
         list(robots.iter().map(|&robot| specs[robot].name.as_str()))
     }
 }

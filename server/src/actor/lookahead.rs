@@ -59,7 +59,7 @@ impl WorldActor {
 
     /// When a brain is done that has promised to think as long as the scenario says.
     fn done_at(&self, turn: &Turn) -> SimTime {
-        turn.at + self.world.scenario().robots()[turn.robot].thinking_ns
+        turn.at + self.world.scenario().robots[turn.robot].thinking_ns
     }
 
     /// Ends the tick; the brains that have not answered are overtaken.
@@ -111,7 +111,7 @@ impl WorldActor {
             let Some(turn) = overtaken.steps.iter().find(|turn| turn.robot == robot) else { continue };
             let done = self.done_at(turn);
             let ports = &mut self.ports;
-            let bytes = ports.senders[robot].encode(&self.world.scenario().robots()[robot], write.output);
+            let bytes = ports.senders[robot].encode(&self.world.scenario().robots[robot], write.output);
             // For the world, this was written before the tick that may have begun.
             ports.senders_at_begin[robot].clone_from(&ports.senders[robot]);
             self.sessions.wait_until(robot, write.until);

@@ -289,7 +289,7 @@ impl WorldActor {
     fn lets_sleep(&mut self, turn: Turn) -> bool {
         let sleeps = self.sessions.sleeps(turn, &self.world);
         if sleeps {
-            let thinking_ns = self.world.scenario().robots()[turn.robot].thinking_ns;
+            let thinking_ns = self.world.scenario().robots[turn.robot].thinking_ns;
             let at = turn.at + thinking_ns;
             self.ports.inputs.push(Pending { robot: turn.robot, at, bytes: Vec::new(), tick: None });
         }
@@ -373,6 +373,6 @@ impl WorldActor {
     }
 
     fn tick_end(&self) -> SimTime {
-        self.world.time() + self.world.scenario().step_ns()
+        self.world.time() + self.world.scenario().step_ns
     }
 }

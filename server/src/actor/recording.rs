@@ -115,7 +115,7 @@ impl WorldActor {
     pub(super) fn record_late(&mut self, robot: usize, done: SimTime, bytes: Vec<u8>) {
         let Some(recorder) = &mut self.recording.recorder else { return };
         let tick = self.recording.overtaken_in[robot];
-        let start = SimTime::from_ns(tick * self.world.scenario().step_ns());
+        let start = SimTime::from_ns(tick * self.world.scenario().step_ns);
         let input = Input { robot, at: done, bytes, answers_tick: None };
         recorder.inputs((tick, start), std::iter::once(input));
     }
@@ -154,6 +154,6 @@ impl WorldActor {
 }
 
 fn names(world: &World, robots: &[usize]) -> String {
-    let name = |&robot: &usize| format!("`{}`", world.scenario().robots()[robot].name);
+    let name = |&robot: &usize| format!("`{}`", world.scenario().robots[robot].name);
     robots.iter().take(MAX_NAMES).map(name).collect::<Vec<_>>().join(", ")
 }

@@ -75,7 +75,7 @@ impl WorldActor {
 
     /// Detaches a robot's brain, for good or so that it begins from its start.
     fn detach_brain(&mut self, robot: &str, restart: bool) -> Result<(), Status> {
-        let robots = self.world.scenario().robots();
+        let robots = &self.world.scenario().robots;
         let Some(i) = robots.iter().position(|spec| spec.name == robot) else {
             return Err(Status::not_found(format!(
                 "detach_brain.robot: there is no robot `{}`",

@@ -13,7 +13,7 @@ const TICK_MS: u64 = 10;
 
 fn actor(pace: Pace) -> WorldActor {
     let scenario = baudbot_scenario::parse(include_str!("../../../scenarios/wander.toml")).unwrap();
-    assert_eq!(scenario.step_ns(), TICK_MS * 1_000_000);
+    assert_eq!(scenario.step_ns, TICK_MS * 1_000_000);
     WorldActor::new("w".into(), NewWorld::new("w".into(), World::new(scenario.into()), pace), Arc::default())
 }
 

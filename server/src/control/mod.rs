@@ -58,7 +58,7 @@ fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status>
     let v1::CreateWorldRequest { world: name, scenario_toml, overrides, saved_mcap, .. } = request;
     let (own, world) = if saved_mcap.is_empty() {
         let scenario = parse_scenario(&scenario_toml, &overrides)?;
-        (scenario.name().to_owned(), World::new(scenario.into()))
+        (scenario.name.to_owned(), World::new(scenario.into()))
     } else if scenario_toml.is_empty() && overrides.is_empty() {
         recordings::from_saved(&saved_mcap)?
     } else {
@@ -85,7 +85,7 @@ const MAX_BUDGETS: usize = 256;
 
 /// The robots of these names; all if there are none.
 fn chosen<'a>(scenario: &'a Scenario, names: &[String]) -> Result<Vec<&'a RobotSpec>, Status> {
-    let robots = scenario.robots();
+    let robots = &scenario.robots;
     if let Some(name) = names.iter().find(|name| robots.iter().all(|robot| robot.name != **name)) {
         return Err(Status::not_found(format!("robots: there is no robot `{}`", brief(name))));
     }

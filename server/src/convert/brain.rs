@@ -13,8 +13,8 @@ use crate::message::{Attached, Delivery, RobotDelivery};
 /// What a brain may know of its robots.
 pub(crate) fn welcome(attached: &Attached) -> v1::AttachResponse {
     let scenario = &attached.scenario;
-    let robots = attached.robots.iter().map(|&i| description(&scenario.robots()[i])).collect();
-    let welcome = v1::Welcome { step_ns: scenario.step_ns(), lockstep: attached.lockstep, robots };
+    let robots = attached.robots.iter().map(|&i| description(&scenario.robots[i])).collect();
+    let welcome = v1::Welcome { step_ns: scenario.step_ns, lockstep: attached.lockstep, robots };
     response(v1::attach_response::Response::Welcome(welcome))
 }
 

@@ -6,7 +6,7 @@ use crate::report::CoverageReport;
 
 /// The cells of a world's floor; `None` if it counts no coverage.
 pub(crate) fn coverage(report: &CoverageReport) -> Option<v1::GetCoverageResponse> {
-    let rules = report.scenario.rules();
+    let rules = &report.scenario.rules;
     let (floor, coverage) = (rules.floor.as_ref()?, report.coverage.as_ref()?);
     let corner = floor.corner();
     Some(v1::GetCoverageResponse {

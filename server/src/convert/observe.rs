@@ -19,15 +19,15 @@ use crate::frame::{Frame, RobotTruth, Thing};
 
 /// The description of a world: what stands still in it, and what moves.
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {
-    let surroundings = scenario.surroundings();
+    let surroundings = &scenario.surroundings;
     v1::DescribeWorldResponse {
-        scenario: scenario.name().to_owned(),
-        description: scenario.description().to_owned(),
-        step_ns: scenario.step_ns(),
-        polygons: scenario.arena().polygons().iter().map(polygon).collect(),
-        circles: scenario.arena().pillars().iter().map(disc).collect(),
-        robots: scenario.robots().iter().map(robot).collect(),
-        things: scenario.movers().iter().map(mover).chain(scenario.movables().iter().map(movable)).collect(),
+        scenario: scenario.name.to_owned(),
+        description: scenario.description.to_owned(),
+        step_ns: scenario.step_ns,
+        polygons: scenario.arena.polygons().iter().map(polygon).collect(),
+        circles: scenario.arena.pillars().iter().map(disc).collect(),
+        robots: scenario.robots.iter().map(robot).collect(),
+        things: scenario.movers.iter().map(mover).chain(scenario.movables.iter().map(movable)).collect(),
         zones: surroundings.zones.iter().map(zone).collect(),
         lights: surroundings.lights.iter().map(light).collect(),
         fields: surroundings.fields.iter().map(field).collect(),

@@ -25,12 +25,12 @@ pub(crate) fn status(report: &Report) -> v1::WorldStatus {
     };
     v1::WorldStatus {
         world: report.name.to_string(),
-        scenario: world.scenario().name().to_owned(),
+        scenario: world.scenario().name.to_owned(),
         state: state.into(),
         pace: Some(pace_to(report.pace)),
         tick: world.tick(),
         time_ns: world.time().as_ns(),
-        step_ns: world.scenario().step_ns(),
+        step_ns: world.scenario().step_ns,
         running_wall_ns: nanos(report.running),
         state_hash: world.hash(),
         ending: world.ending().map(ToString::to_string).unwrap_or_default(),
@@ -68,7 +68,7 @@ fn robots(report: &Report) -> Vec<v1::RobotStatus> {
 
 /// The statuses of things that move by themselves, which come first among all things.
 fn movers(world: &World) -> Vec<v1::MoverStatus> {
-    let movers = world.things().take(world.scenario().movers().len());
+    let movers = world.things().take(world.scenario().movers.len());
     movers.map(|m| v1::MoverStatus { mover: m.name.to_owned(), blocked_ns: m.blocked_ns }).collect()
 }
 

@@ -14,7 +14,7 @@ const WORLDS: [Of<Measures>; 12] = [
     ("baudbot_world_running_seconds_total", "Wall-clock time during which the world was running.", |w| {
         w.running.as_secs_f64()
     }),
-    ("baudbot_world_step_seconds", "Simulated time of a tick.", |w| seconds(w.scenario.step_ns())),
+    ("baudbot_world_step_seconds", "Simulated time of a tick.", |w| seconds(w.scenario.step_ns)),
     (
         "baudbot_world_tick_overruns_total",
         "Ticks that ended late by a whole tick or more of the wall clock.",
@@ -36,7 +36,7 @@ const WORLDS: [Of<Measures>; 12] = [
         |w| w.pacing.let_go.as_secs_f64(),
     ),
     ("baudbot_world_let_go_total", "How often the world let time go.", |w| w.pacing.times_let_go as f64),
-    ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots().len() as f64),
+    ("baudbot_world_robots", "Robots of the world.", |w| w.scenario.robots.len() as f64),
     ("baudbot_world_observers", "Observers that are connected.", |w| w.observers as f64),
     (
         "baudbot_world_observer_frames_missed_total",
@@ -198,7 +198,7 @@ fn write_robots(worlds: &[(&str, &Measures)], most_robots: usize, text: &mut Str
     let mut left_out =
         Family::gauge("baudbot_world_robots_left_out", "Robots that are left out, since there are too many.");
     for (world, measures) in worlds {
-        let specs = measures.scenario.robots();
+        let specs = &measures.scenario.robots;
         let room = (most_robots - shown.len()).min(measures.robots.len());
         shown.extend(specs.iter().zip(&measures.robots).take(room).map(|(spec, measures)| Shown {
             world,

@@ -117,7 +117,7 @@ impl Recorder {
         let description = (config.look_hz > 0.0).then(description);
         let thread = RecorderThread::start(file, header, description)?;
         let every = (config.look_hz > 0.0).then(|| {
-            let ticks = 1e9 / config.look_hz / scenario.step_ns() as f64;
+            let ticks = 1e9 / config.look_hz / scenario.step_ns as f64;
             (Eye::of_all(world), ticks.round().max(1.0) as u64)
         });
         let mut recorder = Self {

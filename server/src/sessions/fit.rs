@@ -22,8 +22,8 @@ impl Sessions {
     ) -> Result<Vec<usize>, Status> {
         let mut robots = Vec::new();
         for (i, name) in request.robots.iter().enumerate() {
-            let Some(robot) = scenario.robots().iter().position(|spec| spec.name == *name) else {
-                let names = list(scenario.robots().iter().map(|spec| spec.name.as_str()));
+            let Some(robot) = scenario.robots.iter().position(|spec| spec.name == *name) else {
+                let names = list(scenario.robots.iter().map(|spec| spec.name.as_str()));
                 let name = brief(name);
                 return Err(Status::not_found(format!(
                     "hello.robots[{i}]: there is no robot `{name}` in world `{world}`; there are: {names}"
@@ -38,7 +38,7 @@ impl Sessions {
                     self.name(session)
                 )));
             }
-            check_brain(&scenario.robots()[robot], request)?;
+            check_brain(&scenario.robots[robot], request)?;
             robots.push(robot);
         }
         Ok(robots)

@@ -21,7 +21,7 @@ impl World {
     /// The scene as it is now, in memory that has been used before.
     pub(super) fn freeze(&self, frozen: &mut Frozen) {
         let scenario = &self.scenario;
-        let robots = self.state.robots.iter().zip(scenario.robots());
+        let robots = self.state.robots.iter().zip(&scenario.robots);
         let robots = robots.map(|(robot, spec)| (spec.form(), &robot.motion.pose, spec.look));
         let movers = scenario.movers.iter().zip(&self.state.movers);
         let movers = movers.map(|(mover, state)| (mover.form(), &state.pose, mover.look));
@@ -53,7 +53,7 @@ impl World {
 
     /// What a robot lets others see and hear.
     fn emissions(&self, i: usize, frozen: &mut Frozen) {
-        let (robot, spec) = (&self.state.robots[i], &self.scenario.robots()[i]);
+        let (robot, spec) = (&self.state.robots[i], &self.scenario.robots[i]);
         let from = robot.motion.pose.position;
         frozen.pings.extend(robot.pings[1].filter(|ping| is_heard(ping, self.time())));
         for (actuator, state) in spec.actuators.iter().zip(&robot.actuators) {

@@ -160,7 +160,7 @@ impl World {
     fn place_robot(&mut self, name: &str, pose: &Pose) -> Result<()> {
         let own = self.robot_named(name)?;
         let pose = checked(pose)?;
-        let spec = self.scenario().robots()[own].clone();
+        let spec = self.scenario().robots[own].clone();
         self.has_room(&spec.form().at(&pose), Placed::Robot(own))?;
         self.state_mut().robots[own].put_down(&spec, pose);
         Ok(())
@@ -184,7 +184,7 @@ impl World {
             return no_room(scenario.arena.name_of(thing));
         }
         let state = self.state();
-        let robots = scenario.robots().iter().zip(&state.robots).enumerate();
+        let robots = scenario.robots.iter().zip(&state.robots).enumerate();
         let robots = robots.filter(|(i, _)| own != Placed::Robot(*i));
         let robots = robots.map(|(_, (spec, robot))| (&spec.name, spec.form().at(&robot.motion.pose)));
         let movers = scenario.movers.iter().zip(&state.movers);
@@ -201,7 +201,7 @@ impl World {
     /// Says whether that made a difference.
     fn pull_cable(&mut self, name: &str, pulled: bool) -> Result<bool> {
         let Some(own) = self.cut_cable(name, self.time(), pulled)? else { return Ok(false) };
-        let (seed, link) = (self.scenario().seed, self.scenario().robots()[own].link.clone());
+        let (seed, link) = (self.scenario().seed, self.scenario().robots[own].link.clone());
         self.state_mut().robots[own].watch_outages(&link, seed, name);
         Ok(true)
     }
@@ -209,7 +209,7 @@ impl World {
     /// Changes the cable of the robot of this name; says which robot that is, if it makes a difference.
     fn cut_cable(&mut self, name: &str, at: SimTime, pulled: bool) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
-        let link = &self.scenario().robots()[own].link;
+        let link = &self.scenario().robots[own].link;
         if let Link::Ideal | Link::Onboard = link {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
         }
@@ -217,7 +217,7 @@ impl World {
             return Ok(None);
         }
         self.may_alter(name)?;
-        let link = &mut Arc::make_mut(&mut self.scenario_mut().robots_mut()[own].model).link;
+        let link = &mut Arc::make_mut(&mut self.scenario_mut().robots[own].model).link;
         cut(link, at, pulled);
         Ok(Some(own))
     }
@@ -232,7 +232,7 @@ impl World {
     /// As [`cut_cable`](Self::cut_cable).
     fn change_baud(&mut self, name: &str, baud: u32) -> Result<Option<usize>> {
         let own = self.robot_named(name)?;
-        let spec = &self.scenario().robots()[own];
+        let spec = &self.scenario().robots[own];
         let Link::Uart(uart) = &spec.link else {
             return Err(InterventionError::NoCable { robot: name.to_string(), cable: "serial cable" });
         };
@@ -245,7 +245,7 @@ impl World {
         }
         self.may_alter(name)?;
         let changed = Uart { baud, ..uart.clone() };
-        let spec = &mut self.scenario_mut().robots_mut()[own];
+        let spec = &mut self.scenario_mut().robots[own];
         Arc::make_mut(&mut spec.model).link = Link::Uart(changed);
         Ok(Some(own))
     }
@@ -275,7 +275,7 @@ impl World {
     }
 
     fn robot_named(&self, name: &str) -> Result<usize> {
-        let found = self.scenario().robots().iter().position(|spec| spec.name == name);
+        let found = self.scenario().robots.iter().position(|spec| spec.name == name);
         found.ok_or_else(|| unknown("robot", "robot", name))
     }
 }

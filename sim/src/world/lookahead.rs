@@ -44,7 +44,7 @@ impl World {
         if state.cycles.is_closing() {
             return None;
         }
-        state.downlink.reach(&self.scenario.robots()[robot].link, done)
+        state.downlink.reach(&self.scenario.robots[robot].link, done)
     }
 
     /// As [`finish`](Self::finish), without the answers of the robots in `open`, each with when its brain is done. Each
@@ -78,7 +78,7 @@ impl World {
     pub fn supply(&mut self, robot: usize, written: Option<(SimTime, &[u8])>) -> bool {
         let Some(place) = self.ahead.0.iter().position(|turn| turn.robot == robot) else { return false };
         let turn = self.ahead.0.remove(place);
-        let (spec, state) = (&self.scenario.robots()[robot], &mut self.state.robots[robot]);
+        let (spec, state) = (&self.scenario.robots[robot], &mut self.state.robots[robot]);
         if let Some((done, bytes)) = written {
             let done = done.max(turn.at);
             state.laptop.busy_until = done;

@@ -177,7 +177,7 @@ impl World {
     /// A world at its start.
     pub fn new(scenario: Arc<Scenario>) -> Self {
         let robot = |spec| Robot::new(spec, scenario.seed, scenario.noise);
-        let robots: Vec<_> = scenario.robots().iter().map(robot).collect();
+        let robots: Vec<_> = scenario.robots.iter().map(robot).collect();
         let state = State {
             tick: 0,
             begun: false,
@@ -231,7 +231,7 @@ impl World {
             parallel::each(self.is_parallel, &mut self.state.robots, &mut steps, |own, robot, step| {
                 let scene = scenario.scene(&frozen, own);
                 let moment = Moment { scene: &scene, noise: scenario.noise, start: now, end };
-                *step = robot.listen(&scenario.robots()[own], &moment, ended);
+                *step = robot.listen(&scenario.robots[own], &moment, ended);
             });
             let turns = steps.iter().enumerate().filter_map(|(robot, at)| Some(Turn { robot, at: (*at)? }));
             self.state.turns.extend(turns);
@@ -258,7 +258,7 @@ impl World {
         // All of a robot's at once: it is seldom that a crowd is in the processor's near memory.
         let Spare { given, steps, .. } = spare;
         parallel::each(*is_parallel, &mut state.robots, steps, |own, robot, step| {
-            let spec = &scenario.robots()[own];
+            let spec = &scenario.robots[own];
             if let Some(at) = *step {
                 robot.hand_over(tick, at);
             }
@@ -296,7 +296,7 @@ impl World {
                 (robot.motion.pose.position - goal.center).norm_squared() <= goal.radius * goal.radius
             };
             if let Some(i) = self.state.robots.iter().position(|robot| reached(&robot)) {
-                self.state.ending = Some(Ending::GoalReached(self.scenario.robots()[i].name.clone()));
+                self.state.ending = Some(Ending::GoalReached(self.scenario.robots[i].name.clone()));
                 return;
             }
         }
@@ -375,7 +375,7 @@ impl World {
     /// # Panics
     /// If there is none.
     pub fn robot(&self, i: usize) -> RobotView<'_> {
-        RobotView::new(&self.scenario.robots()[i], &self.state.robots[i])
+        RobotView::new(&self.scenario.robots[i], &self.state.robots[i])
     }
 
     /// The things that move by themselves, then those that robots push, each in the scenario's order.

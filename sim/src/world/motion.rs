@@ -82,7 +82,7 @@ impl World {
         let Lists { ways, before, after, .. } = lists;
         let nowhere = Pose::new(0.0, 0.0, 0.0);
         ways.resize(self.state.robots.len(), [nowhere; 2]);
-        let specs = scenario.robots();
+        let specs = &scenario.robots;
         parallel::each(self.is_parallel, &mut self.state.robots, ways, |own, robot, way| {
             way[0] = robot.motion.pose;
             robot.drive(&specs[own], scenario, now, dt);
@@ -109,7 +109,7 @@ impl World {
         }
         let before = &lists.before;
         let fixed = Fixed { arena: &scenario.arena, bodies: &lists.obstacles };
-        let robots = self.state.robots.iter().zip(scenario.robots()).zip(before);
+        let robots = self.state.robots.iter().zip(&scenario.robots).zip(before);
         let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
         let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
         for (i, reaction) in reactions.into_iter().enumerate().filter(|(_, r)| r.touched.is_some()) {
@@ -127,12 +127,12 @@ impl World {
                 motion.speed_m_s = made;
             }
             motion.turn_rate_rad_s = reaction.turn_rate_rad_s;
-            scenario.robots()[i].drive.roll_with(motion);
+            scenario.robots[i].drive.roll_with(motion);
         }
     }
 
     fn move_movers(&mut self, scenario: &Scenario, now: SimTime, dt: f64) {
-        let robots = self.state.robots.iter().zip(scenario.robots());
+        let robots = self.state.robots.iter().zip(&scenario.robots);
         let mut bodies: Vec<_> = robots.map(|(robot, spec)| spec.form().at(&robot.motion.pose)).collect();
         let movables = scenario.movables.iter().zip(&self.state.movables);
         bodies.extend(movables.map(|(movable, state)| movable.shape.form().at(&state.pose)));
@@ -182,13 +182,13 @@ impl World {
     /// How far a robot has come.
     fn note_way(&mut self, scenario: &Scenario, own: usize, dt: f64) {
         let robot = &mut self.state.robots[own];
-        let speed = scenario.surroundings.over_ground(&scenario.robots()[own].drive, &robot.motion).forward;
+        let speed = scenario.surroundings.over_ground(&scenario.robots[own].drive, &robot.motion).forward;
         robot.counters.distance_m += (speed * dt).abs();
     }
 
     /// Puts a robot back to where it was. A disc keeps its turning, as it cannot run into anything by it.
     fn hold(&mut self, own: usize, before: &Pose) {
-        let (motion, spec) = (&mut self.state.robots[own].motion, &self.scenario.robots()[own]);
+        let (motion, spec) = (&mut self.state.robots[own].motion, &self.scenario.robots[own]);
         motion.pose.position = before.position;
         if !spec.outline.is_empty() {
             motion.pose.heading = before.heading;
@@ -206,7 +206,7 @@ impl World {
             }
             return;
         };
-        let (scenario, robots) = (&self.scenario, self.scenario.robots());
+        let (scenario, robots) = (&self.scenario, &self.scenario.robots);
         let with = match met {
             Met::Arena(thing) => scenario.arena.name_of(thing),
             Met::Obstacle(i) => &scenario.movers[i].name,
@@ -231,7 +231,7 @@ impl World {
     }
 
     fn is_hemmed_in(&self, own: usize, lists: &Lists) -> bool {
-        let robots = self.scenario.robots();
+        let robots = &self.scenario.robots;
         let pose = &self.state.robots[own].motion.pose;
         let outline = &robots[own].outline;
         // From its middle, as the axle may be at its very back.
@@ -264,7 +264,7 @@ impl World {
 
 /// Who is near whom on the way.
 fn gather(scenario: &Scenario, lists: &mut Lists) {
-    let ways = lists.before.iter().zip(&lists.after).zip(scenario.robots());
+    let ways = lists.before.iter().zip(&lists.after).zip(&scenario.robots);
     lists.crowd.rebuild(ways.map(|((before, after), spec)| swept(&spec.form(), before, after)));
 }
 
@@ -277,7 +277,7 @@ fn step<T>(
     crowd: &Crowd,
     look: impl FnOnce(Step<'_>) -> T,
 ) -> T {
-    let form = |i: usize| scenario.robots()[i].form();
+    let form = |i: usize| scenario.robots[i].form();
     look(Step { arena: &scenario.arena, obstacles, form: &form, before, after, crowd })
 }
 

@@ -92,7 +92,7 @@ impl World {
         let known = |turn: &Turn| turn.robot < robots.len() && turn.at <= self.tick_end();
         let in_order = other.turns.windows(2).all(|pair| pair[0].robot < pair[1].robot);
         sound(in_order && other.turns.iter().all(known), "turns")?;
-        let has_robot = |name: &String| self.scenario.robots().iter().any(|spec| spec.name == *name);
+        let has_robot = |name: &String| self.scenario.robots.iter().any(|spec| spec.name == *name);
         sound(other.collisions.iter().all(|collision| has_robot(&collision.robot)), "collisions")?;
         let ending = other.ending.as_ref().is_none_or(|ending| match ending {
             Ending::Collision(Collision { robot, .. })
@@ -108,7 +108,7 @@ impl World {
 
     fn check_robots(&self, others: &[Robot]) -> Result<(), SavedError> {
         let is_robot = |i: usize| i < self.state.robots.len();
-        let robots = self.scenario.robots().iter().zip(self.state.robots.iter().zip(others));
+        let robots = self.scenario.robots.iter().zip(self.state.robots.iter().zip(others));
         robots.into_iter().try_for_each(|(spec, (own, other))| {
             own.check(spec, other, self.time())?;
             let contacts = other.contacts.iter().all(|partner| match partner {

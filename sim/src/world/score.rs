@@ -29,7 +29,7 @@ impl Score {
         Self {
             coverage: scenario.rules.floor.as_ref().map(Coverage::new),
             visited: alloc::vec![false; zones],
-            in_zone_ns: alloc::vec![alloc::vec![0; zones]; scenario.robots().len()],
+            in_zone_ns: alloc::vec![alloc::vec![0; zones]; scenario.robots.len()],
         }
     }
 
@@ -83,7 +83,7 @@ impl World {
         }
         let Some(floor) = &scenario.rules.floor else { return };
         let Some(mut coverage) = self.state_mut().score.coverage.take() else { return };
-        for (own, (before, spec)) in before.iter().zip(scenario.robots()).enumerate() {
+        for (own, (before, spec)) in before.iter().zip(&scenario.robots).enumerate() {
             let disc = |pose: &Pose| Circle { center: pose.position, radius: spec.covers_m() };
             coverage.cover_swept(floor, &disc(before), &disc(&self.robot(own).motion().pose));
         }
@@ -112,7 +112,7 @@ impl World {
         for (own, sensor) in scenario.rules.sensed_by.iter().enumerate() {
             let Some(sensor) = sensor else { continue };
             let scene = scenario.scene(&frozen, own);
-            let device = &scenario.robots()[own].sensors[*sensor].device;
+            let device = &scenario.robots[own].sensors[*sensor].device;
             let (Some(mount), Some(range_m), Some(fan)) = (device.mount(), device.range_m(), device.fan())
             else {
                 continue;

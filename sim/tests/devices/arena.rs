@@ -232,7 +232,7 @@ const ROOM: &str =
 fn coverage_grows_with_the_way_and_ends_the_run() {
     let top = format!("{ROOM}[metrics]\ncell_m = 0.1\n[end]\ncovered = 0.15\n");
     let mut world = world(&scene(&top, "", ""));
-    let covered = |world: &World| world.score().covered(world.scenario().rules()).unwrap();
+    let covered = |world: &World| world.score().covered(&world.scenario().rules).unwrap();
     let mut last = covered(&world);
     // At most the disc and the strip that it sweeps, of 8 m².
     for _ in 0..800 {
@@ -261,7 +261,7 @@ fn the_rays_of_the_chosen_sensor_cover_the_floor_that_they_cross() {
         block("screen", [1.0, -0.3, 1.1, 0.3], "")
     );
     let mut world = world(&scene(&top, "", &laser));
-    let sensed = |world: &World| world.score().sensed(world.scenario().rules()).unwrap();
+    let sensed = |world: &World| world.score().sensed(&world.scenario().rules).unwrap();
     assert_eq!(sensed(&world), 0.0);
     tick(&mut world, 0.0, 0.0);
     let first = sensed(&world);

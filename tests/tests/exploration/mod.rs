@@ -43,7 +43,7 @@ const ERRING: &str = "robots.robot.sensors.odometer.sigma_m=0.001";
 fn explore((number, scenario): (u64, Scenario), brain: &str) -> Explored {
     let mut pair = Pair::new(scenario, brain).unwrap();
     pair.run(u64::MAX);
-    let (robot, rules) = (pair.world.robot(0), pair.world.scenario().rules());
+    let (robot, rules) = (pair.world.robot(0), &pair.world.scenario().rules);
     let at = robot.motion().pose.position;
     let odometer = robot.sensors().nth(1).expect("encoders, and then the odometer").sample;
     Explored {
@@ -163,7 +163,7 @@ fn off_after_exploring_by(brain: &str) -> f64 {
     let (_, scenario) = starts(OFFICE, &[ERRING], [12.0, 9.0], 7, 1).remove(0);
     let (mut pair, believed_m) = witnessed(scenario, brain);
     pair.run(u64::MAX);
-    let (robot, rules) = (pair.world.robot(0), pair.world.scenario().rules());
+    let (robot, rules) = (pair.world.robot(0), &pair.world.scenario().rules);
     let sensed = pair.world.score().sensed(rules).unwrap();
     assert!(sensed >= 0.99 && robot.counters().collisions == 0, "{sensed}");
     let (at, [x, y]) = (robot.motion().pose.position, believed_m.lock().unwrap().expect("a belief"));

@@ -44,7 +44,7 @@ impl Truth {
 
     /// Share of the cells that can be seen from where the disc can get to from here, within the range, whose sensing was counted.
     pub(super) fn share_sensed(&self, world: &World, start: [f64; 2], range_m: f64) -> f64 {
-        let floor = world.scenario().rules().floor.as_ref().expect("the floor is counted");
+        let floor = world.scenario().rules.floor.as_ref().expect("the floor is counted");
         let coverage = world.score().coverage().expect("the floor is counted");
         let reached: Vec<_> = self.reached(start).into_iter().filter(is_lookout).map(point).collect();
         let (mut sensable, mut sensed) = (0_u32, 0_u32);

@@ -44,7 +44,7 @@ fn of(pair: &Pair) -> Run {
 /// The scenario with a brain that a text describes.
 fn described(scenario: Scenario, brain: &str) -> Pair {
     let description = Description::parse(brain).unwrap_or_else(|error| panic!("{error}\n{brain}"));
-    let brain = description.brain(scenario.seed(), &Body::from(&scenario.robots()[0]), &Registry::standard());
+    let brain = description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard());
     Pair::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}"))).unwrap()
 }
 
@@ -141,7 +141,7 @@ fn room_with_a_table() -> (Scenario, String) {
 }
 
 fn covered(pair: &Pair) -> f64 {
-    pair.world.score().covered(pair.world.scenario().rules()).expect("it is counted")
+    pair.world.score().covered(&pair.world.scenario().rules).expect("it is counted")
 }
 
 /// Runs for so many seconds, or until that share is covered, whichever is first; the share.

@@ -57,7 +57,7 @@ impl Beliefs {
         let mut beliefs = Self::default();
         let Some(option) = option(args) else { return Ok(beliefs) };
         let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), said: Vec::new() };
-        beliefs.robots = tape.scenario().robots().iter().map(name).collect();
+        beliefs.robots = tape.scenario().robots.iter().map(name).collect();
         let file = args.file.display();
         let reading = || format!("cannot read {file}");
         for frame in Frames::open(&args.file).with_context(reading)? {

@@ -29,7 +29,7 @@ pub(in super::super) struct Picture {
 
 impl Picture {
     pub(in super::super) fn new(out: Out, tape: &Tape, beliefs: &Beliefs, columns: &[Column]) -> Self {
-        let scenario = tape.scenario().name();
+        let scenario = &tape.scenario().name;
         let name = if scenario.is_empty() { &tape.header().world } else { scenario };
         let readings = vec![vec![Vec::new(); columns.len()]; beliefs.robots.len()];
         Self {
