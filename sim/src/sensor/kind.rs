@@ -25,6 +25,8 @@ pub(crate) trait Sense: Sized {
     /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
     /// switch is open or closed.
     const IS_ANALOG: bool = true;
+    /// Why it cannot measure at its own pace, if it cannot.
+    const NO_CLOCK: Option<&str> = None;
     /// The fields of its table, besides those of all sensors and those of its place.
     type Sheet: DeserializeOwned;
     /// What it remembers between two reads.
@@ -83,6 +85,10 @@ pub(crate) trait Sense: Sized {
         0
     }
 }
+
+/// Why a device that its reader waits for has no [clock](super::OwnClock).
+pub(super) const TIMED_BY_PROCESSOR: &str =
+    "the processor itself times this sensor, so it has no clock of its own";
 
 /// Where the sensors of a kind sit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

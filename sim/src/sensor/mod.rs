@@ -215,6 +215,13 @@ macro_rules! devices {
                 }
             }
 
+            /// Why it cannot measure at its own pace, if it cannot.
+            pub fn no_clock(&self) -> Option<&'static str> {
+                match self {
+                    $(Self::$kind(_) => $device::NO_CLOCK),*
+                }
+            }
+
             /// What the device knows before its first read.
             pub(crate) fn remember(&self, start: &Pose, stream: &mut Stream) -> Memory {
                 match self {
