@@ -10,7 +10,7 @@
 //! The same holds for the ways of the wheels in place of their speeds.
 
 use crate::math;
-use crate::pose::Pose;
+use crate::pose::{Direction, Pose, Vector};
 
 /// How the middle between two wheels moves: as speeds (m/s, rad/s), or as ways (m, rad).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,11 +49,17 @@ impl Twist {
     /// [`then_from_now`](Self::then_from_now).
     #[must_use]
     pub fn towards(then_from_now: &Pose) -> Self {
-        let turn = then_from_now.heading;
-        let (sin, cos) = math::sin_cos(0.5 * turn);
-        let chord = then_from_now.position.x * cos + then_from_now.position.y * sin;
-        Self { forward: chord / chord_of_arc(turn), turn }
+        Self { forward: arc(then_from_now).x, turn: then_from_now.heading }
     }
+}
+
+/// The way, along its own two axes, of a frame that goes at constant speeds and ends there: the integral of its velocity.
+///
+/// A frame that turns by θ goes along an arc, whose chord is shorter by sin(θ/2) / (θ/2) and points θ/2 off.
+#[must_use]
+pub fn arc(then_from_now: &Pose) -> Vector {
+    let turn = then_from_now.heading;
+    Direction::from_angle(-0.5 * turn).apply(then_from_now.position.coords) / chord_of_arc(turn)
 }
 
 /// How long the chord of an arc is, as a part of the arc, by the angle of the arc.
@@ -86,5 +92,13 @@ mod tests {
         assert!((again.forward - quarter.forward).abs() < 1e-15, "{again:?}");
         let straight = Twist { forward: 2.0, turn: 0.0 };
         assert_eq!(straight.then_from_now(), Pose::new(2.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_carried_round_sideways_goes_along_an_arc_too() {
+        // A quarter of a circle to the left, of radius 1, with the left side ahead.
+        let way = arc(&Pose::new(-1.0, 1.0, FRAC_PI_2));
+        assert!(way.x.abs() < 1e-15 && (way.y - FRAC_PI_2).abs() < 1e-15, "{way:?}");
+        assert_eq!(arc(&Pose::new(3.0, 4.0, 0.0)), Vector::new(3.0, 4.0));
     }
 }

@@ -80,7 +80,7 @@ fn every_device_is_in_one_of_them() {
             actuators.extend(robot.actuators.iter().map(baudbot_sim::actuator::Actuator::kind));
         }
     }
-    assert_eq!(sensors.len(), 20, "{sensors:?}");
+    assert_eq!(sensors.len(), 21, "{sensors:?}");
     assert_eq!(motors, BTreeSet::from(["dc", "servo", "stepper", "velocity"]));
     assert_eq!(actuators, BTreeSet::from(["lamp", "speaker", "turret"]));
 }

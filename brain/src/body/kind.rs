@@ -78,6 +78,8 @@ kinds! {
         Floor = "floor",
         /// The battery's voltage, and the charge that is left, in [0, 1].
         Battery = "battery",
+        /// The distance that the sensor moved over the floor since its last read, in counts.
+        OpticalFlow = "optical-flow",
     }
 }
 

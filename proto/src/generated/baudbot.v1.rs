@@ -3308,6 +3308,9 @@ pub struct SensorDescription {
     /// How a laser's mirror turns; absent of all other sensors.
     #[prost(message, optional, tag = "11")]
     pub sweep: ::core::option::Option<Sweep>,
+    /// Counts per metre of travel over the floor, if it counts that.
+    #[prost(double, optional, tag = "12")]
+    pub counts_per_m: ::core::option::Option<f64>,
 }
 /// The sweep of a laser range finder. A reading of it is as old as its first ray.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -3886,6 +3889,8 @@ pub enum SensorKind {
     Floor = 19,
     /// The battery's voltage, and the charge that is left, in \[0, 1\].
     Battery = 20,
+    /// The distance that the sensor moved over the floor since its last read, in counts.
+    OpticalFlow = 21,
 }
 impl SensorKind {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -3915,6 +3920,7 @@ impl SensorKind {
             Self::Microphone => "SENSOR_KIND_MICROPHONE",
             Self::Floor => "SENSOR_KIND_FLOOR",
             Self::Battery => "SENSOR_KIND_BATTERY",
+            Self::OpticalFlow => "SENSOR_KIND_OPTICAL_FLOW",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -3941,6 +3947,7 @@ impl SensorKind {
             "SENSOR_KIND_MICROPHONE" => Some(Self::Microphone),
             "SENSOR_KIND_FLOOR" => Some(Self::Floor),
             "SENSOR_KIND_BATTERY" => Some(Self::Battery),
+            "SENSOR_KIND_OPTICAL_FLOW" => Some(Self::OpticalFlow),
             _ => None,
         }
     }

@@ -144,9 +144,8 @@ fn clock(
         fits(path, sweep_ns, period_ns)?;
         return Ok(Some(OwnClock { period_ns, spread_ns: 0, jitter_ns: 0, phase_ns, latency_ns: 0 }));
     };
-    if matches!(device, Device::Sonar(_) | Device::Photoresistor(_)) {
-        let problem = "the processor itself times this sensor, so it has no clock of its own";
-        return Err(path.field("clock").error(problem));
+    if let Some(why) = device.no_clock() {
+        return Err(path.field("clock").error(why));
     }
     let path = path.field("clock");
     let period_ns = path.ms("period_ms", raw.period_ms, MIN_PERIOD_MS, 1e7)?;

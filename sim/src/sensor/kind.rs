@@ -9,7 +9,7 @@ use baudbot_wire::Encoding;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{Measurement, Mount, encoder, gps, lowpass, odometer, touch};
+use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, touch};
 use crate::battery::Battery;
 use crate::random::Stream;
 use crate::scene::Ping;
@@ -25,6 +25,8 @@ pub(crate) trait Sense: Sized {
     /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
     /// switch is open or closed.
     const IS_ANALOG: bool = true;
+    /// Why it cannot measure at its own pace, if it cannot.
+    const NO_CLOCK: Option<&str> = None;
     /// The fields of its table, besides those of all sensors and those of its place.
     type Sheet: DeserializeOwned;
     /// What it remembers between two reads.
@@ -83,6 +85,10 @@ pub(crate) trait Sense: Sized {
         0
     }
 }
+
+/// Why a device that its reader waits for has no [clock](super::OwnClock).
+pub(super) const TIMED_BY_PROCESSOR: &str =
+    "the processor itself times this sensor, so it has no clock of its own";
 
 /// Where the sensors of a kind sit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,6 +230,7 @@ pub(crate) enum Memory {
     Accelerometer([lowpass::LowPass; 2]),
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
+    OpticalFlow(Box<optical_flow::Track>),
 }
 
 impl Memory {
@@ -238,6 +245,7 @@ impl Memory {
                 Self::Filter(filter) => filter.is_sound(),
                 Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
                 Self::Gps(wander) => wander.is_sound(),
+                Self::OpticalFlow(track) => track.is_sound(),
             }
     }
 }
@@ -272,4 +280,5 @@ parts! {
     Accelerometer([lowpass::LowPass; 2]),
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
+    OpticalFlow(Box<optical_flow::Track>),
 }

@@ -18,6 +18,7 @@ mod lowpass;
 mod mount;
 pub(crate) mod noise;
 mod odometer;
+mod optical_flow;
 mod own_clock;
 mod photoresistor;
 pub mod port;
@@ -54,6 +55,7 @@ pub use lookup::{Lookup, Sheet as LookupSheet};
 pub use mount::Mount;
 pub use noise::{Drift, Dropout, Noise, Spikes};
 pub use odometer::Odometer;
+pub use optical_flow::OpticalFlow;
 pub use own_clock::OwnClock;
 pub(crate) use own_clock::{Event, Parts, Running};
 pub use photoresistor::Photoresistor;
@@ -217,6 +219,13 @@ macro_rules! devices {
                 }
             }
 
+            /// Why it cannot measure at its own pace, if it cannot.
+            pub fn no_clock(&self) -> Option<&'static str> {
+                match self {
+                    $(Self::$kind(_) => $device::NO_CLOCK),*
+                }
+            }
+
             /// What the device knows before its first read.
             pub(crate) fn remember(&self, start: &Pose, stream: &mut Stream) -> Memory {
                 match self {
@@ -274,6 +283,7 @@ devices! {
     Encoders(Encoders),
     StepCounter(StepCounter),
     Odometer(Odometer),
+    OpticalFlow(OpticalFlow),
     Compass(Compass),
     Accelerometer(Accelerometer),
     Gyroscope(Gyroscope),

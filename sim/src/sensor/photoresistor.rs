@@ -11,7 +11,7 @@ use core::f64::consts::TAU;
 use baudbot_geometry::math;
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, levels};
 use super::light::{self, LightSensor};
 use super::lowpass::LowPass;
 use super::{Measurement, Mount};
@@ -63,6 +63,7 @@ fn max_counts() -> u64 {
 impl Sense for Photoresistor {
     const NAME: &str = "photoresistor";
     const PLACE: Place = Place::Mounted;
+    const NO_CLOCK: Option<&str> = Some(TIMED_BY_PROCESSOR);
     type Sheet = Sheet;
     type Memory = LowPass;
 

@@ -13,7 +13,7 @@ use core::f64::consts::PI;
 use baudbot_geometry::{Direction, Fan, Ray, math};
 use serde::Deserialize;
 
-use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, fan, levels};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
@@ -83,6 +83,7 @@ fn sound_m_s() -> f64 {
 impl Sense for Sonar {
     const NAME: &str = "sonar";
     const PLACE: Place = Place::Mounted;
+    const NO_CLOCK: Option<&str> = Some(TIMED_BY_PROCESSOR);
     type Sheet = Sheet;
     type Memory = ();
 
