@@ -151,7 +151,7 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is what is resumed");
     refused(&["run", "--csv", text(&file), "--record", text(&file)], "are the same file");
     refused(&["run", "--record", text(&file)], "is there already, and no file is replaced");
-    refused(&["run", "--record", "-"], "stdout is none that can be read again");
+    refused(&["run", "--record", "-"], "stdout cannot be read again");
     refused(&["replay", text(&file), "--record", "/tmp/x.mcap"], "use it with --fork");
     refused(&["replay", text(&file), "--listen", "127.0.0.1:0"], "need --view or --fork");
     refused(&["replay", text(&file), "--fork", "--record", text(&file)], "is there already");
