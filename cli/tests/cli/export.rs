@@ -268,9 +268,7 @@ fn a_run_that_comes_out_otherwise_is_exported_with_a_warning() {
     that_differs(&path);
     let (code, table, warning) = baudbot(&["export", path.to_str().unwrap(), "--csv", "-"]);
     assert_eq!((code, table.lines().count()), (0, 1 + 51));
-    assert!(
-        warning.starts_with("warning: the run does not come out as it was recorded, from tick 0 (0 s): ")
-    );
+    assert!(warning.starts_with("warning: the replay differs from the recorded run, from tick 0 (0 s): "));
 }
 
 #[test]
@@ -366,7 +364,7 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     let refused = failed("post('/film?failed=1', b'no encoder for VP9')\ntime.sleep(600)");
     assert_eq!(refused, "error: the page made no film: no encoder for VP9\n");
     let other = failed("post('/film', b'GIF89a')\ntime.sleep(600)");
-    assert!(other.contains("what the page made is no webm (6 bytes)"), "{other}");
+    assert!(other.contains("the page did not make a valid webm (6 bytes)"), "{other}");
     let ended = failed("print('no display', file=sys.stderr)\nsys.exit(3)");
     assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
     let (code, _, err) = film(&tape, Path::new("/nowhere/chromium"), &["--webm", out]);

@@ -58,7 +58,7 @@ fn fifo(name: &str) -> String {
 #[test]
 fn no_command_waits_for_ever_at_a_pipe_into_which_nobody_writes() {
     let path = fifo("silent.toml");
-    let nobody = "is a pipe into which nobody writes";
+    let nobody = "is a pipe that no program writes to";
     let commands: [(&[&str], &str); 9] = [
         (&["check", &path], nobody),
         (&["run", &path], nobody),

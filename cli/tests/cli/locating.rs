@@ -205,7 +205,7 @@ fn what_cannot_be_is_refused_with_its_option() {
     assert!(refusal(&["--iterations", "0"]).contains("0 is not in 1..=100000"));
     assert!(refusal(&["--rays", "0"]).contains("0 is not in 1..=100000"));
     let strange = refusal(&["--method", "refine", "--shrink"]);
-    assert_eq!(strange, "error: --shrink: belongs to --method search; leave it out, or search so\n");
+    assert_eq!(strange, "error: --shrink: belongs to --method search; leave it out, or use that method\n");
     assert!(refusal(&["--starts", "3"]).contains("--starts: belongs to --method refine"));
     let refine = refusal(&["--method", "refine", "--sd-m", "-0.1"]);
     assert!(refine.contains("--sd-m: must be above 0 and at most 100, is -0.1"), "{refine}");

@@ -148,7 +148,7 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     fs::write(&other, "name = \"wander\"").unwrap();
     refused(&["replay", text(&other)], "is no MCAP file");
     refused(&["serve", "--resume", text(&other)], "is no MCAP file");
-    refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is what is resumed");
+    refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is the recording that is resumed");
     refused(&["run", "--csv", text(&file), "--record", text(&file)], "are the same file");
     refused(&["run", "--record", text(&file)], "is there already, and no file is replaced");
     refused(&["run", "--record", "-"], "stdout cannot be read again");
@@ -157,7 +157,7 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     refused(&["replay", text(&file), "--fork", "--record", text(&file)], "is there already");
     refused(&["serve", "wander", "khepera", "--record", text(&file)], "--record: is one file");
     refused(&["serve", "--recordings", "/nowhere/runs"], "in a folder that is not there");
-    refused(&["serve", "--recordings", "/dev/null"], "is a file and no folder");
+    refused(&["serve", "--recordings", "/dev/null"], "is a file, not a folder");
     let (code, _, err) = baudbot(&["run", "--record", "/nowhere/run.mcap"]);
     assert!(code == 1 && err.contains("cannot write /nowhere/run.mcap: No such file"), "{code}: {err}");
 }

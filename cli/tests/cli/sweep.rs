@@ -113,7 +113,7 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let (code, stdout, err) = running.end();
     assert_eq!((code, stdout.as_str()), (130, ""));
     assert!(
-        err.starts_with("stopped after ") && err.contains("the same command goes on from there"),
+        err.starts_with("stopped after ") && err.contains("the same command continues from there"),
         "{err}"
     );
     assert_eq!(table(&[&grid], &to).lines().count(), 73);
