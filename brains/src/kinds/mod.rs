@@ -70,7 +70,7 @@ struct Wish<'a> {
 pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "ant",
-        summary: "goes out on a winding way and home by its vector and by what it remembers of landmarks",
+        summary: "goes out on a winding path, and returns by its home vector and by remembered landmarks",
         settings: || settings(ant::PARAMETERS),
         make: |wish| {
             wish.sensing(

@@ -160,11 +160,11 @@ fn the_picture_has_a_way_for_each_robot() {
         document.descendants().filter(|node| node.attribute("class") == Some("trail")).collect();
     assert_eq!(ways.len(), 3);
     let title = |i: usize| ways[i].first_element_child().unwrap().text().unwrap();
-    assert!(title(0).starts_with("the way of a: ") && title(0).ends_with("1 collision"), "{}", title(0));
-    assert_eq!(title(1).split(':').next(), Some("the way of b"));
+    assert!(title(0).starts_with("the path of a: ") && title(0).ends_with("1 collision"), "{}", title(0));
+    assert_eq!(title(1).split(':').next(), Some("the path of b"));
     assert_eq!(ways[1].attribute("stroke"), Some("#aa1919"), "its own colour");
     let text = document.descendants().filter_map(|node| node.text()).collect::<Vec<_>>().join("\n");
-    for part in ["The ways of 3 robots from 0 to 4 s", "a began here", "c ended here", "a ran into b at "] {
+    for part in ["The paths of 3 robots from 0 to 4 s", "a began here", "c ended here", "a ran into b at "] {
         assert!(text.contains(part), "{part}");
     }
     // A curve needs its points, a line only its ends.
@@ -302,7 +302,7 @@ fn what_is_no_recording_is_told() {
     fs::write(&toml, WANDER).unwrap();
     let toml = toml.to_str().unwrap();
     let error = refusal(2, &["export", toml, "--csv", "-"]);
-    assert!(error.starts_with(&format!("{toml}: is no MCAP file: ")), "{error}");
+    assert!(error.starts_with(&format!("{toml}: is not an MCAP file: ")), "{error}");
     let error = refusal(2, &["export", "/nowhere.mcap"]);
     assert_eq!(error, "/nowhere.mcap: cannot be read: No such file or directory (os error 2)");
 }

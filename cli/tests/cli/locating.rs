@@ -54,10 +54,7 @@ fn the_poses_are_those_of_the_search() {
         let is_first = accepted == 0;
         assert_eq!(next["accepted"], is_first || number(&next["error"]) < number(&best["error"]), "{next}");
         let [off_x, off_y, turn] = std::array::from_fn(|i| (pose(next)[i] - pose(best)[i]).abs());
-        assert!(
-            off_x <= 0.1 && off_y <= 0.1 && turn <= 0.05 + 1e-12,
-            "{next} is outside of the box of {best}"
-        );
+        assert!(off_x <= 0.1 && off_y <= 0.1 && turn <= 0.05 + 1e-12, "{next} is outside the box of {best}");
         if next["accepted"] == true {
             best = next;
             accepted += 1;

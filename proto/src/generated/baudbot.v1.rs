@@ -361,13 +361,13 @@ pub struct LineStatus {
     /// Bytes lost because the receiver had no room.
     #[prost(uint64, tag = "3")]
     pub overrun_bytes: u64,
-    /// Bytes not taken because the sender's buffer was full.
+    /// Bytes not accepted because the sender's buffer was full.
     #[prost(uint64, tag = "4")]
     pub refused_bytes: u64,
-    /// Messages that arrived whole.
+    /// Complete messages that arrived.
     #[prost(uint64, tag = "5")]
     pub messages: u64,
-    /// Frames thrown away for their checksum, their coding or their length.
+    /// Frames discarded because of their checksum, encoding or length.
     #[prost(uint64, tag = "6")]
     pub bad_frames: u64,
     /// Sound frames whose content made no sense, and messages cut short by silence.

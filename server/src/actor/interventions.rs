@@ -59,7 +59,7 @@ impl WorldActor {
     /// Refuses all changes that wait: they were meant for the world as it was.
     pub(super) fn drop_interventions(&mut self) {
         let gone =
-            || Err(Status::aborted("intervention: the world was reset or restored before it could be done"));
+            || Err(Status::aborted("intervention: the world was reset or restored before it took effect"));
         for message in std::mem::take(&mut self.deferred) {
             match message {
                 Message::Request(Request::Intervene(_), reply) => drop(reply.send(gone())),

@@ -62,7 +62,7 @@ impl WorldActor {
             Request::DetachBrain { .. } => self.check_live("a brain"),
             Request::Record(_) | Request::StopRecording(_) => self.check_live("a recording"),
             Request::Seek { .. } | Request::Fork(_) if self.replaying.is_none() => {
-                let text = format!("world: `{}` is live, it replays nothing", self.name);
+                let text = format!("world: `{}` is live, not a replay", self.name);
                 Err(Status::failed_precondition(text))
             }
             Request::Seek { .. }

@@ -5,7 +5,7 @@ use crate::estimate::Estimate;
 use crate::process::Beliefs;
 use crate::test_body::{body, turn};
 
-/// A room of 4 m × 3 m with a wall from below in its middle, and a box in its upper right corner into which no way leads.
+/// A room of 4 m × 3 m with a wall from below in its middle, and a box in its upper right corner into which no path leads.
 const WALLS: &str = "walls_m = [[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0], [2, 0, 2, 1.8], \
                      [3, 3, 3, 2], [3, 2, 4, 2]]";
 
@@ -118,12 +118,11 @@ fn a_goal_to_which_no_way_leads_is_named() {
     let problem = |more: &str| made(more).unwrap_err();
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [1.9, 0.5]]"),
-        "goals_m[1]: (1.9 m, 0.5 m) is outside of the map, or nearer to a wall than the body's radius and \
-         `clearance_m` allow"
+        "goals_m[1]: (1.9 m, 0.5 m) is outside the map, or closer to a wall than the body's radius and `clearance_m` allow"
     );
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [3.5, 2.5]]"),
-        "goals_m[1]: no way leads to (3.5 m, 2.5 m) from (0.5 m, 0.5 m), with the body's radius and `clearance_m` \
+        "goals_m[1]: no path leads to (3.5 m, 2.5 m) from (0.5 m, 0.5 m), with the body's radius and `clearance_m` \
          on both sides"
     );
     assert_eq!(problem("goals_m = []"), "goals_m: has no point");
@@ -140,5 +139,5 @@ fn a_goal_to_which_no_way_leads_is_named() {
         })
         .collect();
     assert_eq!(said[0], "plans its way");
-    assert_eq!(said[19], "goals_m[0]: no way leads there from (0.50 m, 0.50 m)");
+    assert_eq!(said[19], "goals_m[0]: no path leads there from (0.50 m, 0.50 m)");
 }

@@ -79,7 +79,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "forage_s",
-        meaning: "after so long it turns home, in seconds",
+        meaning: "time after which it turns home, in seconds",
         range: 0.0..=1e6,
         field: |p| &mut p.forage_s,
     },
