@@ -246,7 +246,7 @@ impl MotorBehavior for CoverRows {
         moment.beliefs.path = points.chain(self.legs.iter().flat_map(|leg| leg.points().to_vec())).collect();
         let left = self.left.as_ref().map_or(0, Vec::len);
         moment.beliefs.intention = match driven {
-            Poll::Pending => format!("plans its way, {left} regions left"),
+            Poll::Pending => format!("plans its path, {left} regions left"),
             Poll::Ready(_) if self.has_covered() => "has covered all".to_owned(),
             Poll::Ready(_) => format!("{left} regions left"),
         };

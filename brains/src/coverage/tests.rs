@@ -115,7 +115,7 @@ fn who_plans_for_many_steps_stands_and_has_not_covered_all() {
         let (turn, gammas) = (turn(&body, i * 20_000_000, &[]), &mut Vec::new());
         let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
         let Signals { left, right } = cover.step(&mut moment).expect("signals");
-        if moment.beliefs.intention.starts_with("plans its way") {
+        if moment.beliefs.intention.starts_with("plans its path") {
             assert!((left, right) == (0.0, 0.0) && !cover.has_covered());
             planning += 1;
             // Something else drives it elsewhere, now and then.

@@ -199,7 +199,7 @@ fn entries(trails: &Trails) -> Vec<(Element, &'static str)> {
         (!trails.robots.is_empty(), ring, "began here, and looked this way"),
         (!trails.robots.is_empty(), stroked().with(arrow), "ended here, and looked this way"),
         (has_cross, Element::group().with(cross((0.0, 0.0))), "was here when it ran into something"),
-        (has_jump, jump, "was put somewhere else by hand"),
+        (has_jump, jump, "was moved by hand"),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, mark, what)| (mark, what)).collect()
 }

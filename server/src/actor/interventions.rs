@@ -43,7 +43,7 @@ impl WorldActor {
                 continue; // its client is gone
             }
             let done = self.world.intervene(&intervention);
-            event!(self, debug, ?intervention, done = done.is_ok(), "changed by hand");
+            event!(self, debug, ?intervention, done = done.is_ok(), "manual change");
             any |= done.is_ok();
             if done.is_ok() {
                 self.record_change(&intervention);

@@ -58,7 +58,7 @@ impl WorldActor {
         match request {
             Request::Reset => self.check_live("a reset"),
             Request::Snapshot | Request::Restore { .. } => self.check_live("a snapshot"),
-            Request::Intervene(_) => self.check_live("a change by hand"),
+            Request::Intervene(_) => self.check_live("a manual change"),
             Request::DetachBrain { .. } => self.check_live("a brain"),
             Request::Record(_) | Request::StopRecording(_) => self.check_live("a recording"),
             Request::Seek { .. } | Request::Fork(_) if self.replaying.is_none() => {

@@ -226,7 +226,7 @@ impl MotorBehavior for FollowPath {
         let wait = match self.plan(here, goal, moment.turn.at_ns) {
             Poll::Ready(Ok(())) => None,
             Poll::Ready(Err(no_way)) => Some(no_way.to_string()),
-            Poll::Pending => Some("plans its way".to_owned()),
+            Poll::Pending => Some("plans its path".to_owned()),
         };
         if let Some(why) = wait {
             moment.beliefs.intention = why;

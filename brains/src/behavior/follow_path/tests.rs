@@ -103,7 +103,7 @@ fn the_way_to_a_next_goal_is_known_and_one_from_elsewhere_is_planned_in_parts() 
     let pushed = Pose::new(1.4, 0.6, 0.0);
     let planning = (1..200).take_while(|i| {
         let ([left, right], beliefs) = step(&mut follow, pushed, i * 20_000_000);
-        let is_planning = beliefs.intention == "plans its way" && beliefs.path.is_empty();
+        let is_planning = beliefs.intention == "plans its path" && beliefs.path.is_empty();
         assert!(!is_planning || (left, right) == (0.0, 0.0));
         is_planning
     });
@@ -138,6 +138,6 @@ fn a_goal_to_which_no_way_leads_is_named() {
             beliefs.intention
         })
         .collect();
-    assert_eq!(said[0], "plans its way");
+    assert_eq!(said[0], "plans its path");
     assert_eq!(said[19], "goals_m[0]: no path leads there from (0.50 m, 0.50 m)");
 }

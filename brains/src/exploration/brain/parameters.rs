@@ -108,7 +108,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "sight_m",
-        meaning: "how far away a node may be that is gone to directly, in metres",
+        meaning: "largest distance of a node that is driven to directly, in metres",
         range: 0.0..=1000.0,
         field: |p| &mut p.sight_m,
     },
