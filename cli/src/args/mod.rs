@@ -81,7 +81,7 @@ pub(crate) enum Command {
     /// Computes what a control cycle of each robot costs, whether it meets its deadline, and what would fix it
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
-    /// Plans a path through a scenario's arena, and shows which cells were expanded
+    /// Plans a path through a scenario's arena, and shows which cells were examined
     #[command(after_long_help = plan::EXAMPLES)]
     Plan(PlanArgs),
     /// Localizes a robot by a scan of its laser, and shows which poses were tried

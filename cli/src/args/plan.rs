@@ -36,7 +36,7 @@ pub(crate) struct PlanArgs {
     /// The robot to plan for [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Draw the expanded cells and the path as an SVG picture; `-` is stdout, and nothing else is then written there
+    /// Draw the examined cells and the path as an SVG picture; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     /// Write the result as one JSON object
@@ -55,7 +55,7 @@ pub(crate) enum Method {
     Greedy,
     /// Dijkstra's algorithm: the shortest path, Fig. 6.9
     Dijkstra,
-    /// A*: the shortest path, with fewer cells expanded
+    /// A*: the shortest path, with fewer cells examined
     AStar,
     /// Theta*: turns by any angle
     ThetaStar,
@@ -118,7 +118,7 @@ fn point(text: &str) -> Result<Point, String> {
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  baudbot plan wander --to 1.4,1.4               the length of the path, and the cells expanded
+  baudbot plan wander --to 1.4,1.4               the length of the path, and the cells examined
   baudbot plan scenarios/explore-office.toml --to 11,8 --method cells --svg way.svg
   baudbot plan scenarios/grid-wall.toml --to 17.5,10.5 --cell-m 1 --method walker --svg -
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
