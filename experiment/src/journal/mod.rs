@@ -234,7 +234,8 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
             format!("{place} is not the journal of an experiment, or is damaged throughout; {mending}")
         }
         Refusal::Before => format!(
-            "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so damage cannot be detected; {mending}"
+            "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so damage \
+             cannot be detected; {mending}"
         ),
         Refusal::OfAnother(found) => format!(
             "{place} belongs to another experiment, scenario or version (`{}`, {}… instead of {}…); {mending}",
@@ -243,7 +244,8 @@ fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
             &header.fingerprint[..8]
         ),
         Refusal::OfAnotherBuild(found) => format!(
-            "{place} was begun by another build of baudbot, whose runs differ from this one's (`{}` instead of `{}`); continue with that build, {mending}",
+            "{place} was begun by another build of baudbot, whose runs differ from this one's (`{}` instead of `{}`); \
+             continue with that build, {mending}",
             found.build, header.build
         ),
     })

@@ -45,7 +45,8 @@ impl WorldActor {
             return refused(text.into());
         }
         if self.replaying.is_none() && self.phase != Phase::Begun && self.sessions.is_any_awaited() {
-            let text = "a robot has no brain, and the world waits for one; attach one, or continue without it by StartWorld";
+            let text = "a robot has no brain, and the world waits for one; attach one, or continue \
+                        without it by StartWorld";
             return refused(text.into());
         }
         if self.stepper.is_wanted() {

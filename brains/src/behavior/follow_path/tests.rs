@@ -118,7 +118,8 @@ fn a_goal_to_which_no_way_leads_is_named() {
     let problem = |more: &str| made(more).unwrap_err();
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [1.9, 0.5]]"),
-        "goals_m[1]: (1.9 m, 0.5 m) is outside the map, or closer to a wall than the body's radius and `clearance_m` allow"
+        "goals_m[1]: (1.9 m, 0.5 m) is outside the map, or closer to a wall than the body's radius and \
+         `clearance_m` allow"
     );
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [3.5, 2.5]]"),
