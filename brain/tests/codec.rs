@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use baudbot_brain::{
-    Actuator, ActuatorKind, Body, Component, Encoding, Firmware, MotorKind, Port, Protocol, RawCommands,
-    RawReadings, RawTurn, Sensor, SensorKind, Signals,
+    Actuator, ActuatorKind, Body, Component, Encoding, Firmware, MotorKind, Port, PortFormat, Protocol,
+    RawCommands, RawReadings, RawTurn, Sensor, SensorKind, Signals,
 };
 use baudbot_wire::{Decoder, Message, Sample, frame, line_image, scip, write_readings, write_values};
 use proptest::collection::vec;
@@ -171,13 +171,18 @@ fn scan() -> Vec<u8> {
 /// A body with a turret and with sensors that have ports, one of them before those on the wire.
 fn with_ports() -> Arc<Body> {
     let mut body = Arc::unwrap_or_clone(body(Protocol::Framed { ages: true }));
-    for (place, format, count) in [(0, "scip2", 3), (3, "line-image", 8), (4, "nmea", 5), (5, "morse", 1)] {
+    for (place, format, count) in [
+        (0, PortFormat::Scip2, 3),
+        (3, PortFormat::LineImage, 8),
+        (4, PortFormat::Nmea, 5),
+        (5, PortFormat::Unknown, 1),
+    ] {
         let mut sensor = body.sensors.last().unwrap().clone();
         sensor.components.truncate(1);
         sensor.components[0].count = count;
         let message_bytes = line_image::encoded_len(2, 1) as u64;
-        let port = Port { format: format.into(), message_bytes, baud: None, bits_per_character: None };
-        (sensor.name, sensor.port) = (format.into(), Some(port));
+        let port = Port { format, message_bytes, baud: None, bits_per_character: None };
+        (sensor.name, sensor.port) = (format.name().into(), Some(port));
         body.sensors.insert(place, sensor);
     }
     body.actuators.push(Actuator {

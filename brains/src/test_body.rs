@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use baudbot_brain::{
-    Body, Component, Encoding, Firmware, MotorKind, Mount, Protocol, Reading, Sensor, Sweep, Turn,
+    Body, Component, Encoding, Firmware, MotorKind, Mount, Protocol, Reading, Sensor, SensorKind, Sweep, Turn,
 };
 
 /// A body with sensors of these names, kinds and headings.
@@ -13,7 +13,11 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         |count| Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count };
     let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
         name: name.to_owned(),
-        kind: kind.into(),
+        kind: SensorKind::ALL
+            .iter()
+            .find(|known| known.name() == kind)
+            .copied()
+            .unwrap_or(SensorKind::Unknown),
         components: match kind {
             "odometer" => vec![component(1); 3],
             "laser" => vec![component(3)],

@@ -1,6 +1,13 @@
 /** What the made-up world of the mock server is: a room with two boxes, a pillar, a zone, a lamp, a scent, a ball. */
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
-import type { RobotDescriptionSchema, SensorDescriptionSchema } from "../src/gen/baudbot/v1/brain_link_pb";
+import {
+  ActuatorKind,
+  MotorKind,
+  PortFormat,
+  SensorKind,
+  type RobotDescriptionSchema,
+  type SensorDescriptionSchema,
+} from "../src/gen/baudbot/v1/brain_link_pb";
 import { DescribeWorldResponseSchema, type DescribeWorldResponse } from "../src/gen/baudbot/v1/observe_pb";
 
 export const STEP_NS = 10_000_000n;
@@ -17,7 +24,7 @@ const counter = { kind: { case: "counter" as const, value: { bits: 16 } } };
 
 const ENCODERS: Sensor = {
   sensor: "encoders",
-  kind: "encoders",
+  kind: SensorKind.ENCODERS,
   countsPerTurn: WHEELS.counts,
   periodNs: STEP_NS,
   components: ["left", "right"].map((name) => ({ name, unit: "1", encoding: counter })),
@@ -27,7 +34,7 @@ function irs(): Sensor[] {
   const names = ["ir_left", "ir_front_left", "ir_front", "ir_front_right", "ir_right"];
   return names.map((sensor, i) => ({
     sensor,
-    kind: "ir",
+    kind: SensorKind.IR,
     periodNs: 2n * STEP_NS,
     rangeM: 1,
     mount: { xM: 0.2 * Math.cos(IRS[i] ?? 0), yM: 0.2 * Math.sin(IRS[i] ?? 0), headingRad: IRS[i] ?? 0 },
@@ -37,17 +44,17 @@ function irs(): Sensor[] {
 
 const SCANNER: Sensor = {
   sensor: "laser",
-  kind: "laser",
+  kind: SensorKind.LASER,
   periodNs: 10n * STEP_NS,
   rangeM: LASER.range_m,
   mount: { xM: 0.05 },
   components: [{ name: "", unit: "m", count: LASER.rays, encoding: { kind: { case: "float64", value: {} } } }],
-  port: { format: "scip2", messageBytes: 200n },
+  port: { format: PortFormat.SCIP2, messageBytes: 200n },
 };
 
 const GPS: Sensor = {
   sensor: "compass",
-  kind: "compass",
+  kind: SensorKind.COMPASS,
   periodNs: 5n * STEP_NS,
   components: [{ name: "", unit: "rad", encoding: level(-Math.PI, Math.PI) }],
 };
@@ -62,9 +69,9 @@ function description(robot: string, sensors: Sensor[], baud: number): MessageIni
     sensors,
     baud,
     bitsPerCharacter: 10,
-    motorKind: "dc",
+    motorKind: MotorKind.DC,
     firmware: { protocol: { case: "framed", value: { ages: false } }, periodNs: 20_000_000n },
-    actuators: robot === "alice" ? [{ actuator: "turret", kind: "turret", minRad: -1, maxRad: 1 }] : [],
+    actuators: robot === "alice" ? [{ actuator: "turret", kind: ActuatorKind.TURRET, minRad: -1, maxRad: 1 }] : [],
   };
 }
 

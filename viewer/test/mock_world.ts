@@ -1,6 +1,6 @@
 /** A made-up world that moves: robots on curves, readings that come late, events as on a cable of 9600 baud. */
 import { create } from "@bufbuild/protobuf";
-import { BeliefSchema, type Belief } from "../src/gen/baudbot/v1/brain_link_pb";
+import { BeliefSchema, SensorKind, type Belief } from "../src/gen/baudbot/v1/brain_link_pb";
 import {
   RobotDetailSchema,
   RobotTruthSchema,
@@ -159,9 +159,10 @@ export class MockWorld {
     const body = this.bodies[i] as Body;
     const ray = (k: number) => body.heading_rad + LASER.opening_rad * (k / (LASER.rays - 1) - 0.5);
     return (this.description.robots[i]?.description?.sensors ?? []).map((sensor) => {
-      if (sensor.kind === "encoders") return body.counts.map((count) => ((Math.round(count) % 65536) + 65536) % 65536);
-      if (sensor.kind === "compass") return [wrap(body.heading_rad)];
-      if (sensor.kind === "laser")
+      if (sensor.kind === SensorKind.ENCODERS)
+        return body.counts.map((count) => ((Math.round(count) % 65536) + 65536) % 65536);
+      if (sensor.kind === SensorKind.COMPASS) return [wrap(body.heading_rad)];
+      if (sensor.kind === SensorKind.LASER)
         return Array.from({ length: LASER.rays }, (_, k) => {
           const length_m = this.cast(body.x_m, body.y_m, ray(k), LASER.range_m);
           return length_m < LASER.range_m ? length_m : -1;
@@ -211,9 +212,9 @@ export class MockWorld {
     });
   }
 
-  private rays(body: Body, kind: string, s: number, sensors: number) {
-    if (kind !== "ir" && kind !== "laser") return undefined;
-    const isLaser = kind === "laser";
+  private rays(body: Body, kind: SensorKind, s: number, sensors: number) {
+    if (kind !== SensorKind.IR && kind !== SensorKind.LASER) return undefined;
+    const isLaser = kind === SensorKind.LASER;
     const bearing = isLaser
       ? 0
       : (IRS[sensors === 6 && IRS.length === 5 && s < 5 && !this.isBob(body) ? s : s + 1] ?? 0);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { create, type MessageInitShape } from "@bufbuild/protobuf";
-import { RobotDescriptionSchema, type SensorDescriptionSchema } from "../src/gen/baudbot/v1/brain_link_pb";
+import { RobotDescriptionSchema, SensorKind, type SensorDescriptionSchema } from "../src/gen/baudbot/v1/brain_link_pb";
 import { WatchResponseSchema } from "../src/gen/baudbot/v1/observe_pb";
 import { readChoice, writeChoice } from "../src/address";
 import { DeadReckoning, counted, rolled, wheelSensor } from "../src/model/odometry";
@@ -60,10 +60,10 @@ test("dead reckoning begins at the first true pose, and an odometer says its pos
 
 const WRAPS = { kind: { case: "counter" as const, value: { bits: 16 } } };
 const SENSORS: MessageInitShape<typeof SensorDescriptionSchema>[] = [
-  { sensor: "laser", kind: "laser", rangeM: 4, components: [{ unit: "m", count: 5 }] },
+  { sensor: "laser", kind: SensorKind.LASER, rangeM: 4, components: [{ unit: "m", count: 5 }] },
   {
     sensor: "wheels",
-    kind: "encoders",
+    kind: SensorKind.ENCODERS,
     countsPerTurn: 8,
     components: ["left", "right"].map((name) => ({ name, unit: "1", encoding: WRAPS })),
   },

@@ -1,36 +1,28 @@
-//! Kinds of parts, as types. A data sheet comes over the network as text, and a server may be newer than the brain that
-//! reads it: a name that is not known here is kept as `Other`, so that the brain drives on with the parts that it knows.
+//! Kinds of parts, as types. A server may be newer than the brain that reads its data sheet: a kind that is not known here
+//! is `Unknown`, so that the brain drives on with the parts that it knows.
 
-use alloc::borrow::ToOwned;
-use alloc::string::String;
 use core::fmt;
 
-/// An enum of kinds with their names, as scenarios and the contract write them, and `Other` for the names of newer servers.
+/// An enum of kinds with their names, as scenarios write them, and `Unknown` for the kinds of newer servers.
 macro_rules! kinds {
     ($(#[$about:meta])* $Kind:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)+ }) => {
         $(#[$about])*
-        #[derive(Clone, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum $Kind {
             $($(#[$doc])* $variant,)+
-            /// A kind that this version does not know: its name.
-            Other(String),
+            /// A kind that this version does not know.
+            Unknown,
         }
 
         impl $Kind {
-            /// Its name, as scenarios and the contract write it.
-            pub fn name(&self) -> &str {
+            /// All kinds that this version knows.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// Its name, as scenarios write it.
+            pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+
-                    Self::Other(name) => name,
-                }
-            }
-        }
-
-        impl From<&str> for $Kind {
-            fn from(name: &str) -> Self {
-                match name {
-                    $($name => Self::$variant,)+
-                    other => Self::Other(other.to_owned()),
+                    Self::Unknown => "unknown",
                 }
             }
         }
@@ -124,20 +116,5 @@ kinds! {
         LineImage = "line-image",
         /// A satellite receiver's sentences, by NMEA 0183.
         Nmea = "nmea",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_read_as_they_are_written_and_unknown_ones_are_kept() {
-        for name in ["ir", "ir-voltage", "laser", "battery"] {
-            assert_ne!(SensorKind::from(name), SensorKind::Other(name.to_owned()));
-            assert_eq!(SensorKind::from(name).name(), name);
-        }
-        assert_eq!(SensorKind::from("nose"), SensorKind::Other("nose".to_owned()));
-        assert_eq!(SensorKind::from("nose").name(), "nose");
     }
 }

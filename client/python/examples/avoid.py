@@ -31,7 +31,7 @@ class Avoid:
     def __init__(self, body):
         # Where each infra-red sensor looks: 0 is straight on, positive is to the left. Those that look aside
         # or back are of no use here.
-        bearings = {i: s.mount.heading_rad for i, s in enumerate(body.sensors) if s.kind == "ir"}
+        bearings = {i: s.mount.heading_rad for i, s in enumerate(body.sensors) if s.kind == pb.SENSOR_KIND_IR}
         self.bearings = {i: b for i, b in bearings.items() if math.cos(b) > 0.3}
         self.nearness = {}  # last reading by sensor; empty until something has come over the cable
         self.sent_ns = -math.inf  # when the last command was sent

@@ -123,7 +123,6 @@ fn sensor(name: &str, components: &[&str]) -> v1::SensorDescription {
     };
     v1::SensorDescription {
         sensor: name.to_owned(),
-        kind: name.to_owned(),
         components: components.iter().map(component).collect(),
         period_ns: 20_000_000,
         ..v1::SensorDescription::default()

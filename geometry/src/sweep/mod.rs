@@ -82,6 +82,8 @@ impl<'a> Sweep<'a> {
         if !is_near {
             return;
         }
+        // Seen from a point on the segment or next to it, the angles of its ends say little: their error is as large as the
+        // interval that they enclose. So every ray is tried.
         if nearest <= (CLOSE * reach) * (CLOSE * reach) {
             return self.each_ray(0..usize::MAX, |ray| ray.hit_segment(segment));
         }
@@ -127,6 +129,8 @@ impl<'a> Sweep<'a> {
         self.meet();
     }
 
+    /// Shapes wait until there are some, and are then met together: the distances of each are found in a loop over its rays,
+    /// which is set up once for all of them (`with_vectors` asks the processor what it can do).
     fn wait(&mut self, shape: Relative) {
         if self.waiting.iter().any(|candidate| candidate.shape == shape) {
             return;

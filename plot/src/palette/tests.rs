@@ -63,11 +63,11 @@ fn the_page_has_these_colors_in_its_light_theme() {
 
 #[test]
 fn the_page_has_these_colors_for_sensors_and_zones() {
-    let sensors = between(VIEWER, "const HUES: Record<string, string> = {", "};");
+    let sensors = between(VIEWER, "const HUES: Partial<Record<SensorKind, string>> = {", "};");
     let there: Vec<_> = sensors.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    let quoted = |kind: &str| if kind.contains('-') { format!("\"{kind}\"") } else { kind.to_owned() };
+    let key = |kind: &str| format!("[SensorKind.{}]", kind.replace('-', "_").to_uppercase());
     let own = SENSORS.into_iter().filter(|style| style.color != INNER);
-    let own: Vec<_> = own.map(|style| format!("{}: \"{}\",", quoted(style.kind), style.color)).collect();
+    let own: Vec<_> = own.map(|style| format!("{}: \"{}\",", key(style.kind), style.color)).collect();
     assert_eq!(there, own);
     let uses = |color: &str| between(VIEWER, "const all:", "];").contains(&format!("\"{color}\""));
     let zones = [

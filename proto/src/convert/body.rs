@@ -21,7 +21,7 @@ impl From<&Body> for v1::RobotDescription {
             baud: body.baud,
             bits_per_character: body.bits_per_character,
             actuators: body.actuators.iter().map(Into::into).collect(),
-            motor_kind: body.motor_kind.name().to_owned(),
+            motor_kind: v1::MotorKind::from(body.motor_kind).into(),
             onboard: body.onboard,
             operations_per_s: body.operations_per_s,
             ram_bytes: body.ram_bytes,
@@ -35,13 +35,13 @@ impl TryFrom<v1::RobotDescription> for Body {
     /// The body, if it is whole and its cable can have the encodings that it names.
     fn try_from(given: v1::RobotDescription) -> Result<Self, Breach> {
         let body = Self {
+            motor_kind: given.motor_kind().into(),
             name: given.robot,
             radius_m: given.radius_m,
             half_track_m: given.half_track_m,
             wheel_radius_m: given.wheel_radius_m,
             signal_limit: given.signal_limit,
             motor_encoding: encoding(given.motor_encoding, "RobotDescription", "motor_encoding")?,
-            motor_kind: given.motor_kind.as_str().into(),
             actuators: given.actuators.into_iter().map(Into::into).collect(),
             sensors: given.sensors.into_iter().map(TryInto::try_into).collect::<Result<_, _>>()?,
             firmware: firmware(given.firmware)?,
@@ -61,15 +61,16 @@ impl TryFrom<v1::RobotDescription> for Body {
 impl From<&Actuator> for v1::ActuatorDescription {
     fn from(Actuator { name, kind, range_rad }: &Actuator) -> Self {
         let [min_rad, max_rad] = [0, 1].map(|end| range_rad.map(|range| range[end]));
-        Self { actuator: name.clone(), kind: kind.name().to_owned(), min_rad, max_rad }
+        Self { actuator: name.clone(), kind: v1::ActuatorKind::from(*kind).into(), min_rad, max_rad }
     }
 }
 
 impl From<v1::ActuatorDescription> for Actuator {
     fn from(given: v1::ActuatorDescription) -> Self {
-        let v1::ActuatorDescription { actuator, kind, min_rad, max_rad } = given;
+        let kind = given.kind().into();
+        let v1::ActuatorDescription { actuator, min_rad, max_rad, .. } = given;
         let range_rad = min_rad.zip(max_rad).map(|(min, max)| [min, max]);
-        Self { name: actuator, kind: kind.as_str().into(), range_rad }
+        Self { name: actuator, kind, range_rad }
     }
 }
 
@@ -77,7 +78,7 @@ impl From<&Sensor> for v1::SensorDescription {
     fn from(sensor: &Sensor) -> Self {
         Self {
             sensor: sensor.name.clone(),
-            kind: sensor.kind.name().to_owned(),
+            kind: v1::SensorKind::from(sensor.kind).into(),
             components: sensor.components.iter().map(Into::into).collect(),
             period_ns: sensor.period_ns,
             phase_ns: sensor.phase_ns,
@@ -96,8 +97,8 @@ impl TryFrom<v1::SensorDescription> for Sensor {
 
     fn try_from(given: v1::SensorDescription) -> Result<Self, Breach> {
         Ok(Self {
+            kind: given.kind().into(),
             name: given.sensor,
-            kind: given.kind.as_str().into(),
             components: given.components.into_iter().map(TryInto::try_into).collect::<Result<_, _>>()?,
             period_ns: given.period_ns,
             phase_ns: given.phase_ns,
@@ -126,7 +127,7 @@ impl From<v1::Mount> for Mount {
 impl From<&Port> for v1::Port {
     fn from(Port { format, message_bytes, baud, bits_per_character }: &Port) -> Self {
         Self {
-            format: format.name().to_owned(),
+            format: v1::PortFormat::from(*format).into(),
             message_bytes: *message_bytes,
             baud: *baud,
             bits_per_character: *bits_per_character,
@@ -135,8 +136,9 @@ impl From<&Port> for v1::Port {
 }
 
 impl From<v1::Port> for Port {
-    fn from(v1::Port { format, message_bytes, baud, bits_per_character }: v1::Port) -> Self {
-        Self { format: format.as_str().into(), message_bytes, baud, bits_per_character }
+    fn from(given: v1::Port) -> Self {
+        let v1::Port { message_bytes, baud, bits_per_character, .. } = given;
+        Self { format: given.format().into(), message_bytes, baud, bits_per_character }
     }
 }
 

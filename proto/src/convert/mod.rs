@@ -4,6 +4,7 @@
 mod belief;
 mod body;
 mod breach;
+mod kind;
 mod step;
 mod turn;
 

@@ -3242,9 +3242,9 @@ pub struct RobotDescription {
     /// Actuators besides the wheels, in the order of the wire.
     #[prost(message, repeated, tag = "11")]
     pub actuators: ::prost::alloc::vec::Vec<ActuatorDescription>,
-    /// What turns the wheels: `dc`, `velocity`, `servo` or `stepper`.
-    #[prost(string, tag = "12")]
-    pub motor_kind: ::prost::alloc::string::String,
+    /// What turns the wheels.
+    #[prost(enumeration = "MotorKind", tag = "12")]
+    pub motor_kind: i32,
     /// There is no cable: the brain is the microcontroller's program, and its thinking takes that processor's
     /// time.
     #[prost(bool, tag = "13")]
@@ -3262,10 +3262,9 @@ pub struct ActuatorDescription {
     /// Its name.
     #[prost(string, tag = "1")]
     pub actuator: ::prost::alloc::string::String,
-    /// `turret`, `lamp` or `speaker`. A turret turns to the angle that is the signal times its end farther from 0,
-    /// and no farther than either end. Of a lamp and a speaker 1 is full strength, and 0 and less is nothing.
-    #[prost(string, tag = "2")]
-    pub kind: ::prost::alloc::string::String,
+    /// What it does with its signal.
+    #[prost(enumeration = "ActuatorKind", tag = "2")]
+    pub kind: i32,
     /// Least angle, of a turret.
     #[prost(double, optional, tag = "3")]
     pub min_rad: ::core::option::Option<f64>,
@@ -3279,11 +3278,9 @@ pub struct SensorDescription {
     /// Its name.
     #[prost(string, tag = "1")]
     pub sensor: ::prost::alloc::string::String,
-    /// What the scenario calls it: `ir`, `ir-voltage`, `sonar`, `laser`, `line-camera`, `encoders`, `steps`,
-    /// `odometer`, `compass`, `accelerometer`, `gyroscope`, `gps`, `whisker`, `bumper`, `photoresistor`, `light`,
-    /// `field`, `microphone`, `floor` or `battery`.
-    #[prost(string, tag = "2")]
-    pub kind: ::prost::alloc::string::String,
+    /// What it measures, and how.
+    #[prost(enumeration = "SensorKind", tag = "2")]
+    pub kind: i32,
     /// The parts of a reading, in order.
     #[prost(message, repeated, tag = "3")]
     pub components: ::prost::alloc::vec::Vec<ComponentDescription>,
@@ -3323,11 +3320,11 @@ pub struct Sweep {
     pub clockwise: bool,
 }
 /// A sensor's own cable to the laptop.
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Port {
-    /// What is said on it: `scip2` (a laser's scans), `line-image` or `nmea`.
-    #[prost(string, tag = "1")]
-    pub format: ::prost::alloc::string::String,
+    /// What is said on it.
+    #[prost(enumeration = "PortFormat", tag = "1")]
+    pub format: i32,
     /// Bytes of one message.
     #[prost(uint64, tag = "2")]
     pub message_bytes: u64,
@@ -3759,6 +3756,228 @@ impl PortMode {
             "PORT_MODE_UNSPECIFIED" => Some(Self::Unspecified),
             "PORT_MODE_MESSAGES" => Some(Self::Messages),
             "PORT_MODE_RAW" => Some(Self::Raw),
+            _ => None,
+        }
+    }
+}
+/// What turns the wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum MotorKind {
+    /// A kind that this version of the contract does not know.
+    Unspecified = 0,
+    /// DC motors: a signal is a share of the voltage.
+    Dc = 1,
+    /// Wheels that have the speed that the signal says.
+    Velocity = 2,
+    /// Servos that turn without end.
+    Servo = 3,
+    /// Stepper motors.
+    Stepper = 4,
+}
+impl MotorKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "MOTOR_KIND_UNSPECIFIED",
+            Self::Dc => "MOTOR_KIND_DC",
+            Self::Velocity => "MOTOR_KIND_VELOCITY",
+            Self::Servo => "MOTOR_KIND_SERVO",
+            Self::Stepper => "MOTOR_KIND_STEPPER",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "MOTOR_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "MOTOR_KIND_DC" => Some(Self::Dc),
+            "MOTOR_KIND_VELOCITY" => Some(Self::Velocity),
+            "MOTOR_KIND_SERVO" => Some(Self::Servo),
+            "MOTOR_KIND_STEPPER" => Some(Self::Stepper),
+            _ => None,
+        }
+    }
+}
+/// What an actuator besides the wheels does with its signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum ActuatorKind {
+    /// A kind that this version of the contract does not know.
+    Unspecified = 0,
+    /// Turns what is mounted on it to the angle that is the signal times its end farther from 0, and no farther than either
+    /// end.
+    Turret = 1,
+    /// Shines; 1 is full strength, and 0 and less is nothing.
+    Lamp = 2,
+    /// Sounds; 1 is full strength, and 0 and less is nothing.
+    Speaker = 3,
+}
+impl ActuatorKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "ACTUATOR_KIND_UNSPECIFIED",
+            Self::Turret => "ACTUATOR_KIND_TURRET",
+            Self::Lamp => "ACTUATOR_KIND_LAMP",
+            Self::Speaker => "ACTUATOR_KIND_SPEAKER",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "ACTUATOR_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "ACTUATOR_KIND_TURRET" => Some(Self::Turret),
+            "ACTUATOR_KIND_LAMP" => Some(Self::Lamp),
+            "ACTUATOR_KIND_SPEAKER" => Some(Self::Speaker),
+            _ => None,
+        }
+    }
+}
+/// What a sensor measures, and how. The names are those of scenario files, where `SENSOR_KIND_LINE_CAMERA` is
+/// `line-camera`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum SensorKind {
+    /// A kind that this version of the contract does not know.
+    Unspecified = 0,
+    /// Nearness by infra-red light, in \[0, 1\].
+    Ir = 1,
+    /// Distance by infra-red light, as the sensor's voltage.
+    IrVoltage = 2,
+    /// Distance by sound.
+    Sonar = 3,
+    /// A laser range finder's scan.
+    Laser = 4,
+    /// A line of an image, with depth.
+    LineCamera = 5,
+    /// Counts of both wheels.
+    Encoders = 6,
+    /// Steps of both stepper motors.
+    Steps = 7,
+    /// Pose since the start, by the wheels.
+    Odometer = 8,
+    /// Heading.
+    Compass = 9,
+    /// Acceleration along two axes.
+    Accelerometer = 10,
+    /// Turn rate.
+    Gyroscope = 11,
+    /// Position and course by satellites.
+    Gps = 12,
+    /// Touch of a wire: 1 or 0.
+    Whisker = 13,
+    /// Touch of a bar on the rim: 1 or 0.
+    Bumper = 14,
+    /// Light, as the time that a capacitor takes, in counts.
+    Photoresistor = 15,
+    /// Light, in lux.
+    Light = 16,
+    /// The strength of a field, such as a scent.
+    Field = 17,
+    /// Sound.
+    Microphone = 18,
+    /// The floor's brightness, in \[0, 1\].
+    Floor = 19,
+    /// The battery's voltage, and the charge that is left, in \[0, 1\].
+    Battery = 20,
+}
+impl SensorKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "SENSOR_KIND_UNSPECIFIED",
+            Self::Ir => "SENSOR_KIND_IR",
+            Self::IrVoltage => "SENSOR_KIND_IR_VOLTAGE",
+            Self::Sonar => "SENSOR_KIND_SONAR",
+            Self::Laser => "SENSOR_KIND_LASER",
+            Self::LineCamera => "SENSOR_KIND_LINE_CAMERA",
+            Self::Encoders => "SENSOR_KIND_ENCODERS",
+            Self::Steps => "SENSOR_KIND_STEPS",
+            Self::Odometer => "SENSOR_KIND_ODOMETER",
+            Self::Compass => "SENSOR_KIND_COMPASS",
+            Self::Accelerometer => "SENSOR_KIND_ACCELEROMETER",
+            Self::Gyroscope => "SENSOR_KIND_GYROSCOPE",
+            Self::Gps => "SENSOR_KIND_GPS",
+            Self::Whisker => "SENSOR_KIND_WHISKER",
+            Self::Bumper => "SENSOR_KIND_BUMPER",
+            Self::Photoresistor => "SENSOR_KIND_PHOTORESISTOR",
+            Self::Light => "SENSOR_KIND_LIGHT",
+            Self::Field => "SENSOR_KIND_FIELD",
+            Self::Microphone => "SENSOR_KIND_MICROPHONE",
+            Self::Floor => "SENSOR_KIND_FLOOR",
+            Self::Battery => "SENSOR_KIND_BATTERY",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "SENSOR_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "SENSOR_KIND_IR" => Some(Self::Ir),
+            "SENSOR_KIND_IR_VOLTAGE" => Some(Self::IrVoltage),
+            "SENSOR_KIND_SONAR" => Some(Self::Sonar),
+            "SENSOR_KIND_LASER" => Some(Self::Laser),
+            "SENSOR_KIND_LINE_CAMERA" => Some(Self::LineCamera),
+            "SENSOR_KIND_ENCODERS" => Some(Self::Encoders),
+            "SENSOR_KIND_STEPS" => Some(Self::Steps),
+            "SENSOR_KIND_ODOMETER" => Some(Self::Odometer),
+            "SENSOR_KIND_COMPASS" => Some(Self::Compass),
+            "SENSOR_KIND_ACCELEROMETER" => Some(Self::Accelerometer),
+            "SENSOR_KIND_GYROSCOPE" => Some(Self::Gyroscope),
+            "SENSOR_KIND_GPS" => Some(Self::Gps),
+            "SENSOR_KIND_WHISKER" => Some(Self::Whisker),
+            "SENSOR_KIND_BUMPER" => Some(Self::Bumper),
+            "SENSOR_KIND_PHOTORESISTOR" => Some(Self::Photoresistor),
+            "SENSOR_KIND_LIGHT" => Some(Self::Light),
+            "SENSOR_KIND_FIELD" => Some(Self::Field),
+            "SENSOR_KIND_MICROPHONE" => Some(Self::Microphone),
+            "SENSOR_KIND_FLOOR" => Some(Self::Floor),
+            "SENSOR_KIND_BATTERY" => Some(Self::Battery),
+            _ => None,
+        }
+    }
+}
+/// What is said on a sensor's own cable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum PortFormat {
+    /// A kind that this version of the contract does not know.
+    Unspecified = 0,
+    /// A laser's scans, by SCIP 2.
+    Scip2 = 1,
+    /// Images of a line camera.
+    LineImage = 2,
+    /// A satellite receiver's sentences, by NMEA 0183.
+    Nmea = 3,
+}
+impl PortFormat {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "PORT_FORMAT_UNSPECIFIED",
+            Self::Scip2 => "PORT_FORMAT_SCIP2",
+            Self::LineImage => "PORT_FORMAT_LINE_IMAGE",
+            Self::Nmea => "PORT_FORMAT_NMEA",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "PORT_FORMAT_UNSPECIFIED" => Some(Self::Unspecified),
+            "PORT_FORMAT_SCIP2" => Some(Self::Scip2),
+            "PORT_FORMAT_LINE_IMAGE" => Some(Self::LineImage),
+            "PORT_FORMAT_NMEA" => Some(Self::Nmea),
             _ => None,
         }
     }

@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 
 use baudbot_geometry::Twist;
 use baudbot_proto::v1;
+use baudbot_proto::v1::SensorKind;
 use baudbot_sim::Pose;
 
 use super::parts::sound_pose;
@@ -51,10 +52,11 @@ const POSES: usize = 256;
 impl Ghost {
     /// By the best sensor for it that a robot has, if any: an odometer, or else encoders.
     pub(super) fn of(robot: &v1::RobotDescription) -> Option<Self> {
-        let odometer = robot.sensors.iter().position(|sensor| sensor.kind == "odometer");
+        let odometer = robot.sensors.iter().position(|sensor| sensor.kind() == SensorKind::Odometer);
         let encoders = || {
             let counts = |sensor: &v1::SensorDescription| {
-                sensor.kind == "encoders" && sensor.counts_per_turn.is_some_and(|counts| counts > 0)
+                sensor.kind() == SensorKind::Encoders
+                    && sensor.counts_per_turn.is_some_and(|counts| counts > 0)
             };
             let sensor = robot.sensors.iter().position(counts)?;
             let sound = robot.half_track_m > 0.0 && robot.wheel_radius_m.is_finite();
@@ -160,14 +162,14 @@ mod tests {
 
     use super::*;
 
-    fn robot(kind: &str) -> v1::RobotDescription {
+    fn robot(kind: SensorKind) -> v1::RobotDescription {
         let kind_of = v1::encoding::Kind::Counter(v1::encoding::Counter { bits: 8 });
         let encoding = Some(v1::Encoding { kind: Some(kind_of) });
         let component = v1::ComponentDescription { encoding, ..v1::ComponentDescription::default() };
-        let other = v1::SensorDescription { kind: "ir".into(), ..v1::SensorDescription::default() };
+        let other = v1::SensorDescription { kind: SensorKind::Ir.into(), ..v1::SensorDescription::default() };
         let sensor = v1::SensorDescription {
             kind: kind.into(),
-            counts_per_turn: (kind == "encoders").then_some(100),
+            counts_per_turn: (kind == SensorKind::Encoders).then_some(100),
             components: vec![component],
             ..v1::SensorDescription::default()
         };
@@ -187,7 +189,7 @@ mod tests {
 
     #[test]
     fn encoders_roll_on_from_where_the_robot_was_when_the_first_reading_was_taken() {
-        let mut ghost = Ghost::of(&robot("encoders")).unwrap();
+        let mut ghost = Ghost::of(&robot(SensorKind::Encoders)).unwrap();
         ghost.note(0, Pose::new(1.0, 2.0, FRAC_PI_2));
         ghost.note(100, Pose::new(9.0, 9.0, 0.0));
         ghost.take(&reading(&[], None));
@@ -204,7 +206,7 @@ mod tests {
 
     #[test]
     fn wheels_that_go_against_each_other_turn_it_on_the_spot() {
-        let wheels = Wheels::new(&robot("encoders"), &robot("encoders").sensors[1]);
+        let wheels = Wheels::new(&robot(SensorKind::Encoders), &robot(SensorKind::Encoders).sensors[1]);
         // A quarter turn: each wheel goes half_track · π/2.
         let counts = 0.1 * FRAC_PI_2 * 100.0;
         let turned = wheels.rolled(Pose::new(0.0, 0.0, 0.0), [0.0, 0.0], [-counts, counts]).unwrap();
@@ -214,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_jump_to_nowhere_is_no_way() {
-        let mut ghost = Ghost::of(&robot("encoders")).unwrap();
+        let mut ghost = Ghost::of(&robot(SensorKind::Encoders)).unwrap();
         ghost.note(0, Pose::new(0.0, 0.0, 0.0));
         ghost.take(&reading(&[0.0, 0.0], Some(0)));
         ghost.take(&reading(&[f64::MAX, -f64::MAX], Some(1)));
@@ -225,7 +227,7 @@ mod tests {
 
     #[test]
     fn an_odometer_is_believed_and_a_reset_forgets() {
-        let mut ghost = Ghost::of(&robot("odometer")).unwrap();
+        let mut ghost = Ghost::of(&robot(SensorKind::Odometer)).unwrap();
         ghost.take(&reading(&[1.0, 2.0, PI], None));
         assert_eq!(ghost.pose(), Some(Pose::new(1.0, 2.0, PI)));
         ghost.take(&reading(&[f64::NAN, 2.0, PI], None));
@@ -236,8 +238,8 @@ mod tests {
 
     #[test]
     fn a_robot_whose_sensors_tell_nothing_of_wheels_has_no_ghost() {
-        assert!(Ghost::of(&robot("compass")).is_none());
-        let broken = v1::RobotDescription { half_track_m: 0.0, ..robot("encoders") };
+        assert!(Ghost::of(&robot(SensorKind::Compass)).is_none());
+        let broken = v1::RobotDescription { half_track_m: 0.0, ..robot(SensorKind::Encoders) };
         assert!(Ghost::of(&broken).is_none());
     }
 }

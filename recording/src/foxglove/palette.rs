@@ -1,7 +1,7 @@
 //! The colours of scenes: those of pictures, as levels.
 
 use baudbot_plot::palette::{self, Rgb, rgb};
-use baudbot_proto::v1;
+use baudbot_proto::v1::{self, SensorKind};
 
 pub(super) const WALL: Rgb = rgb(palette::WALL);
 pub(super) const ROBOT: Rgb = rgb(palette::ROBOT);
@@ -31,8 +31,10 @@ pub(super) fn on(surface: Rgb) -> Rgb {
 }
 
 /// The colour of a kind of sensor. A server of another version may have kinds that are unknown here.
-pub(super) fn sensor(kind: &str) -> Rgb {
-    rgb(palette::sensor_kind(kind).map_or(palette::INNER, |style| style.color))
+pub(super) fn sensor(kind: SensorKind) -> Rgb {
+    // `SENSOR_KIND_LINE_CAMERA` is `line-camera` in scenarios.
+    let name = kind.as_str_name().trim_start_matches("SENSOR_KIND_").replace('_', "-").to_lowercase();
+    rgb(palette::sensor_kind(&name).map_or(palette::INNER, |style| style.color))
 }
 
 #[cfg(test)]

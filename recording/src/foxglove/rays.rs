@@ -1,6 +1,6 @@
 //! What sensors look along now, as thin lines: of all that have rays, except those whose scans are shown.
 
-use baudbot_proto::v1;
+use baudbot_proto::v1::{self, SensorKind};
 use foxglove::messages::line_primitive::Type as Line;
 use foxglove::messages::{LinePrimitive, SceneEntity};
 
@@ -14,10 +14,10 @@ const MOST_RAYS: usize = 64;
 /// have many rays: those of a kind are in one list, and corners that they share are in it once.
 pub(super) fn fans<'a>(
     robot: &str,
-    sensors: impl Iterator<Item = (&'a str, &'a v1::RayFan)>,
+    sensors: impl Iterator<Item = (SensorKind, &'a v1::RayFan)>,
     (z_m, time_ns): (f64, u64),
 ) -> Option<SceneEntity> {
-    let mut kinds: Vec<(&str, LinePrimitive)> = Vec::new();
+    let mut kinds: Vec<(SensorKind, LinePrimitive)> = Vec::new();
     for (kind, rays) in sensors {
         let place = kinds.iter().position(|(known, _)| *known == kind).unwrap_or_else(|| {
             let mut line = lines(Line::LineList, Vec::new(), 1.0, color(palette::sensor(kind), 0.6));
@@ -81,7 +81,7 @@ mod tests {
             opening_rad: std::f64::consts::PI,
             lengths_m: vec![1.0, 2.0, 3.0],
         };
-        let fan = fans("alice", [("ir", &rays)].into_iter(), (0.1, 7)).unwrap();
+        let fan = fans("alice", [(SensorKind::Ir, &rays)].into_iter(), (0.1, 7)).unwrap();
         assert_eq!((fan.frame_id.as_str(), fan.id.as_str()), ("world", "alice"));
         let line = &fan.lines[0];
         assert_eq!(line.r#type(), Line::LineList);
@@ -97,7 +97,12 @@ mod tests {
     fn rays_of_a_kind_have_one_colour_and_those_of_each_sensor_their_own_origin() {
         let at = |x_m| v1::RayFan { x_m, lengths_m: vec![1.0], ..v1::RayFan::default() };
         let (a, b, c) = (at(0.0), at(10.0), at(20.0));
-        let fan = fans("alice", [("ir", &a), ("sonar", &b), ("ir", &c)].into_iter(), (0.1, 7)).unwrap();
+        let fan = fans(
+            "alice",
+            [(SensorKind::Ir, &a), (SensorKind::Sonar, &b), (SensorKind::Ir, &c)].into_iter(),
+            (0.1, 7),
+        )
+        .unwrap();
         let shown: Vec<_> = fan.lines.iter().map(ends).collect();
         assert_eq!(
             shown,
@@ -117,7 +122,7 @@ mod tests {
     #[test]
     fn rays_to_nowhere_are_left_out() {
         let rays = v1::RayFan { lengths_m: vec![1.0, f32::NAN, f32::INFINITY], ..v1::RayFan::default() };
-        let fan = |rays: &v1::RayFan| fans("alice", [("ir", rays)].into_iter(), (0.0, 0));
+        let fan = |rays: &v1::RayFan| fans("alice", [(SensorKind::Ir, rays)].into_iter(), (0.0, 0));
         assert_eq!(ends(&fan(&rays).unwrap().lines[0]), [[[0.0, 0.0], [1.0, 0.0]]]);
         assert!(fan(&v1::RayFan::default()).is_none());
         assert!(fan(&v1::RayFan { x_m: f64::NAN, ..rays }).is_none());

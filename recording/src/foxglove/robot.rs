@@ -1,6 +1,7 @@
 //! What is kept of one robot to show it.
 
 use baudbot_proto::v1;
+use baudbot_proto::v1::SensorKind;
 use foxglove::messages::{FrameTransform, SceneEntity, Timestamp};
 
 use super::belief::Believer;
@@ -30,7 +31,7 @@ pub(super) struct Robot {
 /// A sensor, in the order of the data sheet.
 #[derive(Clone, Debug)]
 struct Sensor {
-    kind: String,
+    kind: SensorKind,
     scanner: Option<Scanner>,
 }
 
@@ -38,7 +39,7 @@ impl Robot {
     pub(super) fn new(robot: &v1::ObservedRobot, heights: &Heights) -> Self {
         let described = robot.description.as_ref();
         let sensor = |sensor: &v1::SensorDescription| Sensor {
-            kind: sensor.kind.clone(),
+            kind: sensor.kind(),
             scanner: Scanner::of(&robot.robot, sensor),
         };
         Self {
@@ -94,7 +95,7 @@ impl Robot {
     /// What its sensors look along, except those that scan.
     pub(super) fn rays(&self, detail: &v1::RobotDetail, time_ns: u64) -> Option<SceneEntity> {
         let sensors = self.sensors.iter().zip(&detail.sensors).filter(|(sensor, _)| sensor.scanner.is_none());
-        let fans = sensors.filter_map(|(sensor, detail)| Some((sensor.kind.as_str(), detail.rays.as_ref()?)));
+        let fans = sensors.filter_map(|(sensor, detail)| Some((sensor.kind, detail.rays.as_ref()?)));
         rays::fans(&self.name, fans, (self.rays_m, time_ns))
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use baudbot_proto::v1;
+use baudbot_proto::v1::SensorKind;
 use foxglove::messages::LaserScan;
 
 use super::frames;
@@ -26,9 +27,9 @@ pub(super) struct Scanner {
 impl Scanner {
     /// Lasers, and the depths that a line camera sees. Where the sensor sits must be known.
     pub(super) fn of(robot: &str, sensor: &v1::SensorDescription) -> Option<Self> {
-        let (component, from_left) = match sensor.kind.as_str() {
-            "laser" => ("", sensor.sweep.is_some_and(|sweep| sweep.clockwise)),
-            "line-camera" => ("depth_m", true),
+        let (component, from_left) = match sensor.kind() {
+            SensorKind::Laser => ("", sensor.sweep.is_some_and(|sweep| sweep.clockwise)),
+            SensorKind::LineCamera => ("depth_m", true),
             _ => return None,
         };
         sensor.mount.as_ref()?;
@@ -88,7 +89,7 @@ mod tests {
 
     use super::*;
 
-    fn sensor(kind: &str, components: &[(&str, u32)]) -> v1::SensorDescription {
+    fn sensor(kind: SensorKind, components: &[(&str, u32)]) -> v1::SensorDescription {
         let component = |&(name, count): &(&str, u32)| v1::ComponentDescription {
             name: name.into(),
             count,
@@ -115,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_lasers_scan_goes_from_right_to_left_and_is_of_the_time_at_which_it_was_taken() {
-        let mut laser = Scanner::of("alice", &sensor("laser", &[("", 4)])).unwrap();
+        let mut laser = Scanner::of("alice", &sensor(SensorKind::Laser, &[("", 4)])).unwrap();
         let look =
             laser.look(&detail(&[1.0, -1.0, f64::NAN, 2.5], Some(1_500_000_000)), 2_000_000_000).unwrap();
         assert_eq!((&*look.topic, look.time_ns), ("/scan/alice/eye", 2_000_000_000));
@@ -130,7 +131,7 @@ mod tests {
     #[test]
     fn a_laser_that_sweeps_clockwise_begins_on_the_left() {
         let sweep = Some(v1::Sweep { duration_ns: 100_000_000, clockwise: true });
-        let sensor = v1::SensorDescription { sweep, ..sensor("laser", &[("", 2)]) };
+        let sensor = v1::SensorDescription { sweep, ..sensor(SensorKind::Laser, &[("", 2)]) };
         let mut laser = Scanner::of("alice", &sensor).unwrap();
         let scan = scan(&laser.look(&detail(&[3.0, 4.0], None), 0).unwrap());
         assert_eq!((scan.start_angle, scan.end_angle, &*scan.ranges), (1.0, -1.0, &[3.0, 4.0][..]));
@@ -138,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_line_cameras_depths_go_from_left_to_right() {
-        let camera = sensor("line-camera", &[("red", 2), ("green", 2), ("blue", 2), ("depth_m", 2)]);
+        let camera = sensor(SensorKind::LineCamera, &[("red", 2), ("green", 2), ("blue", 2), ("depth_m", 2)]);
         let mut camera = Scanner::of("alice", &camera).unwrap();
         let look = camera.look(&detail(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 3.0, 4.0], None), 0).unwrap();
         let scan = scan(&look);
@@ -148,7 +149,7 @@ mod tests {
 
     #[test]
     fn each_scan_is_shown_once_and_a_short_reading_never() {
-        let mut laser = Scanner::of("alice", &sensor("laser", &[("", 2)])).unwrap();
+        let mut laser = Scanner::of("alice", &sensor(SensorKind::Laser, &[("", 2)])).unwrap();
         assert!(laser.look(&detail(&[], None), 0).is_none(), "nothing has come yet");
         assert!(laser.look(&detail(&[1.0], Some(1)), 5).is_none());
         assert!(laser.look(&v1::SensorDetail { rays: None, ..detail(&[1.0, 2.0], Some(1)) }, 5).is_none());
@@ -165,9 +166,9 @@ mod tests {
 
     #[test]
     fn only_what_has_a_fan_of_distances_scans() {
-        assert!(Scanner::of("alice", &sensor("sonar", &[("", 1)])).is_none());
-        assert!(Scanner::of("alice", &sensor("line-camera", &[("red", 1)])).is_none());
-        let nowhere = v1::SensorDescription { mount: None, ..sensor("laser", &[("", 4)]) };
+        assert!(Scanner::of("alice", &sensor(SensorKind::Sonar, &[("", 1)])).is_none());
+        assert!(Scanner::of("alice", &sensor(SensorKind::LineCamera, &[("red", 1)])).is_none());
+        let nowhere = v1::SensorDescription { mount: None, ..sensor(SensorKind::Laser, &[("", 4)]) };
         assert!(Scanner::of("alice", &nowhere).is_none());
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 
+use baudbot_proto::v1::SensorKind;
 use foxglove::Decode as _;
 use foxglove::messages::{Grid, LaserScan, Log, scene_entity_deletion};
 
@@ -13,18 +14,18 @@ const SECOND_NS: u64 = 1_000_000_000;
 /// A robot with a laser on a turret, an infra-red sensor and encoders; one without sensors; a door.
 fn world() -> v1::DescribeWorldResponse {
     let component = |count| v1::ComponentDescription { count, ..v1::ComponentDescription::default() };
-    let sensor = |name: &str, kind: &str, count, turret| v1::SensorDescription {
+    let sensor = |name: &str, kind: SensorKind, count, turret| v1::SensorDescription {
         sensor: name.into(),
         kind: kind.into(),
         components: vec![component(count)],
         mount: Some(v1::Mount { x_m: 0.1, y_m: 0.0, heading_rad: 0.0, turret }),
-        counts_per_turn: (kind == "encoders").then_some(100),
+        counts_per_turn: (kind == SensorKind::Encoders).then_some(100),
         ..v1::SensorDescription::default()
     };
     let sensors = vec![
-        sensor("ir", "ir", 1, None),
-        sensor("urg", "laser", 3, Some(0)),
-        v1::SensorDescription { mount: None, ..sensor("wheels", "encoders", 2, None) },
+        sensor("ir", SensorKind::Ir, 1, None),
+        sensor("urg", SensorKind::Laser, 3, Some(0)),
+        v1::SensorDescription { mount: None, ..sensor("wheels", SensorKind::Encoders, 2, None) },
     ];
     let description = v1::RobotDescription {
         half_track_m: 0.1,

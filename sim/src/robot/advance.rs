@@ -1,4 +1,15 @@
 //! A robot's timeline within a tick: its devices, its microcontroller and its cables, one event after the other.
+//!
+//! There is no event queue. Each part knows when its next event is due, and [`Robot::advance`] picks the earliest of them,
+//! because most events change when others are due: a sensor that is read keeps the microcontroller busy, so the next frame
+//! is late; a frame keeps the wire busy, so a byte of the next one arrives later. A queue would hold stale entries.
+//!
+//! Events at the same instant have a fixed order, since the same inputs must give the same bits:
+//!
+//! 1. devices with a clock of their own, so that the microcontroller finds a value that is ready at that instant;
+//! 2. the microcontroller: sensors in their order, then sending, then receiving;
+//! 3. bytes at the laptop, so that over an ideal link a reading arrives at the instant at which it is sent;
+//! 4. the brain's step, which has thus seen all that happened at its instant.
 
 use super::{Moment, Robot};
 use crate::actuator::ActuatorState;
@@ -68,9 +79,11 @@ impl Robot {
         earliest: Option<SimTime>,
     ) -> Option<SimTime> {
         let mut step = earliest.filter(|_| self.laptop.has_message);
-        // Bytes that arrive at the laptop change nothing on the robot.
+        // The next event on the robot is kept while bytes arrive at the laptop, which change nothing on the robot: on a fast
+        // cable most events are such bytes.
         let mut on_robot = self.next_on_robot(spec);
         loop {
+            // Once the step's instant is known, the rest of that instant happens and nothing later.
             let end = step.map_or(until, |at| at + 1);
             let (arrival, port) = self.next_byte(spec);
             if on_robot.0.min(arrival) >= end {
@@ -111,9 +124,7 @@ impl Robot {
         next
     }
 
-    /// What comes next on the robot, and when. At one instant devices come first, so that the microcontroller finds
-    /// what is new; and it comes before the laptop, so that what it sends over an ideal link arrives at the same
-    /// instant.
+    /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
         let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
         let mut next = (start, Next::Task(task));

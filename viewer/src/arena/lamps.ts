@@ -1,4 +1,5 @@
 /** Lamps that are not always lit: those that blink, and those that robots carry. And where robots' turrets point. */
+import { ActuatorKind } from "../gen/baudbot/v1/brain_link_pb";
 import type { Light, ObservedRobot, RobotTruth } from "../gen/baudbot/v1/observe_pb";
 import { poseOf } from "../model/motion";
 import { outOf, type Pose } from "../model/pose";
@@ -81,8 +82,8 @@ function drawOf(scene: Scene, robot: ObservedRobot, truth: RobotTruth, pose: Pos
   const radius = robot.radiusM * scene.view.scale;
   truth.actuators.forEach(({ signal, angleRad }, i) => {
     const kind = robot.description?.actuators[i]?.kind;
-    if (kind === "turret" && radius > 6) drawTurret(scene, robot, pose, angleRad);
-    if (kind === "lamp") drawCarried(scene, x, y, radius, signal);
+    if (kind === ActuatorKind.TURRET && radius > 6) drawTurret(scene, robot, pose, angleRad);
+    if (kind === ActuatorKind.LAMP) drawCarried(scene, x, y, radius, signal);
   });
 }
 

@@ -3,6 +3,7 @@
  * Okabe's and Ito's and of Tol's sets, which the colour-blind tell apart. What is text or line on the ground differs by
  * theme.
  */
+import { SensorKind } from "../gen/baudbot/v1/brain_link_pb";
 import type { Look, Zone } from "../gen/baudbot/v1/observe_pb";
 
 /** A colour that what is below shines through. */
@@ -92,24 +93,29 @@ export const HOLLOW = "#0077bb";
 /** What a sensor of the robot itself, not of its surroundings, is drawn in. */
 const INNER = "#5b6678";
 
-const HUES: Record<string, string> = {
-  ir: "#d55e00",
-  "ir-voltage": "#ee8800",
-  sonar: "#0072b2",
-  laser: "#009e73",
-  "line-camera": "#cc79a7",
-  whisker: "#882255",
-  bumper: "#332288",
-  photoresistor: "#b58900",
-  light: "#b58900",
-  field: "#44aa99",
-  microphone: "#aa4499",
-  floor: "#117733",
+const HUES: Partial<Record<SensorKind, string>> = {
+  [SensorKind.IR]: "#d55e00",
+  [SensorKind.IR_VOLTAGE]: "#ee8800",
+  [SensorKind.SONAR]: "#0072b2",
+  [SensorKind.LASER]: "#009e73",
+  [SensorKind.LINE_CAMERA]: "#cc79a7",
+  [SensorKind.WHISKER]: "#882255",
+  [SensorKind.BUMPER]: "#332288",
+  [SensorKind.PHOTORESISTOR]: "#b58900",
+  [SensorKind.LIGHT]: "#b58900",
+  [SensorKind.FIELD]: "#44aa99",
+  [SensorKind.MICROPHONE]: "#aa4499",
+  [SensorKind.FLOOR]: "#117733",
 };
 
 /** A hue for each kind of sensor. */
-export function hue(kind: string): string {
-  return HUES[kind] ?? INNER;
+export function hue(kind: SensorKind | undefined): string {
+  return (kind !== undefined && HUES[kind]) || INNER;
+}
+
+/** What scenarios call it. */
+export function kindName(kind: SensorKind | undefined): string {
+  return SensorKind[kind ?? SensorKind.UNSPECIFIED]?.toLowerCase().replaceAll("_", "-") ?? "unknown";
 }
 
 /** What a zone is for, in words, and the hue of its first use. */

@@ -1,5 +1,5 @@
 /** What the chosen robot's sensors see now, and what has reached its brain. */
-import type { SensorDescription } from "../gen/baudbot/v1/brain_link_pb";
+import { SensorKind, type SensorDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { RayFan, SensorDetail } from "../gen/baudbot/v1/observe_pb";
 import { short } from "../model/units";
 import { composed, relative, type Pose } from "../model/pose";
@@ -25,7 +25,7 @@ export function drawSenses(scene: Scene, robotPose: Pose): void {
     const { xM, yM, headingRad } = detail.rays;
     const onRobot = relative(framePose, { x_m: xM, y_m: yM, heading_rad: headingRad });
     drawFan(scene, description, detail, detail.rays, composed(robotPose, onRobot));
-    if (description.kind === "laser") drawScan(scene, detail, detail.rays, onRobot);
+    if (description.kind === SensorKind.LASER) drawScan(scene, detail, detail.rays, onRobot);
   });
 }
 

@@ -6,7 +6,7 @@
  *
  *     s = (s_l + s_r) / 2,  Δφ = (s_r - s_l) / (2 b),  along the middle heading φ + Δφ/2
  */
-import type { RobotDescription, SensorDescription } from "../gen/baudbot/v1/brain_link_pb";
+import { SensorKind, type RobotDescription, type SensorDescription } from "../gen/baudbot/v1/brain_link_pb";
 import type { Pose } from "./pose";
 
 /** What of a data sheet dead reckoning needs. */
@@ -43,9 +43,9 @@ export type WheelSensor = { kind: "odometer"; sensor: number } | { kind: "encode
 
 /** The best sensor for it that a robot has, if any: an odometer, which does the sums itself, or else encoders. */
 export function wheelSensor(robot: RobotDescription): WheelSensor | undefined {
-  const odometer = robot.sensors.findIndex((sensor) => sensor.kind === "odometer");
+  const odometer = robot.sensors.findIndex((sensor) => sensor.kind === SensorKind.ODOMETER);
   if (odometer >= 0) return { kind: "odometer", sensor: odometer };
-  const encoders = robot.sensors.findIndex((sensor) => sensor.kind === "encoders" && sensor.countsPerTurn);
+  const encoders = robot.sensors.findIndex((sensor) => sensor.kind === SensorKind.ENCODERS && sensor.countsPerTurn);
   const description = robot.sensors[encoders];
   if (!description || !(robot.halfTrackM > 0)) return undefined;
   return { kind: "encoders", sensor: encoders, wheels: wheelsOf(robot, description) };

@@ -1,5 +1,10 @@
 /** From data sheets to values: which number of a reading is what. */
-import type { Encoding, RobotDescription, SensorDescription } from "../gen/baudbot/v1/brain_link_pb";
+import {
+  SensorKind,
+  type Encoding,
+  type RobotDescription,
+  type SensorDescription,
+} from "../gen/baudbot/v1/brain_link_pb";
 
 /** A value of a sensor, or so many of one kind if it is a scan. */
 export interface Part {
@@ -31,12 +36,15 @@ export function partsOf(sensor: SensorDescription): Part[] {
   });
 }
 
+/** Kinds of sensors whose values are between 0 and 1. */
+const SHARES = [SensorKind.IR, SensorKind.WHISKER, SensorKind.BUMPER, SensorKind.FLOOR];
+
 function rangeOf(sensor: SensorDescription, unit: string, encoding: Encoding | undefined): Part["range"] {
   const kind = encoding?.kind;
   if (kind?.case === "level") return [kind.value.min, kind.value.max];
   if (kind?.case === "signed") return [-kind.value.limit, kind.value.limit];
   if (unit === "m" && sensor.rangeM) return [0, sensor.rangeM];
-  return ["ir", "whisker", "bumper", "floor"].includes(sensor.kind) ? [0, 1] : undefined;
+  return SHARES.includes(sensor.kind) ? [0, 1] : undefined;
 }
 
 /** Where each sensor's values begin among a robot's `samples`, and how many there are. */

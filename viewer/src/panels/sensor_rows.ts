@@ -1,5 +1,5 @@
 /** A sensor in the robot panel: its values, how old they are, and when it was fresh. */
-import { hue } from "../arena/palette";
+import { hue, kindName } from "../arena/palette";
 import { el, setClass, setText, surface } from "../dom";
 import { ageOf, readingOf } from "../model/quantities";
 import { STRIP, type RobotRecord } from "../model/record";
@@ -43,11 +43,11 @@ export class SensorRows {
       this.age,
     );
     const swatch = el("span", { class: "swatch" });
-    swatch.style.background = hue(sensor?.kind ?? "");
+    swatch.style.background = hue(sensor?.kind);
     const isSingle = this.parts.length === 1 && this.parts[0]?.count === 1;
     const values = this.parts.map((part) => this.makePart(part, isSingle ? name : "", chart));
-    const title = el("span", { class: "sensor-name", text: name, title: sensor?.kind });
-    const head = isSingle ? values : [title, el("span", { class: "kind", text: sensor?.kind ?? "" })];
+    const title = el("span", { class: "sensor-name", text: name, title: kindName(sensor?.kind) });
+    const head = isSingle ? values : [title, el("span", { class: "kind", text: kindName(sensor?.kind) })];
     this.element = el(
       "div",
       { class: "sensor" },
