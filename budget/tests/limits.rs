@@ -92,3 +92,26 @@ fn an_ordinary_robot_has_everything_tried() {
     let robot = Budget::of(&baudbot_scenario::parse(WANDER).unwrap()).robots.remove(0);
     assert!(robot.left_out.is_none() && !robot.mends.is_empty(), "{robot:?}");
 }
+
+/// A robot that answers polls with 20 bytes by radio.
+fn by_radio(packet_bytes: u32, laptop_buffer_bytes: u32) -> RobotBudget {
+    let mut toml = format!(
+        "[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+         firmware = {{ protocol = \"bare\", mode = \"poll\" }}\n\
+         link = {{ kind = \"uart\", baud = 115200, laptop_buffer_bytes = {laptop_buffer_bytes}, \
+         adapter = {{ kind = \"bluetooth\", packet_bytes = {packet_bytes} }} }}\n"
+    );
+    for i in 0..20 {
+        writeln!(toml, "[robots.sensors.s{i}]\nkind = \"compass\"\nbits = 8").unwrap();
+    }
+    let scenario = baudbot_scenario::parse(&toml).unwrap_or_else(|error| panic!("{error}"));
+    Budget::of(&scenario).robots.remove(0)
+}
+
+#[test]
+fn a_cycle_by_radio_has_a_bound_if_a_message_fits_into_a_packet_and_three_into_the_laptops_buffer() {
+    let has_bound = |robot: RobotBudget| robot.cycle.total.worst_ns.is_some();
+    assert!(has_bound(by_radio(20, 60)));
+    assert!(!has_bound(by_radio(19, 60)));
+    assert!(!has_bound(by_radio(20, 59)));
+}

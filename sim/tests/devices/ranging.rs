@@ -258,6 +258,24 @@ fn a_sonar_may_take_the_pulse_of_another_for_its_echo() {
     assert!(read(true) < 2.0, "{}", read(true));
 }
 
+#[test]
+fn a_strange_pulse_seems_as_far_away_as_an_echo_that_comes_with_it() {
+    let sonar = |phase_ms: f64| {
+        format!("[robots.sensors.s]\n{SONAR}\nperiod_ms = 1000.0\ncross_talk = true\nphase_ms = {phase_ms:?}")
+    };
+    let toml = scene("noise = false\nstep_ms = 10.0", "", &sonar(10.0))
+        + &scene("", "start = { x_m = 2.4, heading_rad = 3.141592653589793 }", &sonar(9.0))
+            .replace("name = \"r\"", "name = \"z\"");
+    let mut world = world(&toml);
+    for _ in 0..3 {
+        world.begin();
+        world.finish(&[]);
+    }
+    // It was sent 1 ms before, 2 m away: of those it had 2 − 0.34 m to go, and an echo would have gone half of that.
+    let seems_m = view(&world, "s").sample[0];
+    assert!((seems_m - 0.83).abs() < 1e-6, "{seems_m}");
+}
+
 const LASER: &str = "kind = \"laser\"\nmount = {}\nopening_rad = 3.141592653589793\nrays = 5\nrange_m = 4.0";
 
 #[test]

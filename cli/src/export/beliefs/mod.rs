@@ -71,13 +71,7 @@ impl Beliefs {
                     beliefs.take(annotation.robot as usize, frame.time_ns as f64 / 1e9, belief);
                 }
             }
-            if beliefs.is_too_much() {
-                return Err(Refused::error(format!(
-                    "{option}: {file} has more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take \
-                     less of it with --from-s and --to-s",
-                    MOST_BYTES >> 20
-                )));
-            }
+            beliefs.check_size().with_context(|| format!("{option}: {file}"))?;
         }
         if beliefs.robots.iter().all(|robot| robot.said.is_empty()) {
             return Err(Refused::error(format!(
@@ -93,8 +87,16 @@ impl Beliefs {
         Ok(beliefs)
     }
 
-    fn is_too_much(&self) -> bool {
-        self.bytes > MOST_BYTES || self.processes.len() > MOST_PROCESSES
+    /// Refuses more than a program may take, before it has taken much more.
+    fn check_size(&self) -> anyhow::Result<()> {
+        if self.bytes > MOST_BYTES || self.processes.len() > MOST_PROCESSES {
+            return Err(Refused::error(format!(
+                "more than {} MiB of beliefs, or more than {MOST_PROCESSES} processes; take less of it with --from-s and \
+                 --to-s",
+                MOST_BYTES >> 20
+            )));
+        }
+        Ok(())
     }
 
     fn take(&mut self, robot: usize, time_s: f64, belief: &Belief) {
@@ -155,3 +157,42 @@ const MOST_PROCESSES: usize = 1000;
 
 /// More columns than this are no help.
 const MOST_NAMED: usize = 40;
+
+#[cfg(test)]
+mod tests {
+    use baudbot_proto::v1::Utility;
+
+    use super::*;
+
+    fn belief(process: usize, state: &str) -> Belief {
+        let utility = Utility { name: format!("process {process}"), value: 0.5, active: false };
+        Belief { state: state.to_owned(), utilities: vec![utility], ..Belief::default() }
+    }
+
+    #[test]
+    fn more_processes_than_any_brain_has_are_refused() {
+        let mut beliefs = Beliefs { robots: vec![Robot::default()], ..Beliefs::default() };
+        (0..MOST_PROCESSES).for_each(|process| beliefs.take(0, 0.0, &belief(process, "")));
+        beliefs.take(0, 1.0, &belief(0, ""));
+        beliefs.check_size().unwrap();
+        beliefs.take(0, 2.0, &belief(MOST_PROCESSES, ""));
+        let error = beliefs.check_size().unwrap_err().to_string();
+        assert!(error.contains("more than 1000 processes") && error.contains("--from-s"), "{error}");
+    }
+
+    #[test]
+    fn beliefs_that_take_too_much_memory_are_refused() {
+        let mut beliefs = Beliefs { robots: vec![Robot::default()], ..Beliefs::default() };
+        let state = "x".repeat(1 << 20);
+        beliefs.take(0, 0.0, &belief(0, &state));
+        let bytes = beliefs.bytes;
+        assert!((1 << 20..(1 << 20) + 1024).contains(&bytes), "{bytes}");
+        // As if it had taken as much a thousand times.
+        beliefs.bytes = MOST_BYTES - bytes;
+        beliefs.take(0, 0.1, &belief(0, &state));
+        beliefs.check_size().unwrap();
+        beliefs.take(0, 0.2, &belief(0, &state));
+        let error = beliefs.check_size().unwrap_err().to_string();
+        assert!(error.contains("more than 1024 MiB of beliefs"), "{error}");
+    }
+}
