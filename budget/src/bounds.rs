@@ -170,7 +170,7 @@ impl Fixed<'_> {
             Estimate { wait_up: None, .. } | Estimate { down: None, .. } => {
                 Some("the cable or the radio cannot promise to keep up")
             }
-            Estimate { backlog: None, .. } => Some("the microcontroller has more to do than time"),
+            Estimate { backlog: None, .. } => Some("the microcontroller is overloaded"),
             _ => None,
         }
     }

@@ -214,7 +214,7 @@ impl Robot {
             Change::NoAges => "readings without their ages".to_string(),
             Change::Bare => "the bare protocol".to_string(),
             Change::FewerBits => "8 bits a value".to_string(),
-            Change::Stream(ns) => format!("a message every {}, unasked", ms(ns)),
+            Change::Stream(ns) => format!("a message every {}, without polls", ms(ns)),
             Change::Step(ns) => format!("a step of {}", ms(ns)),
             Change::Cdc => "an adapter without a latency timer".to_string(),
             Change::Usb => "a microcontroller with USB".to_string(),

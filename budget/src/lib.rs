@@ -1,7 +1,7 @@
 //! What one control cycle costs, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
 //!
 //! What takes place in one step must take the real robot less than that step. For each robot this says how long it takes,
-//! how often it can be done, how old readings are by then, what is the bottleneck, and what would mend it.
+//! how often it can be done, how old readings are by then, what is the bottleneck, and what would fix it.
 //!
 //! From the scenario to the answer:
 //!
@@ -76,7 +76,7 @@ const BRIEF: Effort = Effort { cycles: 300, events: 60_000 };
 const LEAST: Effort = Effort { cycles: 100, events: 5_000 };
 
 const TOO_MANY: &str =
-    "no mends were looked for, and what is typical is from a short dry run: ask for fewer robots at once";
+    "no fixes were searched for, and typical values are from a short dry run: ask for fewer robots at once";
 
 impl Budget {
     /// Of all robots of a scenario, with mends for those that do not keep their step.

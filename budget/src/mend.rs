@@ -26,7 +26,7 @@ pub(super) fn add(scenario: &Scenario, plan: &Plan<'_>, budget: &mut RobotBudget
 /// Most changed robots that are computed for one.
 const MOST_TRIES: usize = 200;
 
-const NOT_ALL: &str = "not everything was tried that might mend it: that would take too long";
+const NOT_ALL: &str = "not every possible fix was tried: that would take too long";
 
 /// Nothing more may be tried.
 struct UsedUp;

@@ -68,7 +68,7 @@ fn a_robot_for_which_too_much_could_be_tried_says_that_not_all_was() {
         let robot = RobotBudget::within(&scenario, &scenario.robots[0], &mut allowance);
         assert_eq!(robot.verdict, Verdict::Misses);
         let left_out = robot.left_out.unwrap_or_default();
-        assert!(left_out.starts_with("not everything was tried"), "{ports} ports: {left_out:?}");
+        assert!(left_out.starts_with("not every possible fix was tried"), "{ports} ports: {left_out:?}");
         // One robot uses up no more than its part of a call.
         assert!(!allowance.is_used_up(), "{ports} ports: {allowance:?}");
     }
@@ -81,7 +81,7 @@ fn robots_that_come_after_the_allowance_of_a_call_get_no_mends_and_say_so() {
     let of = |spec| RobotBudget::within(&scenario, spec, &mut allowance);
     let robots: Vec<_> = scenario.robots.iter().map(of).collect();
     let beyond = robots.iter().filter(|robot| {
-        robot.left_out.as_ref().is_some_and(|why| why.starts_with("no mends were looked for"))
+        robot.left_out.as_ref().is_some_and(|why| why.starts_with("no fixes were searched for"))
     });
     assert_eq!(beyond.map(|robot| robot.mends.len()).collect::<Vec<_>>(), [0, 0, 0]);
     assert!(allowance.is_used_up());

@@ -24,7 +24,7 @@ pub(crate) fn first_of_each<'a>(
 pub(crate) fn others(robot: &RobotSpec, count: usize) -> String {
     match (&robot.group, count) {
         (Some(table), 2..) => {
-            format!("  and {} more of `{table}`, alike but for where they start\n", count - 1)
+            format!("  and {} more of `{table}`, identical but for their start\n", count - 1)
         }
         _ => String::new(),
     }

@@ -50,10 +50,10 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         };
         let Reconnect::For(limit) = args.reconnect else { return Err(lost) };
         let limit_s = limit.as_secs();
-        tell!("{}; trying to come back for {limit_s} s", error::text(&lost));
+        tell!("{}; trying to reconnect for {limit_s} s", error::text(&lost));
         let back = come_back(limit, may_pass, &attach).await;
-        crew = back.with_context(|| format!("the brain of {names} is not back"))?;
-        tell!("back with a brain that begins anew: driving {names} of world {}", world.world);
+        crew = back.with_context(|| format!("the brain of {names} could not reconnect"))?;
+        tell!("reconnected with a restarted brain: driving {names} of world {}", world.world);
     }
 }
 
@@ -86,8 +86,8 @@ fn list() -> String {
         text += &text::pairs("    ", &pairs);
     }
     text + "
-A parameter is set as in: baudbot brain constant:left=0.5,right=-0.5
-Brains without any here are described in TOML. Their numbers are set by their paths, and a file makes a brain, too:
+Set parameters as in: baudbot brain constant:left=0.5,right=-0.5
+Brains listed without parameters are described in TOML. Set their parameters by path, or run a description file:
     baudbot brain sweeper:motor.charge.utility.bias=1.5
     baudbot brain my.toml
 "

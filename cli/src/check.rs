@@ -198,7 +198,7 @@ fn body(robot: &RobotSpec) -> String {
 /// The deadline of a brain, if the scenario states one.
 fn deadline(deadline: &Deadline) -> Option<String> {
     let late = match deadline.on_late? {
-        OnLate::Hold => "a late brain finds its old command held",
+        OnLate::Hold => "the last command holds until a late brain answers",
         OnLate::Stop => "then the motors stop until the next command",
         OnLate::End => "then the run ends",
     };
@@ -211,7 +211,7 @@ fn when(when: &When) -> String {
             format!("from {} s on for {}", handy(from.as_seconds()), duration(until.since(from) as f64))
         }
         When::Each { every_ns, for_ns, .. } => {
-            format!("for {} once in each {}", duration(for_ns as f64), duration(every_ns as f64))
+            format!("for {} in every {}", duration(for_ns as f64), duration(every_ns as f64))
         }
     }
 }
@@ -224,7 +224,7 @@ fn firmware(robot: &RobotSpec) -> String {
         Protocol::Khepera => "khepera, lines of text".to_owned(),
     };
     match robot.firmware.mode {
-        Mode::Poll => format!("{protocol}; answers when asked"),
+        Mode::Poll => format!("{protocol}; answers when polled"),
         Mode::Stream(schedule) => {
             let [period, phase] = [schedule.period_ns(), schedule.phase_ns()].map(|ns| duration(ns as f64));
             format!("{protocol}; streams every {period} from {phase} on")
@@ -391,7 +391,7 @@ mod tests {
         let text = describe(&Source::find("wander").unwrap(), &baudbot_scenario::parse(&text).unwrap());
         assert!(text.contains("  robots     3\n") && text.matches("\nrobot ").count() == 1, "{text}");
         assert!(text.contains("\nrobot a\n  start     x 0 m"), "{text}");
-        assert!(text.ends_with("  and 2 more of `r`, alike but for where they start\n"), "{text}");
+        assert!(text.ends_with("  and 2 more of `r`, identical but for their start\n"), "{text}");
     }
 
     #[test]
@@ -413,7 +413,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices/khepera-ascii.toml");
         let text = describe_robot(&scenario(path, &[]).robots[0]);
         for part in [
-            "khepera, lines of text; answers when asked\n",
+            "khepera, lines of text; answers when polled\n",
             "43 bytes with all sensors, 49.271 ms on the link\n",
             "    ir_7    ir   20 ms  17.5 ms  10 bits      5\n",
             "12 bytes each, 13.75 ms on the link\n",

@@ -14,7 +14,7 @@ use crate::error::Refused;
 pub(crate) fn share_out(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Result<Vec<Job>> {
     crew::share_out(arguments, robots).map_err(|error| match error {
         CrewError::Blind { robot } => Refused::error(format!(
-            "robot `{robot}` has no IR sensors, so that the default brain `{}` cannot drive it; give it another \
+            "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
              with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)",
             crew::DEFAULT
         )),

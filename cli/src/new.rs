@@ -23,7 +23,7 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
         Err(_) => folder.exists(),
     };
     if is_taken {
-        return Err(Refused::error(format!("{}: is there already, and not empty", folder.display())));
+        return Err(Refused::error(format!("{}: already exists and is not empty", folder.display())));
     }
     let name = package_name(folder)?;
     let (files, first) = match args.lang {
@@ -36,7 +36,7 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
         write(&folder.join(path), &text, is_program)?;
     }
     text::print(&format!(
-        "{} is there. In one terminal:\n  baudbot serve wander\nIn another, in that folder:\n  {first}\n",
+        "{} is ready. In one terminal:\n  baudbot serve wander\nIn another, in that folder:\n  {first}\n",
         folder.display()
     ))
 }
@@ -57,7 +57,7 @@ fn package_name(folder: &Path) -> anyhow::Result<String> {
         return Ok(name.to_owned());
     }
     Err(Refused::error(format!(
-        "{}: a project's folder is named like its package: a small letter, then small letters, digits, - and _",
+        "{}: the folder's name is also the package's: a lowercase letter, then lowercase letters, digits, - and _",
         folder.display()
     )))
 }

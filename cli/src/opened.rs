@@ -36,7 +36,7 @@ fn first_byte(pipe: &mut File) -> io::Result<Vec<u8>> {
         match pipe.read(&mut byte) {
             // A pipe without a writer is at its end.
             Ok(0) if Instant::now() < deadline => thread::sleep(INTERVAL),
-            Ok(0) => return Err(io::Error::other("is a pipe into which nobody writes")),
+            Ok(0) => return Err(io::Error::other("is a pipe that no program writes to")),
             Ok(_) => return Ok(byte.to_vec()),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(Vec::new()),
             Err(error) => return Err(error),

@@ -61,7 +61,7 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         let pace = pace(args.pace, &args.watchdog, &tape)?;
         to(args, &mut replay, &mut world)?;
         if let Some(difference) = replay.difference() {
-            tell!("warning: this is not the world that was recorded, which differs at {difference}");
+            tell!("warning: the replay differs from the recorded world at {difference}");
         }
         let name = tape.header().world.clone();
         return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
@@ -91,7 +91,7 @@ fn note(file: &Path, tape: &Tape) {
     if let Some(problem) = tape.problem() {
         tell!("note: {file}: {problem}; it is replayed as far as it goes");
     } else if let Some(scratch) = tape.scratch() {
-        tell!("note: {file}: {scratch}, but all is there that the run was made of");
+        tell!("note: {file}: {scratch}, but all inputs of the run are there");
     }
 }
 
@@ -107,7 +107,7 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
     let lags = watchdog.max_lag_ms.is_some();
     let refused = |text: &str| Err(Refused::error(text));
     if args.again.record.is_some() && !args.fork {
-        return refused("--record: what is replayed is recorded already; use it with --fork");
+        return refused("--record: a replayed run is already recorded; use it with --fork");
     }
     if listens && !args.fork && !args.view {
         return refused(
@@ -118,9 +118,7 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
         return refused("--watchdog-ms, --on-timeout and --lookahead need --fork: else there are no brains");
     }
     if lags && !args.fork {
-        return refused(
-            "--max-lag-ms needs --fork: what is only viewed lets go of what it lags beyond 100 ms",
-        );
+        return refused("--max-lag-ms needs --fork: a view never catches up with more than 100 ms");
     }
     Ok(())
 }
@@ -245,7 +243,7 @@ fn words(finding: &Finding) -> String {
             let share = match finding.recorded_ticks {
                 Some(all) => format!("{n} of {all} ticks ({:.1} %)", 100.0 * *n as f64 / all.max(1) as f64),
                 None => {
-                    format!("{n} ticks that are left; how many there were the file does not tell any more")
+                    format!("{n} ticks that are left; the file no longer tells how many there were")
                 }
             };
             format!("incomplete: identical in {share}: state hash {state_hash}\n")

@@ -74,7 +74,7 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
 fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
     let Recording { file, bytes, ticks, problem } = recording;
     let mut facts = vec![("recorded", format!("{ticks} ticks in {file}, {bytes} bytes"))];
-    let rest = if *bytes > 0 { "; what is in it can be replayed" } else { "" };
+    let rest = if *bytes > 0 { "; what it holds can be replayed" } else { "" };
     let ended = |problem: &String| format!("the recording has ended before the run: {problem}{rest}");
     facts.extend(problem.as_ref().map(|problem| ("warning", ended(problem))));
     facts
@@ -137,13 +137,13 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
     if robot.lost_deliveries > 0 {
         facts.push((
             "slow brain",
-            format!("{} turns came too late for a brain that did not read", robot.lost_deliveries),
+            format!("{} turns were not delivered, as the brain did not read", robot.lost_deliveries),
         ));
     }
     if robot.lost_steps > 0 {
         facts.push((
             "fast brain",
-            format!("{} steps were thrown away, as there were too many in a tick", robot.lost_steps),
+            format!("{} steps were discarded, as there were too many in a tick", robot.lost_steps),
         ));
     }
     if robot.frames_missed > 0 {

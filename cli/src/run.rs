@@ -59,7 +59,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let status = run.until_over(&mut stop, quiet).await;
     let (interrupted, files) = (run.interrupted, run.files);
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
-        tell!("note: somebody kept a connection open; it was cut");
+        tell!("note: a client kept its connection open; it was closed");
     }
     // The world's thread has closed the files, or will at once.
     let status = files.finish().await.and(status)?;

@@ -125,7 +125,7 @@ fn unreadable(path: &str, error: &io::Error) -> String {
     let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
     match error.kind() {
         io::ErrorKind::NotFound => {
-            format!("{path}: there is no such file; part of the program are: {}", names.join(", "))
+            format!("{path}: there is no such file; built-in scenarios: {}", names.join(", "))
         }
         io::ErrorKind::InvalidData => format!("{path}: is not text in UTF-8"),
         _ => format!("{path}: {error}"),

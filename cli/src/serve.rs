@@ -35,7 +35,7 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
     let names = if args.scenarios.is_empty() { &default[..] } else { &args.scenarios };
     if names.len() > 1 && args.record.record.is_some() {
         return Err(Refused::error(
-            "--record: is one file, and these are several worlds; use --recordings FOLDER",
+            "--record: takes a single world, and these are several; use --recordings FOLDER",
         ));
     }
     for name in names {
@@ -53,7 +53,9 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
 fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::Result<()> {
     if args.record.record.as_deref().is_some_and(|record| crate::written::is_same_file(record, file)) {
         let file = file.display();
-        return Err(Refused::error(format!("--record {file}: is what is resumed; record into another file")));
+        return Err(Refused::error(format!(
+            "--record {file}: is the recording that is resumed; record into another file"
+        )));
     }
     let (mut replay, mut world) = replay::open(file)?;
     let tape = std::sync::Arc::clone(replay.tape());
@@ -63,10 +65,10 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
     if let Some(problem) = tape.problem() {
-        tell!("note: {}: {problem}; the world goes on where what is left of it ends", file.display());
+        tell!("note: {}: {problem}; the world continues from the end of what is left", file.display());
     }
     let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
-    tell!("world {name} goes on at tick {}, {} s", world.tick(), world.time().as_seconds());
+    tell!("world {name} continues at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));
     Ok(())
@@ -79,8 +81,8 @@ fn make_folder(folder: &Path) -> anyhow::Result<()> {
     }
     let refused = |why: &str| Refused::error(format!("--recordings {}: {why}", folder.display()));
     std::fs::create_dir(folder).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => refused("is a file and no folder; name another"),
-        ErrorKind::NotFound => refused("is to be in a folder that is not there; make that with mkdir -p"),
-        _ => refused(&format!("cannot be made: {error}")),
+        ErrorKind::AlreadyExists => refused("is a file, not a folder; choose another"),
+        ErrorKind::NotFound => refused("its parent folder does not exist; create it with mkdir -p"),
+        _ => refused(&format!("cannot be created: {error}")),
     })
 }

@@ -74,7 +74,7 @@ impl<'a> Serving<'a> {
         tell!("stopping");
         tokio::select! {
             () = server.shutdown() => {}
-            () = tokio::time::sleep(PATIENCE) => tell!("note: somebody kept a connection open; it was cut"),
+            () = tokio::time::sleep(PATIENCE) => tell!("note: a client kept its connection open; it was closed"),
         }
         Ok(())
     }

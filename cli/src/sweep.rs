@@ -36,7 +36,7 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
     let swept = swept.map_err(|error| work::from_experiment(args, error))?;
     if swept.interrupted {
         tell!(
-            "stopped after {} of {} runs, which {} has; the same command goes on from there",
+            "stopped after {} of {} runs, recorded in {}; the same command continues from there",
             swept.done,
             swept.total,
             out.join("rows.jsonl").display()

@@ -69,8 +69,8 @@ fn warning(
         all.iter().filter(|entry| entry.together == Some([kind, kind_of_late])).map(|entry| entry.name);
     let brains: Vec<_> = brains.collect();
     Some(format!(
-        "`{late}` is {age} old when it comes, and `{held_up}` has something new every {period}: brains that need both \
-         together ({}) have each that late, and may drive more slowly",
+        "`{late}` is {age} old when it arrives, and `{held_up}` has new data every {period}: brains that need both \
+         together ({}) get both that late, and may drive more slowly",
         brains.join(", "),
     ))
 }
@@ -99,8 +99,8 @@ mod tests {
     #[test]
     fn odometry_that_is_older_than_the_lasers_period_is_warned_of() {
         let [warning] = &at_baud(9600, &[])[..] else { panic!("one warning at 9600 baud") };
-        let expected = "robot: `odometer` is 107.292 ms old when it comes, and `laser` has something new every 100 ms: \
-                        brains that need both together (errands, explore, hall, mower, tour) have each that late, and \
+        let expected = "robot: `odometer` is 107.292 ms old when it arrives, and `laser` has new data every 100 ms: \
+                        brains that need both together (errands, explore, hall, mower, tour) get both that late, and \
                         may drive more slowly";
         assert_eq!(warning, expected);
         assert_eq!(at_baud(4800, &[]).len(), 1);

@@ -31,7 +31,7 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
         let candidates = tuned.candidates.len();
         let journal = journal.display();
         tell!(
-            "stopped after {candidates} candidates, which {journal} has; the same command goes on from there"
+            "stopped after {candidates} candidates, recorded in {journal}; the same command continues from there"
         );
         return Ok(ExitCode::from(INTERRUPTED));
     }

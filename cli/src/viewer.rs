@@ -25,7 +25,7 @@ impl FromStr for Viewer {
         match text.trim_end_matches('/').parse() {
             Ok(Address::Tcp(address)) => Ok(Self::At(address)),
             Ok(Address::Unix(_)) | Err(_) => {
-                Err(format!("`{text}` is no IP:PORT such as 127.0.0.1:7401, and not `off`"))
+                Err(format!("`{text}` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`"))
             }
         }
     }
@@ -69,6 +69,6 @@ mod tests {
             assert_eq!(text.parse(), Ok(at("127.0.0.1:80")));
         }
         let problem = "7401".parse::<Viewer>().unwrap_err();
-        assert_eq!(problem, "`7401` is no IP:PORT such as 127.0.0.1:7401, and not `off`");
+        assert_eq!(problem, "`7401` is neither an IP:PORT such as 127.0.0.1:7401 nor `off`");
     }
 }

@@ -38,7 +38,7 @@ async fn connect_within(address: &str, patience: Duration) -> Result<Channel, Er
     // A server tells its settings at once. What does not would leave the first call without an answer.
     let silent = |_| Error::Connect {
         address: address.to_owned(),
-        cause: format!("something takes connections there, but has said nothing for {patience:?}"),
+        cause: format!("something accepts connections there, but has not answered for {patience:?}"),
     };
     timeout(patience, heard.notified()).await.map_err(silent)?;
     Ok(channel)
@@ -214,7 +214,7 @@ mod tests {
         let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = silent.local_addr().unwrap().to_string();
         let text = connect_within(&address, Duration::from_millis(100)).await.unwrap_err().to_string();
-        let words = "something takes connections there, but has said nothing for 100ms";
+        let words = "something accepts connections there, but has not answered for 100ms";
         let expected = format!("no server answers at {address} ({words}); is `baudbot serve` running there?");
         assert_eq!(text, expected);
     }
@@ -226,6 +226,6 @@ mod tests {
         assert!(text.starts_with("no server answers at 127.0.0.1:1 ("), "{text}");
         assert!(text.ends_with("is `baudbot serve` running there?"), "{text}");
         let text = connect("nowhere").await.unwrap_err().to_string();
-        assert!(text.starts_with("`nowhere` is no address"), "{text}");
+        assert!(text.starts_with("`nowhere` is not a server address"), "{text}");
     }
 }

@@ -11,7 +11,7 @@ use tonic::Code;
 #[derive(Debug, Error)]
 pub enum Error {
     /// The address is none.
-    #[error("`{address}` is no address of a server; write HOST:PORT, http://HOST:PORT or unix:/PATH")]
+    #[error("`{address}` is not a server address; write HOST:PORT, http://HOST:PORT or unix:/PATH")]
     Address {
         /// As it was given.
         address: String,
@@ -35,7 +35,7 @@ pub enum Error {
     /// The operator wants the brain to begin anew. A program that can makes its brain afresh and attaches it to the same
     /// robots, which are free by now; one that cannot ends, as one that was thrown off ([`Status`](Self::Status) with
     /// [`Code::Aborted`]) does.
-    #[error("the operator wants this brain to begin anew, which its program does not do")]
+    #[error("the operator asked this brain to restart, which its program does not support")]
     Restart,
     /// The connection broke.
     #[error("the connection to the server is lost ({message})")]

@@ -122,7 +122,7 @@ impl Field {
         let label = match (&raw.label, &raw.field) {
             (Some(label), _) | (None, Some(label)) => label.trim().to_owned(),
             (None, None) => {
-                return Err(Error::field(at("label"), "is missing: what tables call these levels"));
+                return Err(Error::field(at("label"), "is missing: the name of these levels in tables"));
             }
         };
         let unit = raw.unit.clone().unwrap_or_default();
@@ -170,7 +170,7 @@ fn target<'a>(path: &str, field: Option<&'a str>) -> Result<&'a str, Error> {
 /// What all paths that are varied must be.
 fn checked(at: &str, field: &str) -> Result<(), Error> {
     if field.is_empty() || field.contains('=') {
-        return Err(Error::field(at, format!("`{field}` is no path, such as robots.robot.link.baud")));
+        return Err(Error::field(at, format!("`{field}` is not a path such as robots.robot.link.baud")));
     }
     if field == "seed" {
         return Err(Error::field(at, "the seed is varied by `seeds`"));
@@ -208,11 +208,11 @@ fn levels_of(path: &str, levels: Vec<raw::Level>) -> Result<Choice, Error> {
 
 fn some(at: &str, levels: Vec<Level>) -> Result<Choice, Error> {
     if levels.is_empty() {
-        return Err(Error::field(at, "is empty, so that there is nothing to run; give at least one"));
+        return Err(Error::field(at, "is empty, so there is nothing to run; give at least one"));
     }
     for (i, level) in levels.iter().enumerate() {
         if levels[..i].iter().any(|other| other.name == level.name) {
-            return Err(Error::field(at, format!("`{}` is there twice", level.name)));
+            return Err(Error::field(at, format!("`{}` appears twice", level.name)));
         }
     }
     Ok(Choice::Levels(levels))
@@ -241,7 +241,7 @@ fn range_of(path: &str, raw: &raw::Field) -> Result<Choice, Error> {
     if whole && (from.fract() != 0.0 || to.fract() != 0.0 || from.abs().max(to.abs()) > MOST_WHOLE) {
         return Err(Error::field(
             at("whole"),
-            format!("{from} and {to} must be whole numbers, then, and not huge"),
+            format!("`from` and `to` must then be whole numbers of moderate size, are {from} and {to}"),
         ));
     }
     Ok(Choice::Range(Range { target, from, to, log, whole }))

@@ -35,7 +35,7 @@ pub enum CrewError {
     },
     /// The default brain is for robots that see.
     #[error(
-        "robot `{robot}` has no IR sensors, so that the default brain `{DEFAULT}` cannot drive it; name another as \
+        "robot `{robot}` has no IR sensors, so the default brain `{DEFAULT}` cannot drive it; name another as \
          {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)"
     )]
     Blind {

@@ -77,7 +77,7 @@ impl Design {
                 Some(i) => Err(Error::field(
                     format!("fields[{i}]"),
                     format!(
-                        "has {} values and the first field {}; in a list they belong together, one by one",
+                        "has {} values, but the first field has {}; a list combines them one by one",
                         counts[i], counts[0]
                     ),
                 )),
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(names(&Design::List.cell(&fields, 1)), ["2", "4"]);
         let uneven = [numbers("a", &[1.0]), numbers("b", &[3.0, 4.0])];
         let error = Design::List.cells(&uneven).unwrap_err().to_string();
-        assert!(error.starts_with("fields[1]: has 2 values and the first field 1"), "{error}");
+        assert!(error.starts_with("fields[1]: has 2 values, but the first field has 1"), "{error}");
     }
 
     #[test]

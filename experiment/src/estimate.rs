@@ -27,7 +27,7 @@ impl Estimate {
             return Ok(());
         }
         Err(Error::Refused(format!(
-            "{at_most}{} runs are to be done, which take about {} here; say --yes if that is meant",
+            "{at_most}{} runs would take about {} here; confirm with --yes",
             self.runs,
             span(self.time)
         )))
@@ -63,10 +63,7 @@ mod tests {
         };
         assert_eq!(refused(10_000, 0), Ok(()));
         let error = refused(10_001, 2).unwrap_err();
-        assert!(
-            error.starts_with("at most 10001 runs are to be done, which take about 42 min here"),
-            "{error}"
-        );
+        assert!(error.starts_with("at most 10001 runs would take about 42 min here"), "{error}");
         assert_eq!(refused(1440, 20), Ok(()));
         let error = refused(1500, 20).unwrap_err();
         assert!(error.contains("1500 runs") && error.contains("about 62 min"), "{error}");

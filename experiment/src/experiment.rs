@@ -133,13 +133,10 @@ impl Seeds {
         let mut sorted = seeds.clone();
         sorted.sort_unstable();
         if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(Error::field("seeds", format!("{} is there twice", pair[0])));
+            return Err(Error::field("seeds", format!("{} appears twice", pair[0])));
         }
         if seeds.is_empty() {
-            return Err(Error::field(
-                "seeds",
-                "is empty, so that there is nothing to run; give at least one",
-            ));
+            return Err(Error::field("seeds", "is empty, so there is nothing to run; give at least one"));
         }
         Ok(Self::List(seeds))
     }
@@ -263,7 +260,7 @@ fn unique(fields: &[Field]) -> Result<(), Error> {
         if fields[..i].iter().any(|other| other.label == field.label) {
             return Err(Error::field(
                 at(),
-                format!("`{}` is there twice; give one another label", field.label),
+                format!("`{}` appears twice; change one of the labels", field.label),
             ));
         }
     }
@@ -272,7 +269,7 @@ fn unique(fields: &[Field]) -> Result<(), Error> {
 
 fn brains(one: Option<String>, many: Option<Vec<String>>) -> Result<Vec<String>, Error> {
     match (one, many) {
-        (Some(_), Some(_)) => Err(Error::field("brains", "stands beside `brain`; give one of them")),
+        (Some(_), Some(_)) => Err(Error::field("brains", "conflicts with `brain`; give only one of them")),
         (Some(brain), None) => Ok(vec![brain]),
         (None, Some(brains)) => Ok(brains),
         (None, None) => Ok(vec![crew::DEFAULT.to_owned()]),
@@ -302,7 +299,7 @@ fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Resul
     let figure = match raw.figure.as_str() {
         "success" if success => None,
         "success" => {
-            return Err(Error::field(at("figure"), "there is no [success] that says what success is"));
+            return Err(Error::field(at("figure"), "there is no [success] section, which defines success"));
         }
         name => Some(Figure::named(name).map_err(|problem| Error::field(at("figure"), problem))?),
     };
@@ -322,7 +319,7 @@ fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Resul
         return Err(Error::field(at("by"), "is the same field as `x`"));
     }
     if raw.kind == ChartKind::Heat && by.is_none() {
-        return Err(Error::field(at("kind"), "a field of colours needs two [[fields]], there is one"));
+        return Err(Error::field(at("kind"), "a heat map needs two [[fields]], there is one"));
     }
     Ok(Chart { figure, kind: raw.kind, x, by, title: raw.title })
 }

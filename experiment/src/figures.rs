@@ -49,7 +49,7 @@ pub struct Info {
 pub const INFOS: [Info; COUNT] = [
     info(Figure::TimeS, "time_s", "simulated time (s)", "simulated time of the run"),
     info(Figure::Collisions, "collisions", "collisions", "collisions of all robots"),
-    info(Figure::DistanceM, "distance_m", "distance (m)", "way of all robots together"),
+    info(Figure::DistanceM, "distance_m", "distance (m)", "distance driven by all robots together"),
     share(
         Figure::Covered,
         "covered",
@@ -80,13 +80,13 @@ pub const INFOS: [Info; COUNT] = [
         Figure::StalenessP50Ms,
         "staleness_p50_ms",
         "median staleness (ms)",
-        "age that half of such readings do not exceed, of the sensor with the oldest",
+        "median age of such readings, of the sensor with the oldest",
     ),
     info(
         Figure::StalenessP95Ms,
         "staleness_p95_ms",
         "staleness of 95 % (ms)",
-        "age that 95 of 100 such readings do not exceed, of the sensor with the oldest",
+        "95th percentile of the age of such readings, of the sensor with the oldest",
     ),
     info(
         Figure::StalenessMaxMs,
@@ -97,26 +97,26 @@ pub const INFOS: [Info; COUNT] = [
     share(
         Figure::StepKept,
         "step_kept",
-        "share of cycles that kept the step",
-        "share of control cycles that were answered by their deadline, of all robots",
+        "share of cycles that met the deadline",
+        "share of control cycles that met their deadline, of all robots",
     ),
     info(
         Figure::CycleP95Ms,
         "cycle_p95_ms",
         "control cycle of 95 % (ms)",
-        "time that 95 of 100 answered control cycles do not exceed, of the robot with the longest",
+        "95th percentile of the duration of answered control cycles, of the robot with the longest",
     ),
     info(
         Figure::ExchangesPerS,
         "exchanges_per_s",
         "exchanges (1/s)",
-        "messages of readings a second that a command answered, of the robot with the fewest",
+        "messages of readings per second that were answered by a command, of the robot with the fewest",
     ),
     info(
         Figure::BytesLost,
         "bytes_lost",
         "bytes lost",
-        "bytes that buffers had no room for or that an outage took, on all cables both ways",
+        "bytes lost because a buffer was full or a cable was out, on all cables in both directions",
     ),
     info(
         Figure::FramesMissed,

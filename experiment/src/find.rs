@@ -62,7 +62,7 @@ pub fn find(
     if experiment.success.is_none() {
         return Err(Error::field(
             "success",
-            "is missing: what a run must keep, such as collisions_at_most = 0",
+            "is missing: what makes a run a success, such as collisions_at_most = 0",
         ));
     }
     let place = experiment.place(field).map_err(|problem| Error::Refused(format!("--find: {problem}")))?;
@@ -91,14 +91,14 @@ fn others(experiment: &Experiment, place: usize) -> Result<Vec<Vec<Level>>, Erro
             _ if i == place => vec![Level { name: String::new(), number: None, settings: Vec::new() }],
             Choice::Levels(levels) => levels.clone(),
             Choice::Range(_) => {
-                let problem = "--find needs `values` for the fields that it does not look through";
+                let problem = "--find needs `values` for the fields that it does not search";
                 return Err(Error::field(format!("fields[{i}]"), problem));
             }
         };
         if all.len().saturating_mul(levels.len()) > MOST_SEARCHES {
             return Err(Error::field(
                 "fields",
-                format!("--find would look for more than {MOST_SEARCHES} limits"),
+                format!("--find would search for more than {MOST_SEARCHES} limits"),
             ));
         }
         let with = |cell: &Vec<Level>| {
@@ -135,7 +135,7 @@ impl Line {
         let field = &experiment.fields[place];
         let is_down = experiment.find.wants == Wants::Highest;
         if !field.is_numeric() {
-            return Err(Error::Refused(format!("--find: the values of `{}` are no numbers", field.label)));
+            return Err(Error::Refused(format!("--find: the values of `{}` are not numbers", field.label)));
         }
         Ok(match &field.choice {
             Choice::Levels(levels) => {
@@ -320,7 +320,7 @@ impl Limit {
         let Some(i) = self.limit else {
             let tried = self.probes.last().map(Probe::told).unwrap_or_default();
             return format!(
-                "found no {keeps}: already the easiest value fails, {tried}, and the others were not tried; `wants` in \
+                "found no {keeps}: even the easiest value fails, {tried}, and the others were not tried; `wants` in \
                  [find] says which end is easy"
             );
         };
@@ -339,12 +339,12 @@ impl Limit {
             let all = all.join(", ");
             let _ = writeln!(
                 text,
-                "  note: success does not change once and for all ({all}); more seeds may tell"
+                "  note: success does not change exactly once ({all}); more seeds may tell why"
             );
         }
         for probe in &self.probes {
             if let Some(error) = &probe.error {
-                let _ = writeln!(text, "  note: at {} runs could not be: {error}", probe.name);
+                let _ = writeln!(text, "  note: at {}, runs failed: {error}", probe.name);
             }
         }
         text

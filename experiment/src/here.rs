@@ -24,7 +24,7 @@ pub fn run(experiment: &Experiment, task: &Task) -> Row {
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-    format!("{PANICKED}, which is a fault of baudbot: {text}")
+    format!("{PANICKED}, which is a bug in baudbot: {text}")
 }
 
 #[cfg(test)]
@@ -34,7 +34,7 @@ mod tests {
     #[test]
     fn a_panic_becomes_the_rows_error() {
         let panic = catch_unwind(|| panic!("at {}", 7)).unwrap_err();
-        assert_eq!(panicked(&*panic), "the run panicked, which is a fault of baudbot: at 7");
+        assert_eq!(panicked(&*panic), "the run panicked, which is a bug in baudbot: at 7");
         let panic = catch_unwind(|| panic!("here")).unwrap_err();
         assert!(panicked(&*panic).ends_with(": here"));
     }

@@ -27,12 +27,14 @@ impl Folder {
                 let id = id_in(&mut lock).map_err(Error::file("read or write", &at))?;
                 let no_lock = || {
                     let at = at.display();
-                    Error::Refused(format!("{at} is of no experiment; choose another place with --out DIR"))
+                    Error::Refused(format!(
+                        "{at} does not belong to an experiment; choose another place with --out DIR"
+                    ))
                 };
                 Ok(Self { path: path.to_owned(), _lock: lock, id: id.ok_or_else(no_lock)? })
             }
             Err(TryLockError::WouldBlock) => Err(Error::Refused(format!(
-                "another experiment is writing into {}; wait for its end, or choose another place with --out DIR",
+                "another experiment is writing into {}; wait until it ends, or choose another place with --out DIR",
                 path.display()
             ))),
             Err(TryLockError::Error(cause)) => Err(Error::file("lock", &at)(cause)),

@@ -129,7 +129,7 @@ async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Resu
             v1::WorldState::Running => {}
             v1::WorldState::Unspecified | v1::WorldState::WaitingForBrains | v1::WorldState::Paused => {
                 return Err(Failure::Server(Error::Server(format!(
-                    "somebody stopped world `{world}` on the server"
+                    "world `{world}` was stopped on the server"
                 ))));
             }
         }
@@ -148,7 +148,7 @@ impl Failure {
         match code {
             Code::InvalidArgument => Self::Run(message.to_owned()),
             Code::ResourceExhausted => Self::Server(Error::Server(format!(
-                "the server is full: {message}; go on when there is room, or on another server"
+                "the server is full: {message}; continue when there is room, or on another server"
             ))),
             code => Self::Server(Error::Server(format!("the server says: {message} ({code:?})"))),
         }

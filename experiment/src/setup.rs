@@ -23,7 +23,7 @@ impl Setup {
         overrides.push(format!("seed={}", task.seed));
         let scenario = parse(experiment, &overrides)?;
         if scenario.end.after.is_none() {
-            return Err("the run has no end in time; set `seconds`, or end.after_s".to_owned());
+            return Err("the run has no time limit; set `seconds`, or end.after_s".to_owned());
         }
         let jobs = jobs(experiment, task, &scenario)?;
         Ok(Self { scenario, jobs })

@@ -35,7 +35,7 @@ impl Success {
             let ends = [("_at_most", false), ("_at_least", true)];
             let split = ends.into_iter().find_map(|(end, at_least)| Some((key.strip_suffix(end)?, at_least)));
             let Some((name, at_least)) = split else {
-                let problem = "is no condition; write FIGURE_at_most, FIGURE_at_least or goal_reached, such as \
+                let problem = "is not a condition; write FIGURE_at_most, FIGURE_at_least or goal_reached, such as \
                                collisions_at_most = 0";
                 return Err(Error::field(at, problem));
             };

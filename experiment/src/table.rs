@@ -77,7 +77,7 @@ fn failures(summary: &Summary) -> String {
     if summary.failed == 0 {
         return String::new();
     }
-    let mut text = format!("{} of {} runs could not be:\n", summary.failed, summary.runs);
+    let mut text = format!("{} of {} runs failed:\n", summary.failed, summary.runs);
     let mut told: Vec<&str> = Vec::new();
     for (run, problem) in &summary.failures {
         // Seeds of a combination fail alike.

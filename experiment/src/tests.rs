@@ -118,7 +118,7 @@ fn a_sweep_makes_a_row_a_run_and_what_cannot_be_run_stops_no_other() {
     assert!(lines[36].starts_with("35,11,3,49,0.4,front,\"robots[0].link.baud: "), "{csv}");
     assert_eq!(lines.len(), 37);
     let text = String::from_utf8(read(&out, "summary.txt")).unwrap();
-    assert!(text.contains("12 of 36 runs could not be:\n  run 24: robots[0].link.baud: "), "{text}");
+    assert!(text.contains("12 of 36 runs failed:\n  run 24: robots[0].link.baud: "), "{text}");
     for name in ["collisions.svg", "success-heat.svg"] {
         let svg = String::from_utf8(read(&out, name)).unwrap();
         assert!(roxmltree::Document::parse(&svg).is_ok(), "{svg}");
@@ -148,7 +148,7 @@ fn a_sweep_that_was_stopped_and_torn_goes_on_to_the_same_bytes() {
     assert_eq!(run(&experiment, &torn).unwrap().resumed, 36);
     let other = super::tests::experiment(&SMALL.replace("seeds = 3", "seeds = 4")).unwrap();
     let error = run(&other, &torn).unwrap_err().to_string();
-    assert!(error.contains("is of another experiment") && error.contains("--fresh"), "{error}");
+    assert!(error.contains("belongs to another experiment") && error.contains("--fresh"), "{error}");
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
         (with(""), "fields: is missing: give at least one [[fields]]"),
         (with("[[fields]]\nfield = \"step_ms\"\nvalues = []"), "fields[0].values: is empty"),
         (with("[[fields]]\nfield = \"step_ms\""), "fields[0]: has no values"),
-        (with("[[fields]]\nfield = \"step_ms\"\nvalues = [1, 1]"), "fields[0].values: `1` is there twice"),
+        (with("[[fields]]\nfield = \"step_ms\"\nvalues = [1, 1]"), "fields[0].values: `1` appears twice"),
         (
             with("[[fields]]\nfield = \"step_ms\"\nlabel = \"run\"\nvalues = [1]"),
             "`run` is a column of the table already",
@@ -221,7 +221,7 @@ fn what_makes_no_sense_is_refused_with_how_to_mend_it() {
         (with("[[fields]]\nfield = \"step_ms\"\nfrom = 2.0\nto = 2.0"), "fields[0].to: must be more than"),
         (with("seeds = []") + fields, "seeds: is empty"),
         (with("seeds = 0") + fields, "seeds: must be at least 1"),
-        (with("seeds = [1, 2, 1]") + fields, "seeds: 1 is there twice"),
+        (with("seeds = [1, 2, 1]") + fields, "seeds: 1 appears twice"),
         (with("samples = 3") + fields, "samples: goes with design = \"random\""),
         (with("sedes = 3") + fields, "sedes: there is no field `sedes`; did you mean `seeds`?"),
         (
@@ -284,7 +284,7 @@ fn a_file_that_is_no_journal_is_not_cut_but_a_torn_header_of_our_own_is() {
     for text in ["my only copy", "{\"sweep\":\"test\",\"fingerprint\":\"0\"}", "no\nnewline"] {
         std::fs::write(&journal, text).unwrap();
         let error = run(&experiment, &out).unwrap_err().to_string();
-        assert!(error.contains("rows.jsonl is no journal of an experiment"), "{error}");
+        assert!(error.contains("rows.jsonl is not the journal of an experiment"), "{error}");
         assert_eq!(std::fs::read_to_string(&journal).unwrap(), text);
     }
     for len in [1, 40, lines[0].len()] {
@@ -333,7 +333,7 @@ fn a_run_that_panicked_is_done_again_and_one_that_could_not_be_is_not() {
         journal.append(&crate::run(&experiment, &experiment.task(1))).unwrap();
         run(&experiment, &out).unwrap()
     };
-    let again = with("the run panicked, which is a fault of baudbot: at 7");
+    let again = with("the run panicked, which is a bug in baudbot: at 7");
     assert_eq!((again.resumed, again.done, again.summary.failed), (1, 2, 0));
     assert!(read(&out, "rows.csv") == expected);
     assert_eq!(run(&experiment, &out).unwrap().resumed, 2, "the better row is not found");
@@ -366,7 +366,7 @@ fn a_fresh_sweep_that_is_refused_deletes_nothing_and_one_that_is_done_deletes_al
     long.seeds = crate::Seeds::From(1, 1_000_000);
     let fresh = || Options { fresh: true, ..options(&out) };
     let error = sweep(&long, &Options { confirmed: false, ..fresh() }).unwrap_err().to_string();
-    assert!(error.contains("say --yes"), "{error}");
+    assert!(error.contains("confirm with --yes"), "{error}");
     assert!(all().map(|name| read(&out, name)) == before, "it is gone");
     assert!(!out.join(".rows.jsonl.tmp").exists());
     let stop = AtomicBool::new(false);
@@ -390,8 +390,8 @@ fn a_search_that_takes_long_must_be_meant() {
     let error = look(&experiment, false).unwrap_err();
     assert!(error.is_refusal());
     let error = error.to_string();
-    assert!(error.starts_with("up to 12000 runs are to be done, which take about "), "{error}");
-    assert!(error.contains("say --yes"), "{error}");
+    assert!(error.starts_with("up to 12000 runs would take about "), "{error}");
+    assert!(error.contains("confirm with --yes"), "{error}");
     experiment.seeds = crate::Seeds::From(1, 3);
     assert_eq!(look(&experiment, false).unwrap(), look(&experiment, true).unwrap());
 }
@@ -464,6 +464,6 @@ fn a_folder_keeps_its_id_and_a_lock_of_something_else_is_left_alone() {
     assert!(read(&out, ".lock").len() == 16 && read(&out, ".lock") != id);
     std::fs::write(&lock, "pid 7").unwrap();
     let error = run(&experiment, &out).unwrap_err().to_string();
-    assert!(error.contains(".lock is of no experiment; choose another place"), "{error}");
+    assert!(error.contains(".lock does not belong to an experiment; choose another place"), "{error}");
     assert_eq!(read(&out, ".lock"), b"pid 7");
 }

@@ -98,15 +98,15 @@ fn descriptions_that_make_no_sense() {
     let rest = "origin: [0, 0, 0]\n";
     let cases = [
         ("", "image is missing"),
-        (": : :", "is no description of a map"),
-        ("- a\n- b", "is no description of a map"),
+        (": : :", "is not a description of a map"),
+        ("- a\n- b", "is not a description of a map"),
         (&format!("resolution: 0.1\n{rest}"), "image is missing"),
         (&format!("image: map.pgm\n{rest}"), "resolution is missing"),
         (&format!("image: map.pgm\nresolution: 0\n{rest}"), "resolution: must be from 0.0001 to 1000"),
         (&format!("image: map.pgm\nresolution: -0.1\n{rest}"), "is -0.1"),
         (&format!("image: map.pgm\nresolution: .nan\n{rest}"), "resolution: must be"),
         (&format!("image: map.pgm\nresolution: .inf\n{rest}"), "resolution: must be"),
-        (&format!("image: map.pgm\nresolution: fine\n{rest}"), "is no description of a map"),
+        (&format!("image: map.pgm\nresolution: fine\n{rest}"), "is not a description of a map"),
         ("image: map.pgm\nresolution: 1\n", "origin is missing"),
         ("image: map.pgm\nresolution: 1\norigin: [0, 0]\n", "origin: must be [x, y, yaw]"),
         ("image: map.pgm\nresolution: 1\norigin: [0, .nan, 0]\n", "origin: must be within"),
@@ -115,7 +115,7 @@ fn descriptions_that_make_no_sense() {
         (&format!("image: map.pgm\nresolution: 1\nnegate: 2\n{rest}"), "negate: must be 0 or 1, is 2"),
         (&format!("{YAML}free_thresh: 0.9\n"), "free_thresh and occupied_thresh: must be from 0 to 1"),
         (&format!("{YAML}occupied_thresh: .nan\n"), "free_thresh and occupied_thresh"),
-        (&format!("a: {}", "[".repeat(100_000)), "is no description of a map"),
+        (&format!("a: {}", "[".repeat(100_000)), "is not a description of a map"),
     ];
     for (yaml, expected) in cases {
         assert_says(&refused_yaml(yaml), &["arena.maps[0].ros: map.yaml: ", expected]);

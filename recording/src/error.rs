@@ -14,19 +14,19 @@ pub enum RecordingError {
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
     /// It is something else.
-    #[error("is no MCAP file: {0}")]
+    #[error("is not an MCAP file: {0}")]
     NotMcap(String),
     /// It is an MCAP file of another program's.
     #[error(
-        "is an MCAP file, but no recording of baudbot: its first message is not a header on {}",
+        "is an MCAP file, but not a recording of baudbot: its first message is not a header on {}",
         crate::topic::HEADER
     )]
     Foreign,
     /// What it begins with is damaged.
-    #[error("cannot be replayed: {0}, and the header that says what was recorded is not there")]
+    #[error("cannot be replayed: {0}, and the header with the scenario is missing")]
     Headless(String),
     /// It is packed in a way that is not read here.
-    #[error("is packed with `zstd`; pack it anew with `lz4` (mcap compress --compression lz4)")]
+    #[error("is packed with `zstd`; repack it with `lz4` (mcap compress --compression lz4)")]
     Packed,
     /// It is of a version to come.
     #[error(

@@ -153,7 +153,7 @@ impl Replay {
         let changes = self.tape.inputs_at(world.tick())?.into_iter().flat_map(|recorded| recorded.changes);
         for change in changes.filter_map(|recorded| recorded.change) {
             if let Err(error) = world.intervene(&change::intervention(change)) {
-                self.differs(world, format!("a change by hand is not possible: {error}"));
+                self.differs(world, format!("a manual change is not possible: {error}"));
             }
         }
         world.begin();
@@ -183,7 +183,7 @@ impl Replay {
         } else {
             self.differs(
                 world,
-                format!("the run has ended; in the recording it goes on to tick {}", tape.last_tick()),
+                format!("the run has ended; in the recording it continues to tick {}", tape.last_tick()),
             );
         }
     }

@@ -293,11 +293,11 @@ fn a_file_that_is_cut_off_or_damaged_is_replayed_as_far_as_it_goes() {
 #[test]
 fn what_is_no_recording_of_ours_is_refused_with_the_reason() {
     let refused = |file: &[u8]| Tape::read(file).map(drop).unwrap_err().to_string();
-    assert!(refused(b"name = \"wander\"").contains("is no MCAP file"));
-    assert!(refused(b"").contains("is no MCAP file"));
+    assert!(refused(b"name = \"wander\"").contains("is not an MCAP file"));
+    assert!(refused(b"").contains("is not an MCAP file"));
     let (file, _) = record(10);
     let without_header = rewritten(&file, topic::HEADER, |_| None);
-    assert!(refused(&without_header).contains("no recording of baudbot"));
+    assert!(refused(&without_header).contains("not a recording of baudbot"));
     let with = |change: fn(&mut v1::RecordingHeader)| {
         rewritten(&file, topic::HEADER, |data| {
             let mut header = v1::RecordingHeader::decode(data.as_slice()).unwrap();

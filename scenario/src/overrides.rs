@@ -103,7 +103,7 @@ fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut T
         && let Some((table, i)) = of_several(list, key)
     {
         return Err(error(format!(
-            "is one of several in `{table}`, which are alike: change {path}.{table}.FIELD for all of them, or \
+            "is one of several in `{table}`, which are identical: change {path}.{table}.FIELD for all of them, or \
              {path}.{table}.starts[{i}].FIELD for how this one starts"
         )));
     }

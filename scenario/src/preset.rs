@@ -82,7 +82,7 @@ impl Expander {
         } else if robot.contains_key("without") {
             return Err(path
                 .field("without")
-                .error("says what of a `preset` is left out, and there is none"));
+                .error("lists sensors of a `preset` to leave out, but there is no `preset`"));
         }
         for (part, kind) in PARTS {
             self.part(&path.field(part), robot.get_mut(part), kind)?;
@@ -125,7 +125,7 @@ impl Expander {
             Some(preset) if preset.kind == kind => Ok(Some(preset)),
             Some(preset) => {
                 let (is, needed) = (preset.kind.phrase(), kind.phrase());
-                Err(path.error(format!("`{name}` is {is}, needed is {needed}")))
+                Err(path.error(format!("`{name}` is {is}, but {needed} is needed")))
             }
             None => Err(path.error(unknown(name, kind))),
         }

@@ -40,7 +40,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
         let meets = |robot: &&RobotSpec| passes(mover, robot);
         if let Some(robot) = scenario.robots.iter().find(meets) {
             let problem = format!(
-                "its way leads over the place at ({}, {}) m where robot `{}` starts; it waits while something \
+                "its path leads over the place at ({}, {}) m where robot `{}` starts; it waits while something \
                  stands there",
                 robot.start.pose.position.x, robot.start.pose.position.y, robot.name
             );

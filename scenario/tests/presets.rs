@@ -358,7 +358,7 @@ fn what_cannot_be_filled_is_refused() {
     refused("preset = 3", "robots[0].preset: must be the name of a preset, is of type integer");
     refused(
         "without = [\"ir_6\"]",
-        "robots[0].without: says what of a `preset` is left out, and there is none",
+        "robots[0].without: lists sensors of a `preset` to leave out, but there is no `preset`",
     );
     refused(
         "preset = \"arsim\"\nwithout = [\"ir_left\", \"ir_6\"]",

@@ -101,7 +101,7 @@ fn an_override_is_for_all_of_them_or_for_one_start() {
         assert_eq!(
             message,
             format!(
-                "robots.{name}: is one of several in `ann`, which are alike: change robots.ann.FIELD for all of \
+                "robots.{name}: is one of several in `ann`, which are identical: change robots.ann.FIELD for all of \
                  them, or robots.ann.starts[{i}].FIELD for how this one starts"
             )
         );

@@ -60,6 +60,6 @@ fn a_door_that_closes_on_a_robot() {
     let [warning] = &warnings(&(door.to_owned() + &robot("")))[..] else { panic!("one warning") };
     assert!(
         warning
-            .starts_with("arena.movers.door: its way leads over the place at (0, 0) m where robot `alice`")
+            .starts_with("arena.movers.door: its path leads over the place at (0, 0) m where robot `alice`")
     );
 }

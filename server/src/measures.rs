@@ -47,7 +47,7 @@ pub(crate) struct RobotMeasures {
 /// The numbers of one direction of a cable.
 pub(crate) struct LineMeasures {
     pub(crate) counters: LineCounters,
-    /// Bytes that wait for the wire or are on it.
+    /// Bytes that wait for the line or are on it.
     pub(crate) waiting_bytes: u64,
 }
 

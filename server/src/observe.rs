@@ -47,7 +47,7 @@ impl ObserveService for Observe {
         // This takes a while for millions of cells.
         let coverage = blocking(move || convert::coverage(&report)).await?;
         let none = || {
-            let text = "counts no coverage; metrics.cell_m in its scenario switches it on";
+            let text = "does not measure coverage; set metrics.cell_m in its scenario";
             Status::failed_precondition(format!("world: `{}` {text}", world.name()))
         };
         Ok(Response::new(coverage.ok_or_else(none)?))

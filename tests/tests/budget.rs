@@ -50,7 +50,7 @@ async fn what_cannot_be_asked_is_refused_by_name() {
     let unknown = v1::GetBudgetRequest { robots: vec!["bob".into()], ..request(world(), &[]) };
     let cases = [
         (v1::GetBudgetRequest::default(), Code::InvalidArgument, "scenario: must be set"),
-        (request(world(), &["step_ms=1"]), Code::InvalidArgument, "overrides: are of a scenario_toml"),
+        (request(world(), &["step_ms=1"]), Code::InvalidArgument, "overrides: apply to a scenario_toml"),
         (request(Given::World("v".into()), &[]), Code::NotFound, "`v`"),
         (request(Given::ScenarioToml("x".into()), &[]), Code::InvalidArgument, "scenario_toml: "),
         (unknown, Code::NotFound, "robots: there is no robot `bob`"),

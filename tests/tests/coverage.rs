@@ -161,7 +161,7 @@ async fn recorded(folder: PathBuf) -> Server {
 async fn a_world_that_counts_nothing_says_what_would_switch_it_on() {
     let server = serve(scenario(WANDER, &[]), lockstep()).await;
     let refused = coverage(&server).await.unwrap_err();
-    let text = "world: `w` counts no coverage; metrics.cell_m in its scenario switches it on";
+    let text = "world: `w` does not measure coverage; set metrics.cell_m in its scenario";
     assert_eq!((refused.code(), refused.message()), (Code::FailedPrecondition, text));
     let unknown = v1::GetCoverageRequest { world: "x".into() };
     let unknown = observer(&server).await.get_coverage(unknown).await.unwrap_err();

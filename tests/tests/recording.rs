@@ -173,10 +173,7 @@ async fn a_replay_refuses_what_would_change_it_until_it_is_forked() {
     let forked = operator.fork_replay(forked).await.unwrap().into_inner().status.unwrap();
     assert_eq!((forked.tick, forked.state_hash, forked.replay), (100, before, None));
     let live = operator.seek_replay(v1::SeekReplayRequest { world: world(), tick: 3 }).await.unwrap_err();
-    assert_eq!(
-        (live.code(), live.message()),
-        (Code::FailedPrecondition, "world: `w` is live, it replays nothing")
-    );
+    assert_eq!((live.code(), live.message()), (Code::FailedPrecondition, "world: `w` is live, not a replay"));
     // From here on it has a brain, and a recording of its own.
     let request = v1::StartRecordingRequest { recording: "fork".into(), ..named("w") };
     operator.start_recording(request).await.unwrap();
@@ -439,7 +436,7 @@ async fn names_and_files_of_strangers_are_refused() {
     assert_eq!(operator.open_recording(request).await.unwrap_err().code(), Code::NotFound);
     let request = v1::OpenRecordingRequest { recording: "junk".into(), world: "x".into() };
     let refused = operator.open_recording(request).await.unwrap_err();
-    assert!(refused.message().starts_with("recording: `junk` is no MCAP file"), "{refused:?}");
+    assert!(refused.message().starts_with("recording: `junk` is not an MCAP file"), "{refused:?}");
     let request = v1::StartRecordingRequest { look_hz: -1.0, ..named("w") };
     let refused = operator.start_recording(request).await.unwrap_err();
     assert_eq!(refused.message(), "look_hz: must be from 0 to 1000, is -1");

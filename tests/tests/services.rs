@@ -233,7 +233,7 @@ async fn ticks_that_nobody_waits_for_any_more_are_not_done() {
     // A second order has no place beside it, and is told so.
     let refused = second.step_world(step(1)).await.unwrap_err();
     assert_eq!(refused.code(), Code::FailedPrecondition);
-    assert!(refused.message().contains("`w` does ticks for another StepWorld"), "{}", refused.message());
+    assert!(refused.message().contains("`w` is running another StepWorld"), "{}", refused.message());
     endless.abort();
     let started = Instant::now();
     while status(&server).await.state() != v1::WorldState::Paused {

@@ -132,7 +132,7 @@ test("a brain is restarted, and thrown off", options, async () => {
   const page = await open("#world=second&robot=bob");
   const body = () => mock().worlds.get("second")!.bodies[1]!;
   const restart = page.getByTestId("restart");
-  assert.match((await restart.getAttribute("title")) ?? "", /does not know how simply goes/);
+  assert.match((await restart.getAttribute("title")) ?? "", /cannot do this simply leaves/);
   await restart.click();
   while (body().restarts === 0) await page.waitForTimeout(50);
   assert.equal(body().brain, "avoid");

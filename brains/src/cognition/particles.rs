@@ -94,7 +94,7 @@ impl Disperse {
             return Err(ParameterError::value("beams", "must be at least 1"));
         }
         if parameters.walls_m.is_empty() {
-            return Err(ParameterError::value("walls_m", "without walls nobody finds out where it is"));
+            return Err(ParameterError::value("walls_m", "localization needs walls"));
         }
         let map = map_of(&parameters.walls_m)?;
         let scanner = Scanner::new(kit.body, &parameters.laser, parameters.beams)?;

@@ -190,7 +190,7 @@ impl CoverRows {
         self.back = (!rest.is_empty()).then_some((here, rest));
     }
 
-    /// Back to the leg that it has strayed from, and on along that. Where no way leads there it keeps what it has: it may
+    /// Back to the leg that it has strayed from, and on along that. Where no path leads there it keeps what it has: it may
     /// believe to be elsewhere soon.
     fn find_back(&mut self, cells: &mut usize) -> Poll<()> {
         let Some((from, rest)) = &self.back else { return Poll::Ready(()) };
@@ -235,7 +235,7 @@ impl MotorBehavior for CoverRows {
         let place = self.floor.nearest_free(world_from_robot.position);
         if !self.floor.is_free(place) {
             // It may believe to be elsewhere soon, and then goes on where it was.
-            moment.beliefs.intention = "is nowhere on its map".to_owned();
+            moment.beliefs.intention = "is not on its map".to_owned();
             return Some(Signals::default());
         }
         if self.left.is_none() {
@@ -246,7 +246,7 @@ impl MotorBehavior for CoverRows {
         moment.beliefs.path = points.chain(self.legs.iter().flat_map(|leg| leg.points().to_vec())).collect();
         let left = self.left.as_ref().map_or(0, Vec::len);
         moment.beliefs.intention = match driven {
-            Poll::Pending => format!("plans its way, {left} regions left"),
+            Poll::Pending => format!("plans its path, {left} regions left"),
             Poll::Ready(_) if self.has_covered() => "has covered all".to_owned(),
             Poll::Ready(_) => format!("{left} regions left"),
         };

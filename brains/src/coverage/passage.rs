@@ -60,7 +60,7 @@ impl Passage {
     }
 
     /// Goes on, looking at no more cells than are `left`. When it is ready it has the way, and the place of its region in
-    /// the list; `None` if no way leads to any.
+    /// the list; `None` if no path leads to any.
     pub(super) fn plan(
         &mut self,
         floor: &Floor,

@@ -92,7 +92,7 @@ fn who_is_on_no_floor_waits_until_it_is_and_who_is_close_to_a_wall_begins_there(
         (signals, beliefs.intention)
     };
     let mut cover = made("cell_m = 0.05").unwrap();
-    assert_eq!(step(&mut cover, [9.0, 9.0]), (Signals::default(), "is nowhere on its map".to_owned()));
+    assert_eq!(step(&mut cover, [9.0, 9.0]), (Signals::default(), "is not on its map".to_owned()));
     assert!(!cover.has_covered());
     let (_, intention) = step(&mut cover, [2.8, 0.5]);
     assert!(intention.ends_with(" regions left"), "{intention}");
@@ -115,7 +115,7 @@ fn who_plans_for_many_steps_stands_and_has_not_covered_all() {
         let (turn, gammas) = (turn(&body, i * 20_000_000, &[]), &mut Vec::new());
         let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
         let Signals { left, right } = cover.step(&mut moment).expect("signals");
-        if moment.beliefs.intention.starts_with("plans its way") {
+        if moment.beliefs.intention.starts_with("plans its path") {
             assert!((left, right) == (0.0, 0.0) && !cover.has_covered());
             planning += 1;
             // Something else drives it elsewhere, now and then.

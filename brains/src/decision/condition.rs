@@ -23,7 +23,7 @@ enum Comparison {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ConditionError {
     /// It is not a name, a comparison and a number.
-    #[error("`{text}` is no condition such as `{known} > 0.5`")]
+    #[error("`{text}` is not a condition such as `{known} > 0.5`")]
     Form {
         /// The text given.
         text: String,
@@ -39,13 +39,13 @@ pub enum ConditionError {
         known: Vec<String>,
     },
     /// It does not compare.
-    #[error("`{found}` does not compare; there are: <, <=, >, >=")]
+    #[error("`{found}` is not a comparison; there are: <, <=, >, >=")]
     Comparison {
         /// What stands there.
         found: String,
     },
     /// It compares with no number.
-    #[error("`{found}` is no number")]
+    #[error("`{found}` is not a number")]
     Number {
         /// What stands there.
         found: String,
@@ -105,9 +105,9 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         let problem = |text| Condition::parse(text, &["a", "b"]).unwrap_err().to_string();
-        assert_eq!(problem("a"), "`a` is no condition such as `a > 0.5`");
+        assert_eq!(problem("a"), "`a` is not a condition such as `a > 0.5`");
         assert_eq!(problem("c > 1"), "there is no state variable `c`; there are: a, b");
-        assert_eq!(problem("a = 1"), "`=` does not compare; there are: <, <=, >, >=");
-        assert_eq!(problem("a > NaN"), "`NaN` is no number");
+        assert_eq!(problem("a = 1"), "`=` is not a comparison; there are: <, <=, >, >=");
+        assert_eq!(problem("a > NaN"), "`NaN` is not a number");
     }
 }

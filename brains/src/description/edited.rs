@@ -24,7 +24,7 @@ fn set(table: &mut dyn TableLike, path: &str, number: f64) -> Result<(), Descrip
     let mut place = table;
     for step in steps.into_iter().flat_map(|steps| steps.split('.')) {
         let next = place.entry(step).or_insert_with(|| value(InlineTable::new()));
-        let no_table = || DescriptionError::new(path, format!("`{step}` is no table that could have parts"));
+        let no_table = || DescriptionError::new(path, format!("`{step}` is not a table"));
         place = next.as_table_like_mut().ok_or_else(no_table)?;
     }
     match place.get_mut(last).and_then(Item::as_value_mut) {
@@ -60,6 +60,6 @@ mod tests {
         let whole = set("motor.stroll.utility.bias", 2.0).unwrap();
         assert!(whole.contains("bias = 2 }"), "{whole}");
         let error = set("motor.stroll.kind.bias", 1.0).unwrap_err().to_string();
-        assert_eq!(error, "motor.stroll.kind.bias: `kind` is no table that could have parts");
+        assert_eq!(error, "motor.stroll.kind.bias: `kind` is not a table");
     }
 }

@@ -145,7 +145,7 @@ fn numbers_are_set_from_outside() {
     assert_eq!(action.signals, Some(Signals { left: 0.1, right: 0.5 }));
     let through = [("motor.turn.kind.x".to_owned(), 1.0)];
     let problem = Description::with_settings(REPERTOIRE, &through).unwrap_err().to_string();
-    assert_eq!(problem, "motor.turn.kind.x: `kind` is no table that could have parts");
+    assert_eq!(problem, "motor.turn.kind.x: `kind` is not a table");
 }
 
 #[test]
@@ -191,7 +191,10 @@ fn what_is_wrong_is_said_with_its_path() {
     let machine = "[decision]\nmethod = \"layers\"\nbase = \"stroll\"\nlayers = [{ behavior = \"turn\", when = [\"near\"] }]";
     let description = Description::parse(&format!("{REPERTOIRE}{machine}")).unwrap();
     let error = description.brain(1, &eyes(), &Registry::standard()).err().unwrap();
-    assert_eq!(error.to_string(), "decision.layers[0].when[0]: `near` is no condition such as `near > 0.5`");
+    assert_eq!(
+        error.to_string(),
+        "decision.layers[0].when[0]: `near` is not a condition such as `near > 0.5`"
+    );
 }
 
 #[test]

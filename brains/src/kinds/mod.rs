@@ -70,7 +70,7 @@ struct Wish<'a> {
 pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "ant",
-        summary: "goes out on a winding way and home by its vector and by what it remembers of landmarks",
+        summary: "goes out on a winding path, and returns by its home vector and by remembered landmarks",
         settings: || settings(ant::PARAMETERS),
         make: |wish| {
             wish.sensing(
@@ -110,7 +110,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "explore",
-        summary: "goes where its laser sees every part of the floor",
+        summary: "explores until its laser has seen every part of the floor",
         settings: || settings(explore::PARAMETERS),
         make: |wish| {
             let explore = Explore::new(wish.parameters(explore::PARAMETERS)?, wish.body);
@@ -122,7 +122,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "larva",
-        summary: "crawls away from light as a fly's larva does, by swinging its head, until it is tired of it",
+        summary: "crawls away from light like a fly's larva, swinging its head, until the reflex tires",
         settings: || settings(larva::PARAMETERS),
         make: |wish| {
             wish.sensing(
@@ -148,7 +148,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "stentor",
-        summary: "sits still; against what troubles it turns, backs off, contracts and at last drives off",
+        summary: "sits still; when disturbed it turns away, backs off, contracts and finally drives off",
         settings: || settings(stentor::PARAMETERS),
         make: |wish| {
             wish.sensing(
@@ -168,7 +168,7 @@ pub(crate) const KINDS: &[Kind] = &[
     },
     Kind {
         name: "woodlouse",
-        summary: "is quick where it is dry and slow where it is damp, and so stays where it is damp",
+        summary: "runs fast where it is dry and slowly where it is damp, and so stays where it is damp",
         settings: || settings(woodlice::PARAMETERS),
         make: |wish| {
             wish.sensing(

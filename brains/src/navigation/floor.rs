@@ -72,7 +72,7 @@ impl Floor {
     /// A short way, with both its ends. One that begins nearer to a wall than a body may be first leads away from it.
     ///
     /// # Errors
-    /// If no way leads there.
+    /// If no path leads there.
     pub fn way(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
         let mut search = ThetaStar::default();
         loop {
@@ -86,7 +86,7 @@ impl Floor {
     /// straight way, and one through the few convex cells, is found at once.
     ///
     /// # Errors
-    /// If no way leads there.
+    /// If no path leads there.
     pub fn seek(
         &self,
         search: &mut ThetaStar,

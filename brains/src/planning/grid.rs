@@ -38,7 +38,7 @@ pub enum GridError {
     #[error("the map has no walls; give it one, or the grid its bounds")]
     NoWalls,
     /// A character of a sketch.
-    #[error("line {line}, column {column}: `{found}` is no cell; write `.`, `#`, `S` or `T`")]
+    #[error("line {line}, column {column}: `{found}` is not a cell; write `.`, `#`, `S` or `T`")]
     Character {
         /// Line, from 1.
         line: usize,

@@ -33,7 +33,7 @@ impl Plan {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlanError {
     /// An end that is not in the grid.
-    #[error("the {end} ({}, {}) is outside of the grid of {columns} columns by {rows} rows", cell.column, cell.row)]
+    #[error("the {end} ({}, {}) is outside the grid of {columns} columns by {rows} rows", cell.column, cell.row)]
     Outside {
         /// Which end.
         end: End,
@@ -45,7 +45,7 @@ pub enum PlanError {
         rows: usize,
     },
     /// An end, as a point, that is not in the grid.
-    #[error("the {end} ({} m, {} m) is outside of the map", point.x, point.y)]
+    #[error("the {end} ({} m, {} m) is outside the map", point.x, point.y)]
     OffMap {
         /// Which end.
         end: End,
@@ -61,7 +61,7 @@ pub enum PlanError {
         cell: Cell,
     },
     /// Walls part the ends.
-    #[error("no way leads from cell ({}, {}) to cell ({}, {})", start.column, start.row, target.column, target.row)]
+    #[error("no path leads from cell ({}, {}) to cell ({}, {})", start.column, start.row, target.column, target.row)]
     Unreachable {
         /// Where it should begin.
         start: Cell,

@@ -21,7 +21,7 @@ use super::plan::{Plan, PlanError, check_ends};
 /// A shortest way, by Dijkstra's algorithm: Fig. 6.9.
 ///
 /// # Errors
-/// If an end is outside of the grid or blocked, or no way leads from one to the other.
+/// If an end is outside the grid or blocked, or no path leads from one to the other.
 pub fn dijkstra(grid: &Grid, start: Cell, target: Cell, moves: Moves) -> Result<Plan, PlanError> {
     search(&Search { grid, target, moves, order: Order::Cost }, start)
 }

@@ -161,7 +161,7 @@ fn a_cell_is_as_long_as_it_says() {
     };
     assert!(plans(&grid).iter().all(|plan| plan.as_ref().unwrap().length_m == 0.5));
     grid.block(Cell { column: 1, row: 0 });
-    let unreachable = "no way leads from cell (0, 0) to cell (2, 0)";
+    let unreachable = "no path leads from cell (0, 0) to cell (2, 0)";
     let dead_end = "dead end in cell (0, 0) after 0 moves: all its neighbours were visited";
     let errors = plans(&grid).map(|plan| plan.unwrap_err().to_string());
     assert_eq!(errors, [unreachable, unreachable, unreachable, dead_end, unreachable]);
@@ -174,7 +174,7 @@ fn an_end_in_a_wall_or_outside_is_named() {
     let text = |start, target| dijkstra(&task.grid, start, target, Four).unwrap_err().to_string();
     assert_eq!(text(wall, task.target), "the start is in the blocked cell (1, 0)");
     assert_eq!(text(task.start, wall), "the target is in the blocked cell (1, 0)");
-    assert_eq!(text(task.start, outside), "the target (3, 0) is outside of the grid of 3 columns by 1 rows");
+    assert_eq!(text(task.start, outside), "the target (3, 0) is outside the grid of 3 columns by 1 rows");
     let walked = walk(&task.grid, wall, task.target, Four, Euclidean);
     assert_eq!(walked, Err(PlanError::Blocked { end: End::Start, cell: wall }));
     assert!(matches!(theta_star(&task.grid, outside, task.target), Err(PlanError::Outside { .. })));

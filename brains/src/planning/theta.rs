@@ -20,7 +20,7 @@ use super::sight::line_of_sight;
 /// A short way that may turn by any angle; its cells are those where it does. Corners are not cut.
 ///
 /// # Errors
-/// If an end is outside of the grid or blocked, or no way leads from one to the other.
+/// If an end is outside the grid or blocked, or no path leads from one to the other.
 pub fn theta_star(grid: &Grid, start: Cell, target: Cell) -> Result<Plan, PlanError> {
     plan(grid, &AnyAngle { grid, target }, start, target)
 }

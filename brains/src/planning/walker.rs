@@ -16,7 +16,7 @@ use super::plan::{Plan, PlanError, check_ends};
 /// [`Moves::neighbours`] is taken.
 ///
 /// # Errors
-/// [`PlanError::DeadEnd`] if it gets stuck, or if an end is outside of the grid or blocked.
+/// [`PlanError::DeadEnd`] if it gets stuck, or if an end is outside the grid or blocked.
 pub fn walk(
     grid: &Grid,
     start: Cell,

@@ -47,13 +47,11 @@ impl Scanner {
         };
         let mount = sheet.mount.ok_or_else(|| missing("where it sits"))?;
         if mount.turret.is_some() {
-            return Err(wrong(format!(
-                "`{laser}` sits on a turret, and scans from there are not understood"
-            )));
+            return Err(wrong(format!("`{laser}` sits on a turret, and scans from there are not supported")));
         }
         let opening_rad = sheet.opening_rad.ok_or_else(|| missing("how wide it opens"))?;
         if !(opening_rad > 0.0 && sheet.values() > 1) {
-            return Err(wrong(format!("the rays of `{laser}` all go one way, which makes no scan")));
+            return Err(wrong(format!("the rays of `{laser}` all point the same way, which is not a scan")));
         }
         let sweep = sheet.sweep.ok_or_else(|| missing("how it sweeps"))?;
         if rays == 0 {

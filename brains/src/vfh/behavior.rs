@@ -176,7 +176,7 @@ impl Vfh {
         }
         let (sight, slowest_m_s) = (Sight::new(&p.sight, body)?, Memory::slowest_m_s(p.cell_m));
         if sight.tells_walkers() && p.walker_m_s > 0.0 && p.walker_m_s < slowest_m_s {
-            let why = "with cells of `cell_m` who is slower cannot be told from what stands";
+            let why = "with cells of `cell_m` anything slower cannot be told from what stands still";
             let found = p.walker_m_s;
             let problem = format_args!("must be 0, or at least {slowest_m_s}, is {found}: {why}");
             return Err(ParameterError::value("walker_m_s", problem));

@@ -148,7 +148,8 @@ fn what_makes_no_sense_is_said() {
     assert!(problem("cell_m = 0.5").starts_with("cell_m: must be at most half of the body's radius"));
     assert_eq!(
         problem("walker_m_s = 0.1"),
-        "walker_m_s: must be 0, or at least 0.2, is 0.1: with cells of `cell_m` who is slower cannot be told from what stands"
+        "walker_m_s: must be 0, or at least 0.2, is 0.1: with cells of `cell_m` anything slower \
+         cannot be told from what stands still"
     );
     // Who cannot tell who walks may have cells of any size.
     let sonar = body(&[("ping", "sonar", 0.0)]);

@@ -9,7 +9,7 @@ use super::ConnectArgs;
 
 #[derive(Debug, Args)]
 pub(crate) struct BrainArgs {
-    /// Name of a brain, or the file of one that is described in TOML; with parameters if need be
+    /// Name of a brain, or a description file in TOML; with parameters if needed
     #[arg(value_name = "BRAIN[:K=V,…]")]
     pub(crate) brain: Option<String>,
     /// List the brains and their parameters
@@ -20,10 +20,10 @@ pub(crate) struct BrainArgs {
     /// A robot to drive; may be given several times [default: the world's only robot]
     #[arg(long = "robot", value_name = "ROBOT")]
     pub(crate) robots: Vec<String>,
-    /// Seed of the brain's own chance
+    /// Seed of the brain's own random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// For how many seconds to try to come back after the server is lost, before giving up; `off` is not at all
+    /// For how many seconds to try to reconnect when the server is lost; `off` is not at all
     #[arg(long, value_name = "S|off", default_value = "600")]
     pub(crate) reconnect: Reconnect,
 }

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
-    /// A recording: an MCAP file of this program's. Without an output, a summary of it is written
+    /// A recording: an MCAP file made by this program. Without an output, its summary is printed
     pub(crate) file: PathBuf,
     /// Write the table that `baudbot run --csv` writes; `-` is stdout, here as for all outputs
     #[arg(long, value_name = "FILE")]
@@ -14,16 +14,16 @@ pub(crate) struct ExportArgs {
     /// Write that table as Parquet
     #[arg(long, value_name = "FILE")]
     pub(crate) parquet: Option<PathBuf>,
-    /// Write all that happened on robots, cables and brains as a trace that ui.perfetto.dev opens
+    /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
-    /// Write the same as a table, comma-separated, with collisions, brains and changes by hand
+    /// Write the same events as a CSV table, with collisions, brains and manual changes
     #[arg(long, value_name = "FILE")]
     pub(crate) events: Option<PathBuf>,
-    /// Draw the arena from above with the ways of the robots
+    /// Draw the arena from above with the robots' paths
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write what brains believed as a table: state, pose, and each process's utility and whether it was active
+    /// Write the beliefs of brains as a CSV table: state, pose, and each process's utility and whether it was active
     #[arg(long, value_name = "FILE")]
     pub(crate) beliefs_csv: Option<PathBuf>,
     /// Draw utilities over time, and which processes were active
@@ -32,10 +32,10 @@ pub(crate) struct ExportArgs {
     /// With --utilities-svg, draw this column of --csv above, such as a sensor's readings; may be given several times
     #[arg(long = "with", value_name = "COLUMN", requires = "utilities_svg")]
     pub(crate) with: Vec<String>,
-    /// Make a film of the viewer's picture, as a GIF; this needs a browser
+    /// Make a film of the viewer's arena as GIF; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
-    /// Make a film of the viewer's picture, as a WebM; this needs a browser
+    /// Make a film of the viewer's arena as WebM; this needs a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) webm: Option<PathBuf>,
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(crate) struct RowArgs {
     /// Only every N-th tick in --csv and --parquet
     #[arg(long, value_name = "N", conflicts_with = "hz", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
-    /// About so many ticks a simulated second in --csv and --parquet: every so many, as whole ticks
+    /// About this many ticks per simulated second in --csv and --parquet, at a fixed interval of whole ticks
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) hz: Option<f64>,
 }
@@ -77,10 +77,10 @@ pub(crate) struct RowArgs {
 /// How films are.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct FilmArgs {
-    /// Pictures a second of a film
+    /// Pictures per second of film
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=50))]
     pub(crate) fps: u32,
-    /// Simulated seconds a second of a film
+    /// Simulated seconds per second of film
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub(crate) speed: f64,
     /// Width of a film, in pixels
@@ -128,7 +128,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  baudbot export run.mcap                        what is in it
+  baudbot export run.mcap                        a summary
   baudbot export run.mcap --csv run.csv --svg run.svg
   baudbot export run.mcap --parquet run.parquet --hz 10
   baudbot export run.mcap --timeline run.pftrace --from-s 12 --to-s 14
@@ -136,6 +136,6 @@ Examples:
   baudbot export run.mcap --utilities-svg utilities.svg --with gauge.charge
   baudbot export run.mcap --gif run.gif --speed 4
 
-The run is simulated again from what was recorded. Should it come out differently than it was, a warning says from where
-on. Films are made by a browser without a window: that of BAUDBOT_BROWSER, or else chromium, chromium-browser,
-google-chrome or chrome.";
+The run is simulated again from the recorded inputs. If the replay differs from the recorded run, a warning gives the
+first difference. Films are made by a headless browser: the one named by BAUDBOT_BROWSER, or else chromium,
+chromium-browser, google-chrome or chrome.";

@@ -3,34 +3,34 @@
 pub(super) const PACE_HELP: &str = "\
 When a tick ends:
   lockstep   when every brain has answered: the same run on any machine
-  real-time  by the wall clock, brains or not
-  scaled:X   by the wall clock, X simulated seconds a second
-  free       at once; a brain that has not answered yet is silent";
+  real-time  by the wall clock, without waiting for brains
+  scaled:X   by the wall clock, X simulated seconds per second
+  free       immediately; a brain that has not answered yet is silent";
 
 pub(super) const RUN_EXAMPLES: &str = "\
 Examples:
   baudbot run                                    the default: wander, brain avoid, 60 s
   baudbot run wander --pace real-time --seconds 10
   baudbot run khepera --set robots.khepera.link.baud=9600
-  baudbot run --seconds 2 --timeline run.pftrace   what happened when, for ui.perfetto.dev
-  baudbot run --record run.mcap                  to be replayed: see `baudbot help replay`
+  baudbot run --seconds 2 --timeline run.pftrace   a trace for ui.perfetto.dev
+  baudbot run --record run.mcap                  for a replay: see `baudbot help replay`
   baudbot run my.toml --brain alice=avoid --brain none --seed 7 --csv run.csv
   baudbot run wander --json --quiet | python3 -m json.tool
 
-Ctrl-C (or SIGTERM, or SIGHUP) ends a run early: it is still summed up, and the exit code is 130. A second Ctrl-C ends
-the program at once, without a summary. The exit code is 1 if a recording could not be written to its end.";
+Ctrl-C (or SIGTERM, or SIGHUP) ends a run early: the summary is still printed, and the exit code is 130. A second Ctrl-C
+ends the program at once, without a summary. The exit code is 1 if a recording could not be completed.";
 
 pub(super) const SWEEP_EXAMPLES: &str = "\
 Examples:
   baudbot sweep experiments/baud-vs-speed.toml
   baudbot sweep my.toml --out /tmp/my --jobs 2
   baudbot sweep my.toml --seeds 101..120         the same with other seeds
-  baudbot sweep my.toml --find baud              the lowest baud rate that will do
+  baudbot sweep my.toml --find baud              the lowest sufficient baud rate
   baudbot sweep my.toml --connect 127.0.0.1:7400
 
-DIR gets rows.jsonl (a line a run, as they end), and at the end rows.csv, rows.parquet, summary.txt and the charts. A
-sweep that was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, goes on where it was when the same command
-is given again. The exit code is 1 if some of the runs could not be.";
+The folder DIR gets rows.jsonl (one line per run, as they end), and at the end rows.csv, rows.parquet, summary.txt and
+the charts. If a sweep was stopped, by Ctrl-C (exit code 130), a full disk or a power cut, the same command resumes it.
+The exit code is 1 if some of the runs failed.";
 
 pub(super) const TUNE_EXAMPLES: &str = "\
 Examples:
@@ -38,54 +38,54 @@ Examples:
   baudbot tune my.toml --out /tmp/my --jobs 2
   baudbot tune my.toml --seeds 101..105 --out my-101.tune      the same with other seeds
 
-The experiment file has a table [tune], which says what is made large, and a range for each of its fields. DIR gets
-rows.jsonl (a line a run), and at the end candidates.csv, trace.svg, summary.txt and, if the brain is one that is described
-in TOML, best.toml, for --brain. A tuning that was stopped goes on where it was when the same command is given again, and
-one that is over does if the file asks for more generations.";
+The experiment file has a table [tune], which defines the score to maximize, and a range for each of its fields. The
+folder DIR gets rows.jsonl (one line per run), and at the end candidates.csv, trace.svg, summary.txt and, if the brain
+is described in TOML, best.toml, for --brain. If a tuning run was stopped, the same command resumes it; a finished one
+continues if the file asks for more generations.";
 
 pub(super) const SERVE_EXAMPLES: &str = "\
 Examples:
   baudbot serve                                  wander at 127.0.0.1:7400, in real time
   baudbot serve wander khepera --pace lockstep
   baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0
-  baudbot serve my.toml --record run.mcap        and if it is killed: baudbot serve --resume run.mcap
-  baudbot serve --recordings runs                record and replay from the viewer, or by ControlService";
+  baudbot serve my.toml --record run.mcap        if it is killed: baudbot serve --resume run.mcap
+  baudbot serve --recordings runs                record and replay in the viewer, or over gRPC";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
   baudbot run wander --record run.mcap
   baudbot replay run.mcap                        identical, or the first tick and field that differ
   baudbot replay run.mcap --view                 in a browser, forwards and backwards
-  baudbot replay run.mcap --to 12.5 --fork       live from there on, for new brains
-  baudbot serve --resume run.mcap                live from its end on: after a crash, for example
+  baudbot replay run.mcap --to 12.5 --fork       live from there, for new brains
+  baudbot serve --resume run.mcap                live from its end: after a crash, for example
 
 Exit codes:
   0    identical, and nothing is missing
-  1    it differs, or something went wrong
+  1    the replay differs, or an error occurred
   2    the file or the options cannot be used
-  3    incomplete: identical as far as there is something to compare; what is said tells how much that is
+  3    incomplete: identical wherever a comparison was possible; the message says how much that is
   130  stopped by Ctrl-C
 
-A recording has all that went into the world, so it is simulated again, on any machine. Of a file that is damaged all is
-compared that can be done again. docs/recording.md says what is in the file, and which other programs read it.";
+A recording holds all inputs of the world, so the run can be simulated again on any machine. In a damaged file,
+everything that can be replayed is compared. docs/recording.md describes the file, and other programs that read it.";
 
 pub(super) const BRAIN_EXAMPLES: &str = "\
 Examples:
   baudbot brain --list
   baudbot brain avoid                            the only robot of the only world at 127.0.0.1:7400
   baudbot brain avoid --connect unix:/tmp/baudbot.sock --world wander --robot robot
-  baudbot brain avoid --reconnect off            ends when its server does";
+  baudbot brain avoid --reconnect off            ends when the server does";
 
 pub(super) const CHECK_EXAMPLES: &str = "\
 Examples:
   baudbot check wander
   baudbot check my.toml --set robots.alice.link.baud=4800
-  baudbot check khepera --svg khepera.svg        a picture for a browser";
+  baudbot check khepera --svg khepera.svg        a picture of the arena";
 
 pub(super) const DIAGRAM_EXAMPLES: &str = "\
 Examples:
-  baudbot diagram wander                         a table of what happens about the third control cycle
-  baudbot diagram wander --svg timing.svg        the same as a picture for a browser
+  baudbot diagram wander                         a table of the events around the third control cycle
+  baudbot diagram wander --svg timing.svg        the same as a picture
   baudbot diagram khepera --cycle 5 --svg -      one control cycle, red where it takes longer than Δt
   baudbot diagram my.toml --robot alice --brain avoid --at 12.5 --span 100";
 
@@ -98,12 +98,12 @@ Examples:
 
 pub(super) const PRESET_EXAMPLES: &str = "\
 Examples:
-  baudbot preset                                 all that there are, kind by kind
-  baudbot preset khepera-1                       its file, each number with where it is from
+  baudbot preset                                 all presets, by kind
+  baudbot preset khepera-1                       its file, with the source of each number
   baudbot preset gp2d12 --json
   baudbot preset khepera-1 --json | jq '.values[] | select(.standing == \"guess\")'
 
-A scenario uses one as `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table that they are for.";
+A scenario uses a preset with `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table of their part.";
 
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:

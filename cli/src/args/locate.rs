@@ -10,45 +10,45 @@ use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
 pub(crate) struct LocateArgs {
-    /// A scenario file, or one that is part of the program; one of its robots needs a laser
+    /// A scenario file, or a built-in scenario; one of its robots needs a laser
     pub(crate) scenario: String,
-    /// Where the robot believes to be, in metres and radians
+    /// The pose that the robot believes in, in metres and radians
     #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
     pub(crate) guess: Pose,
-    /// Where it is, in metres and radians [default: where it starts]
+    /// Its true pose, in metres and radians [default: its start]
     #[arg(long, value_name = "X,Y,RAD", allow_hyphen_values = true, value_parser = pose)]
     pub(crate) at: Option<Pose>,
-    /// The robot that looks for its place [default: the first with a laser]
+    /// The robot to localize [default: the first with a laser]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// The laser that it looks with [default: its first that is not on a turret]
+    /// The laser to use [default: its first that is not on a turret]
     #[arg(long, value_name = "SENSOR")]
     pub(crate) laser: Option<String>,
-    /// How the place is searched
+    /// How the pose is searched
     #[arg(long, value_name = "METHOD", default_value = "search")]
     pub(crate) method: Search,
-    /// So many rays of the scan are matched, about
+    /// Approximate number of rays of the scan to match
     #[arg(long, value_name = "N", default_value_t = 171, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) rays: u32,
     #[command(flatten)]
     pub(crate) search: SearchArgs,
     #[command(flatten)]
     pub(crate) refine: RefineArgs,
-    /// Draw the scan and the poses that were tried as a picture in SVG; `-` is stdout, and nothing else is then written
+    /// Draw the scan and the poses that were tried as an SVG picture; `-` is stdout, and nothing else is then written
     /// there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write what was found, and all poses that were tried, as one JSON object
+    /// Write the result, and all poses that were tried, as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
 
-/// How a place is searched.
+/// How a pose is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Search {
-    /// As in the notes: at random in a box around the best pose so far
+    /// As in the notes: random poses in a box around the best pose so far
     Search,
     /// By robust least squares on the rays, from the guess and from poses drawn around it
     Refine,
@@ -63,13 +63,13 @@ pub(crate) struct SearchArgs {
     /// search: whole width of the box in heading, in radians [default: 0.1]
     #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = finite)]
     box_rad: Option<f64>,
-    /// search: it ends below this matching error; 0 goes on until all poses are tried [default: 0.02]
+    /// search: stop below this matching error; 0 tries all poses [default: 0.02]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = finite)]
     threshold: Option<f64>,
-    /// search: poses that are tried at most besides the guess [default: 300]
+    /// search: maximum number of poses besides the guess [default: 300]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     iterations: Option<u32>,
-    /// search: the box becomes smaller when it fails, which the notes' does not
+    /// search: shrink the box after failures, unlike the notes
     #[arg(long)]
     shrink: bool,
 }
@@ -77,7 +77,7 @@ pub(crate) struct SearchArgs {
 /// What only `--method refine` has.
 #[derive(Debug, Args)]
 pub(crate) struct RefineArgs {
-    /// refine: starts at most besides the guess [default: 8]
+    /// refine: maximum number of starts besides the guess [default: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
     starts: Option<u32>,
     /// refine: standard deviation of the guess in x and in y, in metres [default: 0.2]
@@ -177,6 +177,6 @@ Examples:
   baudbot locate scenarios/tour.toml --at 6,3,1.5 --guess 5.5,3.3,1.9 --method refine
   baudbot locate my.toml --robot alice --laser urg --guess 0.1,0,0.05 --iterations 1000 --shrink --json
 
-The robot stands still, and its laser takes one scan as in a run, with its noise. The map is what stands still in the
-arena and is as high as the laser; what moves is seen, and not in the map. --seed draws another scan, and other poses.
-The exit code is 1 if nowhere enough rays could be compared.";
+The robot stands still, and its laser takes one scan as in a run, with its noise. The map holds what stands still in the
+arena at the height of the laser; the scan sees moving things, but the map does not hold them. --seed draws another
+scan, and other poses. The exit code is 1 if too few rays could be compared at every pose.";

@@ -34,7 +34,7 @@ use crate::logs::{LogFilter, LogFormat};
 
 /// A simulation server for mobile robots whose brains are elsewhere.
 ///
-/// Without a command, `baudbot` lets a robot wander for 60 simulated seconds and says how it went.
+/// Without a command, `baudbot` lets a robot wander for 60 simulated seconds and prints a summary.
 #[derive(Debug, Parser)]
 #[command(
     name = "baudbot",
@@ -42,10 +42,10 @@ use crate::logs::{LogFilter, LogFormat};
     after_help = "`baudbot help COMMAND` shows a command's options with examples."
 )]
 pub(crate) struct Cli {
-    /// What is logged to stderr: off, error, warn, info, debug or trace; also by part, such as warn,baudbot_server=info
+    /// Log level on stderr: off, error, warn, info, debug or trace; also by module, such as warn,baudbot_server=info
     #[arg(long, value_name = "LEVEL", default_value = "warn", env = "BAUDBOT_LOG", global = true)]
     pub(crate) log: LogFilter,
-    /// How it is logged: as text, or as a JSON object a line
+    /// Log format: text, or one JSON object per line
     #[arg(long, value_name = "FORMAT", default_value = "text", global = true)]
     pub(crate) log_format: LogFormat,
     #[command(subcommand)]
@@ -54,61 +54,61 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Runs a scenario with its brains in this process and sums up
+    /// Runs a scenario with its brains in this process and prints a summary
     #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
     /// Runs an experiment: a scenario many times, with some of its fields varied
     #[command(after_long_help = SWEEP_EXAMPLES)]
     Sweep(SweepArgs),
-    /// Looks for the numbers of a brain, or of a scenario, with which an experiment's runs are best
+    /// Searches for the parameters of a brain, or of a scenario, with which an experiment scores best
     #[command(after_long_help = TUNE_EXAMPLES)]
     Tune(TuneArgs),
     /// Serves worlds to brains in other processes until Ctrl-C
     #[command(after_long_help = SERVE_EXAMPLES)]
     Serve(ServeArgs),
-    /// Does a recorded run again and says whether it is the same; shows it; or goes on from it
+    /// Replays a recording: verifies it, shows it, or continues from it
     #[command(after_long_help = REPLAY_EXAMPLES)]
     Replay(ReplayArgs),
     /// Runs a brain against a server; without a name, lists the brains
     #[command(after_long_help = BRAIN_EXAMPLES)]
     Brain(BrainArgs),
-    /// Says what a scenario is, or what is wrong with it
+    /// Describes a scenario, or says what is wrong with it
     #[command(after_long_help = CHECK_EXAMPLES)]
     Check(CheckArgs),
     /// Shows what happened when in a run: sensors, microcontroller, cable, brain and motors over time
     #[command(after_long_help = DIAGRAM_EXAMPLES)]
     Diagram(DiagramArgs),
-    /// Says what a control cycle of each robot costs, whether it fits into a step, and what would mend it
+    /// Computes what a control cycle of each robot costs, whether it meets its deadline, and what would fix it
     #[command(after_long_help = BUDGET_EXAMPLES)]
     Budget(BudgetArgs),
-    /// Finds a way through a scenario's arena, and shows which cells were looked at for it
+    /// Plans a path through a scenario's arena, and shows which cells were examined
     #[command(after_long_help = plan::EXAMPLES)]
     Plan(PlanArgs),
-    /// Looks for a robot's place by a scan of its laser, and shows which poses were tried for it
+    /// Localizes a robot by a scan of its laser, and shows which poses were tried
     #[command(after_long_help = locate::EXAMPLES)]
     Locate(LocateArgs),
-    /// Lists presets of robots and their parts, or shows one with where its numbers are from
+    /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
-    /// Makes tables, traces, pictures and films of a recording, or says what is in it
+    /// Exports tables, traces, pictures and films of a recording, or describes it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),
-    /// Makes a small project to begin with
+    /// Creates a small project as a starting point
     #[command(subcommand)]
     New(NewCommand),
-    /// Shows a world of a server as it moves
+    /// Shows a running world of a server
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: Option<String>,
-    /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
+    /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
-    /// BRAIN is a name, or the file of a brain that is described in TOML. Without it every robot gets `avoid`, which needs
-    /// IR sensors. `baudbot brain --list` lists the brains.
+    /// BRAIN is a name, or a brain's description file in TOML. By default every robot gets `avoid`, which needs IR
+    /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// End after this much simulated time
@@ -120,7 +120,7 @@ pub(crate) struct RunArgs {
     /// Write the state at every tick as a table; `-` is stdout, and the summary then goes to stderr
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
-    /// Write all that happened on robots, cables and brains as a trace that ui.perfetto.dev opens
+    /// Write the events of robots, cables and brains as a trace for ui.perfetto.dev
     #[arg(long, value_name = "FILE")]
     pub(crate) timeline: Option<PathBuf>,
     /// Write the summary as one JSON object
@@ -144,14 +144,14 @@ pub(crate) struct RunArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
-    /// Scenario files, or parts of the program: arsim, khepera, wander [default: wander]
+    /// Scenario files, or built-in scenarios: arsim, khepera, wander [default: wander]
     ///
     /// Each becomes a world with the scenario's name, or the file's if it has none.
     pub(crate) scenarios: Vec<String>,
-    /// Leave the worlds standing until an operator starts them (ControlService.StartWorld)
+    /// Keep the worlds paused until an operator starts them (ControlService.StartWorld)
     #[arg(long)]
     pub(crate) paused: bool,
-    /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; of what is resumed, as it was]
+    /// When a tick ends: lockstep, real-time, scaled:X or free [default: real-time; with --resume, as recorded]
     #[arg(long, value_name = "PACE", long_help = PACE_HELP)]
     pub(crate) pace: Option<PaceName>,
     #[command(flatten)]
@@ -161,7 +161,7 @@ pub(crate) struct ServeArgs {
     /// Let operators record worlds into this folder, and replay what is in it
     #[arg(long, value_name = "FOLDER")]
     pub(crate) recordings: Option<PathBuf>,
-    /// Go on with the world of a recording, from its end on; its brains may attach again
+    /// Continue the world of a recording from its end; its brains may attach again
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
@@ -172,9 +172,9 @@ pub(crate) struct ServeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
-    /// Draw it from above as a picture in SVG; `-` is stdout, and nothing else is then written there
+    /// Draw the arena from above as an SVG picture; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
@@ -183,25 +183,25 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DiagramArgs {
-    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
-    /// A brain for one robot, or for all that no other --brain names; `none` leaves a robot without
+    /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
-    /// The robot that is shown [default: the first]
+    /// The robot to show [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
     /// Show what happens from this simulated time on
     #[arg(long, value_name = "S", conflicts_with = "cycle", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) at: Option<f64>,
-    /// Show the N-th control cycle, from the reads of its sensors to its command; beyond Δt it is red [default: what
-    /// goes on about the third]
+    /// Show the N-th control cycle, from reading its sensors to its command; beyond Δt it is red [default: a window
+    /// around the third]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) cycle: Option<u32>,
-    /// How much is shown, in simulated milliseconds [default: 3 Δt, or the whole cycle]
+    /// Length of the window, in simulated milliseconds [default: 3 Δt, or the whole cycle]
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = span)]
     pub(crate) span: Option<f64>,
-    /// Draw it as a picture in SVG; `-` is stdout [default: a table as text]
+    /// Draw an SVG picture; `-` is stdout [default: a table as text]
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
@@ -210,18 +210,18 @@ pub(crate) struct DiagramArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct BudgetArgs {
-    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
     /// Only this robot; may be given several times [default: all]
     #[arg(long = "robot", value_name = "ROBOT")]
     pub(crate) robots: Vec<String>,
-    /// Write JSON, with the unit in each name
+    /// Write JSON, with units in the names
     #[arg(long)]
     pub(crate) json: bool,
     /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     pub(crate) svg: Option<PathBuf>,
-    /// Exit with 1 if a robot does not keep its step
+    /// Exit with 1 if a robot misses its deadline
     #[arg(long)]
     pub(crate) check: bool,
     #[command(flatten)]
@@ -244,9 +244,9 @@ pub(crate) struct WatchArgs {
     /// Print one frame and stop
     #[arg(long)]
     pub(crate) once: bool,
-    /// Show it in Foxglove, which connects to ws://IP:PORT, instead of here
+    /// Show the world in Foxglove, which connects to ws://IP:PORT, instead of in the terminal
     ///
-    /// Needs a program that was built with `--features foxglove`. docs/foxglove.md has a layout.
+    /// Needs a program built with `--features foxglove`. docs/foxglove.md has a layout.
     #[arg(
         long, value_name = "IP:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765",
         conflicts_with = "once"
@@ -260,27 +260,27 @@ pub(crate) struct ChangeArgs {
     /// Change one field of the scenario, such as robots.robot.start.x_m=0.5
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Seed of all that is left to chance in the world, and of brains that run here
+    /// Seed of all random numbers in the world, and of the brains in this process
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
-    /// Sensors without noise
+    /// Switch off sensor noise
     #[arg(long)]
     pub(crate) no_noise: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct WatchdogArgs {
-    /// In lockstep: how long a brain may take to answer, by the wall clock [default: 10000]
+    /// In lockstep: wall-clock time that a brain may take to answer [default: 10000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) watchdog_ms: Option<u32>,
-    /// In lockstep: what happens to a brain that took longer [default: wait]
+    /// In lockstep: what happens when a brain takes longer [default: wait]
     #[arg(long, value_name = "POLICY")]
     pub(crate) on_timeout: Option<OnTimeout>,
-    /// In lockstep: whether brains that wait for a message are left alone until one has come, and the world goes on
-    /// while an answer is under way; the run is the same [default: on]
+    /// In lockstep: whether the world runs ahead while a brain waits for a message or an answer is under way; the run
+    /// is the same [default: on]
     #[arg(long, value_name = "on|off")]
     pub(crate) lookahead: Option<Lookahead>,
-    /// In real and scaled time: by how much the world may lag and catch up, by the wall clock; what is beyond it lets go
+    /// In real and scaled time: wall-clock lag up to which the world catches up; it does not make up for a greater one
     /// [default: 100]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_lag_ms: Option<u32>,
@@ -288,19 +288,19 @@ pub(crate) struct WatchdogArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub(crate) enum Lookahead {
-    /// The world looks ahead
+    /// The world runs ahead
     On,
-    /// Every brain is asked at each of its steps, and waited for
+    /// The world asks every brain at each of its steps, and waits for the answer
     Off,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub(crate) enum OnTimeout {
-    /// The world waits on
+    /// The world keeps waiting
     Wait,
-    /// The world goes on, and waits for the brain again once it has answered
+    /// The world continues, and waits for the brain again once it has answered
     GoOn,
-    /// The brain is cut off
+    /// The brain is detached
     Detach,
 }
 
@@ -346,12 +346,12 @@ impl WatchdogArgs {
         let any = self.watchdog_ms.is_some() || self.on_timeout.is_some() || self.lookahead.is_some();
         if any && !matches!(pace, Pace::Lockstep(_) | Pace::Stepped(_)) {
             return Err(Refused::error(
-                "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: else nobody is waited for",
+                "--watchdog-ms, --on-timeout and --lookahead need --pace lockstep: other paces wait for no brain",
             ));
         }
         if self.max_lag_ms.is_some() && !matches!(pace, Pace::Timed(_)) {
             return Err(Refused::error(
-                "--max-lag-ms needs --pace real-time or scaled:X: else there is no clock to lag behind",
+                "--max-lag-ms needs --pace real-time or scaled:X: other paces have no clock to lag behind",
             ));
         }
         Ok(match pace {

@@ -6,19 +6,19 @@ use clap::{Args, Subcommand, ValueEnum};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum NewCommand {
-    /// Makes a project of a brain that attaches to a robot and drives it
+    /// Creates a project with a brain that attaches to a robot and drives it
     #[command(after_long_help = EXAMPLES)]
     Brain(NewBrainArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct NewBrainArgs {
-    /// The project's folder, which must not be there yet, or empty; its name is the project's
+    /// The project's folder, which must be new or empty; its name is the project's name
     pub(crate) folder: PathBuf,
     /// The language
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub(crate) lang: Language,
-    /// For Rust: where baudbot's source is [default: where this program was built]
+    /// For Rust: the folder of baudbot's source [default: where this program was built]
     #[arg(long, value_name = "DIR")]
     pub(crate) baudbot: Option<PathBuf>,
 }
@@ -26,9 +26,9 @@ pub(crate) struct NewBrainArgs {
 /// What a project can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Language {
-    /// With behaviours of baudbot's, and one of its own
+    /// With behaviours of baudbot, and one of its own
     Rust,
-    /// With nothing but the contract
+    /// With the gRPC contract only
     Python,
 }
 

@@ -7,22 +7,22 @@ use crate::viewer::Viewer;
 
 #[derive(Debug, Args)]
 pub(crate) struct ListenArgs {
-    /// Take brains, observers and operators here: IP:PORT (port 0 takes a free one) or unix:/PATH
+    /// Listen for brains, observers and operators: IP:PORT (port 0 picks a free one) or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) listen: Vec<Address>,
-    /// Show the worlds in a browser at http://IP:PORT (port 0 takes a free one), or not: off
+    /// Serve the viewer for browsers at http://IP:PORT (port 0 picks a free one); `off` disables it
     ///
-    /// At http://IP:PORT/metrics are numbers for Prometheus (docs/metrics.md).
+    /// Metrics for Prometheus are at http://IP:PORT/metrics (docs/metrics.md).
     #[arg(long, value_name = "IP:PORT|off")]
     pub(crate) viewer: Option<Viewer>,
-    /// Allow addresses that other machines reach; whoever reaches them may do anything here
+    /// Allow addresses that other machines can reach; anyone who reaches them has full control of this server
     #[arg(long)]
     pub(crate) insecure: bool,
-    /// Take at most so many connections at a time, pages included
+    /// Maximum number of connections at a time, including pages
     ///
-    /// When there are as many, a new one gets the place of whoever has asked for nothing since it came; if nobody has, it is
-    /// refused. The default is three quarters of the files that the program may have open (`ulimit -Hn`), with 32 left at
-    /// least, and 16,384 at most.
+    /// At the limit, a new connection replaces one that has made no request yet; if there is none, the new one is refused.
+    /// The default is three quarters of the files that the program may have open (`ulimit -Hn`), with at least 32 kept
+    /// free, and at most 16,384.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_connections: Option<u32>,
 }

@@ -10,21 +10,21 @@ use super::{ChangeArgs, finite};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArgs {
-    /// A scenario file, or one that is part of the program: arsim, khepera, wander
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
-    /// Where the way ends, in metres
+    /// Goal of the path, in metres
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
     pub(crate) to: Point,
-    /// Where it begins, in metres [default: where the robot starts]
+    /// Start of the path, in metres [default: where the robot starts]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
     pub(crate) from: Option<Point>,
-    /// How the way is found
+    /// The planning method
     #[arg(long, value_name = "METHOD", default_value = "a-star")]
     pub(crate) method: Method,
-    /// Steps from cell to cell; theta-star and cells have their own
+    /// Moves between cells; theta-star and cells have their own
     #[arg(long, value_name = "STEPS", default_value = "8")]
     pub(crate) steps: Steps,
-    /// How the way that is left is estimated, by walker, greedy and a-star
+    /// Estimate of the remaining path, for walker, greedy and a-star
     #[arg(long, value_name = "HEURISTIC", default_value = "euclidean")]
     pub(crate) heuristic: Estimate,
     /// Side of a cell, in metres
@@ -33,34 +33,33 @@ pub(crate) struct PlanArgs {
     /// How far the robot's rim stays from walls, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) margin_m: f64,
-    /// The robot whose size counts [default: the first]
+    /// The robot to plan for [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,
-    /// Draw the cells that were looked at, and the way, as a picture in SVG; `-` is stdout, and nothing else is then
-    /// written there
+    /// Draw the examined cells and the path as an SVG picture; `-` is stdout, and nothing else is then written there
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
-    /// Write what was found as one JSON object
+    /// Write the result as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
 }
 
-/// How a way is found.
+/// How a path is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
     /// Always on to the neighbour that seems nearest, and never back: Fig. 6.7 as printed
     Walker,
-    /// Best-first search with a list of open cells: quick, and not the shortest way
+    /// Best-first search with a list of open cells: quick, but not the shortest path
     Greedy,
-    /// Dijkstra's algorithm: the shortest way, Fig. 6.9
+    /// Dijkstra's algorithm: the shortest path, Fig. 6.9
     Dijkstra,
-    /// A*: the shortest way, with fewer cells looked at
+    /// A*: the shortest path, with fewer cells examined
     AStar,
-    /// Theta*: may turn by any angle
+    /// Theta*: turns by any angle
     ThetaStar,
-    /// By large convex cells, straight on within each: Fig. 6.6
+    /// Large convex cells, crossed in straight lines: Fig. 6.6
     Cells,
 }
 
@@ -70,22 +69,22 @@ pub(crate) enum Steps {
     /// Along rows and columns
     #[value(name = "4")]
     Four,
-    /// Diagonally, too, where no corner is cut
+    /// Also diagonally, where no corner is cut
     #[value(name = "8")]
     Eight,
-    /// Diagonally, too, past any corner
+    /// Also diagonally, past any corner
     #[value(name = "8-cut")]
     EightCut,
 }
 
-/// How the way that is left is estimated.
+/// Estimate of the remaining path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Estimate {
     /// The straight line
     Euclidean,
     /// Diagonal steps, then straight ones
     Octile,
-    /// Steps along rows and columns; too much if there are others
+    /// Steps along rows and columns; an overestimate if diagonal steps are allowed
     Manhattan,
 }
 
@@ -119,10 +118,10 @@ fn point(text: &str) -> Result<Point, String> {
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  baudbot plan wander --to 1.4,1.4               how far it is, and what was looked at
+  baudbot plan wander --to 1.4,1.4               the length of the path, and the cells examined
   baudbot plan scenarios/explore-office.toml --to 11,8 --method cells --svg way.svg
   baudbot plan scenarios/grid-wall.toml --to 17.5,10.5 --cell-m 1 --method walker --svg -
   baudbot plan my.toml --from 1,1 --to 3,2 --cell-m 0.05 --margin-m 0.1 --json
 
-The map is what stands still in the arena, whatever its height; what moves is not in it. A cell is free if all of it is
-as far from every wall as the robot's rim reaches, and the margin. The exit code is 1 if the walker gets stuck.";
+The map holds what stands still in the arena, whatever its height; moving things are not in it. A cell is free if all of
+it is farther from every wall than the robot's radius and the margin. The exit code is 1 if the walker gets stuck.";

@@ -9,11 +9,10 @@ use super::{PaceName, WatchdogArgs, instant};
 
 #[derive(Debug, Args)]
 pub(crate) struct RecordArgs {
-    /// Record the run into this file, which must not be there yet: `baudbot replay` does it again, and other programs
-    /// can look at it
+    /// Record the run into this file, which must not exist yet: for `baudbot replay` and other programs
     #[arg(long, value_name = "FILE.mcap", value_parser = file)]
     pub(crate) record: Option<PathBuf>,
-    /// How often a simulated second what there is to see goes into it for other programs; the replay needs none of it
+    /// Frames per simulated second that are recorded for other programs; a replay does not need them
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate, requires = "record")]
     pub(crate) record_hz: f64,
 }
@@ -23,16 +22,16 @@ pub(crate) struct ReplayArgs {
     /// A recording, from `--record` or from a server's folder
     #[arg(value_name = "FILE.mcap")]
     pub(crate) recording: PathBuf,
-    /// Show it in a browser, with a time line, until Ctrl-C
+    /// Show the recording in a browser, with a time line, until Ctrl-C
     #[arg(long, conflicts_with = "fork")]
     pub(crate) view: bool,
-    /// Go to this simulated time
+    /// Replay up to this simulated time
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub(crate) to: Option<f64>,
-    /// Serve the world from there on as a live one, for new brains, until Ctrl-C
+    /// Serve the world from there as a live one, for new brains, until Ctrl-C
     #[arg(long)]
     pub(crate) fork: bool,
-    /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as it was recorded]
+    /// With --fork, when a tick ends: lockstep, real-time, scaled:X or free [default: as recorded]
     #[arg(long, value_name = "PACE", requires = "fork")]
     pub(crate) pace: Option<PaceName>,
     #[command(flatten)]
@@ -41,7 +40,7 @@ pub(crate) struct ReplayArgs {
     pub(crate) listen: ListenArgs,
     #[command(flatten)]
     pub(crate) again: RecordArgs,
-    /// Write what was found as one JSON object
+    /// Write the result as one JSON object
     #[arg(long, conflicts_with_all = ["view", "fork"])]
     pub(crate) json: bool,
     /// No progress bar, no notes
@@ -50,11 +49,7 @@ pub(crate) struct ReplayArgs {
 }
 
 fn file(text: &str) -> Result<PathBuf, String> {
-    if text == "-" {
-        Err("must be a file; stdout is none that can be read again".to_owned())
-    } else {
-        Ok(text.into())
-    }
+    if text == "-" { Err("must be a file; stdout cannot be read again".to_owned()) } else { Ok(text.into()) }
 }
 
 fn rate(text: &str) -> Result<f64, String> {

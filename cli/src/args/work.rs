@@ -8,7 +8,7 @@ use clap::Args;
 pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
-    /// Look for the limit of a field, by its label or path, at which the brain still succeeds
+    /// Search for the limit of a field, by its label or path, at which the brain still succeeds
     #[arg(long, value_name = "FIELD", conflicts_with_all = ["out", "fresh"])]
     pub(crate) find: Option<String>,
 }
@@ -21,27 +21,27 @@ pub(crate) struct TuneArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
-    /// An experiment file; docs/experiments.md describes them
+    /// An experiment file (docs/experiments.md)
     pub(crate) experiment: PathBuf,
-    /// The folder for what comes of it [default: NAME.sweep here; of a tuning NAME.tune]
+    /// The folder for the results [default: NAME.sweep in the current folder; NAME.tune for a tuning run]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Delete what is in that folder of another experiment, and begin anew
+    /// Delete the results of an earlier experiment in that folder, and start over
     #[arg(long)]
     pub(crate) fresh: bool,
-    /// Runs at a time [default: as many as there are processors]
+    /// Number of parallel runs [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
     /// Run on a server instead of in this process: HOST:PORT or unix:/PATH
     #[arg(long, value_name = "ADDR")]
     pub(crate) connect: Option<String>,
-    /// Other seeds than the file's: N (1 to N), A..B (both too) or A,B,C
+    /// Other seeds than the file's: N (1 to N), A..B (inclusive) or A,B,C
     #[arg(long, value_name = "SEEDS")]
     pub(crate) seeds: Option<String>,
-    /// Go ahead even if it takes long: more than 10,000 runs, or an hour
+    /// Confirm a long experiment: more than 10,000 runs, or more than an hour
     #[arg(long)]
     pub(crate) yes: bool,
-    /// Write what is told at the end as one JSON object
+    /// Write the summary as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     /// No progress bar, no notes, no summary (JSON is still written)

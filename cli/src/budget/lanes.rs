@@ -9,9 +9,9 @@ pub(crate) fn diagram(world: &str, budget: &RobotBudget) -> Option<Diagram> {
     let total_ns = budget.cycle.total.typical_ns?;
     let deadline_ns = budget.deadline_ns;
     let verdict = match budget.verdict {
-        Verdict::Keeps => "keeps its step",
-        Verdict::Sometimes => "mostly keeps its step",
-        Verdict::Misses => "does not keep its step",
+        Verdict::Keeps => "meets its deadline",
+        Verdict::Sometimes => "mostly meets its deadline",
+        Verdict::Misses => "misses its deadline",
     };
     let end_ns = total_ns.max(deadline_ns).max(budget.step_ns);
     let is_late = total_ns > deadline_ns;
@@ -20,7 +20,7 @@ pub(crate) fn diagram(world: &str, budget: &RobotBudget) -> Option<Diagram> {
     Some(Diagram {
         title: format!("{} in {world}: the budget of a cycle", budget.robot),
         subtitle: format!(
-            "Typically {}, from the first read to the command obeyed; allowed are {}: it {verdict}. Bottleneck: {}.",
+            "Typically {}, from the first read to the command obeyed: it {verdict} of {}. Bottleneck: {}.",
             duration(total_ns as f64),
             duration(deadline_ns as f64),
             budget.bottleneck
@@ -96,6 +96,6 @@ mod tests {
         assert_eq!(diagram.late_from_ns, Some(10_000_000));
         let labels: Vec<_> = diagram.lanes.iter().map(|lane| lane.label.as_str()).collect();
         assert_eq!(labels[..3], ["sensors", "microcontroller", "cable up"]);
-        assert!(diagram.draw().contains("does not keep its step"));
+        assert!(diagram.draw().contains("misses its deadline of 10 ms"));
     }
 }

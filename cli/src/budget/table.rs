@@ -21,20 +21,19 @@ pub(super) fn robot(robot: &RobotBudget) -> String {
 
 /// The verdict in words.
 fn verdict(robot: &RobotBudget) -> String {
-    let which = if robot.deadline_ns == robot.step_ns { "step" } else { "deadline" };
-    let step = format!("{which} of {}", duration(robot.deadline_ns as f64));
+    let deadline = format!("deadline of {}", duration(robot.deadline_ns as f64));
     let total = robot.cycle.total;
     let times = format!("{} typical, {}", span_ms(total.typical_ns), worst(total));
     match (robot.verdict, total.typical_ns) {
-        (Verdict::Keeps, _) => format!("keeps its {step}: {times}"),
-        (Verdict::Sometimes, _) => format!("mostly keeps its {step}: {times}"),
-        (Verdict::Misses, None) => format!("DOES NOT keep its {step}: no cycle is ever completed"),
+        (Verdict::Keeps, _) => format!("meets its {deadline}: {times}"),
+        (Verdict::Sometimes, _) => format!("mostly meets its {deadline}: {times}"),
+        (Verdict::Misses, None) => format!("MISSES its {deadline}: no cycle is ever completed"),
         (Verdict::Misses, Some(typical)) if typical > robot.deadline_ns => {
             let (needs, blame) = (duration(typical as f64), &robot.bottleneck);
-            format!("DOES NOT keep its {step}: needs {needs}; the bottleneck is {blame}")
+            format!("MISSES its {deadline}: needs {needs}; the bottleneck is {blame}")
         }
         (Verdict::Misses, Some(_)) => {
-            format!("DOES NOT keep its {step}: {times}, but {} is overloaded", robot.bottleneck)
+            format!("MISSES its {deadline}: {times}, but {} is overloaded", robot.bottleneck)
         }
     }
 }
@@ -149,11 +148,11 @@ fn mends(robot: &RobotBudget) -> String {
     if robot.mends.is_empty() {
         let known = if robot.left_out.is_some() { "was tried" } else { "is known here" };
         if robot.verdict == Verdict::Misses {
-            let _ = writeln!(text, "  no change that {known} mends that");
+            let _ = writeln!(text, "  no change that {known} fixes that");
         }
         return text;
     }
-    text += "  what would mend it, the cheapest first\n";
+    text += "  what would fix it, the cheapest first\n";
     for mend in &robot.mends {
         let _ = writeln!(text, "    {} ({}): {}", mend.what, cost(mend.cost), outcome(mend));
         for change in &mend.overrides {
@@ -166,13 +165,13 @@ fn mends(robot: &RobotBudget) -> String {
 }
 
 fn outcome(mend: &Mend) -> String {
-    let keeps = match mend.verdict {
-        Verdict::Keeps => "keeps",
-        Verdict::Sometimes => "mostly keeps",
-        Verdict::Misses => "does not keep",
+    let meets = match mend.verdict {
+        Verdict::Keeps => "meets",
+        Verdict::Sometimes => "mostly meets",
+        Verdict::Misses => "misses",
     };
     let step = duration(mend.step_ns as f64);
-    format!("{} typical, {}; {keeps} {step}", span_ms(mend.total.typical_ns), worst(mend.total))
+    format!("{} typical, {}; {meets} {step}", span_ms(mend.total.typical_ns), worst(mend.total))
 }
 
 fn cost(cost: Cost) -> &'static str {

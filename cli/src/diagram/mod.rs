@@ -80,7 +80,7 @@ fn world(
         match gone {
             0 => Ok(Some(pair.world.time().as_ns())),
             _ => Err(anyhow!(
-                "more happened in a tick than is kept of a robot's timeline: {gone} events are gone"
+                "more happened in a tick than a robot's timeline holds: {gone} events were dropped"
             )),
         }
     })

@@ -71,7 +71,7 @@ impl<'a> Films<'a> {
         }
         if pictures > MOST_PICTURES {
             return Err(Refused::error(format!(
-                "the film would have {pictures} pictures, and {MOST_PICTURES} are the most; take a part of the run \
+                "the film would have {pictures} pictures, and at most {MOST_PICTURES} are possible; take a part of the run \
                  (--from-s, --to-s), a higher --speed or a lower --fps"
             )));
         }
@@ -166,7 +166,7 @@ fn url(viewer: SocketAddr, kind: Kind, world: &str, (from_s, to_s): (f64, f64), 
 
 fn keep(Wanted { kind, name, mut out }: Wanted, film: &[u8]) -> anyhow::Result<()> {
     if !film.starts_with(kind.magic()) {
-        bail!("what the page made is no {} ({} bytes); {name} is left as it was", kind.word(), film.len());
+        bail!("the page did not make a valid {} ({} bytes); {name} is unchanged", kind.word(), film.len());
     }
     out.write_all(film).and_then(|()| out.flush()).with_context(|| format!("cannot write {name}"))
 }

@@ -106,12 +106,12 @@ fn notes(args: &ExportArgs, tape: &Tape) {
         tell!("note: {file}: {problem}; what is left of it is {left}");
     }
     if let Some(scratch) = tape.scratch() {
-        tell!("note: {file}: {scratch}; nothing that makes the run again is missing, but frames may be");
+        tell!("note: {file}: {scratch}; the inputs of the run are complete, but frames may be missing");
     }
     let first = tape.first_tick();
     if first > 0 && args.timeline.is_some() {
         let start_s = window::seconds(tape, first);
-        tell!("note: {file} begins at {start_s} s: the trace has nothing of what was before");
+        tell!("note: {file} begins at {start_s} s: the trace does not cover the time before");
     }
 }
 

@@ -78,7 +78,7 @@ pub(super) fn run(
     bar.finish_and_clear();
     outputs.into_iter().try_for_each(Output::finish)?;
     if let Some(difference) = replay.difference() {
-        tell!("warning: the run does not come out as it was recorded, from {difference}");
+        tell!("warning: the replay differs from the recorded run, from {difference}");
     }
     if !is_whole {
         let at_s = world.time().as_seconds();

@@ -123,7 +123,7 @@ impl Way {
         let motion = robot.motion();
         let (from, to) = (self.trail.end.position, motion.pose.position);
         let moved = (to - from).norm();
-        // Nobody drives that far in a tick: it was put somewhere else by hand.
+        // Nobody drives that far in a tick: it was moved by hand.
         let is_jump = changed && moved > 2.0 * motion.speed_m_s.abs() * step_s + self.tolerance_m;
         if is_jump {
             return self.leap(motion.pose);

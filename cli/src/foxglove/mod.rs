@@ -16,8 +16,8 @@ pub(crate) async fn pass_on(server: &ConnectArgs, at: &Address) -> anyhow::Resul
     if !at.ip().is_loopback() {
         let port = at.port();
         return Err(Refused::error(format!(
-            "--foxglove={at}: whoever reaches this sees the truth; only addresses of this machine are taken, such as \
-             127.0.0.1:{port} (from elsewhere: ssh -L {port}:127.0.0.1:{port} HOST)"
+            "--foxglove={at}: anyone who reaches this address sees the truth; only addresses of this machine are \
+             allowed, such as 127.0.0.1:{port} (from elsewhere: ssh -L {port}:127.0.0.1:{port} HOST)"
         )));
     }
     serve(server, *at).await

@@ -93,7 +93,7 @@ impl Plan {
             Search::Refine => args.search.given().next().map(|option| (option, "search")),
         };
         if let Some((option, method)) = strange {
-            return Err(format!("{option}: belongs to --method {method}; leave it out, or search so"));
+            return Err(format!("{option}: belongs to --method {method}; leave it out, or use that method"));
         }
         Ok(match args.method {
             Search::Search => Self::Search(args.search.parameters()?),

@@ -51,7 +51,7 @@ impl<'a> Looker<'a> {
                 lasers(robot).map(|(_, sensor, _)| sensor.name.as_str()).collect::<Vec<_>>().join(", ");
             return Err(Refused::error(match &args.laser {
                 Some(name) if names.is_empty() => {
-                    format!("--laser: `{}` has no laser, and so none that is called `{name}`", robot.name)
+                    format!("--laser: `{}` has no laser, so there is none called `{name}`", robot.name)
                 }
                 Some(name) => format!("--laser: `{}` has no laser `{name}`; it has: {names}", robot.name),
                 None => format!("--robot: `{}` has no laser; give it a sensor of kind \"laser\"", robot.name),
@@ -74,7 +74,7 @@ impl<'a> Looker<'a> {
         let discs: Vec<_> = pillars.map(|pillar| pillar.circle).collect();
         if lines.is_empty() && discs.is_empty() {
             return Err(Refused::error(format!(
-                "nothing in the scenario's arena is as high as the laser `{}`, {} m: there is no map to match with",
+                "nothing in the scenario's arena is as high as the laser `{}`, {} m, so there is no map to match with",
                 self.sensor(),
                 handy(above_floor_m)
             )));
@@ -100,7 +100,7 @@ impl<'a> Looker<'a> {
             world.finish(&[]);
         }
         Err(Refused::error(format!(
-            "the laser `{}` takes no scan within {} s; is its period_ms longer, or the scenario over before?",
+            "the laser `{}` takes no scan within {} s; is its period_ms longer, or does the scenario end before?",
             self.sensor(),
             handy(PATIENCE.as_seconds())
         )))
@@ -112,7 +112,7 @@ impl<'a> Looker<'a> {
         let scan = Scan::of(&Body::from(self.robot).sensors[self.sensor], &reading);
         scan.ok_or_else(|| {
             Refused::error(format!(
-                "--laser: `{}` sits on a turret, and no search takes that into account; choose another",
+                "--laser: `{}` sits on a turret, and the search does not take that into account; choose another",
                 self.sensor()
             ))
         })

@@ -106,19 +106,19 @@ impl<'a> Task<'a> {
         Refused::error(match error {
             PlanError::OffMap { end: which, .. } | PlanError::Outside { end: which, .. } => {
                 let (option, point) = end(*which);
-                format!("{option}: {} is outside of the arena; choose another place", place(point))
+                format!("{option}: {} is outside the arena; choose another place", place(point))
             }
             PlanError::Blocked { end: which, .. } => {
                 let (option, point) = end(*which);
                 format!(
-                    "{option}: the cell at {} is in a wall or nearer to one than {clearance} m, which is how far `{}` \
-                     reaches with its margin; choose another place, or a smaller --cell-m",
+                    "{option}: the cell at {} is in a wall or closer to one than {clearance} m, the radius of `{}` \
+                     with its margin; choose another place, or a smaller --cell-m",
                     place(point),
                     self.robot.name
                 )
             }
             PlanError::Unreachable { .. } | PlanError::DeadEnd { .. } => format!(
-                "no way leads from {} to {}: walls part them, or leave `{}` less than {clearance} m on either side; if \
+                "no path leads from {} to {}: walls separate them, or leave `{}` less than {clearance} m on either side; if \
                  there is a door, try a smaller --cell-m",
                 place(self.from),
                 place(self.to),
@@ -162,7 +162,7 @@ impl<'a> Task<'a> {
                 ("from", place(self.from)),
                 ("to", place(self.to)),
                 ("looked at", self.effort(way)),
-                ("way", led),
+                ("path", led),
             ],
         )
     }
@@ -170,7 +170,7 @@ impl<'a> Task<'a> {
     fn effort(&self, way: &Way) -> String {
         match self.args.method {
             Method::Cells => {
-                format!("{}, {} of them on the way", count(way.cells.len(), "convex cell"), way.expanded)
+                format!("{}, {} of them on the path", count(way.cells.len(), "convex cell"), way.expanded)
             }
             _ => format!("{}, {} expanded", count(way.touched.len(), "cell"), way.expanded),
         }
@@ -183,8 +183,8 @@ impl<'a> Task<'a> {
         let mut notes = vec![format!("{}, cells of {} m", name(self.args.method), handy(self.grid.cell_m()))];
         notes.push(self.effort(way));
         notes.push(match way.is_stuck {
-            true => "it got stuck where the way ends".to_owned(),
-            false => format!("a way of {} m, {}", metres(way.length_m), bends(way)),
+            true => "it got stuck where the path ends".to_owned(),
+            false => format!("a path of {} m, {}", metres(way.length_m), bends(way)),
         });
         Route {
             blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
@@ -205,7 +205,7 @@ fn robot<'a>(name: Option<&str>, robots: &'a [RobotSpec]) -> anyhow::Result<&'a 
         let names = robots.iter().map(|robot| robot.name.as_str()).collect::<Vec<_>>().join(", ");
         Refused::error(match name {
             Some(name) => format!("--robot: there is no robot `{name}`; there are: {names}"),
-            None => "there is no robot that could go a way; give the scenario one".to_owned(),
+            None => "the scenario has no robot to plan for; add one".to_owned(),
         })
     })
 }

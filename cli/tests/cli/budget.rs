@@ -7,8 +7,7 @@ use crate::{baudbot, good};
 #[test]
 fn a_robot_that_does_not_keep_its_step_is_told_why_and_what_would_help() {
     let out = good(&["budget", "wander"]);
-    let first =
-        "robot robot: DOES NOT keep its step of 10 ms: needs 28.805 ms; the bottleneck is the wire up\n";
+    let first = "robot robot: MISSES its deadline of 10 ms: needs 28.805 ms; the bottleneck is the wire up\n";
     assert!(out.starts_with(first), "{out}");
     let squeezed = out.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
@@ -27,7 +26,7 @@ fn a_robot_that_does_not_keep_its_step_is_told_why_and_what_would_help() {
 fn the_mend_mends() {
     let fast = ["budget", "wander", "--set", "robots.robot.link.baud=38400", "--check"];
     let out = good(&fast);
-    assert!(out.contains("keeps its step of 10 ms: 7."), "{out}");
+    assert!(out.contains("meets its deadline of 10 ms: 7."), "{out}");
     let (code, out, err) = baudbot(&["budget", "wander", "--check"]);
     assert_eq!((code, err.as_str()), (1, ""), "{out}");
 }

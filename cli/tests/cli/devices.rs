@@ -66,7 +66,7 @@ fn warned(args: &[&str]) -> String {
     let warnings: Vec<_> = err.lines().collect();
     assert_eq!(warnings.len(), 2, "{err}");
     assert!(warnings[0].starts_with("warning: robots.scout.sensors.sonar: a read takes"), "{err}");
-    assert!(warnings[1].starts_with("warning: arena.movers.door: its way leads over"), "{err}");
+    assert!(warnings[1].starts_with("warning: arena.movers.door: its path leads over"), "{err}");
     out
 }
 

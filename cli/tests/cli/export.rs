@@ -160,11 +160,11 @@ fn the_picture_has_a_way_for_each_robot() {
         document.descendants().filter(|node| node.attribute("class") == Some("trail")).collect();
     assert_eq!(ways.len(), 3);
     let title = |i: usize| ways[i].first_element_child().unwrap().text().unwrap();
-    assert!(title(0).starts_with("the way of a: ") && title(0).ends_with("1 collision"), "{}", title(0));
-    assert_eq!(title(1).split(':').next(), Some("the way of b"));
+    assert!(title(0).starts_with("the path of a: ") && title(0).ends_with("1 collision"), "{}", title(0));
+    assert_eq!(title(1).split(':').next(), Some("the path of b"));
     assert_eq!(ways[1].attribute("stroke"), Some("#aa1919"), "its own colour");
     let text = document.descendants().filter_map(|node| node.text()).collect::<Vec<_>>().join("\n");
-    for part in ["The ways of 3 robots from 0 to 4 s", "a began here", "c ended here", "a ran into b at "] {
+    for part in ["The paths of 3 robots from 0 to 4 s", "a began here", "c ended here", "a ran into b at "] {
         assert!(text.contains(part), "{part}");
     }
     // A curve needs its points, a line only its ends.
@@ -268,9 +268,7 @@ fn a_run_that_comes_out_otherwise_is_exported_with_a_warning() {
     that_differs(&path);
     let (code, table, warning) = baudbot(&["export", path.to_str().unwrap(), "--csv", "-"]);
     assert_eq!((code, table.lines().count()), (0, 1 + 51));
-    assert!(
-        warning.starts_with("warning: the run does not come out as it was recorded, from tick 0 (0 s): ")
-    );
+    assert!(warning.starts_with("warning: the replay differs from the recorded run, from tick 0 (0 s): "));
 }
 
 #[test]
@@ -304,7 +302,7 @@ fn what_is_no_recording_is_told() {
     fs::write(&toml, WANDER).unwrap();
     let toml = toml.to_str().unwrap();
     let error = refusal(2, &["export", toml, "--csv", "-"]);
-    assert!(error.starts_with(&format!("{toml}: is no MCAP file: ")), "{error}");
+    assert!(error.starts_with(&format!("{toml}: is not an MCAP file: ")), "{error}");
     let error = refusal(2, &["export", "/nowhere.mcap"]);
     assert_eq!(error, "/nowhere.mcap: cannot be read: No such file or directory (os error 2)");
 }
@@ -366,7 +364,7 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     let refused = failed("post('/film?failed=1', b'no encoder for VP9')\ntime.sleep(600)");
     assert_eq!(refused, "error: the page made no film: no encoder for VP9\n");
     let other = failed("post('/film', b'GIF89a')\ntime.sleep(600)");
-    assert!(other.contains("what the page made is no webm (6 bytes)"), "{other}");
+    assert!(other.contains("the page did not make a valid webm (6 bytes)"), "{other}");
     let ended = failed("print('no display', file=sys.stderr)\nsys.exit(3)");
     assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
     let (code, _, err) = film(&tape, Path::new("/nowhere/chromium"), &["--webm", out]);

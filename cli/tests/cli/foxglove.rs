@@ -120,5 +120,5 @@ mod live {
 fn foxglove_is_shown_a_world_on_this_machine_only() {
     let (code, _, err) = baudbot(&["watch", "--foxglove=0.0.0.0:8765"]);
     assert_eq!(code, 2, "{err}");
-    assert!(err.contains("only addresses of this machine are taken, such as 127.0.0.1:8765"), "{err}");
+    assert!(err.contains("only addresses of this machine are allowed, such as 127.0.0.1:8765"), "{err}");
 }

@@ -58,7 +58,7 @@ fn fifo(name: &str) -> String {
 #[test]
 fn no_command_waits_for_ever_at_a_pipe_into_which_nobody_writes() {
     let path = fifo("silent.toml");
-    let nobody = "is a pipe into which nobody writes";
+    let nobody = "is a pipe that no program writes to";
     let commands: [(&[&str], &str); 9] = [
         (&["check", &path], nobody),
         (&["run", &path], nobody),
@@ -99,5 +99,5 @@ fn a_program_that_takes_connections_and_says_nothing_is_not_waited_for() {
     let (code, _, err) = baudbot(&["watch", "--connect", &address, "--once"]);
     assert!(started.elapsed() < Duration::from_secs(60));
     assert_eq!(code, 1, "{err}");
-    assert!(err.contains("something takes connections there, but has said nothing for 5s"), "{err}");
+    assert!(err.contains("something accepts connections there, but has not answered for 5s"), "{err}");
 }

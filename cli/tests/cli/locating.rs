@@ -54,10 +54,7 @@ fn the_poses_are_those_of_the_search() {
         let is_first = accepted == 0;
         assert_eq!(next["accepted"], is_first || number(&next["error"]) < number(&best["error"]), "{next}");
         let [off_x, off_y, turn] = std::array::from_fn(|i| (pose(next)[i] - pose(best)[i]).abs());
-        assert!(
-            off_x <= 0.1 && off_y <= 0.1 && turn <= 0.05 + 1e-12,
-            "{next} is outside of the box of {best}"
-        );
+        assert!(off_x <= 0.1 && off_y <= 0.1 && turn <= 0.05 + 1e-12, "{next} is outside the box of {best}");
         if next["accepted"] == true {
             best = next;
             accepted += 1;
@@ -205,7 +202,7 @@ fn what_cannot_be_is_refused_with_its_option() {
     assert!(refusal(&["--iterations", "0"]).contains("0 is not in 1..=100000"));
     assert!(refusal(&["--rays", "0"]).contains("0 is not in 1..=100000"));
     let strange = refusal(&["--method", "refine", "--shrink"]);
-    assert_eq!(strange, "error: --shrink: belongs to --method search; leave it out, or search so\n");
+    assert_eq!(strange, "error: --shrink: belongs to --method search; leave it out, or use that method\n");
     assert!(refusal(&["--starts", "3"]).contains("--starts: belongs to --method refine"));
     let refine = refusal(&["--method", "refine", "--sd-m", "-0.1"]);
     assert!(refine.contains("--sd-m: must be above 0 and at most 100, is -0.1"), "{refine}");

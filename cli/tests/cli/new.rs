@@ -22,7 +22,7 @@ fn a_project_in_rust_names_the_crates_of_this_one() {
         assert!(!read(name).contains("{baudbot}") && !read(name).contains("{name}"), "{name}");
     }
     let (code, _, err) = baudbot(&["new", "brain", &folder]);
-    assert_eq!((code, err), (2, format!("error: {folder}: is there already, and not empty\n")));
+    assert_eq!((code, err), (2, format!("error: {folder}: already exists and is not empty\n")));
 }
 
 #[test]
@@ -43,7 +43,10 @@ fn a_project_in_python_has_the_contract_with_it() {
 #[test]
 fn what_cannot_be_made_is_refused() {
     let (code, _, err) = baudbot(&["new", "brain", "My Brain"]);
-    assert!(code == 2 && err.contains("a small letter, then small letters, digits, - and _"), "{err}");
+    assert!(
+        code == 2 && err.contains("a lowercase letter, then lowercase letters, digits, - and _"),
+        "{err}"
+    );
     let (code, _, err) = baudbot(&["new", "brain", &folder("deps")]);
     assert!(code == 2 && err.contains("no package may be called `deps`"), "{err}");
     let (code, _, err) = baudbot(&["new", "brain", &folder("lost"), "--baudbot", "/nowhere"]);

@@ -72,7 +72,7 @@ fn a_picture_shows_what_was_looked_at_and_the_way() {
     assert!(class("way").matches('L').count() > 2 && class("cells").is_empty(), "{picture}");
     assert_eq!(across(TRAP, &["--svg", "-"]), picture);
     let cells = across(TRAP, &["--svg", "-", "--method", "cells"]);
-    assert!(cells.contains("5 convex cells, 3 of them on the way"), "{cells}");
+    assert!(cells.contains("5 convex cells, 3 of them on the path"), "{cells}");
 }
 
 /// A corridor that draws the walker in, and from which it never comes back.
@@ -107,16 +107,16 @@ fn what_cannot_be_is_refused_with_its_option() {
     };
     let wall = refusal(&["--to", "10.5,10.5"]);
     assert!(
-        wall.starts_with("error: --to: the cell at (10.5, 10.5) is in a wall or nearer to one than 0.1 m"),
+        wall.starts_with("error: --to: the cell at (10.5, 10.5) is in a wall or closer to one than 0.1 m"),
         "{wall}"
     );
     let from = refusal(&["--from", "10.5,10.5", "--to", "1,1"]);
     assert!(from.starts_with("error: --from: the cell at (10.5, 10.5) is in a wall"), "{from}");
     let outside = refusal(&["--to", "50,-3"]);
-    assert_eq!(outside, "error: --to: (50, -3) is outside of the arena; choose another place\n");
+    assert_eq!(outside, "error: --to: (50, -3) is outside the arena; choose another place\n");
     let parted = refusal(&["--to", "17.5,10.5", "--margin-m", "2.4"]);
     assert!(
-        parted.starts_with("error: no way leads from (2.5, 10.5) to (17.5, 10.5): walls part them"),
+        parted.starts_with("error: no path leads from (2.5, 10.5) to (17.5, 10.5): walls separate them"),
         "{parted}"
     );
     let method = refusal(&["--to", "1,1", "--method", "magic"]);

@@ -108,17 +108,17 @@ fn a_brain_comes_back_to_a_server_that_is_started_again_and_goes_when_its_robot_
     let lost = brain.first_complaint();
     assert!(
         lost.contains("the connection to the server is lost")
-            && lost.ends_with("trying to come back for 600 s\n")
+            && lost.ends_with("trying to reconnect for 600 s\n")
     );
     let (server, ..) = serve("back.sock", &["wander"]);
-    let back = "back with a brain that begins anew: driving robot of world wander\n";
+    let back = "reconnected with a restarted brain: driving robot of world wander\n";
     assert_eq!(brain.first_complaint(), back);
     let (code, _, err) = baudbot(&["brain", "avoid", "--connect", &unix]);
     assert_eq!(code, 1, "{err}");
     assert!(err.contains("robot `robot` of world `wander` is held by brain `constant`"), "{err}");
     server.signal("-TERM");
     assert_eq!(server.end().0, 0);
-    assert!(brain.first_complaint().ends_with("trying to come back for 600 s\n"));
+    assert!(brain.first_complaint().ends_with("trying to reconnect for 600 s\n"));
     // What will not change ends it: there is no such robot any more.
     let socket = format!("unix:{}", place("back.sock").display());
     let mut server = Running::start(&["serve", "--listen", &socket, "khepera"]);
@@ -126,7 +126,8 @@ fn a_brain_comes_back_to_a_server_that_is_started_again_and_goes_when_its_robot_
     let (code, _, err) = brain.end();
     assert_eq!(code, 1);
     assert!(
-        err.contains("the brain of robot is not back: ") && err.contains("there is no world `wander`"),
+        err.contains("the brain of robot could not reconnect: ")
+            && err.contains("there is no world `wander`"),
         "{err}"
     );
 }
@@ -139,7 +140,7 @@ fn a_brain_that_does_not_find_its_server_again_gives_up_at_its_limit() {
     drop(server);
     let (code, _, err) = brain.end();
     assert_eq!(code, 1);
-    assert!(err.contains("the brain of robot is not back: no server answers at unix:"), "{err}");
+    assert!(err.contains("the brain of robot could not reconnect: no server answers at unix:"), "{err}");
 }
 
 #[test]

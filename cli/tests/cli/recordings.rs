@@ -146,18 +146,18 @@ fn a_recording_is_replayed_shown_in_words_or_refused() {
     refused(&["replay", "/nowhere.mcap"], "/nowhere.mcap: cannot be read: No such file");
     let other = place("no-recording.mcap");
     fs::write(&other, "name = \"wander\"").unwrap();
-    refused(&["replay", text(&other)], "is no MCAP file");
-    refused(&["serve", "--resume", text(&other)], "is no MCAP file");
-    refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is what is resumed");
+    refused(&["replay", text(&other)], "is not an MCAP file");
+    refused(&["serve", "--resume", text(&other)], "is not an MCAP file");
+    refused(&["serve", "--resume", text(&file), "--record", text(&file)], "is the recording that is resumed");
     refused(&["run", "--csv", text(&file), "--record", text(&file)], "are the same file");
-    refused(&["run", "--record", text(&file)], "is there already, and no file is replaced");
-    refused(&["run", "--record", "-"], "stdout is none that can be read again");
+    refused(&["run", "--record", text(&file)], "already exists, and no file is overwritten");
+    refused(&["run", "--record", "-"], "stdout cannot be read again");
     refused(&["replay", text(&file), "--record", "/tmp/x.mcap"], "use it with --fork");
     refused(&["replay", text(&file), "--listen", "127.0.0.1:0"], "need --view or --fork");
-    refused(&["replay", text(&file), "--fork", "--record", text(&file)], "is there already");
-    refused(&["serve", "wander", "khepera", "--record", text(&file)], "--record: is one file");
-    refused(&["serve", "--recordings", "/nowhere/runs"], "in a folder that is not there");
-    refused(&["serve", "--recordings", "/dev/null"], "is a file and no folder");
+    refused(&["replay", text(&file), "--fork", "--record", text(&file)], "already exists");
+    refused(&["serve", "wander", "khepera", "--record", text(&file)], "--record: takes a single world");
+    refused(&["serve", "--recordings", "/nowhere/runs"], "its parent folder does not exist");
+    refused(&["serve", "--recordings", "/dev/null"], "is a file, not a folder");
     let (code, _, err) = baudbot(&["run", "--record", "/nowhere/run.mcap"]);
     assert!(code == 1 && err.contains("cannot write /nowhere/run.mcap: No such file"), "{code}: {err}");
 }

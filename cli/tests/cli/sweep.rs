@@ -113,7 +113,7 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let (code, stdout, err) = running.end();
     assert_eq!((code, stdout.as_str()), (130, ""));
     assert!(
-        err.starts_with("stopped after ") && err.contains("the same command goes on from there"),
+        err.starts_with("stopped after ") && err.contains("the same command continues from there"),
         "{err}"
     );
     assert_eq!(table(&[&grid], &to).lines().count(), 73);
@@ -137,7 +137,7 @@ fn a_folder_of_another_experiment_is_left_alone_until_it_is_to_be_fresh() {
     let first = table(&[&short], &to);
     let (code, _, err) = baudbot(&["sweep", &short, "--out", &to, "--seeds", "4..6"]);
     assert_eq!(code, 2);
-    assert!(err.contains("is of another experiment") && err.contains("--fresh"), "{err}");
+    assert!(err.contains("belongs to another experiment") && err.contains("--fresh"), "{err}");
     let other = table(&[&short, "--seeds", "4..6", "--fresh"], &to);
     assert_eq!(other.lines().count(), first.lines().count());
     assert_ne!(other, first);
@@ -179,7 +179,7 @@ fn what_cannot_be_run_is_told_and_the_others_are_run() {
     let to = out(&path, "out");
     let (code, stdout, _) = baudbot(&["sweep", &path, "--out", &to]);
     assert_eq!(code, 1);
-    assert!(stdout.contains("12 of 72 runs could not be:\n  run 12: robots[0].link.baud: "), "{stdout}");
+    assert!(stdout.contains("12 of 72 runs failed:\n  run 12: robots[0].link.baud: "), "{stdout}");
     assert_eq!(rows(&to), 72);
     let json: serde_json::Value =
         serde_json::from_str(&baudbot(&["sweep", &path, "--out", &to, "--json", "--quiet"]).1).unwrap();
@@ -195,12 +195,12 @@ fn what_takes_long_must_be_meant() {
     let to = out(&path, "out");
     let (code, _, err) = baudbot(&["sweep", &path, "--out", &to]);
     assert_eq!(code, 2);
-    assert!(err.contains(" runs are to be done, which take about ") && err.contains("--yes"), "{err}");
+    assert!(err.contains(" runs would take about ") && err.contains("--yes"), "{err}");
     assert!(rows(&to) < 100, "they were run all the same");
     let (code, stdout, err) = baudbot(&["sweep", &path, "--find", "baud"]);
     assert_eq!((code, stdout.as_str()), (2, ""));
     // Four limits of at most six values each.
-    assert!(err.starts_with("error: up to 12000000 runs are to be done, which take about "), "{err}");
+    assert!(err.starts_with("error: up to 12000000 runs would take about "), "{err}");
     assert!(err.contains("--yes"), "{err}");
 }
 

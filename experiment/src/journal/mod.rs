@@ -157,8 +157,7 @@ impl Journal {
             row.ok_or_else(|| {
                 let path = self.path.display();
                 Error::Refused(format!(
-                    "{path}: a line was damaged while the experiment ran; give the same command again, and its run is done \
-                     again"
+                    "{path}: a line was damaged while the experiment ran; repeat the command to repeat its run"
                 ))
             })
         }))
@@ -228,25 +227,25 @@ fn appending(path: &Path) -> Result<File, Error> {
 fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
     let place = path.display();
     let mending =
-        "choose another place with --out DIR, or begin anew with --fresh, which deletes what is there";
+        "choose another place with --out DIR, or start over with --fresh, which deletes what is there";
     Error::Refused(match refusal {
         Refusal::Unreadable(cause) => return Error::file("read", path)(cause),
         Refusal::Foreign => {
-            format!("{place} is no journal of an experiment, or nothing in it is undamaged; {mending}")
+            format!("{place} is not the journal of an experiment, or is damaged throughout; {mending}")
         }
         Refusal::Before => format!(
-            "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so that nobody can tell \
-             whether it is undamaged; {mending}"
+            "{place} was begun by an earlier version of baudbot, whose journals had no checksums, so damage \
+             cannot be detected; {mending}"
         ),
         Refusal::OfAnother(found) => format!(
-            "{place} is of another experiment, scenario or version (`{}`, {}…, and not {}…); {mending}",
+            "{place} belongs to another experiment, scenario or version (`{}`, {}… instead of {}…); {mending}",
             found.sweep,
             found.fingerprint.get(..8).unwrap_or_default(),
             &header.fingerprint[..8]
         ),
         Refusal::OfAnotherBuild(found) => format!(
-            "{place} was begun by another build of baudbot, whose runs differ from this one's (`{}`, and not `{}`); go on \
-             with that build, {mending}",
+            "{place} was begun by another build of baudbot, whose runs differ from this one's (`{}` instead of `{}`); \
+             continue with that build, {mending}",
             found.build, header.build
         ),
     })

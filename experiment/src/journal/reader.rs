@@ -63,7 +63,7 @@ pub(super) fn read(mut lines: impl BufRead, header: &Header) -> Result<Found, Re
         }
         if !found.is_whole {
             if number > 1 {
-                found.damage.push(format!("line {number} is not whole; {AGAIN}"));
+                found.damage.push(format!("line {number} is incomplete; {AGAIN}"));
             }
             break;
         }
@@ -111,7 +111,7 @@ impl Found {
         let row = row(seal, line).filter(|(row, _)| row.run < runs);
         match &row {
             // Without a header the file cannot stay as it is.
-            _ if number == 1 => self.damage.push("line 1 is damaged; it is written anew".to_owned()),
+            _ if number == 1 => self.damage.push("line 1 is damaged; it is rewritten".to_owned()),
             None => self.damage.push(format!("line {number} is damaged; {AGAIN}")),
             Some(_) => {}
         }
@@ -153,4 +153,4 @@ struct HeaderBefore {
     figures: Vec<String>,
 }
 
-const AGAIN: &str = "its run is done again";
+const AGAIN: &str = "its run is repeated";

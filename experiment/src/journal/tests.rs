@@ -73,12 +73,12 @@ fn a_journal_that_is_cut_anywhere_has_the_rows_before_the_cut_and_tells_of_the_t
         let damage = honest(&bytes[..len]);
         let is_torn = len > first && bytes[len - 1] != b'\n';
         assert_eq!(damage.len(), usize::from(is_torn), "{len} bytes: {damage:?}");
-        assert!(damage.iter().all(|damage| damage.ends_with(" is not whole; its run is done again")));
+        assert!(damage.iter().all(|damage| damage.ends_with(" is incomplete; its run is repeated")));
         // From its other end the header is gone.
         let from = reader::read(&bytes[len..], &header());
         let last = lines()[5].len();
         match from {
-            Ok(found) => assert!(len == 0 || found.damage[0] == "line 1 is damaged; it is written anew"),
+            Ok(found) => assert!(len == 0 || found.damage[0] == "line 1 is damaged; it is rewritten"),
             Err(Refusal::Foreign) => assert!(bytes.len() - len < last, "{len}"),
             Err(refusal) => panic!("{refusal:?}"),
         }
@@ -110,10 +110,10 @@ fn a_line_of_another_journal_is_no_row_of_this_one() {
     let other = Header { fingerprint: "fedcba9876543210".to_owned(), ..header() };
     let mut lines = lines();
     lines[2] = other.seal().line(&Written::from(&row(0))).unwrap();
-    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is done again"]);
+    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is repeated"]);
     // Nor is one of a run that there is not.
     lines[2] = seal().line(&Written::from(&row(5))).unwrap();
-    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is done again"]);
+    assert_eq!(honest(&lines.concat()), ["line 3 is damaged; its run is repeated"]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn of_lines_that_differ_about_a_run_none_is_believed() {
     let mut lines = lines();
     lines.push(seal().line(&Written::from(&Row { run: 1, ..row(2) })).unwrap());
     let found = reader::read(&*lines.concat(), &header()).unwrap();
-    assert_eq!(found.damage, ["lines 4 and 7 differ about run 1; its run is done again"]);
+    assert_eq!(found.damage, ["lines 4 and 7 differ about run 1; its run is repeated"]);
     assert_eq!(found.rows.iter().map(|row| row.run).collect::<Vec<_>>(), [0, 2, 3, 4]);
     assert!(!found.is_sound, "it would be told for ever");
 }
@@ -137,7 +137,7 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     let told = std::cell::RefCell::new(Vec::new());
     let open = || Journal::open(&path, &header(), &|text| told.borrow_mut().push(text.to_owned())).unwrap();
     let mut journal = open();
-    let expected = ["1 is damaged; it is written anew", "4 is damaged; its run", "6 is not whole; its run"];
+    let expected = ["1 is damaged; it is rewritten", "4 is damaged; its run", "6 is incomplete; its run"];
     let told_now = told.take();
     assert_eq!(told_now.len(), expected.len(), "{told_now:?}");
     for (told, expected) in told_now.iter().zip(expected) {
@@ -154,10 +154,7 @@ fn a_damaged_journal_is_mended_in_its_place_and_told_of_once() {
     *bytes.last_mut().unwrap() = b' ';
     fs::write(&path, bytes).unwrap();
     let error = again.rows().unwrap().find_map(Result::err).unwrap().to_string();
-    assert!(
-        error.contains("a line was damaged while the experiment ran; give the same command again"),
-        "{error}"
-    );
+    assert!(error.contains("a line was damaged while the experiment ran; repeat the command"), "{error}");
     fs::remove_file(path).unwrap();
 }
 
@@ -172,7 +169,7 @@ fn a_journal_of_before_there_were_checksums_is_refused_by_name() {
     assert!(error.starts_with(
         "/x/rows.jsonl was begun by an earlier version of baudbot, whose journals had no checksums"
     ));
-    assert!(error.contains("choose another place with --out DIR, or begin anew with --fresh"), "{error}");
+    assert!(error.contains("choose another place with --out DIR, or start over with --fresh"), "{error}");
 }
 
 /// Has room for so many bytes.

@@ -56,11 +56,11 @@ use method::Course;
 pub fn tune(experiment: &Experiment, options: &Options<'_>) -> Result<Tuned, Error> {
     optimizers::check()?;
     let missing =
-        || Error::field("tune", "is missing: what is made large, such as maximize = { covered = 1.0 }");
+        || Error::field("tune", "is missing: what to maximize, such as maximize = { covered = 1.0 }");
     let tuning = experiment.tuning.as_ref().ok_or_else(missing)?;
     let ranges = tuning::ranges(experiment)?;
     if experiment.seeds.last() > i64::MAX as u64 - tuning.check_seeds {
-        return Err(Error::field("seeds", "are too large: those of the check come after them"));
+        return Err(Error::field("seeds", "are too large: the seeds of the check come after them"));
     }
     let course = tuning.course(ranges.len());
     let most_runs = most_runs(experiment, tuning, &course)?;

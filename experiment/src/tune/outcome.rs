@@ -88,7 +88,7 @@ impl Tuned {
         let generations = self.candidates.last().map_or(0, |candidate| candidate.generation);
         let _ = writeln!(
             text,
-            "{}: {} made large by {} candidates in {generations} generations, each with {seeds} seed{}{}",
+            "{}: {} maximized by {} candidates in {generations} generations, each with {seeds} seed{}{}",
             experiment.name,
             tuning.goal,
             self.candidates.len(),
@@ -107,7 +107,7 @@ impl Tuned {
         }
         if let Some((best, untuned)) = &self.checked {
             let runs = best.runs;
-            let _ = writeln!(text, "with {runs} seeds that had no part in the search:");
+            let _ = writeln!(text, "with {runs} seeds that were not used in the search:");
             let _ = writeln!(text, "    untuned: {}", told(experiment, untuned));
             let _ = writeln!(text, "    best:    {}", told(experiment, best));
         }

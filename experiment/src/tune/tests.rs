@@ -108,7 +108,7 @@ fn each_method_makes_the_goal_larger_than_it_was() {
         let (checked, untuned) = tuned.checked.as_ref().unwrap();
         assert_eq!((checked.runs, untuned.runs), (3, 3));
         let text = tuned.text(&experiment(&toml).unwrap());
-        assert!(text.contains("with 3 seeds that had no part in the search"), "{text}");
+        assert!(text.contains("with 3 seeds that were not used in the search"), "{text}");
         assert!(text.contains("as options of `baudbot run`: --brain 'constant:left=0.1,left=0."), "{text}");
     }
 }
@@ -169,7 +169,7 @@ fn more_generations_go_on_with_what_there_is_and_anything_else_does_not() {
     assert!(more.candidates.len() > first.candidates.len());
     let other = STRAIGHT.replace("distance_m = 1.0", "distance_m = 2.0");
     let error = run_until(&other, &out, 2, u64::MAX).unwrap_err().to_string();
-    assert!(error.contains("is of another experiment"), "{error}");
+    assert!(error.contains("belongs to another experiment"), "{error}");
     std::fs::remove_dir_all(out).unwrap();
 }
 
@@ -193,7 +193,7 @@ fn a_described_brain_is_written_down_with_its_numbers() {
     // What is described in another way is another experiment.
     std::fs::write(&timid, description.replace("0.3", "0.2")).unwrap();
     let error = run_until(&toml, &out, 2, u64::MAX).unwrap_err().to_string();
-    assert!(error.contains("is of another experiment"), "{error}");
+    assert!(error.contains("belongs to another experiment"), "{error}");
     let wrong = toml.replace("stroll.parameters.turn", "strol.parameters.turn");
     assert!(refused(&wrong).starts_with("fields[1]: "), "{}", refused(&wrong));
     let wrong = toml.replace("stroll.parameters.turn", "stroll.parameters.trun");
@@ -206,15 +206,15 @@ fn a_described_brain_is_written_down_with_its_numbers() {
 #[test]
 fn what_cannot_be_tuned_is_refused_with_the_field_and_the_mend() {
     let (head, _) = STRAIGHT.split_once("[tune]").unwrap();
-    assert!(refused(head).starts_with("tune: is missing: what is made large, such as maximize = {"));
+    assert!(refused(head).starts_with("tune: is missing: what to maximize, such as maximize = {"));
     let levels = STRAIGHT.replacen("from = -0.2\nto = 0.4", "values = [1, 2]", 1);
-    assert!(refused(&levels).starts_with("fields[0]: has values, and not a range"));
+    assert!(refused(&levels).starts_with("fields[0]: has values instead of a range"));
     let few = STRAIGHT.replace("population = 6", "population = 2");
     assert_eq!(refused(&few), "tune.population: must be from 4 to 10000, is 2");
     let unknown = STRAIGHT.replace("population", "popluation");
     assert!(refused(&unknown).starts_with("tune.popluation: ") || refused(&unknown).contains("popluation"));
     let uncounted = STRAIGHT.replace("{ distance_m = 1.0 }", "{ covered = 1.0 }");
-    assert!(refused(&uncounted).ends_with("`covered` was not counted, and so there is no score"));
+    assert!(refused(&uncounted).ends_with("`covered` was not counted, so there is no score"));
     let endless = STRAIGHT.replace("seeds = 2\n", "seeds = 1000000000000000000\n");
     assert_eq!(refused(&endless), "seeds: there are more than 2^63 runs");
     let method = format!("{STRAIGHT}method = \"sgd\"\n");

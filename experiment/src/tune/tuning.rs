@@ -52,13 +52,13 @@ pub(super) fn ranges(experiment: &Experiment) -> Result<Vec<Range>, Error> {
     let range = |(i, field): (usize, &crate::choice::Field)| match &field.choice {
         Choice::Range(range) => Ok(range.clone()),
         Choice::Levels(_) => {
-            let problem = "has values, and not a range; what is tuned goes `from` a number `to` another";
+            let problem = "has values instead of a range; a tuned field goes `from` a number `to` another";
             Err(Error::field(format!("fields[{i}]"), problem))
         }
     };
     let ranges = experiment.fields.iter().enumerate().map(range).collect::<Result<Vec<_>, _>>()?;
     if ranges.is_empty() {
-        return Err(Error::field("fields", "is missing: give at least one [[fields]] that is tuned"));
+        return Err(Error::field("fields", "is missing: give at least one [[fields]] to tune"));
     }
     Ok(ranges)
 }

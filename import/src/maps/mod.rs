@@ -40,7 +40,7 @@ fn entries(maps: Item) -> Result<Vec<Entry>, ImportError> {
         let path = format!("{PATH}[{i}]");
         let entry = raw.check(&path)?;
         if let Some(other) = entries.iter().position(|other| other.name == entry.name) {
-            let problem = format!("{PATH}[{other}] is called {:?}, too: names differ", entry.name);
+            let problem = format!("{PATH}[{other}] is also called {:?}: names must differ", entry.name);
             return Err(ImportError::field(format!("{path}.name"), problem));
         }
         entries.push(entry);

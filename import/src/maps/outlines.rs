@@ -87,7 +87,7 @@ impl Placement {
             return Ok(placed);
         }
         Err(format!(
-            "reaches ({}, {}), the limit is ±{MAX_POSITION} m: mend m_per_unit or origin_m",
+            "reaches ({}, {}), the limit is ±{MAX_POSITION} m: fix m_per_unit or origin_m",
             placed.x, placed.y
         ))
     }

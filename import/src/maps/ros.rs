@@ -22,7 +22,7 @@ use crate::file;
 /// The rectangles that cover what is occupied in the map that the YAML file describes.
 pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileError> {
     let description: Description = serde_saphyr::from_str(&file::text(path)?).map_err(|error| {
-        FileError::new(path, format!("is no description of a map: {}", error.without_snippet()))
+        FileError::new(path, format!("is not a description of a map: {}", error.without_snippet()))
     })?;
     let map = description.check().map_err(|problem| FileError::new(path, problem))?;
     let image = path.parent().unwrap_or_else(|| Path::new("")).join(&map.image);
@@ -31,7 +31,7 @@ pub(crate) fn shapes(path: &Path, unknown: Unknown) -> Result<Vec<Shape>, FileEr
     let rectangles: Vec<_> = rectangles.take(MAX_SHAPES + 1).collect();
     if rectangles.len() > MAX_SHAPES {
         let problem = format!(
-            "takes more than {MAX_SHAPES} rectangles: rid the map of single dark cells, or use a coarser one"
+            "takes more than {MAX_SHAPES} rectangles: remove single dark cells from the map, or use a coarser one"
         );
         return Err(FileError::new(&image, problem));
     }
@@ -174,7 +174,7 @@ impl Map {
         });
         if let Some([x, y]) = points.iter().find(|point| point.iter().any(|x| x.abs() > MAX_POSITION)) {
             return Err(format!(
-                "the map reaches ({x}, {y}), the limit is ±{MAX_POSITION} m: mend resolution or origin"
+                "the map reaches ({x}, {y}), the limit is ±{MAX_POSITION} m: fix resolution or origin"
             ));
         }
         Ok(Shape { points: points.to_vec(), solid: true, closed: true })

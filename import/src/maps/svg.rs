@@ -111,14 +111,14 @@ fn parse(text: &str) -> Result<Tree, String> {
         },
         ..Options::default()
     };
-    Tree::from_xmltree(&unscaled, &options).map_err(|error| format!("is no sound SVG: {error}"))
+    Tree::from_xmltree(&unscaled, &options).map_err(|error| format!("is not a valid SVG: {error}"))
 }
 
 /// What the parser would pass over in silence.
 fn check(document: &Document<'_>) -> Result<(), String> {
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
-        return Err(format!("is no SVG: its outermost element is `{}`", root.tag_name().name()));
+        return Err(format!("is not an SVG: its outermost element is `{}`", root.tag_name().name()));
     }
     match root.attribute("viewBox") {
         Some(view_box) => {

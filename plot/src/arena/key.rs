@@ -146,7 +146,7 @@ fn marks(scenario: &Scenario, shown: Shown<'_>) -> Vec<(Element, String)> {
         (
             !scenario.movers.is_empty(),
             line("M0 5H15").set("stroke", MOVER).set("stroke-dasharray", "5 3"),
-            "the way of what moves by itself; dots around what wanders",
+            "the path of a moving thing; dots around a wandering one",
         ),
         (!scenario.movables.is_empty(), movable.set("stroke", "#78603c"), "can be pushed"),
         (

@@ -130,12 +130,12 @@ pub(super) fn key(search: &PoseSearch) -> Block {
     let accepted = disc((5.0, 5.0), 2.6).set("fill", "#ffffff").set("stroke", INK);
     let mut marks = vec![
         (with_heading(square((5.0, 5.0), 4.0, TRUTH, TRUTH), TRUTH), "where the robot is"),
-        (with_heading(disc((5.0, 5.0), 4.0).set("fill", GUESS), GUESS), "where it believed to be"),
+        (with_heading(disc((5.0, 5.0), 4.0).set("fill", GUESS), GUESS), "where it believed it was"),
         (with_heading(square((5.0, 5.0), 4.0, "#ffffff", FOUND), FOUND), "where the search ended"),
         (with_heading(accepted, INK), "a pose at which it went on, with its number"),
         (stroke(&heading(&view, &place, 8.0), REJECTED, "1.2"), "a pose that was no better"),
-        (stroke("M0 5H16", OTHER, "1.4"), "a way from another start"),
-        (dots(GUESS), "what the laser saw, from where it believed to be"),
+        (stroke("M0 5H16", OTHER, "1.4"), "a path from another start"),
+        (dots(GUESS), "what the laser saw, from where it believed it was"),
         (dots(FOUND), "the same from where the search ended"),
     ];
     if search.others.is_empty() {
@@ -182,7 +182,7 @@ fn marks(canvas: &mut Canvas, view: &View, attempt: &Attempt) {
 fn ends(canvas: &mut Canvas, view: &View, search: &PoseSearch, size: f64) {
     let ends = [
         (&search.truth, "truth", "where the robot is", TRUTH),
-        (&search.guess, "guess", "where it believed to be", GUESS),
+        (&search.guess, "guess", "where it believed it was", GUESS),
         (&search.found, "found", "where the search ended", FOUND),
     ];
     for (pose, class, what, color) in ends {

@@ -68,7 +68,7 @@ fn entries(route: &Route) -> Vec<(Element, &'static str)> {
     };
     let path = drawn("M0 5H16").set("stroke", WAY).set("stroke-width", "2.4");
     let all = [
-        (!route.path.is_empty(), path, "the way"),
+        (!route.path.is_empty(), path, "the path"),
         (route.start.is_some(), tile(START, INK), "the start"),
         (route.target.is_some(), tile(TARGET, INK), "the target"),
         (!route.looked_at.is_empty(), tile(LOOKED_AT, "none"), "cells that were looked at"),

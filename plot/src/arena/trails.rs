@@ -80,7 +80,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, scenario: &Scenario, trails
     let robots = &scenario.robots;
     let is_crowd = robots.len() > MOST_THICK;
     for (i, (trail, robot)) in trails.robots.iter().zip(robots).enumerate() {
-        let title = format!("the way of {}: {}", robot.name, told(trail));
+        let title = format!("the path of {}: {}", robot.name, told(trail));
         let group =
             Element::group().set("class", "trail").set("stroke", &color(robots, i)).set("fill", "none");
         let group = group.set("stroke-width", if is_crowd { "0.9" } else { "1.7" });
@@ -158,9 +158,9 @@ pub(super) fn key(scenario: &Scenario, trails: &Trails) -> Block {
     let robots = &scenario.robots;
     let (from_s, until_s) = (trails.from.as_seconds(), trails.until.as_seconds());
     let whose = if robots.len() == 1 {
-        "The way of a robot".to_owned()
+        "The path of a robot".to_owned()
     } else {
-        format!("The ways of {}", count(robots.len(), "robot"))
+        format!("The paths of {}", count(robots.len(), "robot"))
     };
     let head = format!("{whose} from {} to {} s", handy(from_s), handy(until_s));
     canvas.put(text((0.0, 12.0), 13.0, INK, &head).set("font-weight", "600"));
@@ -199,7 +199,7 @@ fn entries(trails: &Trails) -> Vec<(Element, &'static str)> {
         (!trails.robots.is_empty(), ring, "began here, and looked this way"),
         (!trails.robots.is_empty(), stroked().with(arrow), "ended here, and looked this way"),
         (has_cross, Element::group().with(cross((0.0, 0.0))), "was here when it ran into something"),
-        (has_jump, jump, "was put somewhere else by hand"),
+        (has_jump, jump, "was moved by hand"),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, mark, what)| (mark, what)).collect()
 }

@@ -31,8 +31,8 @@ pub mod pace {
 /// Simulated time follows the wall clock.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RealTime {
-    /// By how much the world may lag, in milliseconds of wall-clock time; 0 means 100. It works that off as fast as it can;
-    /// what is beyond it lets go, counted in PaceStatus, and is late by that for good.
+    /// By how much the world may lag, in milliseconds of wall-clock time; 0 means 100. It catches up as fast as it can; it
+    /// lets any greater lag go, which is counted in PaceStatus, and stays late by that.
     #[prost(uint32, tag = "1")]
     pub max_lag_ms: u32,
 }
@@ -52,7 +52,7 @@ pub struct Lockstep {
     /// What is done about a brain that does not answer.
     #[prost(message, optional, tag = "1")]
     pub watchdog: ::core::option::Option<Watchdog>,
-    /// Ask every brain at each of its steps, and go nowhere before it has answered. The run has the same bits with
+    /// Ask every brain at each of its steps, and wait until it has answered. The run has the same bits with
     /// lookahead and without, only the wall-clock time differs.
     #[prost(bool, tag = "2")]
     pub no_lookahead: bool,
@@ -126,14 +126,14 @@ pub struct WorldStatus {
     /// What moves by itself.
     #[prost(message, repeated, tag = "14")]
     pub movers: ::prost::alloc::vec::Vec<MoverStatus>,
-    /// The recording that it does again; absent if it is live.
+    /// The recording that it replays; absent if it is live.
     #[prost(message, optional, tag = "15")]
     pub replay: ::core::option::Option<ReplayStatus>,
     /// The recording that is being made of it, or that came to an end before it was closed; absent if there is none.
     #[prost(message, optional, tag = "16")]
     pub recording: ::core::option::Option<RecordingStatus>,
 }
-/// A world that does again what was recorded.
+/// A world that replays a recording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ReplayStatus {
     /// The first tick of the recording.
@@ -142,7 +142,7 @@ pub struct ReplayStatus {
     /// The last tick of the recording.
     #[prost(uint64, tag = "2")]
     pub last_tick: u64,
-    /// How the world is not what was recorded: the first tick and field that differ, as far as it has been replayed; empty
+    /// How the world differs from the recording: the first tick and field that differ, as far as it has been replayed; empty
     /// while nothing differs.
     #[prost(string, tag = "3")]
     pub differs: ::prost::alloc::string::String,
@@ -227,7 +227,7 @@ pub struct BatteryStatus {
 /// How well the clock was kept.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct PaceStatus {
-    /// Overruns, in real and scaled time: ticks that ended so late that the next was over, too.
+    /// Overruns, in real and scaled time: ticks that ended a whole tick late or more.
     #[prost(uint64, tag = "1")]
     pub late_ticks: u64,
     /// Ticks by lateness: entry 0 counts those less than 1 microsecond late, entry i those less than 2^i.
@@ -270,7 +270,7 @@ pub struct RobotStatus {
     /// Times that it ran into something.
     #[prost(uint64, tag = "6")]
     pub collisions: u64,
-    /// Way of its centre.
+    /// Distance driven by its centre.
     #[prost(double, tag = "7")]
     pub distance_m: f64,
     /// Microcontroller to laptop.
@@ -285,7 +285,7 @@ pub struct RobotStatus {
     /// Frames of readings left out because the microcontroller was busy.
     #[prost(uint64, tag = "11")]
     pub frames_missed: u64,
-    /// Deliveries that a brain which does not read lost.
+    /// Turns that were not delivered because the brain did not read.
     #[prost(uint64, tag = "12")]
     pub lost_deliveries: u64,
     /// What feeds it; absent if that cannot run out.
@@ -297,7 +297,7 @@ pub struct RobotStatus {
     /// Its control cycles.
     #[prost(message, optional, tag = "15")]
     pub cycles: ::core::option::Option<CycleStatus>,
-    /// Steps that its brain sent beyond those that the world takes in a tick, and that were thrown away.
+    /// Steps that its brain sent beyond those that the world takes in a tick, and that were discarded.
     #[prost(uint64, tag = "16")]
     pub lost_steps: u64,
     /// What its brain last said of itself in words (Belief.state), at most 256 characters; empty if it has said nothing.
@@ -324,7 +324,7 @@ pub struct CycleStatus {
     #[prost(message, optional, tag = "5")]
     pub durations: ::core::option::Option<Durations>,
 }
-/// How durations are spread. Quantiles are right to 0.8 %, the rest is exact.
+/// A distribution of durations. Quantiles are accurate to 0.8 %, the rest is exact.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Durations {
     /// How many there were.
@@ -336,13 +336,13 @@ pub struct Durations {
     /// The smallest.
     #[prost(uint64, tag = "3")]
     pub min_ns: u64,
-    /// The one that half of them do not exceed.
+    /// The median.
     #[prost(uint64, tag = "4")]
     pub p50_ns: u64,
-    /// The one that 95 of 100 do not exceed.
+    /// The 95th percentile.
     #[prost(uint64, tag = "5")]
     pub p95_ns: u64,
-    /// The one that 99 of 100 do not exceed.
+    /// The 99th percentile.
     #[prost(uint64, tag = "6")]
     pub p99_ns: u64,
     /// The largest.
@@ -361,13 +361,13 @@ pub struct LineStatus {
     /// Bytes lost because the receiver had no room.
     #[prost(uint64, tag = "3")]
     pub overrun_bytes: u64,
-    /// Bytes not taken because the sender's buffer was full.
+    /// Bytes not accepted because the sender's buffer was full.
     #[prost(uint64, tag = "4")]
     pub refused_bytes: u64,
-    /// Messages that arrived whole.
+    /// Complete messages that arrived.
     #[prost(uint64, tag = "5")]
     pub messages: u64,
-    /// Frames thrown away for their checksum, their coding or their length.
+    /// Frames discarded because of their checksum, encoding or length.
     #[prost(uint64, tag = "6")]
     pub bad_frames: u64,
     /// Sound frames whose content made no sense, and messages cut short by silence.
@@ -405,11 +405,11 @@ pub struct SensorStatus {
 pub enum WatchdogPolicy {
     /// WAIT.
     Unspecified = 0,
-    /// The world waits on; the delay is reported.
+    /// The world keeps waiting; the delay is reported.
     Wait = 1,
-    /// The world goes on and does not wait for this brain again until it answers.
+    /// The world continues and does not wait for this brain again until it answers.
     GoOn = 2,
-    /// The brain's stream is closed; the world goes on without it until it attaches again.
+    /// The brain's stream is closed; the world continues without it until it attaches again.
     Detach = 3,
 }
 impl WatchdogPolicy {
@@ -444,7 +444,7 @@ pub enum WorldState {
     Unspecified = 0,
     /// In lockstep, and a robot without a brain holds it up.
     WaitingForBrains = 1,
-    /// Going on.
+    /// Running.
     Running = 2,
     /// Stopped by the operator, or stepped and all steps done.
     Paused = 3,
@@ -483,7 +483,7 @@ pub struct GetBudgetRequest {
     /// Changes of single fields of `scenario_toml`, such as `robots.alice.link.baud=38400`.
     #[prost(string, repeated, tag = "3")]
     pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
-    /// Names of the robots; empty: all. At most 256 robots are answered for at once.
+    /// Names of the robots; empty: all. At most 256 robots at once.
     #[prost(string, repeated, tag = "4")]
     pub robots: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// Of which scenario; exactly one.
@@ -540,23 +540,23 @@ pub struct RobotBudget {
     /// Memory and operations of the chip.
     #[prost(message, optional, tag = "9")]
     pub chip: ::core::option::Option<BudgetChip>,
-    /// Whether it keeps its step.
+    /// Whether it meets its deadline.
     #[prost(enumeration = "BudgetVerdict", tag = "10")]
     pub verdict: i32,
     /// What takes longest, or what is overloaded.
     #[prost(string, tag = "11")]
     pub bottleneck: ::prost::alloc::string::String,
-    /// What would mend it, the cheapest first; none if it keeps its step.
+    /// What would fix it, the cheapest first; none if it meets its deadline.
     #[prost(message, repeated, tag = "12")]
     pub mends: ::prost::alloc::vec::Vec<BudgetMend>,
     /// When a cycle must be over, in nanoseconds: the step, or the deadline that the scenario states.
     #[prost(uint64, tag = "13")]
     pub deadline_ns: u64,
-    /// Why not every mend was tried; empty if all were.
+    /// Why not every fix was tried; empty if all were.
     #[prost(string, tag = "14")]
     pub left_out: ::prost::alloc::string::String,
 }
-/// A time of which the least, the usual and the most is known.
+/// A duration, with its minimum, typical and maximum values.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct BudgetSpan {
     /// It never takes less, in nanoseconds.
@@ -588,7 +588,7 @@ pub struct BudgetRate {
     /// How often a second at most; absent if nothing limits it.
     #[prost(double, optional, tag = "2")]
     pub most_per_s: ::core::option::Option<f64>,
-    /// How often a second it will be; absent if that is not foretold.
+    /// How often a second it will typically be; absent if that is not predicted.
     #[prost(double, optional, tag = "3")]
     pub typical_per_s: ::core::option::Option<f64>,
     /// Whether this limits the exchanges.
@@ -634,19 +634,19 @@ pub struct BudgetChip {
     #[prost(double, optional, tag = "4")]
     pub brain_operations: ::core::option::Option<f64>,
 }
-/// A change that mends a robot, with the budget that it then has.
+/// A change that fixes a robot, with the resulting budget.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct BudgetMend {
-    /// What to do, in words.
+    /// What to change, in words.
     #[prost(string, tag = "1")]
     pub what: ::prost::alloc::string::String,
     /// What that costs.
     #[prost(enumeration = "BudgetCost", tag = "2")]
     pub cost: i32,
-    /// The same as overrides of the scenario; empty if it cannot be said so.
+    /// The same as overrides of the scenario; empty if it cannot be expressed that way.
     #[prost(string, repeated, tag = "3")]
     pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
-    /// The step that the robot is then held to, in nanoseconds.
+    /// The step that then applies to the robot, in nanoseconds.
     #[prost(uint64, tag = "4")]
     pub step_ns: u64,
     /// The whole cycle then.
@@ -656,7 +656,7 @@ pub struct BudgetMend {
     #[prost(enumeration = "BudgetVerdict", tag = "6")]
     pub verdict: i32,
 }
-/// Whether a robot keeps its step.
+/// Whether a robot meets its deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum BudgetVerdict {
@@ -693,7 +693,7 @@ impl BudgetVerdict {
         }
     }
 }
-/// What a mend costs, the cheapest first.
+/// What a fix costs, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum BudgetCost {
@@ -765,10 +765,10 @@ pub struct CreateWorldRequest {
     /// Absent: real time.
     #[prost(message, optional, tag = "4")]
     pub pace: ::core::option::Option<Pace>,
-    /// Leave the world standing until StartWorld.
+    /// Keep the world paused until StartWorld.
     #[prost(bool, tag = "5")]
     pub paused: bool,
-    /// A state from SaveWorld to go on from; then scenario_toml and overrides must be empty.
+    /// A state from SaveWorld to continue from; then scenario_toml and overrides must be empty.
     #[prost(bytes = "vec", tag = "6")]
     pub saved_mcap: ::prost::alloc::vec::Vec<u8>,
 }
@@ -803,14 +803,14 @@ pub struct GetWorldResponse {
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks a world to go on.
+/// Asks a world to run.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StartWorldRequest {
     /// Its name.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The world as it goes on.
+/// The running world.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StartWorldResponse {
     /// It.
@@ -824,7 +824,7 @@ pub struct PauseWorldRequest {
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The world as it stands.
+/// The paused world.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PauseWorldResponse {
     /// It.
@@ -854,7 +854,7 @@ pub struct SetPaceRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// The new pace; must be there.
+    /// The new pace; required.
     #[prost(message, optional, tag = "2")]
     pub pace: ::core::option::Option<Pace>,
 }
@@ -879,24 +879,24 @@ pub struct ResetWorldResponse {
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks to keep the present state.
+/// Asks for a snapshot.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct SnapshotWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
 }
-/// The state that was kept.
+/// The snapshot.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct SnapshotWorldResponse {
-    /// Its number; only this world knows it, and at most 64 are kept: the oldest goes.
+    /// Its number, within this world; at most 64 snapshots are kept: the oldest is dropped.
     #[prost(uint64, tag = "1")]
     pub snapshot: u64,
-    /// The world as it was kept.
+    /// The world in the snapshot.
     #[prost(message, optional, tag = "2")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a state that was kept.
+/// Asks to restore a snapshot.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RestoreWorldRequest {
     /// Name of the world.
@@ -919,7 +919,7 @@ pub struct SaveWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// Number of a state that SnapshotWorld kept; 0: the present one.
+    /// Number of a snapshot from SnapshotWorld; 0: the current state.
     #[prost(uint64, tag = "2")]
     pub snapshot: u64,
 }
@@ -1034,7 +1034,7 @@ pub struct DescribeReplayResponse {
     /// The first tick, of which the start is recorded.
     #[prost(uint64, tag = "4")]
     pub first_tick: u64,
-    /// The last tick to which it is known what was.
+    /// The last tick whose state is known.
     #[prost(uint64, tag = "5")]
     pub last_tick: u64,
     /// The file ends in the middle: the program that wrote it was killed, or the disk was full.
@@ -1063,7 +1063,7 @@ pub struct SeekReplayRequest {
     /// Name of a world that replays.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// The tick, as DescribeReplay has them; one that is beyond is taken as the last.
+    /// The tick, within the range from DescribeReplay; a later one means the last.
     #[prost(uint64, tag = "2")]
     pub tick: u64,
 }
@@ -1084,7 +1084,7 @@ pub struct ForkReplayRequest {
     #[prost(message, optional, tag = "2")]
     pub pace: ::core::option::Option<Pace>,
 }
-/// The world, which stands, and waits for its brains.
+/// The world, which is paused, and waits for its brains.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ForkReplayResponse {
     /// It.
@@ -1105,7 +1105,7 @@ pub struct DeleteWorldResponse {
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for a change by hand.
+/// Asks for a manual change.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct InterveneRequest {
     /// Name of the world.
@@ -1123,7 +1123,7 @@ pub mod intervene_request {
         /// Puts a robot somewhere else.
         #[prost(message, tag = "2")]
         PlaceRobot(super::PlaceRobot),
-        /// Puts something that is pushed somewhere else.
+        /// Puts a movable thing somewhere else.
         #[prost(message, tag = "3")]
         PlaceThing(super::PlaceThing),
         /// Pulls the cable between a robot and its brain, or plugs it in.
@@ -1132,7 +1132,7 @@ pub mod intervene_request {
         /// Gives the cable between a robot and its brain another baud rate.
         #[prost(message, tag = "5")]
         SetBaud(super::SetBaud),
-        /// Throws a robot's brain off: its stream ends, and it may attach again.
+        /// Detaches a robot's brain: its stream ends, and it may attach again.
         #[prost(message, tag = "6")]
         DetachBrain(super::DetachBrain),
     }
@@ -1160,7 +1160,7 @@ pub struct PlaceRobot {
     #[prost(double, tag = "4")]
     pub heading_rad: f64,
 }
-/// Puts something that is pushed somewhere else, where there is room for it. It lies still there.
+/// Puts a movable thing somewhere else, where there is room for it. It lies still there.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlaceThing {
     /// Its name.
@@ -1196,14 +1196,14 @@ pub struct SetBaud {
     #[prost(uint32, tag = "2")]
     pub baud: u32,
 }
-/// Throws a robot's brain off: the stream that holds the robot ends, for all robots that it holds.
+/// Detaches a robot's brain: the stream that holds the robot ends, for all robots that it holds.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct DetachBrain {
     /// The robot's name.
     #[prost(string, tag = "1")]
     pub robot: ::prost::alloc::string::String,
-    /// The brain is to begin anew: its program is told by a trailer (see Attach), makes it afresh and attaches again. A
-    /// program that does not know how goes as if this were not set.
+    /// The brain is to restart: its program is told by a trailer (see Attach), creates the brain afresh and attaches again. A
+    /// program that does not support this leaves as if this were not set.
     #[prost(bool, tag = "2")]
     pub restart: bool,
 }
@@ -1215,9 +1215,9 @@ pub enum ReplayEventKind {
     Unspecified = 0,
     /// A robot ran into something.
     Collision = 1,
-    /// A brain attached or was gone.
+    /// A brain attached or detached.
     Brain = 2,
-    /// Somebody changed something by hand.
+    /// A manual change.
     Change = 3,
     /// The run ended.
     Ending = 4,
@@ -1415,7 +1415,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "GetWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Lets a world go on.
+        /// Starts a world, or lets it continue.
         pub async fn start_world(
             &mut self,
             request: impl tonic::IntoRequest<super::StartWorldRequest>,
@@ -1465,8 +1465,8 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "PauseWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Does some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it does those
-        /// of another call. When the client is gone, the ticks that are left are not done.
+        /// Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
+        /// of another call. When the client is gone, the remaining ticks are not run.
         pub async fn step_world(
             &mut self,
             request: impl tonic::IntoRequest<super::StepWorldRequest>,
@@ -1541,7 +1541,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ResetWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Keeps a world's present state on the server, under a number.
+        /// Keeps a snapshot of a world's current state on the server, under a number.
         pub async fn snapshot_world(
             &mut self,
             request: impl tonic::IntoRequest<super::SnapshotWorldRequest>,
@@ -1566,7 +1566,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SnapshotWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Takes a world back to a state that was kept. Brains stay attached.
+        /// Takes a world back to a snapshot. Brains stay attached.
         pub async fn restore_world(
             &mut self,
             request: impl tonic::IntoRequest<super::RestoreWorldRequest>,
@@ -1591,7 +1591,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "RestoreWorld"));
             self.inner.unary(req, path, codec).await
         }
-        /// Changes something in a world by hand, before its next tick.
+        /// Makes a manual change in a world, before its next tick.
         pub async fn intervene(
             &mut self,
             request: impl tonic::IntoRequest<super::InterveneRequest>,
@@ -1641,7 +1641,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "GetBudget"));
             self.inner.unary(req, path, codec).await
         }
-        /// A world's present state, or one that was kept, by value: a file from which CreateWorld makes a world, also in another
+        /// A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
         /// process.
         pub async fn save_world(
             &mut self,
@@ -1742,7 +1742,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "ListRecordings"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a world that does again what was recorded. It stands at its first tick; no brain can attach to it.
+        /// Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it.
         pub async fn open_recording(
             &mut self,
             request: impl tonic::IntoRequest<super::OpenRecordingRequest>,
@@ -1817,7 +1817,7 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SeekReplay"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes a live world of one that replays: it goes on from the tick where it is, and brains can attach to it.
+        /// Makes a live world of one that replays: it continues from its current tick, and brains can attach to it.
         pub async fn fork_replay(
             &mut self,
             request: impl tonic::IntoRequest<super::ForkReplayRequest>,
@@ -1906,7 +1906,7 @@ pub mod control_service_server {
             tonic::Response<super::GetWorldResponse>,
             tonic::Status,
         >;
-        /// Lets a world go on.
+        /// Starts a world, or lets it continue.
         async fn start_world(
             &self,
             request: tonic::Request<super::StartWorldRequest>,
@@ -1922,8 +1922,8 @@ pub mod control_service_server {
             tonic::Response<super::PauseWorldResponse>,
             tonic::Status,
         >;
-        /// Does some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it does those
-        /// of another call. When the client is gone, the ticks that are left are not done.
+        /// Runs some ticks of a world whose pace is stepped, and answers when they are done. FAILED_PRECONDITION while it runs those
+        /// of another call. When the client is gone, the remaining ticks are not run.
         async fn step_world(
             &self,
             request: tonic::Request<super::StepWorldRequest>,
@@ -1944,7 +1944,7 @@ pub mod control_service_server {
             tonic::Response<super::ResetWorldResponse>,
             tonic::Status,
         >;
-        /// Keeps a world's present state on the server, under a number.
+        /// Keeps a snapshot of a world's current state on the server, under a number.
         async fn snapshot_world(
             &self,
             request: tonic::Request<super::SnapshotWorldRequest>,
@@ -1952,7 +1952,7 @@ pub mod control_service_server {
             tonic::Response<super::SnapshotWorldResponse>,
             tonic::Status,
         >;
-        /// Takes a world back to a state that was kept. Brains stay attached.
+        /// Takes a world back to a snapshot. Brains stay attached.
         async fn restore_world(
             &self,
             request: tonic::Request<super::RestoreWorldRequest>,
@@ -1960,7 +1960,7 @@ pub mod control_service_server {
             tonic::Response<super::RestoreWorldResponse>,
             tonic::Status,
         >;
-        /// Changes something in a world by hand, before its next tick.
+        /// Makes a manual change in a world, before its next tick.
         async fn intervene(
             &self,
             request: tonic::Request<super::InterveneRequest>,
@@ -1976,7 +1976,7 @@ pub mod control_service_server {
             tonic::Response<super::GetBudgetResponse>,
             tonic::Status,
         >;
-        /// A world's present state, or one that was kept, by value: a file from which CreateWorld makes a world, also in another
+        /// A world's current state, or a snapshot, by value: a file from which CreateWorld makes a world, also in another
         /// process.
         async fn save_world(
             &self,
@@ -2009,7 +2009,7 @@ pub mod control_service_server {
             tonic::Response<super::ListRecordingsResponse>,
             tonic::Status,
         >;
-        /// Makes a world that does again what was recorded. It stands at its first tick; no brain can attach to it.
+        /// Makes a world that replays a recording. It is paused at its first tick; no brain can attach to it.
         async fn open_recording(
             &self,
             request: tonic::Request<super::OpenRecordingRequest>,
@@ -2033,7 +2033,7 @@ pub mod control_service_server {
             tonic::Response<super::SeekReplayResponse>,
             tonic::Status,
         >;
-        /// Makes a live world of one that replays: it goes on from the tick where it is, and brains can attach to it.
+        /// Makes a live world of one that replays: it continues from its current tick, and brains can attach to it.
         async fn fork_replay(
             &self,
             request: tonic::Request<super::ForkReplayRequest>,
@@ -3133,7 +3133,7 @@ pub mod attach_request {
         /// The answer to a Turn, or a command at any time.
         #[prost(message, tag = "2")]
         Step(super::Step),
-        /// For people to see, at any time.
+        /// A belief for observers, at any time.
         #[prost(message, tag = "3")]
         Annotate(super::Annotate),
     }
@@ -3186,10 +3186,10 @@ pub struct Hello {
     /// stream (FAILED_PRECONDITION).
     #[prost(bool, tag = "6")]
     pub thinks_as_scenario: bool,
-    /// A last word for when the program is gone: once this stream is over, however it ends, the server writes a command that
-    /// stops the wheels of its robots. Where the world does not wait for its brains, so it does when the program has sent no
-    /// Step for a second of simulated time and a second by the wall clock. The command goes over the cable as any other; one
-    /// that is out loses it. Only in MESSAGES mode: of raw bytes the server knows nothing (INVALID_ARGUMENT).
+    /// A final command for when the program is gone: once this stream is over, however it ends, the server writes a command
+    /// that stops the wheels of its robots. Where the world does not wait for its brains, it also does so when the program
+    /// has sent no Step for a second of simulated time and a second of wall-clock time. The command goes over the cable like
+    /// any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
     #[prost(bool, tag = "7")]
     pub stop_when_gone: bool,
 }
@@ -3290,7 +3290,7 @@ pub struct SensorDescription {
     /// The first sample; 0 also if a sensor with a port of its own begins somewhere.
     #[prost(uint64, tag = "5")]
     pub phase_ns: u64,
-    /// Where it sits and which way it looks, if that matters.
+    /// Where it sits and in which direction it looks, if that matters.
     #[prost(message, optional, tag = "6")]
     pub mount: ::core::option::Option<Mount>,
     /// Range, if it has one.
@@ -3382,7 +3382,7 @@ pub mod encoding {
     /// 8 bytes, IEEE 754, little endian.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Float64 {}
-    /// So many even steps from min to max.
+    /// Equal steps from min to max.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Level {
         /// 1 to 32.
@@ -3402,7 +3402,7 @@ pub mod encoding {
         #[prost(uint32, tag = "1")]
         pub bits: u32,
     }
-    /// So many even steps either side of an exact 0.
+    /// Equal steps on either side of an exact 0.
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Signed {
         /// 2 to 32.
@@ -3418,13 +3418,13 @@ pub mod encoding {
         /// 8 bytes, IEEE 754, little endian.
         #[prost(message, tag = "1")]
         Float64(Float64),
-        /// So many even steps from min to max.
+        /// Equal steps from min to max.
         #[prost(message, tag = "2")]
         Level(Level),
         /// A whole number that wraps.
         #[prost(message, tag = "3")]
         Counter(Counter),
-        /// So many even steps either side of an exact 0.
+        /// Equal steps on either side of an exact 0.
         #[prost(message, tag = "4")]
         Signed(Signed),
     }
@@ -3451,7 +3451,7 @@ pub mod firmware {
     /// One value after the other and nothing else.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Bare {
-        /// Silence after which a part of a message is given up.
+        /// Silence after which an incomplete message is discarded.
         #[prost(uint64, tag = "1")]
         pub gap_ns: u64,
     }
@@ -3540,7 +3540,7 @@ pub struct Reading {
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Step {
     /// The number of the Turn that this answers; 0 if it answers none, which lockstep does not allow. An answer
-    /// to a Turn of before a reset, or of before a change of pace, is thrown away.
+    /// to a Turn from before a reset, or from before a change of pace, is discarded.
     #[prost(uint64, tag = "1")]
     pub turn: u64,
     /// What it writes, robot by robot; a robot may be left out.
@@ -3593,7 +3593,7 @@ pub mod robot_step {
 /// than this: it writes nothing, and has thought as long as the scenario says.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct UntilMessage {
-    /// It is asked all the same at the first step at this instant or later; absent: it waits for ever.
+    /// It is asked anyway at the first step at this instant or later; absent: it waits indefinitely.
     #[prost(uint64, optional, tag = "1")]
     pub at_latest_ns: ::core::option::Option<u64>,
 }
@@ -3614,22 +3614,22 @@ pub struct Command {
 /// Asks for readings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Poll {}
-/// The run is over. What ended it is not a brain's to know.
+/// The run is over. A brain is not told why.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Ended {
     /// The last tick.
     #[prost(uint64, tag = "1")]
     pub tick: u64,
 }
-/// What a brain publishes for people to see. It costs no time on any cable, changes nothing in the world, and no brain
-/// gets it. Of one that publishes faster than observers look, they see the newest. At most 256 KiB. In lockstep, what comes
+/// What a brain publishes for observers. It takes no time on any cable, changes nothing in the world, and reaches no
+/// brain. If a brain publishes faster than observers read, they get the newest. At most 256 KiB. In lockstep, what comes
 /// before the Step that answers a Turn is in the next tick's frame; what comes after it may be late.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Annotate {
     /// The robot's place in the Hello.
     #[prost(uint32, tag = "1")]
     pub robot: u32,
-    /// What it says; it stands for all that was said before.
+    /// What it says; it replaces all that was said before.
     #[prost(message, optional, tag = "2")]
     pub belief: ::core::option::Option<Belief>,
 }
@@ -3648,10 +3648,10 @@ pub struct Belief {
     /// Other poses that it thinks possible.
     #[prost(message, repeated, tag = "4")]
     pub particles: ::prost::alloc::vec::Vec<Particle>,
-    /// Where it means to go.
+    /// Where it intends to go.
     #[prost(message, repeated, tag = "5")]
     pub path: ::prost::alloc::vec::Vec<Point>,
-    /// What it believes to be where.
+    /// Its map of the world.
     #[prost(message, optional, tag = "6")]
     pub map: ::core::option::Option<GridMap>,
 }
@@ -4094,12 +4094,12 @@ pub mod brain_link_service_client {
         /// robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
         /// breaks a promise of the Hello),
         /// DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-        /// UNAVAILABLE (the server stops, or has as many connections as it takes; both may pass),
-        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has thrown the
-        /// brain off). If the operator wants the brain to begin anew, ABORTED comes with the trailer `baudbot-reason: restart`:
-        /// a program that knows how then makes its brain afresh, without anything that it has learnt, and attaches it to the
+        /// UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
+        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
+        /// brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
+        /// program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
         /// same robots. They are free by then.
-        /// A brain that ends its side of the stream lets its robots go, and the server ends the other side.
+        /// A brain that ends its side of the stream releases its robots, and the server ends the other side.
         pub async fn attach(
             &mut self,
             request: impl tonic::IntoStreamingRequest<Message = super::AttachRequest>,
@@ -4157,12 +4157,12 @@ pub mod brain_link_service_server {
         /// robot), FAILED_PRECONDITION (a Step before a Hello, a second Hello, in lockstep a Step without a Turn or one that
         /// breaks a promise of the Hello),
         /// DEADLINE_EXCEEDED (the watchdog detached the brain, or no Hello came), OUT_OF_RANGE (a request of more than 4 MiB),
-        /// UNAVAILABLE (the server stops, or has as many connections as it takes; both may pass),
-        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has thrown the
-        /// brain off). If the operator wants the brain to begin anew, ABORTED comes with the trailer `baudbot-reason: restart`:
-        /// a program that knows how then makes its brain afresh, without anything that it has learnt, and attaches it to the
+        /// UNAVAILABLE (the server stops, or has reached its limit of connections; both are temporary),
+        /// INTERNAL (the world has ended by a panic), ABORTED (the world was deleted, or the operator has detached the
+        /// brain). If the operator wants the brain to restart, ABORTED comes with the trailer `baudbot-reason: restart`: a
+        /// program that supports this then creates its brain afresh, without anything that it has learnt, and attaches it to the
         /// same robots. They are free by then.
-        /// A brain that ends its side of the stream lets its robots go, and the server ends the other side.
+        /// A brain that ends its side of the stream releases its robots, and the server ends the other side.
         async fn attach(
             &self,
             request: tonic::Request<tonic::Streaming<super::AttachRequest>>,
@@ -4568,7 +4568,7 @@ pub struct WatchRequest {
     /// Its name.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
-    /// A frame every so many ticks; 0 means as many as make about 20 a simulated second.
+    /// Ticks from one frame to the next; 0 means about 20 frames a simulated second.
     #[prost(uint64, tag = "2")]
     pub every_ticks: u64,
     /// Names of the robots that frames tell more about: their rays, readings, cables and timelines. At most 64.
@@ -4688,7 +4688,7 @@ pub struct RobotDetail {
     /// What that brain calls itself.
     #[prost(string, tag = "11")]
     pub brain: ::prost::alloc::string::String,
-    /// Somebody has pulled the cable to its brain, and not plugged it in again.
+    /// An operator has pulled the cable to its brain, and not plugged it in again.
     #[prost(bool, tag = "12")]
     pub cable_pulled: bool,
     /// Baud rate of that cable as it is now; absent if it has none.
@@ -4704,7 +4704,7 @@ pub struct SensorDetail {
     /// When that was truly sampled; absent if it is not known.
     #[prost(uint64, optional, tag = "2")]
     pub sampled_at_ns: ::core::option::Option<u64>,
-    /// It has come since the brain's last step.
+    /// It is new since the brain's last step.
     #[prost(bool, tag = "3")]
     pub readable: bool,
     /// Samples taken.
@@ -4738,7 +4738,7 @@ pub struct RayFan {
     /// The angle between the first ray, on the right, and the last; rays are evenly spaced.
     #[prost(double, tag = "4")]
     pub opening_rad: f64,
-    /// How far each runs before it meets something; the range if it meets nothing.
+    /// The length of each, up to what it hits; the range if it hits nothing.
     #[prost(float, repeated, tag = "5")]
     pub lengths_m: ::prost::alloc::vec::Vec<f32>,
 }
@@ -4761,7 +4761,7 @@ pub struct TimelineEvent {
     #[prost(uint32, tag = "5")]
     pub bytes: u32,
 }
-/// What a brain has published for people to see.
+/// What a brain has published for observers.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Annotation {
     /// The robot's place in DescribeWorld.
@@ -4946,7 +4946,7 @@ pub mod observe_service_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// For observers: the truth. A brain has no business here.
+    /// For observers: the truth. Brains must not use it.
     #[derive(Debug, Clone)]
     pub struct ObserveServiceClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -5077,8 +5077,8 @@ pub mod observe_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ObserveService", "Watch"));
             self.inner.server_streaming(req, path, codec).await
         }
-        /// Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world counts no coverage,
-        /// which `metrics.cell_m` of its scenario switches on.
+        /// Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
+        /// coverage, which `metrics.cell_m` of its scenario switches on.
         pub async fn get_coverage(
             &mut self,
             request: impl tonic::IntoRequest<super::GetCoverageRequest>,
@@ -5137,8 +5137,8 @@ pub mod observe_service_server {
             &self,
             request: tonic::Request<super::WatchRequest>,
         ) -> std::result::Result<tonic::Response<Self::WatchStream>, tonic::Status>;
-        /// Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world counts no coverage,
-        /// which `metrics.cell_m` of its scenario switches on.
+        /// Which cells of the floor robots have covered and sensed so far. FAILED_PRECONDITION if the world does not measure
+        /// coverage, which `metrics.cell_m` of its scenario switches on.
         async fn get_coverage(
             &self,
             request: tonic::Request<super::GetCoverageRequest>,
@@ -5147,7 +5147,7 @@ pub mod observe_service_server {
             tonic::Status,
         >;
     }
-    /// For observers: the truth. A brain has no business here.
+    /// For observers: the truth. Brains must not use it.
     #[derive(Debug)]
     pub struct ObserveServiceServer<T> {
         inner: Arc<T>,
@@ -5541,7 +5541,7 @@ pub struct RecordedInputs {
     /// The tick.
     #[prost(uint64, tag = "1")]
     pub tick: u64,
-    /// Changes by hand, made before the tick began.
+    /// Manual changes, made before the tick began.
     #[prost(message, repeated, tag = "2")]
     pub changes: ::prost::alloc::vec::Vec<RecordedChange>,
     /// What brains wrote, in the order in which the world took it.
@@ -5567,7 +5567,7 @@ pub struct RecordedInput {
     #[prost(uint32, tag = "5")]
     pub checksum: u32,
 }
-/// A change by hand.
+/// A manual change.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RecordedChange {
     /// What was done.
@@ -5593,8 +5593,8 @@ pub mod recorded_change {
         SetBaud(super::SetBaud),
     }
 }
-/// Topic `/baudbot/marks`: fingerprints, by which a replay is held against the recording. All that entered the world
-/// before the mark's tick stands before it in the file.
+/// Topic `/baudbot/marks`: fingerprints, with which a replay is compared. All that entered the world before the mark's
+/// tick is before it in the file.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RecordedMark {
     /// Ticks done.
@@ -5617,7 +5617,7 @@ pub struct RecordedMark {
     #[prost(bytes = "vec", tag = "6")]
     pub robot_digests: ::prost::alloc::vec::Vec<u8>,
 }
-/// Topic `/baudbot/events`: what happened, for those who look for it.
+/// Topic `/baudbot/events`: what happened in the run.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RecordedEvent {
     /// When.

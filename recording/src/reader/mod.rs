@@ -138,7 +138,7 @@ impl<R: Read> Reader<R> {
     fn begin(&mut self) -> Result<(), RecordingError> {
         self.has_begun = true;
         if self.bytes.peek(MAGIC.len())? != MAGIC {
-            return Err(RecordingError::NotMcap("it does not begin as one".to_owned()));
+            return Err(RecordingError::NotMcap("its header is missing".to_owned()));
         }
         self.bytes.take(MAGIC.len());
         Ok(())

@@ -43,7 +43,7 @@ impl WorldActor {
                 continue; // its client is gone
             }
             let done = self.world.intervene(&intervention);
-            event!(self, debug, ?intervention, done = done.is_ok(), "changed by hand");
+            event!(self, debug, ?intervention, done = done.is_ok(), "manual change");
             any |= done.is_ok();
             if done.is_ok() {
                 self.record_change(&intervention);
@@ -59,7 +59,7 @@ impl WorldActor {
     /// Refuses all changes that wait: they were meant for the world as it was.
     pub(super) fn drop_interventions(&mut self) {
         let gone =
-            || Err(Status::aborted("intervention: the world was reset or restored before it could be done"));
+            || Err(Status::aborted("intervention: the world was reset or restored before it took effect"));
         for message in std::mem::take(&mut self.deferred) {
             match message {
                 Message::Request(Request::Intervene(_), reply) => drop(reply.send(gone())),

@@ -58,11 +58,11 @@ impl WorldActor {
         match request {
             Request::Reset => self.check_live("a reset"),
             Request::Snapshot | Request::Restore { .. } => self.check_live("a snapshot"),
-            Request::Intervene(_) => self.check_live("a change by hand"),
+            Request::Intervene(_) => self.check_live("a manual change"),
             Request::DetachBrain { .. } => self.check_live("a brain"),
             Request::Record(_) | Request::StopRecording(_) => self.check_live("a recording"),
             Request::Seek { .. } | Request::Fork(_) if self.replaying.is_none() => {
-                let text = format!("world: `{}` is live, it replays nothing", self.name);
+                let text = format!("world: `{}` is live, not a replay", self.name);
                 Err(Status::failed_precondition(text))
             }
             Request::Seek { .. }

@@ -41,16 +41,17 @@ impl WorldActor {
             return refused(format!("the run has ended ({ending}); reset or restore the world"));
         }
         if self.is_at_replays_end() {
-            let text = "the recording ends here; seek an earlier tick, or go on live by ForkReplay";
+            let text = "the recording ends here; seek an earlier tick, or continue live with ForkReplay";
             return refused(text.into());
         }
         if self.replaying.is_none() && self.phase != Phase::Begun && self.sessions.is_any_awaited() {
-            let text = "a robot has no brain, and the world waits for one; attach it, or go on without by StartWorld";
+            let text = "a robot has no brain, and the world waits for one; attach one, or continue \
+                        without it by StartWorld";
             return refused(text.into());
         }
         if self.stepper.is_wanted() {
             return refused(format!(
-                "world: `{}` does ticks for another StepWorld, {} are left; wait for them, or end them with PauseWorld",
+                "world: `{}` is running another StepWorld, with {} ticks left; wait for it, or end it with PauseWorld",
                 self.name, self.stepper.credits
             ));
         }

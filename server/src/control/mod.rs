@@ -317,7 +317,7 @@ impl ControlService for Control {
         let (world, toml) = match scenario {
             None => return Err(Status::invalid_argument("scenario: must be set")),
             Some(Given::World(_)) if !overrides.is_empty() => {
-                return Err(Status::invalid_argument("overrides: are of a scenario_toml, not of a world"));
+                return Err(Status::invalid_argument("overrides: apply to a scenario_toml, not to a world"));
             }
             Some(Given::World(world)) => {
                 let world = self.registry.find("world", &world)?;

@@ -94,8 +94,7 @@ impl Control {
 
     pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
         let tape = self.registry.find("world", world)?.ask(Message::DescribeReplay).await?;
-        let live =
-            || Status::failed_precondition(format!("world: `{}` is live, it replays nothing", brief(world)));
+        let live = || Status::failed_precondition(format!("world: `{}` is live, not a replay", brief(world)));
         Ok(convert::replay(&*tape.ok_or_else(live)?))
     }
 

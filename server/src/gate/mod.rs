@@ -127,7 +127,7 @@ impl Gate {
         }
         drop(occupancy);
         if !has_place && let Some(times) = self.0.refusals.note(Instant::now()) {
-            tracing::warn!(times, places = self.0.places, "connections refused, as all places are taken");
+            tracing::warn!(times, places = self.0.places, "connections refused, as the limit is reached");
         }
         admission
     }

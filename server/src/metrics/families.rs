@@ -49,14 +49,14 @@ const LINES: [Of<LineMeasures>; 9] = [
     ("baudbot_link_bytes_total", "Bytes that went over the line, lost ones included.", |l| {
         l.counters.bytes as f64
     }),
-    ("baudbot_link_messages_total", "Messages that arrived whole.", |l| l.counters.messages as f64),
+    ("baudbot_link_messages_total", "Complete messages that arrived.", |l| l.counters.messages as f64),
     ("baudbot_link_lost_bytes_total", "Bytes lost because the cable was out.", |l| {
         l.counters.lost_bytes as f64
     }),
     ("baudbot_link_overrun_bytes_total", "Bytes lost because the receiver had no room.", |l| {
         l.counters.overrun_bytes as f64
     }),
-    ("baudbot_link_refused_bytes_total", "Bytes not taken because the sender's buffer was full.", |l| {
+    ("baudbot_link_refused_bytes_total", "Bytes not accepted because the sender's buffer was full.", |l| {
         l.counters.refused_bytes as f64
     }),
     ("baudbot_link_corrupted_bytes_total", "Bytes that arrived with a wrong bit.", |l| {
@@ -64,7 +64,7 @@ const LINES: [Of<LineMeasures>; 9] = [
     }),
     (
         "baudbot_link_bad_frames_total",
-        "Frames thrown away for their checksum, their coding or their length.",
+        "Frames discarded because of their checksum, encoding or length.",
         |l| l.counters.bad_frames as f64,
     ),
     (
@@ -72,7 +72,7 @@ const LINES: [Of<LineMeasures>; 9] = [
         "Sound frames whose content made no sense, and messages cut short by silence.",
         |l| l.counters.bad_messages as f64,
     ),
-    ("baudbot_link_waiting_bytes", "Bytes that wait for the wire or are on it.", |l| l.waiting_bytes as f64),
+    ("baudbot_link_waiting_bytes", "Bytes that wait for the line or are on it.", |l| l.waiting_bytes as f64),
 ];
 
 const ROBOTS: [Of<RobotMeasures>; 14] = [
@@ -90,7 +90,7 @@ const ROBOTS: [Of<RobotMeasures>; 14] = [
     }),
     (
         "baudbot_brain_deliveries_lost_total",
-        "Turns that were not given to the brain because it did not read.",
+        "Turns that were not delivered to the brain because it did not read.",
         |r| r.slot.lost_deliveries as f64,
     ),
     (

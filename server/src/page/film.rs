@@ -37,7 +37,7 @@ async fn take(films: &mpsc::Sender<Film>, RawQuery(query): RawQuery, body: Bytes
     };
     match films.send(film).await {
         Ok(()) => StatusCode::NO_CONTENT.into_response(),
-        Err(_) => (StatusCode::GONE, "the server takes no films any more\n").into_response(),
+        Err(_) => (StatusCode::GONE, "the server accepts no more films\n").into_response(),
     }
 }
 

@@ -333,7 +333,7 @@ fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
         std::io::ErrorKind::AlreadyExists => {
             let path = path.display();
             Status::already_exists(format!(
-                "recording: {path} is there already, and no file is replaced; name another, or delete it"
+                "recording: {path} already exists, and no file is overwritten; choose another name, or delete it"
             ))
         }
         _ => Status::failed_precondition(text),

@@ -186,7 +186,7 @@ function names(scene: Scene, robots: ObservedRobot[], shown: number[]): void {
   }
 }
 
-/** Ways that robots have come. */
+/** Trails of robots. */
 export function drawTrails(scene: Scene): void {
   const { context, view, store, theme, poses } = scene;
   context.lineJoin = "round";

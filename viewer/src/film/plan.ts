@@ -5,9 +5,9 @@ export interface FilmWish {
   /** In simulated seconds; absent: the recording's beginning and end. */
   from_s?: number | undefined;
   to_s?: number | undefined;
-  /** Simulated seconds a second of the film. */
+  /** Simulated seconds per second of the film. */
   speed: number;
-  /** Pictures a second. */
+  /** Pictures per second. */
   fps: number;
 }
 

@@ -1,4 +1,4 @@
-/** Ways that robots have come, as long as there is room. */
+/** Trails of robots, as long as there is room. */
 import type { Poses } from "../net/frames";
 
 /** Points of all trails together: what can be drawn sixty times a second. */

@@ -108,7 +108,7 @@ export class Drive extends Emitter<{ changed: void; rest: void }> {
   /** In lockstep the world waits for a brain that has gone. */
   private tellWaiting(): void {
     const kind = this.store.status?.pace?.kind.case;
-    if (kind === "lockstep") this.store.note("In lockstep the world waits for a brain now; Run goes on without one.");
+    if (kind === "lockstep") this.store.note("In lockstep the world now waits for a brain; Run continues without one.");
   }
 
   /** What is wanted now: the first of pad, keys and gamepad that is not at rest. */

@@ -95,7 +95,7 @@ export class Orders {
     if (pace?.kind.case === "stepped") return;
     if (pace) this.paceBefore.set(world, pace);
     await this.ask(ControlService.method.setPace, { world, pace: paceOf("stepped") });
-    this.store.note("The pace is stepped now; Run goes back to the one before.");
+    this.store.note("The pace is now stepped; Run restores the previous one.");
   }
 
   setPace(pace: Pace): Promise<void> {
@@ -131,7 +131,7 @@ export class Orders {
   fork(): Promise<void> {
     return this.told(async (world) => {
       await this.ask(ControlService.method.forkReplay, { world });
-      this.store.note(`${world} is live now: brains can attach, and Run lets it go on.`);
+      this.store.note(`${world} is live now: brains can attach, and Run starts it.`);
     });
   }
 

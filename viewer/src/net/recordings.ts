@@ -59,7 +59,7 @@ export class Recordings extends Emitter<{ changed: void }> {
     return this.orders.told(async (world) => {
       const { savedMcap, tick } = await ask(this.connection, ControlService.method.saveWorld, { world });
       download(savedMcap, "application/octet-stream", `${world}-${tick}.mcap`);
-      this.store.note(`Tick ${count(tick)} of ${world} is in ${world}-${tick}.mcap; New world… goes on from it.`);
+      this.store.note(`Tick ${count(tick)} of ${world} is in ${world}-${tick}.mcap; New world… continues from it.`);
     });
   }
 

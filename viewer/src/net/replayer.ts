@@ -84,7 +84,7 @@ export class Replayer extends Emitter<{ changed: void }> {
 
   async toEvent(direction: 1 | -1): Promise<void> {
     const event = eventFrom(this.events, this.tick, direction);
-    if (!event) return this.store.note(direction > 0 ? "Nothing happens after this." : "Nothing happened before.");
+    if (!event) return this.store.note(direction > 0 ? "There is no later event." : "There is no earlier event.");
     await this.seek(event.tick);
   }
 

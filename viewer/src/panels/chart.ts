@@ -45,7 +45,7 @@ export class ChartPanel {
       this.span_s = Number(span.value);
       this.throttle.ask(true);
     });
-    const clear = button("Clear", "Take all values off the chart", () => this.set([]));
+    const clear = button("Clear", "Remove all values from the chart", () => this.set([]));
     const head = el(
       "div",
       { class: "panel-head" },
@@ -97,7 +97,7 @@ export class ChartPanel {
     this.values.set(key, value);
     const swatch = el("span", { class: "swatch" });
     swatch.style.background = this.color(i);
-    const close = button("×", `Take ${labelOf(key)} off the chart`, () => this.toggle(key), { class: "quiet" });
+    const close = button("×", `Remove ${labelOf(key)} from the chart`, () => this.toggle(key), { class: "quiet" });
     return el("span", { class: "legend-entry" }, swatch, labelOf(key), value, close);
   }
 

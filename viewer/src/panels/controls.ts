@@ -27,12 +27,12 @@ export class Controls {
   private readonly factor = el("input", {
     type: "number",
     class: "factor",
-    title: "Simulated seconds a second",
+    title: "Simulated seconds per second",
     label: "Factor",
     attributes: { min: "0.01", step: "any" },
   });
   private readonly snapshots = el("select", {
-    title: "Go back to a state that was kept",
+    title: "Go back to a snapshot",
     label: "Snapshots",
     test: "snapshots",
   });
@@ -45,7 +45,7 @@ export class Controls {
     private readonly orders: Orders,
     record: RecordControl,
   ) {
-    this.run = button("▶ Run", "Let the world go on (space)", () => void orders.run(), {
+    this.run = button("▶ Run", "Run the world (space)", () => void orders.run(), {
       test: "run",
       class: "primary",
     });
@@ -55,7 +55,7 @@ export class Controls {
     const steps = [1, 10, 100].map((ticks) =>
       button(
         ticks === 1 ? "Step 1" : String(ticks),
-        `Do ${ticks} ${ticks === 1 ? "tick (.)" : "ticks"}; the pace becomes stepped`,
+        `Run ${ticks} ${ticks === 1 ? "tick (.)" : "ticks"}; the pace becomes stepped`,
         () => void orders.step(ticks),
         { test: ticks === 1 ? "step" : `step-${ticks}`, label: `Step ${ticks}` },
       ),
@@ -78,7 +78,7 @@ export class Controls {
     );
     this.live.append(
       button("Reset", "Take the world back to its start", () => void orders.reset(), { test: "reset" }),
-      button("Snapshot", "Keep the present state", () => void this.keep(), { test: "snapshot" }),
+      button("Snapshot", "Take a snapshot of the current state", () => void this.keep(), { test: "snapshot" }),
       this.snapshots,
     );
     store.on("worlds", () => this.refresh());

@@ -95,7 +95,7 @@ export class CreateDialog {
       this.make,
     );
     this.editor = el("div", { class: "editor" }, this.gutter, this.text);
-    const edit = button("Edit a scenario instead", "Forget the saved state", () => {
+    const edit = button("Edit a scenario instead", "Discard the saved state", () => {
       file.value = "";
       this.setSaved(undefined, "");
     });
@@ -136,7 +136,7 @@ export class CreateDialog {
     this.saved = saved;
     this.editor.hidden = saved !== undefined;
     this.savedRow.hidden = saved === undefined;
-    setText(this.savedText, `The world goes on from the state in ${name} (${bytesText(saved?.length ?? 0)}). `);
+    setText(this.savedText, `The world continues from the state in ${name} (${bytesText(saved?.length ?? 0)}). `);
     setText(this.error, "");
   }
 

@@ -29,8 +29,8 @@ export class FilmDialog {
   private readonly format = el("select", { label: "Format", test: "film-format" });
   private readonly from = field("From, in s", "film-from", "0");
   private readonly to = field("To, in s", "film-to", "0");
-  private readonly speed = field("Simulated seconds a second", "film-speed", "1");
-  private readonly fps = field("Pictures a second", "film-fps", "20");
+  private readonly speed = field("Simulated seconds per second", "film-speed", "1");
+  private readonly fps = field("Pictures per second", "film-fps", "20");
   private readonly width = field("Width in pixels", "film-width", "800");
   private readonly progress = el("progress", { label: "Progress", hidden: true, attributes: { max: "1" } });
   private readonly state = el("p", { class: "hint", role: "status", test: "film-state" });
@@ -42,7 +42,7 @@ export class FilmDialog {
     this.format.append(el("option", { value: "gif", text: "GIF" }));
     if (hasVideo()) this.format.prepend(el("option", { value: "webm", text: "WebM" }));
     this.format.selectedIndex = 0;
-    this.make = button("Make it", "Take the replay through these pictures", () => void this.run(), {
+    this.make = button("Make it", "Run the replay and make the film", () => void this.run(), {
       class: "primary",
       test: "film-make",
     });

@@ -31,12 +31,12 @@ export class HandSection {
       () => void this.pull(),
       { test: "cable" },
     );
-    this.detach = button("Detach brain", "Throw the robot's brain off", () => void this.throwOff(false), {
+    this.detach = button("Detach brain", "Detach the robot's brain", () => void this.throwOff(false), {
       test: "detach",
     });
     this.restart = button(
       "Restart brain",
-      "Throw the robot's brain off and have its program begin it anew; a program that does not know how simply goes",
+      "Detach the robot's brain and have its program restart it; a program that cannot do this simply leaves",
       () => void this.throwOff(true),
       { test: "restart" },
     );
@@ -49,7 +49,7 @@ export class HandSection {
     const bauds = el("datalist", { id: "bauds" });
     for (const rate of [1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200])
       bauds.append(el("option", { value: String(rate) }));
-    this.set = button("Set", "Give both ends of the cable this baud rate", () => void this.setBaud());
+    this.set = button("Set", "Set this baud rate at both ends of the cable", () => void this.setBaud());
     this.element = el(
       "div",
       { class: "hand" },

@@ -5,12 +5,12 @@ const KEYS: [string, string][] = [
   ["space", "pause or run"],
   [".", "one step"],
   [",", "one step back, in a replay"],
-  ["< >", "the event before, the next one, in a replay"],
+  ["< >", "previous or next event, in a replay"],
   ["+ −", "larger, smaller (mouse wheel, two fingers)"],
   ["arrows", "pan (drag)"],
   ["0", "show all"],
   ["f", "follow the chosen robot"],
-  ["[ ]", "the robot before, the next one (click one)"],
+  ["[ ]", "previous or next robot (or click one)"],
   ["r g b c", "rays, ghost (dead reckoning), belief, coverage"],
   ["m", "move robots and things by hand; the wheel turns them"],
   ["d", "drive: WASD or arrows, gamepad, pad"],
@@ -21,7 +21,7 @@ const KEYS: [string, string][] = [
 
 const COLOURS =
   "Purple is what a brain believes. A dashed grey outline is dead reckoning, computed by this page from wheel " +
-  "readings that reached the brain. All else is the truth, which no brain gets.";
+  "readings that reached the brain. Everything else is the truth, which no brain sees.";
 
 export function helpDialog(): HTMLDialogElement {
   const keys = el(

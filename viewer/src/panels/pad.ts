@@ -22,7 +22,7 @@ export class Pad {
     const gain = el("input", {
       type: "range",
       label: "Strength",
-      title: "How strong full stick is",
+      title: "Signal at full stick",
       attributes: { min: "0.1", max: "1", step: "0.05" },
     });
     gain.value = String(drive.gain);

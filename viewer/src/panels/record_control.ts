@@ -16,7 +16,7 @@ export class RecordControl {
     this.toggle = button("Record", "", () => void recordings.toggle(), { test: "record-toggle" });
     const save = button(
       "Save to a file",
-      "The present state as a file; New world… goes on from it",
+      "The current state as a file; New world… continues from it",
       () => void recordings.save(),
       { test: "save-file" },
     );
@@ -34,7 +34,7 @@ export class RecordControl {
     // A world that is recorded elsewhere can be stopped without a folder of the server's.
     this.toggle.disabled = this.recordings.hasFolder === false && !recording;
     setText(this.toggle, recording ? "■ Stop" : "● Record");
-    const begin = this.toggle.disabled ? "This server has no folder of recordings" : "Record this world from now on";
+    const begin = this.toggle.disabled ? "This server has no folder for recordings" : "Record this world from now on";
     this.toggle.title = recording ? `Close the recording ${recording.recording}` : begin;
     setPressed(this.toggle, recording !== undefined && problem === "");
     this.state.hidden = !recording;

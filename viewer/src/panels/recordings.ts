@@ -4,12 +4,12 @@ import type { RecordingFile } from "../gen/baudbot/v1/control_pb";
 import { bytesText } from "../model/units";
 import type { Recordings } from "../net/recordings";
 
-const NO_FOLDER = "This server has no folder of recordings; baudbot serve --recordings FOLDER gives it one.";
+const NO_FOLDER = "This server has no folder for recordings; start it with baudbot serve --recordings FOLDER.";
 
 export class RecordingsSection {
   readonly element: HTMLElement;
   private readonly list = el("ul", { class: "world-list", test: "recording-list", label: "Recordings" });
-  private readonly empty = el("p", { class: "hint", text: "None yet: Record is in the bar above." });
+  private readonly empty = el("p", { class: "hint", text: "None yet; use Record in the bar above." });
   private readonly section: HTMLElement;
   private readonly hint = el("p", { class: "about", text: NO_FOLDER, hidden: true, test: "recordings-hint" });
   private shown = "";

@@ -10,7 +10,7 @@ import { EventMarks } from "./event_marks";
 
 const CUT_OFF = "The file ends in the middle; it is replayed as far as it goes.";
 const FORK =
-  "Make a live world of it at this tick: brains can attach, and it goes its own way. The recording stays as it is.";
+  "Continue from this tick as a live world, to which brains can attach. The recording does not change.";
 
 export class ReplayBar {
   readonly element: HTMLElement;
@@ -44,7 +44,7 @@ export class ReplayBar {
     this.marks = new EventMarks(replayer, (tick) => this.seconds(tick), theme);
     this.play = button("▶", "", () => void replayer.toggle(), { test: "replay-play", class: "primary" });
     const more = [
-      button("Film…", "Save a part of it as a film", film, { test: "film-open" }),
+      button("Film…", "Save a part of the replay as a film", film, { test: "film-open" }),
       button("Go on from here", FORK, () => void this.orders.fork(), { test: "replay-fork" }),
     ];
     this.element = el(
@@ -72,11 +72,11 @@ export class ReplayBar {
       "div",
       { class: "group", role: "group", label: "Go through the replay" },
       made("|◂", "To its beginning", "To the beginning", "replay-first", () => replayer.seek(replayer.range.first)),
-      made("◆◂", "The event before (<)", "Event before", "replay-previous-event", () => replayer.toEvent(-1)),
+      made("◆◂", "Previous event (<)", "Event before", "replay-previous-event", () => replayer.toEvent(-1)),
       made("◂", "One tick back (,)", "One tick back", "replay-back", () => replayer.step(-1)),
       this.play,
-      made("▸", "One tick on (.)", "One tick on", "replay-forward", () => replayer.step(1)),
-      made("▸◆", "The next event (>)", "Next event", "replay-next-event", () => replayer.toEvent(1)),
+      made("▸", "One tick forward (.)", "One tick on", "replay-forward", () => replayer.step(1)),
+      made("▸◆", "Next event (>)", "Next event", "replay-next-event", () => replayer.toEvent(1)),
       made("▸|", "To its end", "To the end", "replay-last", () => replayer.seek(replayer.range.last)),
     );
   }
@@ -128,7 +128,7 @@ export class ReplayBar {
   private notices(): void {
     const differs = this.store.status?.replay?.differs ?? "";
     this.differs.hidden = differs === "";
-    setText(this.differs, `This is not what was recorded: ${differs}`);
+    setText(this.differs, `The replay differs from the recording: ${differs}`);
     this.cutOff.hidden = !this.replayer.description?.cutOff;
   }
 }

@@ -17,7 +17,7 @@ export class SensorRows {
   private readonly strip = el("canvas", { class: "strip", attributes: { "aria-hidden": "true" } });
   private readonly missed = el("span", {
     class: "missed",
-    title: "Reads that were left out, because the one before was still waiting",
+    title: "Missed reads: the previous one was still waiting",
   });
   private readonly scans: { part: Part; canvas: HTMLCanvasElement }[] = [];
   private readonly parts: Part[];
@@ -37,7 +37,7 @@ export class SensorRows {
       {
         type: "button",
         class: "age-button",
-        title: `Age of ${name}'s reading: chart it, or take it off`,
+        title: `Age of ${name}'s reading: add it to the chart, or remove it`,
         click: () => chart(`age:${name}`),
       },
       this.age,
@@ -105,7 +105,7 @@ export class SensorRows {
     );
     setClass(this.age, "fresh", detail?.readable ?? false);
     this.ageButton.title = detail?.readable
-      ? "Readable: it has come since the brain's last step"
+      ? "Readable: new since the brain's last step"
       : "Not new since the brain's last step";
     const missed = detail?.missed ?? 0n;
     setText(this.missed, missed > 0n ? `${count(missed)} missed` : "");

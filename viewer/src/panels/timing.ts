@@ -7,7 +7,7 @@ import { lastCycle, type Cycle } from "../timing/cycle";
 import { draw, heightOf, rowFor, type Spot } from "../timing/draw";
 import { lanes, MOST_STEPS, what, windowFor } from "../timing/layout";
 
-/** Pictures a second: more could not be read. */
+/** Pictures per second: more could not be read. */
 const RATE_HZ = 4;
 
 export class TimingPanel {

@@ -8,14 +8,14 @@ const LAYERS: [keyof Layers, string, string][] = [
   ["rays", "Rays", "Rays and readings of the chosen robot's sensors (r)"],
   ["ghost", "Ghost", "Dead reckoning from the chosen robot's wheel sensors (g)"],
   ["belief", "Belief", "What the chosen robot's brain publishes (b)"],
-  ["allBeliefs", "All", "Beliefs of all robots, not the chosen one's alone"],
-  ["trails", "Trails", "Ways that robots have come"],
+  ["allBeliefs", "All", "Beliefs of all robots, not only of the chosen one"],
+  ["trails", "Trails", "Trails of robots"],
   ["names", "Names", "Names of robots"],
   ["fields", "Fields", "Scalar fields, such as a scent"],
   [
     "coverage",
     "Coverage",
-    "Floor that bodies have covered, and paler what sensors have reached, if that is counted (c)",
+    "Floor that bodies have covered, and in a paler colour what sensors have reached, if that is measured (c)",
   ],
 ];
 
@@ -52,7 +52,7 @@ export class Toolbar {
       group(
         button("−", "Smaller (−)", () => arena.zoom(1 / 1.4), { label: "Zoom out" }),
         button("+", "Larger (+)", () => arena.zoom(1.4), { label: "Zoom in" }),
-        button("Fit", "Show all there is (0)", () => arena.fit(), { test: "fit" }),
+        button("Fit", "Show everything (0)", () => arena.fit(), { test: "fit" }),
         this.follow,
       ),
       group(...layers),

@@ -23,7 +23,7 @@ export class ValueRow {
       {
         type: "button",
         class: "value",
-        title: `${label}: chart it, or take it off the chart`,
+        title: `${label}: add it to the chart, or remove it`,
         click: () => click(key),
       },
       el("span", { class: "label", text: label }),

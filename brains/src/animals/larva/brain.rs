@@ -55,7 +55,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "fatigue_s",
-        meaning: "so long it can turn with all its might, in seconds",
+        meaning: "how long it can turn at full rate, in seconds",
         range: 0.1..=1e9,
         field: |p| &mut p.larva.fatigue_s,
     },

@@ -56,7 +56,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "turn_hz",
-        meaning: "how often it takes another rate of turning, per second",
+        meaning: "how often it changes its rate of turning, per second",
         range: 0.0..=100.0,
         field: |p| &mut p.louse.turn_hz,
     },

@@ -95,7 +95,7 @@ impl FollowPath {
     /// For a robot with this body.
     ///
     /// # Errors
-    /// If the parameters make no sense, a goal is too near to a wall, or no way leads from one goal to the next.
+    /// If the parameters make no sense, a goal is too near to a wall, or no path leads from one goal to the next.
     pub fn new(parameters: &Parameters, body: &Body) -> Result<Self, ParameterError> {
         let p = parameters;
         p.steering.check()?;
@@ -176,7 +176,7 @@ impl FollowPath {
 
 /// No way leads to a goal, by its place in the list, from where the robot is.
 #[derive(Debug, thiserror::Error)]
-#[error("goals_m[{goal}]: no way leads there from ({:.2} m, {:.2} m)", from.x, from.y)]
+#[error("goals_m[{goal}]: no path leads there from ({:.2} m, {:.2} m)", from.x, from.y)]
 struct NoWay {
     goal: usize,
     from: Point,
@@ -186,7 +186,7 @@ struct NoWay {
 fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, ParameterError> {
     let place = |point: &Point| format!("({} m, {} m)", point.x, point.y);
     if let Some(i) = goals.iter().position(|goal| !floor.is_free(*goal)) {
-        let why = "is outside of the map, or nearer to a wall than the body's radius and `clearance_m` allow";
+        let why = "is outside the map, or closer to a wall than the body's radius and `clearance_m` allow";
         return Err(ParameterError::value(
             format_args!("goals_m[{i}]"),
             format_args!("{} {why}", place(&goals[i])),
@@ -198,7 +198,7 @@ fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Po
         let (from, to) = (&goals[before], &goals[i]);
         floor.way(*from, *to).map(Some).map_err(|_| {
             let why = "with the body's radius and `clearance_m` on both sides";
-            let problem = format_args!("no way leads to {} from {}, {why}", place(to), place(from));
+            let problem = format_args!("no path leads to {} from {}, {why}", place(to), place(from));
             ParameterError::value(format_args!("goals_m[{i}]"), problem)
         })
     };
@@ -226,7 +226,7 @@ impl MotorBehavior for FollowPath {
         let wait = match self.plan(here, goal, moment.turn.at_ns) {
             Poll::Ready(Ok(())) => None,
             Poll::Ready(Err(no_way)) => Some(no_way.to_string()),
-            Poll::Pending => Some("plans its way".to_owned()),
+            Poll::Pending => Some("plans its path".to_owned()),
         };
         if let Some(why) = wait {
             moment.beliefs.intention = why;

@@ -5,7 +5,7 @@ use crate::estimate::Estimate;
 use crate::process::Beliefs;
 use crate::test_body::{body, turn};
 
-/// A room of 4 m × 3 m with a wall from below in its middle, and a box in its upper right corner into which no way leads.
+/// A room of 4 m × 3 m with a wall from below in its middle, and a box in its upper right corner into which no path leads.
 const WALLS: &str = "walls_m = [[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0], [2, 0, 2, 1.8], \
                      [3, 3, 3, 2], [3, 2, 4, 2]]";
 
@@ -103,7 +103,7 @@ fn the_way_to_a_next_goal_is_known_and_one_from_elsewhere_is_planned_in_parts() 
     let pushed = Pose::new(1.4, 0.6, 0.0);
     let planning = (1..200).take_while(|i| {
         let ([left, right], beliefs) = step(&mut follow, pushed, i * 20_000_000);
-        let is_planning = beliefs.intention == "plans its way" && beliefs.path.is_empty();
+        let is_planning = beliefs.intention == "plans its path" && beliefs.path.is_empty();
         assert!(!is_planning || (left, right) == (0.0, 0.0));
         is_planning
     });
@@ -118,12 +118,12 @@ fn a_goal_to_which_no_way_leads_is_named() {
     let problem = |more: &str| made(more).unwrap_err();
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [1.9, 0.5]]"),
-        "goals_m[1]: (1.9 m, 0.5 m) is outside of the map, or nearer to a wall than the body's radius and \
+        "goals_m[1]: (1.9 m, 0.5 m) is outside the map, or closer to a wall than the body's radius and \
          `clearance_m` allow"
     );
     assert_eq!(
         problem("goals_m = [[0.5, 0.5], [3.5, 2.5]]"),
-        "goals_m[1]: no way leads to (3.5 m, 2.5 m) from (0.5 m, 0.5 m), with the body's radius and `clearance_m` \
+        "goals_m[1]: no path leads to (3.5 m, 2.5 m) from (0.5 m, 0.5 m), with the body's radius and `clearance_m` \
          on both sides"
     );
     assert_eq!(problem("goals_m = []"), "goals_m: has no point");
@@ -139,6 +139,6 @@ fn a_goal_to_which_no_way_leads_is_named() {
             beliefs.intention
         })
         .collect();
-    assert_eq!(said[0], "plans its way");
-    assert_eq!(said[19], "goals_m[0]: no way leads there from (0.50 m, 0.50 m)");
+    assert_eq!(said[0], "plans its path");
+    assert_eq!(said[19], "goals_m[0]: no path leads there from (0.50 m, 0.50 m)");
 }

@@ -78,7 +78,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "slam",
-        meaning: "1: scans correct the odometer; 0: it is believed, as in the notes",
+        meaning: "1: scans correct the odometer; 0: it is trusted, as in the notes",
         range: 0.0..=1.0,
         field: |p| &mut p.slam,
     },
@@ -108,7 +108,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "sight_m",
-        meaning: "how far away a node may be that is gone to directly, in metres",
+        meaning: "largest distance of a node that is driven to directly, in metres",
         range: 0.0..=1000.0,
         field: |p| &mut p.sight_m,
     },
@@ -138,7 +138,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "near_m",
-        meaning: "what a sonar or the laser finds this close on its way is near, in metres",
+        meaning: "distance at which a sonar or the laser finds an obstacle near, in metres",
         range: 0.0..=100.0,
         field: |p| &mut p.near_m,
     },

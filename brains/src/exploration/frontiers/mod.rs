@@ -280,7 +280,7 @@ impl Frontiers {
             return None;
         };
         if input.near && matches!(command, Command::Drive { .. }) {
-            // So near that no way leads any farther ahead.
+            // So near that no path leads any farther ahead.
             let ahead_m = self.parameters.half_width_m - 0.5 * self.parameters.cell_m;
             self.bumps.push(here.position + here.direction().vector() * ahead_m);
             return None;

@@ -88,7 +88,7 @@ impl CellGrid {
     /// A short way from point to point: the shortest within the cells that Dijkstra's algorithm finds.
     ///
     /// # Errors
-    /// If an end is outside of the grid or blocked, or no way leads from one to the other.
+    /// If an end is outside the grid or blocked, or no path leads from one to the other.
     pub fn route(&self, start: Point, target: Point) -> Result<Route, PlanError> {
         let (start_cell, from) = self.end(End::Start, start)?;
         let (target_cell, to) = self.end(End::Target, target)?;

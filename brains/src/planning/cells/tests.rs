@@ -86,7 +86,7 @@ fn routes_are_about_as_short_as_theta_stars() {
     let mut tasks = 0;
     for i in 0..60 {
         let (start, target) = (free[i * 7919 % free.len()], free[(i * 104_729 + 5000) % free.len()]);
-        // Cells within the boxes are free, and no way leads to them.
+        // Cells within the boxes are free, and no path leads to them.
         let Ok(theta) = theta_star(&grid, start, target) else { continue };
         let route = cells.route(grid.center(start), grid.center(target)).unwrap();
         assert!(route.length_m < 1.01 * theta.length_m, "{} {}", route.length_m, theta.length_m);
@@ -136,8 +136,8 @@ fn ends_that_are_blocked_outside_or_apart_are_errors() {
     };
     assert_eq!(route(1.5, 0.5), "the start is in the blocked cell (1, 0)");
     assert_eq!(route(0.5, 1.5), "the target is in the blocked cell (1, 0)");
-    assert_eq!(route(0.5, 7.0), "the target (7 m, 0.5 m) is outside of the map");
-    assert_eq!(route(0.5, 2.5), "no way leads from cell (0, 0) to cell (2, 0)");
+    assert_eq!(route(0.5, 7.0), "the target (7 m, 0.5 m) is outside the map");
+    assert_eq!(route(0.5, 2.5), "no path leads from cell (0, 0) to cell (2, 0)");
 }
 
 /// The length of the shortest way through these doors in order, by trying all their ends as corners.

@@ -55,7 +55,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "meander_hz",
-        meaning: "how often it takes another rate of turning on its way out, per second",
+        meaning: "how often it changes its rate of turning on the way out, per second",
         range: 0.0..=100.0,
         field: |p| &mut p.ant.meander_hz,
     },
@@ -79,7 +79,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
     },
     Parameter {
         name: "forage_s",
-        meaning: "after so long it turns home, in seconds",
+        meaning: "time after which it turns home, in seconds",
         range: 0.0..=1e6,
         field: |p| &mut p.forage_s,
     },
