@@ -52,6 +52,7 @@ pub mod port;
 pub mod printable;
 pub mod random;
 pub mod referee;
+mod registers;
 pub mod robot;
 pub mod scenario;
 mod scene;
