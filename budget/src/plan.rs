@@ -72,10 +72,7 @@ impl<'a> Plan<'a> {
 
     /// Whether each message has all sensors, new or not.
     pub(super) fn repeats(&self) -> bool {
-        match self.spec.firmware.protocol {
-            Protocol::Bare { .. } | Protocol::Khepera => true,
-            Protocol::Framed { .. } => false,
-        }
+        self.spec.firmware.protocol.repeats()
     }
 
     /// What a read of a sensor takes of the processor's time.

@@ -12,7 +12,7 @@ use baudbot_sim::fault::When;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::model::{Deadline, OnLate, RobotSpec};
 use baudbot_sim::sensor::Sensor;
-use baudbot_wire::{Encoding, frame, khepera};
+use baudbot_wire::Encoding;
 
 use crate::alike;
 use crate::args::CheckArgs;
@@ -160,8 +160,8 @@ fn describe_robot(robot: &RobotSpec) -> String {
     facts.extend([
         ("firmware", firmware(robot)),
         ("link", link::text(&robot.link)),
-        ("readings", message(robot, frame_bytes(robot), "with all sensors")),
-        ("command", message(robot, command_bytes(robot), "each")),
+        ("readings", message(robot, robot.firmware.readings_len_max(), "with all sensors")),
+        ("command", message(robot, robot.firmware.command_len_max(), "each")),
     ]);
     facts.extend(deadline(&robot.deadline).map(|deadline| ("deadline", deadline)));
     facts
@@ -240,49 +240,20 @@ fn message(robot: &RobotSpec, bytes: usize, which: &str) -> String {
     }
 }
 
-/// Bytes on the wire of a message with all readings; of lines of text the longest.
-fn frame_bytes(robot: &RobotSpec) -> usize {
-    let layout = robot.firmware.layout();
-    match robot.firmware.protocol {
-        Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
-        Protocol::Bare { .. } => layout.bare_readings_len(),
-        Protocol::Khepera => khepera::readings_len_max(&layout),
-    }
-}
-
-fn command_bytes(robot: &RobotSpec) -> usize {
-    let layout = robot.firmware.layout();
-    match robot.firmware.protocol {
-        Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
-        Protocol::Bare { .. } => layout.bare_command_len(),
-        Protocol::Khepera => khepera::command_len_max(&layout),
-    }
-}
-
 /// Bytes that a streaming firmware wants to send in a second, and which share of the line's capacity that is.
 /// A sensor is in a frame only if it has a new sample.
 fn load(robot: &RobotSpec) -> Option<(f64, f64)> {
     let Mode::Stream(schedule) = robot.firmware.mode else { return None };
     let frames = 1e9 / schedule.period_ns() as f64;
-    let mut bytes = frame_bytes(robot) as f64 * frames;
+    let mut bytes = robot.firmware.readings_len_max() as f64 * frames;
     if let Protocol::Framed { ages } = robot.firmware.protocol {
         for sensor in robot.sensors.iter().filter(|sensor| sensor.is_on_wire()) {
-            let entry = sample_bytes(robot, sensor) + usize::from(ages);
+            let entry = robot.firmware.values_len_max(&sensor.encodings) + usize::from(ages);
             let samples = 1e9 / sensor.schedule.period_ns() as f64;
             bytes -= entry as f64 * (frames - samples).max(0.0);
         }
     }
     Some((bytes, bytes / link::bytes_per_second(&robot.link)?))
-}
-
-/// Bytes of a sensor's values on the wire; as text the most.
-fn sample_bytes(robot: &RobotSpec, sensor: &Sensor) -> usize {
-    match robot.firmware.protocol {
-        Protocol::Framed { .. } | Protocol::Bare { .. } => {
-            sensor.encodings.iter().map(|encoding| encoding.len()).sum()
-        }
-        Protocol::Khepera => khepera::numbers_len_max(&sensor.encodings),
-    }
 }
 
 fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
@@ -295,7 +266,7 @@ fn sensors(robot: &RobotSpec) -> Vec<[String; 6]> {
         };
         let bytes = match &sensor.port {
             Some(port) => port.format.message_len(&sensor.device),
-            None => sample_bytes(robot, sensor),
+            None => robot.firmware.values_len_max(&sensor.encodings),
         };
         let (period, phase) = times(sensor);
         let kind = sensor.device.kind().to_owned();
@@ -341,7 +312,7 @@ mod tests {
         // A frame of five 8-bit readings is 8 + 1 + 5 · 2 = 19 bytes, 50 times a second.
         let wander = scenario("wander", &[]);
         let (bytes, used) = load(&wander.robots[0]).unwrap();
-        assert_eq!((frame_bytes(&wander.robots[0]), bytes), (19, 950.0));
+        assert_eq!((wander.robots[0].firmware.readings_len_max(), bytes), (19, 950.0));
         assert!((used - 950.0 / 960.0).abs() < 1e-12);
         assert!(!describe(&Source::find("wander").unwrap(), &wander).contains("warning"));
     }

@@ -1,12 +1,14 @@
 //! Firmware: what the microcontroller says on its wire, and how it is understood at the laptop's end.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use baudbot_wire::khepera::Lines;
-use baudbot_wire::{BareDecoder, Encoding, Layout};
+use baudbot_wire::khepera::{self, Lines};
+use baudbot_wire::{BareDecoder, Encoding, Layout, frame};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{LEAST_BAUD, Uart};
+pub(crate) use crate::registers::{Owed, Refusal, Registers, Say};
 use crate::schedule::Schedule;
 use crate::time::{SECOND_NS, SimTime};
 
@@ -36,6 +38,16 @@ pub enum Protocol {
     },
     /// The lines of text of a Khepera, which answers only when asked. It knows no readability either.
     Khepera,
+}
+
+impl Protocol {
+    /// Whether each message has all values, new or not: it knows no readability.
+    pub const fn repeats(self) -> bool {
+        match self {
+            Self::Bare { .. } | Self::Khepera => true,
+            Self::Framed { .. } => false,
+        }
+    }
 }
 
 /// When readings are sent.
@@ -77,6 +89,36 @@ impl Firmware {
     pub fn layout(&self) -> Layout<'_> {
         let Fields { components, counts, motors, ages } = &self.fields;
         Layout { components, counts, motors, ages: *ages }
+    }
+
+    /// Bytes on the wire of the longest message with all readings.
+    pub fn readings_len_max(&self) -> usize {
+        let layout = self.layout();
+        match self.protocol {
+            Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
+            Protocol::Bare { .. } => layout.bare_readings_len(),
+            Protocol::Khepera => khepera::readings_len_max(&layout),
+        }
+    }
+
+    /// Bytes on the wire of the longest command.
+    pub fn command_len_max(&self) -> usize {
+        let layout = self.layout();
+        match self.protocol {
+            Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
+            Protocol::Bare { .. } => layout.bare_command_len(),
+            Protocol::Khepera => khepera::command_len_max(&layout),
+        }
+    }
+
+    /// The most bytes that the values of a sensor with these encodings take on the wire.
+    pub fn values_len_max(&self, encodings: &[Encoding]) -> usize {
+        match self.protocol {
+            Protocol::Framed { .. } | Protocol::Bare { .. } => {
+                encodings.iter().map(|encoding| encoding.len()).sum()
+            }
+            Protocol::Khepera => khepera::numbers_len_max(encodings),
+        }
     }
 
     /// The least baud rate of a cable on which its messages are told apart: a bare one ends when there is silence for
@@ -123,14 +165,11 @@ pub(crate) enum Decoder {
         lines: Lines,
         owed: Owed,
     },
-}
-
-/// Answers that a robot owes which has one for each kind of question. What is asked for again while the answer waits
-/// is answered once.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Owed {
-    pub(crate) acknowledgement: bool,
-    pub(crate) readings: bool,
+    /// What `Khepera` becomes at the robot's end with the first line that is neither `N` nor `D`.
+    Registers {
+        lines: Lines,
+        registers: Box<Registers>,
+    },
 }
 
 /// What a byte completed.
@@ -149,7 +188,7 @@ impl Decoder {
                 Some(Ok(payload)) => Found::Payload(payload),
                 Some(Err(_)) => Found::BadFrame,
             },
-            Self::Khepera { lines, .. } => match lines.push(byte) {
+            Self::Khepera { lines, .. } | Self::Registers { lines, .. } => match lines.push(byte) {
                 None => Found::Nothing,
                 Some(Ok(line)) => Found::Payload(line),
                 Some(Err(_)) => Found::BadFrame,
@@ -163,31 +202,66 @@ impl Decoder {
             (Self::Framed(_), Self::Framed(_)) => true,
             (Self::Bare(own), Self::Bare(other)) => own.may_become(other),
             (Self::Khepera { lines: own, .. }, Self::Khepera { lines: other, .. }) => own.may_become(other),
-            (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. }, _) => false,
+            (Self::Khepera { lines: own, .. }, Self::Registers { lines: other, registers }) => {
+                own.may_become(other) && registers.is_sound()
+            }
+            (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
         }
     }
 
     /// A message that was understood asks for readings, or else to have its obeying acknowledged. Where every answer
     /// is readings there is nothing to remember.
     pub(crate) fn owe(&mut self, readings: bool) {
-        if let Self::Khepera { owed, .. } = self {
-            owed.readings |= readings;
-            owed.acknowledgement |= !readings;
+        match self {
+            Self::Framed(_) | Self::Bare(_) => {}
+            Self::Khepera { owed, .. } => {
+                owed.readings |= readings;
+                owed.acknowledgement |= !readings;
+            }
+            Self::Registers { registers, .. } => {
+                registers.owe_exchange(Owed { readings, acknowledgement: !readings });
+            }
         }
     }
 
-    /// What is owed, which is answered now.
-    pub(crate) fn settle(&mut self) -> Owed {
+    /// What is owed in text, which is said now.
+    pub(crate) fn settle(&mut self) -> Option<Say> {
         match self {
-            Self::Framed(_) | Self::Bare(_) => Owed::default(),
-            Self::Khepera { owed, .. } => core::mem::take(owed),
+            Self::Framed(_) | Self::Bare(_) => None,
+            Self::Khepera { owed, .. } => Some(Say::Exchange(core::mem::take(owed))),
+            Self::Registers { registers, .. } => registers.settle(),
         }
+    }
+
+    /// The registers of a Khepera, if any was used.
+    pub(crate) fn registers(&self) -> Option<&Registers> {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::Registers { registers, .. } => Some(&**registers),
+        }
+    }
+
+    /// The registers of a Khepera, if any was used, to be changed.
+    pub(crate) fn registers_mut(&mut self) -> Option<&mut Registers> {
+        match self {
+            Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::Registers { registers, .. } => Some(registers),
+        }
+    }
+
+    /// A register of a Khepera is used, or a line refused. Other firmwares have none, and stay what they are.
+    pub(crate) fn use_registers(&mut self) -> Option<&mut Registers> {
+        if let Self::Khepera { lines, owed } = self {
+            let registers = Box::new(Registers::owing(*owed));
+            *self = Self::Registers { lines: lines.clone(), registers };
+        }
+        self.registers_mut()
     }
 
     /// Messages that silence cut short so far.
     pub(crate) fn cut_short(&self) -> u64 {
         match self {
-            Self::Framed(_) | Self::Khepera { .. } => 0,
+            Self::Framed(_) | Self::Khepera { .. } | Self::Registers { .. } => 0,
             Self::Bare(bare) => bare.discarded(),
         }
     }

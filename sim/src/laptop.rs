@@ -131,6 +131,10 @@ impl Laptop {
             None => {}
             Some(Noted::Nonsense) => uplink.counters.bad_messages += 1,
             Some(Noted::Acknowledgement) => uplink.counters.messages += 1,
+            Some(Noted::Answer) => {
+                uplink.counters.messages += 1;
+                self.has_message = true;
+            }
             Some(Noted::Readings) => {
                 uplink.counters.messages += 1;
                 self.has_message = true;
@@ -232,6 +236,8 @@ enum Noted {
     Nonsense,
     /// Of a command: nothing that a brain waits for.
     Acknowledgement,
+    /// No readings, but what a brain that asks waits for.
+    Answer,
     Readings,
 }
 
@@ -245,6 +251,7 @@ fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTi
         Protocol::Khepera => match Answer::parse(payload, &layout) {
             Ok(Answer::Readings(values)) => note_all(readings, &layout, values),
             Ok(Answer::Acknowledgement) => Noted::Acknowledgement,
+            Ok(Answer::Registers(_) | Answer::Refusal) => Noted::Answer,
             Err(_) => Noted::Nonsense,
         },
     }

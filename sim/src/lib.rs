@@ -51,6 +51,7 @@ mod parallel;
 pub mod printable;
 pub mod processor;
 pub mod random;
+mod registers;
 pub mod robot;
 pub mod rules;
 pub mod scenario;

@@ -138,31 +138,34 @@ fn every_question_has_its_answer_and_a_line_may_end_in_three_ways() {
 }
 
 #[test]
-fn what_makes_no_sense_is_counted_and_answered_by_nothing() {
+fn what_makes_no_sense_is_counted_and_refused_in_the_robots_words() {
     let mut world = world(&robot(5.0, "kind = \"ideal\""));
     let long = vec![b'7'; 4000];
-    let lines: [&[u8]; 13] = [
-        b"H\r",
-        b"K\r\n",
+    let lines: [&[u8]; 14] = [
+        b"X\r",
+        b"M,1\r\n",
         b"n\r",
+        b"\0\0\0N\r",
+        b"\xff\xfe,\r",
         b"D\r",
         b"D,1\r",
         b"D,128,0\r",
         b"D,1,2,3\r",
         b"D,1,999999999999999999999\r",
         b"D,1.0,1\r",
-        b"\0\0\0N\r",
         b"D,0,0\0\r",
-        b"\xff\xfe,\r",
+        b"K,1\r",
         &long,
     ];
-    assert_eq!(conversation(&mut world, &lines), "");
+    let refusals = "Command not found\r\n".repeat(5) + &"z,Protocol error\r\n".repeat(8);
+    assert_eq!(conversation(&mut world, &lines), refusals);
     let downlink = world.robot(0).downlink();
-    assert_eq!((downlink.messages, downlink.bad_messages, downlink.bad_frames), (0, 12, 0));
+    assert_eq!((downlink.messages, downlink.bad_messages, downlink.bad_frames), (0, 13, 0));
     // The end of the long line; behind it all is as new.
-    assert_eq!(conversation(&mut world, &[b"\rD,5,5\r"]), "d\r\n");
+    assert_eq!(conversation(&mut world, &[b"\r", b"D,5,5\r"]), "z,Protocol error\r\nd\r\n");
     let downlink = world.robot(0).downlink();
-    assert_eq!((downlink.messages, downlink.bad_messages, downlink.bad_frames), (1, 12, 1));
+    assert_eq!((downlink.messages, downlink.bad_messages, downlink.bad_frames), (1, 13, 1));
+    assert_eq!(world.robot(0).uplink().bad_messages, 0);
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod devices_scenarios;
 mod faults;
 mod intervention;
 mod khepera;
+mod khepera_commands;
 mod link;
 mod lookahead;
 mod motors;

@@ -43,7 +43,12 @@ pub(super) fn targets() -> Vec<Target> {
         target(
             "khepera",
             "a Khepera's lines",
-            vec![b"D,5,-5\r\nN\r\n".to_vec(), b"n,12,400\r\n".to_vec()],
+            vec![
+                b"D,5,-5\r\nN\r\n".to_vec(),
+                b"n,12,400\r\n".to_vec(),
+                b"C,900,-900\rJ,20,64,20,64\rK\rT,1,B\r".to_vec(),
+                b"k,1,1,0,1,1,0\r\nb,5.02,5.01\r\nz,Protocol error\r\n".to_vec(),
+            ],
             LINE_WORDS,
             lines,
         ),
@@ -69,7 +74,7 @@ fn target(
     Target { name, what, seeds, words, run: Box::new(run) }
 }
 
-const LINE_WORDS: &[&[u8]] = &[b"\r\n", b",-", b"D,", b"n,", b"99999999999"];
+const LINE_WORDS: &[&[u8]] = &[b"\r\n", b",-", b"D,", b"n,", b"G,", b"L,", b"P,", b"h,", b"99999999999"];
 
 fn frames_of(bytes: &[u8]) -> u64 {
     let mut decoder = Decoder::new();

@@ -7,17 +7,19 @@
 mod channel;
 mod khepera;
 mod onboard;
+mod request;
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use baudbot_wire::{Layout, Message, Sample, Values, clock, frame, message, write_values};
+use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
+use request::Request;
 use serde::{Deserialize, Serialize};
 
-use crate::drive::Wheels;
+use crate::drive::{Motion, Wheels};
 use crate::fault::Amiss;
-use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol};
+use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
 use crate::scene::Ping;
@@ -207,12 +209,14 @@ impl Microcontroller {
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
-    /// `sampled` is memory for what is to be known of the message, used before.
+    /// `wheels` are how the robot moves and the signals in force; `sampled` is memory for what is to be known of the
+    /// message, used before.
     pub(crate) fn send_readings(
         &mut self,
         spec: &RobotSpec,
         now: SimTime,
         uplink: &mut Line,
+        wheels: (&Motion, Wheels),
         sampled: Vec<(usize, SimTime)>,
     ) -> Sent {
         self.serve_frame(spec, now);
@@ -226,7 +230,7 @@ impl Microcontroller {
             }
             Protocol::Khepera => {
                 let n;
-                (n, tells) = self.write_lines(&spec.firmware, &mut bytes);
+                (n, tells) = self.write_lines(spec, wheels, &mut bytes);
                 (n, now + n as u64 * cost)
             }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
@@ -235,6 +239,9 @@ impl Microcontroller {
         let cycle = tag.cycle;
         let on_wire = uplink.send_message(&spec.link, closed, &bytes[..n], tag);
         self.free_at = closed.max(uplink.drained(&spec.link));
+        if self.decoder.registers().is_some_and(Registers::owes) {
+            self.frame.next = self.free_at;
+        }
         Sent { bytes: n as u32, cycle, closed, on_wire }
     }
 
@@ -248,8 +255,7 @@ impl Microcontroller {
 
     /// The readings are in a message that was begun at `now`.
     fn note_told(&mut self, firmware: &Firmware, now: SimTime, mut sampled: Vec<(usize, SimTime)>) -> Tag {
-        // Messages without a mask repeat what is not fresh.
-        let repeats = matches!(firmware.protocol, Protocol::Bare { .. } | Protocol::Khepera);
+        let repeats = firmware.protocol.repeats();
         let mut reading_ns = 0;
         sampled.clear();
         for (i, channel) in self.channels.iter_mut().enumerate().take(firmware.layout().counts.len()) {
@@ -319,36 +325,59 @@ impl Microcontroller {
     ) -> Taken {
         let before = self.decoder.cut_short();
         let found = match self.decoder.push(byte, arrived) {
-            Found::Nothing => Err(Taken::Part),
+            Found::Nothing => None,
             Found::BadFrame => {
                 counters.bad_frames += 1;
-                Err(Taken::Nonsense)
+                Some(Err(Refusal::Protocol))
             }
             Found::Payload(payload) => {
-                Request::parse(spec, payload).ok_or(Taken::Nonsense).inspect_err(|_| {
-                    counters.bad_messages += 1;
-                })
+                let request = Request::parse(spec, payload);
+                counters.bad_messages += u64::from(request.is_err());
+                Some(request)
             }
         };
         counters.bad_messages += self.decoder.cut_short() - before;
-        counters.messages += u64::from(found.is_ok());
-        found.map_or_else(|taken| taken, |request| self.obey(spec, request))
+        match found {
+            None => Taken::Part,
+            Some(Ok(request)) => {
+                counters.messages += 1;
+                self.obey(spec, request)
+            }
+            Some(Err(refusal)) => {
+                self.refuse(spec, refusal);
+                Taken::Nonsense
+            }
+        }
     }
 
     fn obey(&mut self, spec: &RobotSpec, request: Request) -> Taken {
-        self.decoder.owe(request == Request::Poll);
         let taken = match request {
-            Request::Poll => Taken::Poll,
-            Request::Drive(signals, others) => {
-                self.free_at = self.free_at + spec.processor.obeying_ns;
-                self.orders.push_back(Order { at: self.free_at, signals, others });
-                Taken::Command(self.free_at)
+            Request::Poll => {
+                self.decoder.owe(true);
+                Taken::Poll
             }
+            Request::Drive(signals, others) => {
+                self.decoder.owe(false);
+                self.drive(spec, signals, others)
+            }
+            Request::Access(access) => self.access(spec, &access),
         };
+        self.answer_soon(spec);
+        taken
+    }
+
+    fn drive(&mut self, spec: &RobotSpec, signals: Wheels, others: Vec<f64>) -> Taken {
+        self.free_at = self.free_at + spec.processor.obeying_ns;
+        self.orders.push_back(Order { at: self.free_at, signals, others });
+        self.stand();
+        Taken::Command(self.free_at)
+    }
+
+    /// A polled firmware answers as soon as it can.
+    fn answer_soon(&mut self, spec: &RobotSpec) {
         if spec.firmware.mode == Mode::Poll {
             self.frame.next = self.frame.next.min(self.free_at);
         }
-        taken
     }
 
     /// The order in force at `now`, if one came since it was last asked for.
@@ -380,38 +409,6 @@ impl Microcontroller {
     /// Frames that fell due while the processor was busy and were left out.
     pub(crate) fn frames_missed(&self) -> u64 {
         self.frame.missed
-    }
-}
-
-/// What the laptop asks of the microcontroller.
-#[derive(Clone, Debug, PartialEq)]
-enum Request {
-    Drive(Wheels, Vec<f64>),
-    Poll,
-}
-
-impl Request {
-    /// `None` if the payload makes no sense to this firmware, a signal beyond the motor's limit included.
-    fn parse(spec: &RobotSpec, payload: &[u8]) -> Option<Self> {
-        let layout = spec.firmware.layout();
-        match spec.firmware.protocol {
-            Protocol::Bare { .. } => return Self::drive(spec, &mut Values::new(layout.motors, payload)),
-            Protocol::Khepera => return khepera::request(spec, payload, &layout),
-            Protocol::Framed { .. } => {}
-        }
-        match Message::parse(payload, &layout).ok()? {
-            Message::Readings(_) => None,
-            Message::Poll { .. } => Some(Self::Poll),
-            Message::Command(command) => Self::drive(spec, &mut command.values()),
-        }
-    }
-
-    fn drive(spec: &RobotSpec, signals: &mut impl Iterator<Item = f64>) -> Option<Self> {
-        let limit = spec.signal_limit.unwrap_or(f64::MAX);
-        let mut next = || signals.next().filter(|signal| signal.is_finite() && signal.abs() <= limit);
-        let wheels = Wheels { left: next()?, right: next()? };
-        let others = spec.actuators.iter().map(|_| next()).collect::<Option<_>>()?;
-        Some(Self::Drive(wheels, others))
     }
 }
 

@@ -3,7 +3,6 @@
 use baudbot_wire::clock;
 
 use super::Microcontroller;
-use crate::firmware::Protocol;
 use crate::laptop::Laptop;
 use crate::model::RobotSpec;
 use crate::time::SimTime;
@@ -12,10 +11,7 @@ impl Microcontroller {
     /// Hands over what is readable, and says when the control cycle began that it belongs to.
     pub(crate) fn tell(&mut self, spec: &RobotSpec, now: SimTime, laptop: &mut Laptop) -> SimTime {
         self.serve_frame(spec, now);
-        let (ages, repeats) = match spec.firmware.protocol {
-            Protocol::Framed { ages } => (ages, false),
-            Protocol::Bare { .. } | Protocol::Khepera => (false, true),
-        };
+        let (ages, repeats) = (spec.firmware.layout().ages, spec.firmware.protocol.repeats());
         let mut reading_ns = 0;
         for (i, sensor) in spec.sensors.iter().enumerate().take_while(|(_, sensor)| sensor.is_on_wire()) {
             let channel = &mut self.channels[i];

@@ -197,7 +197,8 @@ impl Robot {
     fn send_message(&mut self, spec: &RobotSpec, now: SimTime) {
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let spare = core::mem::take(&mut self.spare);
-        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, spare);
+        let wheels = (&self.motion, self.signals);
+        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, wheels, spare);
         self.downlink.leave_wire_to(&spec.link, &self.uplink);
         if let Some(begun) = sent.cycle {
             self.cycles.open(begun);
@@ -342,7 +343,7 @@ impl Robot {
     }
 
     /// The actuators take up what has been commanded by `now`, and what is late is found out.
-    pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime) {
+    pub(crate) fn take_up(&mut self, spec: &RobotSpec, now: SimTime, dt: f64) {
         let mut stopped_at = None;
         while let Some(due) = self.cycles.settle(&spec.deadline, now) {
             self.recorder.note(due, due, What::Late);
@@ -350,6 +351,7 @@ impl Robot {
         }
         if stopped_at.is_some() {
             self.signals = Wheels::default();
+            self.microcontroller.stand();
         }
         let until = spec.drive.motor.obeys_until(now);
         if let Some(Order { at, signals, others }) = self.microcontroller.order_at(until) {
@@ -362,6 +364,12 @@ impl Robot {
                 actuator.signal = signal;
             }
             self.recorder.note(now, now, What::Act);
+        }
+        if let Some((since, signals)) =
+            self.microcontroller.steer(spec, (&self.motion, self.signals), now, dt)
+        {
+            self.signals = signals;
+            self.commanded_at = self.commanded_at.max(since);
         }
         if spec.command_timeout_ns.is_some_and(|timeout| now.since(self.commanded_at) >= timeout) {
             self.signals = Wheels::default();

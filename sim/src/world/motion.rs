@@ -297,7 +297,7 @@ fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
 impl Robot {
     /// A substep of the motors and the other actuators, as if the robot were alone.
     fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
-        self.take_up(spec, now);
+        self.take_up(spec, now, dt);
         let powered = match (&spec.battery, &self.battery) {
             (Some(battery), Some(state)) => !state.is_empty(battery),
             _ => true,

@@ -15,14 +15,18 @@
 //! Whatever came before the end of a line does not matter behind it, so a disturbance costs the line that it is in, and
 //! the next one too if it takes the end between the two.
 //!
+//! All other letters of the robot's are [commands](Command) over named [registers](Register), whose numbers no layout says.
+//!
 //! # Deviations
 //!
-//! The real robot's `N` answers with its eight infra-red sensors and nothing else; its encoders are the answer to `H`.
-//! Here all sensors are in the answer to `N`, in the order of the layout. Of the real robot's other commands there is none.
+//! The real robot's `N` answers with its eight infra-red sensors and nothing else; here all sensors are in it, in the order
+//! of the layout. `D` has signals, which are pulses per 10 ms only of motors that are as fast at full signal.
 
 mod lines;
+mod registers;
 
 pub use lines::{LineError, Lines};
+pub use registers::{Access, Command, Gain, NOT_FOUND, PROTOCOL_ERROR, Register, Side, write_answer};
 
 use crate::encoding::Encoding;
 use crate::error::{LayoutError, NoRoom, WriteError};
@@ -131,6 +135,8 @@ pub enum Question<'a> {
     Poll,
     /// Signals for the motors.
     Command(Numbers<'a>),
+    /// Sets registers, or asks for them.
+    Access(Access),
 }
 
 impl<'a> Question<'a> {
@@ -142,8 +148,7 @@ impl<'a> Question<'a> {
         match line {
             [b'N', rest @ ..] => Numbers::parse(rest, &[]).map(|_| Self::Poll),
             [b'D', rest @ ..] => Numbers::parse(rest, layout.motors).map(Self::Command),
-            [] => Err(LineError::Empty),
-            &[found, ..] => Err(LineError::Letter { found }),
+            _ => Access::parse(line).map(Self::Access),
         }
     }
 }
@@ -155,6 +160,10 @@ pub enum Answer<'a> {
     Acknowledgement,
     /// The values of all components.
     Readings(Numbers<'a>),
+    /// Registers, or that they were set.
+    Registers(Command),
+    /// The line was not understood, or not possible.
+    Refusal,
 }
 
 impl<'a> Answer<'a> {
@@ -167,7 +176,17 @@ impl<'a> Answer<'a> {
             [b'd', rest @ ..] => Numbers::parse(rest, &[]).map(|_| Self::Acknowledgement),
             [b'n', rest @ ..] => Numbers::parse(rest, layout.components).map(Self::Readings),
             [] => Err(LineError::Empty),
-            &[found, ..] => Err(LineError::Letter { found }),
+            _ if [NOT_FOUND, PROTOCOL_ERROR]
+                .iter()
+                .any(|said| said.strip_suffix(&ANSWER_END) == Some(line)) =>
+            {
+                Ok(Self::Refusal)
+            }
+            &[found, ref rest @ ..] => {
+                let capital = Some(found.to_ascii_uppercase()).filter(|_| found.is_ascii_lowercase());
+                let command = capital.and_then(Command::of).ok_or(LineError::Letter { found })?;
+                command.check_answer(rest).map(|()| Self::Registers(command))
+            }
         }
     }
 }

@@ -36,7 +36,13 @@ fn signals(line: &[u8]) -> Result<Vec<f64>, LineError> {
     match Question::parse(line, &ROBOT)? {
         Question::Poll => Ok(Vec::new()),
         Question::Command(signals) => Ok(signals.collect()),
+        Question::Access(access) => panic!("{access:?}"),
     }
+}
+
+fn is_in_range(register: Register, value: i32) -> bool {
+    let [least, greatest] = register.range();
+    (least..=greatest).contains(&value.into())
 }
 
 proptest! {
@@ -83,6 +89,9 @@ proptest! {
                 if let Some(Ok(line)) = lines.push(byte) {
                     prop_assert!(!line.is_empty() && line.len() <= MAX_LINE);
                     let _ = (Question::parse(line, &ROBOT), Answer::parse(line, &ROBOT));
+                    if let Ok(access) = Access::parse(line) {
+                        prop_assert!(access.settings().all(|(register, value)| is_in_range(register, value)));
+                    }
                 }
             }
             let _ = lines.push(b'\n');
@@ -99,6 +108,16 @@ proptest! {
         if let Ok(Answer::Readings(values)) = Answer::parse(line.as_bytes(), &ROBOT) {
             prop_assert_eq!(values.count(), 8);
         }
+    }
+
+    #[test]
+    fn answers_of_registers_are_understood_and_fit_into_128_bytes(value: i32, i in 0..Command::ALL.len()) {
+        let command = Command::ALL[i];
+        let bytes = written(|out| write_answer(command, |_| Some(value), out));
+        let lines = all(Lines::of_answers(), &bytes);
+        let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
+        prop_assert_eq!(Answer::parse(line, &ROBOT), Ok(Answer::Registers(command)));
+        prop_assert!(bytes.len() <= 128);
     }
 
     #[test]
@@ -184,7 +203,7 @@ fn questions_that_make_no_sense_are_refused_for_what_is_wrong() {
         (b"N,1", LineError::Count { expected: 0, found: 1 }),
         (b"N\0", LineError::Count { expected: 0, found: 1 }),
         (b"\0N", LineError::Letter { found: 0 }),
-        (b"H", LineError::Letter { found: b'H' }),
+        (b"M", LineError::Letter { found: b'M' }),
         (b"n,1", LineError::Letter { found: b'n' }),
         (b"", LineError::Empty),
     ] {
@@ -231,4 +250,105 @@ fn a_layout_that_lines_cannot_say_is_named() {
     assert_eq!(check(&Layout { components: &many[..42], counts: &[42], ..ROBOT }), Ok(()));
     let error = LineError::TooLong { limit: MAX_LINE, found: 600 }.to_string();
     assert_eq!(error, "a line of 600 characters, but the longest has 511");
+}
+
+/// What a line sets, and what is answered if every register holds 7.
+fn exchange(line: &[u8]) -> Result<(Vec<i32>, String), LineError> {
+    let access = Access::parse(line)?;
+    let answer = written(|out| write_answer(access.command, |_| Some(7), out));
+    Ok((access.settings().map(|(_, value)| value).collect(), String::from_utf8(answer).unwrap()))
+}
+
+#[test]
+fn each_command_sets_its_registers_and_tells_its_own() {
+    for (line, set, answer) in [
+        (&b"A,3800,800,100"[..], &[3800, 800, 100][..], "a\r\n"),
+        (b"B", &[], "b,5.02,5.01\r\n"),
+        (b"C,-8388606,8388606", &[-8_388_606, 8_388_606], "c\r\n"),
+        (b"E", &[], "e,7,7\r\n"),
+        (b"F,3000,20,4000", &[3000, 20, 4000], "f\r\n"),
+        (b"G,-2147483648,2147483647", &[i32::MIN, i32::MAX], "g\r\n"),
+        (b"H", &[], "h,7,7\r\n"),
+        (b"I,5", &[5], "i,7\r\n"),
+        (b"J,20,64,127,255", &[20, 64, 127, 255], "j\r\n"),
+        (b"K", &[], "k,7,7,7,7,7,7\r\n"),
+        (b"L,1,2", &[1, 2], "l\r\n"),
+        (b"O", &[], "o,7,7,7,7,7,7,7,7\r\n"),
+        (b"P,-255,255", &[-255, 255], "p\r\n"),
+        (b"R,63", &[63], "r,7\r\n"),
+        (b"T,31,any,thing", &[31], "t\r\n"),
+        (b"W,255,0", &[255, 0], "w\r\n"),
+    ] {
+        assert_eq!(
+            exchange(line),
+            Ok((set.to_vec(), answer.to_string())),
+            "{}",
+            String::from_utf8_lossy(line)
+        );
+        let letter = Command::of(line[0]).unwrap().letter();
+        assert_eq!(Question::parse(line, &ROBOT).map(|_| letter), Ok(line[0]));
+    }
+    let mut letters: Vec<_> = Command::ALL.iter().map(|command| command.letter()).collect();
+    letters.extend(b"DN");
+    letters.sort_unstable();
+    assert_eq!(letters, b"ABCDEFGHIJKLNOPRTW");
+}
+
+#[test]
+fn lines_of_commands_that_make_no_sense_are_refused_for_what_is_wrong() {
+    let range = |index| LineError::Range { index };
+    for (line, error) in [
+        (&b"A,1,2"[..], LineError::Count { expected: 3, found: 2 }),
+        (b"B,1", LineError::Count { expected: 0, found: 1 }),
+        (b"C,8388607,0", range(0)),
+        (b"E ", LineError::Count { expected: 0, found: 1 }),
+        (b"F,-1,0,0", range(0)),
+        (b"G,0,2147483648", range(1)),
+        (b"H\0", LineError::Count { expected: 0, found: 1 }),
+        (b"I,6", range(0)),
+        (b"J,20,64", LineError::Count { expected: 4, found: 2 }),
+        (b"J,20,0,20,64", range(1)),
+        (b"K,", LineError::Count { expected: 0, found: 1 }),
+        (b"L,0,3", range(1)),
+        (b"O1", LineError::Count { expected: 0, found: 1 }),
+        (b"P,0,-256", range(1)),
+        (b"R,1x", LineError::Number { index: 0 }),
+        (b"T", LineError::Count { expected: 1, found: 0 }),
+        (b"T,32,B", range(0)),
+        (b"W,256,0", range(0)),
+        (b"W,1,2,3", LineError::Count { expected: 2, found: 3 }),
+        (b"a", LineError::Letter { found: b'a' }),
+        (b"Z", LineError::Letter { found: b'Z' }),
+    ] {
+        assert_eq!(exchange(line), Err(error), "{}", String::from_utf8_lossy(line));
+        assert_eq!(Question::parse(line, &ROBOT), Err(error));
+    }
+}
+
+#[test]
+fn a_register_that_a_robot_lacks_ends_its_answer_or_is_an_error() {
+    let three = |register| matches!(register, Register::Ambient(0..3)).then_some(500);
+    assert_eq!(written(|out| write_answer(Command::Ambient, three, out)), b"o,500,500,500\r\n");
+    assert_eq!(written(|out| write_answer(Command::Position, three, out)), PROTOCOL_ERROR);
+    assert_eq!(Answer::parse(b"o,500,500,500", &ROBOT), Ok(Answer::Registers(Command::Ambient)));
+    let mut out = [0; 4];
+    let no_room = NoRoom { needed: 7, room: 4 }.into();
+    assert_eq!(write_answer(Command::Speed, |_| Some(1), &mut out), Err(no_room));
+}
+
+#[test]
+fn refusals_are_understood_and_answers_of_another_shape_are_not() {
+    for said in [NOT_FOUND, PROTOCOL_ERROR] {
+        let lines = all(Lines::of_answers(), said);
+        let [Ok(line)] = &lines[..] else { panic!("{lines:?}") };
+        assert_eq!(Answer::parse(line, &ROBOT), Ok(Answer::Refusal));
+    }
+    let refused = |line: &str| Answer::parse(line.as_bytes(), &ROBOT).unwrap_err();
+    assert_eq!(refused("h,1"), LineError::Count { expected: 2, found: 1 });
+    assert_eq!(refused("h,1,x"), LineError::Number { index: 1 });
+    assert_eq!(refused("h,1,2;"), LineError::Number { index: 1 });
+    assert_eq!(refused("k,1,2,3,4,5,6,7"), LineError::Count { expected: 6, found: 7 });
+    assert_eq!(refused("o"), LineError::Count { expected: 8, found: 0 });
+    assert_eq!(refused("z"), LineError::Letter { found: b'z' });
+    assert_eq!(refused("Command not foun"), LineError::Letter { found: b'C' });
 }
