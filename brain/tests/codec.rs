@@ -26,6 +26,7 @@ fn body(protocol: Protocol) -> Arc<Body> {
         mount: None,
         range_m: None,
         counts_per_turn: None,
+        counts_per_m: None,
         port: None,
         opening_rad: None,
         sweep: None,

@@ -24,6 +24,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         mount: Some(Mount { heading_rad, ..Mount::default() }),
         range_m: Some(1.0),
         counts_per_turn: None,
+        counts_per_m: None,
         port: None,
         opening_rad: (kind == "laser").then_some(4.0 * PI / 3.0),
         sweep: (kind == "laser").then_some(Sweep { duration_ns: 66_500_000, clockwise: false }),

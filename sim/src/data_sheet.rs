@@ -96,6 +96,11 @@ fn sensor(spec: &sensor::Sensor) -> Sensor {
         } else {
             None
         },
+        counts_per_m: if let Device::OpticalFlow(flow) = &spec.device {
+            Some(flow.counts_per_m)
+        } else {
+            None
+        },
         port: spec.port.as_ref().map(|own| port(own, &spec.device)),
         opening_rad: spec.device.fan().map(|fan| fan.opening_rad()),
         sweep: if let Device::Laser(laser) = &spec.device {
@@ -116,6 +121,7 @@ fn sensor_kind(device: &Device) -> SensorKind {
         Device::Encoders(_) => SensorKind::Encoders,
         Device::StepCounter(_) => SensorKind::StepCounter,
         Device::Odometer(_) => SensorKind::Odometer,
+        Device::OpticalFlow(_) => SensorKind::OpticalFlow,
         Device::Compass(_) => SensorKind::Compass,
         Device::Accelerometer(_) => SensorKind::Accelerometer,
         Device::Gyroscope(_) => SensorKind::Gyroscope,

@@ -62,6 +62,8 @@ kinds! {
         StepCounter = "steps",
         /// Pose since the start, by the wheels.
         Odometer = "odometer",
+        /// The sensor's own way over the floor since its last read, in counts.
+        OpticalFlow = "optical-flow",
         /// Heading.
         Compass = "compass",
         /// Acceleration along two axes.

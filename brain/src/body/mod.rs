@@ -78,6 +78,8 @@ pub struct Sensor {
     pub range_m: Option<f64>,
     /// Counts a turn of the wheel, if it counts.
     pub counts_per_turn: Option<u32>,
+    /// Counts a metre of way over the floor, if it counts that.
+    pub counts_per_m: Option<f64>,
     /// A cable of its own to the laptop, past the microcontroller, if it has one.
     pub port: Option<Port>,
     /// The angle from the first of the rays that it looks along to the last, in radians, if it looks along rays; 0 if that

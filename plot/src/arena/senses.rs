@@ -34,6 +34,7 @@ pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, ro
             | Device::Encoders(_)
             | Device::StepCounter(_)
             | Device::Odometer(_)
+            | Device::OpticalFlow(_)
             | Device::Compass(_)
             | Device::Accelerometer(_)
             | Device::Gyroscope(_)

@@ -63,6 +63,7 @@ sensors! {
     Encoders      "encoders"      INNER     Dot;
     StepCounter   "steps"         INNER     Dot;
     Odometer      "odometer"      INNER     Dot;
+    OpticalFlow   "optical-flow"  "#661100" Square;
     Compass       "compass"       INNER     Dot;
     Accelerometer "accelerometer" INNER     Dot;
     Gyroscope     "gyroscope"     INNER     Dot;

@@ -3280,8 +3280,8 @@ pub struct SensorDescription {
     #[prost(string, tag = "1")]
     pub sensor: ::prost::alloc::string::String,
     /// What the scenario calls it: `ir`, `ir-voltage`, `sonar`, `laser`, `line-camera`, `encoders`, `steps`,
-    /// `odometer`, `compass`, `accelerometer`, `gyroscope`, `gps`, `whisker`, `bumper`, `photoresistor`, `light`,
-    /// `field`, `microphone`, `floor` or `battery`.
+    /// `odometer`, `optical-flow`, `compass`, `accelerometer`, `gyroscope`, `gps`, `whisker`, `bumper`,
+    /// `photoresistor`, `light`, `field`, `microphone`, `floor` or `battery`.
     #[prost(string, tag = "2")]
     pub kind: ::prost::alloc::string::String,
     /// The parts of a reading, in order.
@@ -3311,6 +3311,9 @@ pub struct SensorDescription {
     /// How a laser's mirror turns; absent of all other sensors.
     #[prost(message, optional, tag = "11")]
     pub sweep: ::core::option::Option<Sweep>,
+    /// Counts a metre of way over the floor, if it counts that.
+    #[prost(double, optional, tag = "12")]
+    pub counts_per_m: ::core::option::Option<f64>,
 }
 /// The sweep of a laser range finder. A reading of it is as old as its first ray.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]

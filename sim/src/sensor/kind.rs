@@ -9,7 +9,7 @@ use baudbot_wire::Encoding;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{Measurement, Mount, encoder, gps, lowpass, odometer, touch};
+use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, touch};
 use crate::battery::Battery;
 use crate::random::Stream;
 use crate::scene::Ping;
@@ -230,6 +230,7 @@ pub(crate) enum Memory {
     Accelerometer([lowpass::LowPass; 2]),
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
+    OpticalFlow(Box<optical_flow::Track>),
 }
 
 impl Memory {
@@ -244,6 +245,7 @@ impl Memory {
                 Self::Filter(filter) => filter.is_sound(),
                 Self::Accelerometer(filters) => filters.iter().all(lowpass::LowPass::is_sound),
                 Self::Gps(wander) => wander.is_sound(),
+                Self::OpticalFlow(track) => track.is_sound(),
             }
     }
 }
@@ -278,4 +280,5 @@ parts! {
     Accelerometer([lowpass::LowPass; 2]),
     Gps(Box<gps::Wander>),
     Touch(touch::Contact),
+    OpticalFlow(Box<optical_flow::Track>),
 }

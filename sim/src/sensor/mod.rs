@@ -18,6 +18,7 @@ mod lowpass;
 mod mount;
 pub(crate) mod noise;
 mod odometer;
+mod optical_flow;
 mod own_clock;
 mod photoresistor;
 mod set;
@@ -53,6 +54,7 @@ pub use lookup::{Lookup, Sheet as LookupSheet};
 pub use mount::Mount;
 pub use noise::{Drift, Dropout, Noise, Spikes};
 pub use odometer::Odometer;
+pub use optical_flow::OpticalFlow;
 pub use own_clock::OwnClock;
 pub(crate) use own_clock::{Event, Parts, Running};
 pub use photoresistor::Photoresistor;
@@ -279,6 +281,7 @@ devices! {
     Encoders(Encoders),
     StepCounter(StepCounter),
     Odometer(Odometer),
+    OpticalFlow(OpticalFlow),
     Compass(Compass),
     Accelerometer(Accelerometer),
     Gyroscope(Gyroscope),

@@ -216,6 +216,14 @@ bits = 16
 kind = "odometer"
 sigma_m = 0.001
 bits = 16
+[robots.sensors.flow]
+kind = "optical-flow"
+mount = { x_m = 0.1, y_m = -0.05, heading_rad = 1.0 }
+counts_per_m = 1000000.0
+max_speed_m_s = 2.0
+gain_spread = 0.5
+sigma_m = 0.1
+bits = 8
 [robots.sensors.compass]
 kind = "compass"
 sigma_rad = 0.02

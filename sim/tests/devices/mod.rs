@@ -8,6 +8,7 @@ mod encoders;
 mod hostile;
 mod inertial;
 mod noise;
+mod optical_flow;
 mod own_clock;
 mod ports;
 mod position;

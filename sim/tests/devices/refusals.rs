@@ -62,6 +62,23 @@ fn a_clock_for_what_the_processor_times_itself() {
 }
 
 #[test]
+fn optical_flow_that_cannot_be() {
+    let flow = "kind = \"optical-flow\"\nmount = {}\ncounts_per_m = 15748.0\nmax_speed_m_s = 1.0";
+    sensor(&flow.replace("mount = {}\n", ""), ": needs either `bearing_rad`");
+    sensor(&flow.replace("15748.0", "0.5"), ".counts_per_m: must be within 1 and 1000000, is 0.5");
+    sensor(&flow.replace("= 1.0", "= 0.0"), ".max_speed_m_s: must be positive, is 0");
+    sensor(&format!("{flow}\ngain_spread = -0.1"), ".gain_spread: must not be negative, is -0.1");
+    sensor(&format!("{flow}\nsigma_m = nan"), ".sigma_m: must not be negative, is NaN");
+    sensor(&format!("{flow}\nbits = 7"), ".bits: a counter has 8 to 32 bits, not 7");
+    sensor(&format!("{flow}\nbits = 64"), ".bits: must be within 8 and 32, is 64");
+    sensor(
+        &format!("{flow}\nnoise = {{ additive = 0.1 }}"),
+        ".noise: a sensor of kind `optical-flow` is digital",
+    );
+    sensor(&format!("{flow}\nclock = {{ period_ms = 10.0 }}"), ".clock: it counts from one read to the next");
+}
+
+#[test]
 fn ports_of_the_wrong_kind() {
     let port = |fields: &str| format!("port = {{ link = {{ kind = \"ideal\" }}{fields} }}");
     sensor(

@@ -98,6 +98,7 @@ const HUES: Record<string, string> = {
   sonar: "#0072b2",
   laser: "#009e73",
   "line-camera": "#cc79a7",
+  "optical-flow": "#661100",
   whisker: "#882255",
   bumper: "#332288",
   photoresistor: "#b58900",
