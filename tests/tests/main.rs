@@ -5,6 +5,7 @@ mod avoid;
 mod bad_input;
 mod budget;
 mod by_hand;
+mod cloning;
 mod connections;
 mod coverage;
 mod data_sheet;
