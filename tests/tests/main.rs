@@ -22,6 +22,7 @@ mod navigation;
 mod page;
 mod potential;
 mod readme;
+mod recipes;
 mod recording;
 mod room;
 mod services;
