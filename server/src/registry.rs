@@ -70,6 +70,13 @@ impl Registry {
         })
     }
 
+    /// A name that no world has: this one and a number.
+    pub(crate) fn free_name(&self, name: &str) -> String {
+        let worlds = self.lock();
+        let mut names = (2..).map(|number: u64| format!("{name}-{number}"));
+        names.find(|name| !worlds.by_name.contains_key(name.as_str())).expect("worlds are few, numbers many")
+    }
+
     /// All worlds in the order of their names.
     pub(crate) fn all(&self) -> Vec<WorldHandle> {
         self.lock().by_name.values().map(|(world, _)| world.clone()).collect()

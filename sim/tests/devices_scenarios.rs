@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use baudbot_scenario::Override;
 use baudbot_sim::link::{Adapter, Link};
+use baudbot_sim::sensor::SensorKind;
 use baudbot_sim::{Scenario, World};
 
 const TICKS: u64 = 200;
@@ -80,7 +81,7 @@ fn every_device_is_in_one_of_them() {
             actuators.extend(robot.actuators.iter().map(baudbot_sim::actuator::Actuator::kind));
         }
     }
-    assert_eq!(sensors.len(), 21, "{sensors:?}");
+    assert_eq!(sensors.len(), SensorKind::ALL.len(), "{sensors:?}");
     assert_eq!(motors, BTreeSet::from(["dc", "servo", "stepper", "velocity"]));
     assert_eq!(actuators, BTreeSet::from(["lamp", "speaker", "turret"]));
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use baudbot_client::Body;
 use baudbot_proto::v1::RobotDescription;
 use baudbot_sim::model::RobotSpec;
+use baudbot_sim::sensor::SensorKind;
 
 /// Calls this for each robot.
 fn for_each_robot(mut check: impl FnMut(&RobotSpec)) {
@@ -48,5 +49,5 @@ fn kinds_are_called_what_scenarios_call_them() {
             sensors.insert(spec.device.kind());
         }
     });
-    assert_eq!((sensors.len(), motors.len()), (20, 4), "{sensors:?} {motors:?}");
+    assert_eq!((sensors.len(), motors.len()), (SensorKind::ALL.len(), 4), "{sensors:?} {motors:?}");
 }

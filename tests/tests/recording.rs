@@ -168,6 +168,9 @@ async fn a_replay_refuses_what_would_change_it_until_it_is_forked() {
     assert_eq!(reset.unwrap_err().code(), Code::FailedPrecondition);
     assert_eq!(operator.start_recording(named("w")).await.unwrap_err().code(), Code::FailedPrecondition);
     let before = status(&server).await.state_hash;
+    let cloned = v1::CloneWorldRequest { original: world(), ..Default::default() };
+    let cloned = operator.clone_world(cloned).await.unwrap().into_inner().status.unwrap();
+    assert_eq!((cloned.tick, cloned.state_hash, cloned.replay), (100, before, None), "a live clone");
     let pace = v1::Pace { kind: Some(v1::pace::Kind::Lockstep(v1::Lockstep::default())) };
     let forked = v1::ForkReplayRequest { world: world(), pace: Some(pace) };
     let forked = operator.fork_replay(forked).await.unwrap().into_inner().status.unwrap();

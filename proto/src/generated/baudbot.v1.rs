@@ -936,6 +936,27 @@ pub struct SaveWorldResponse {
     #[prost(fixed64, tag = "3")]
     pub state_hash: u64,
 }
+/// Asks for a clone.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct CloneWorldRequest {
+    /// Name of the world that is cloned. One that replays a recording gets a live clone.
+    #[prost(string, tag = "1")]
+    pub original: ::prost::alloc::string::String,
+    /// Name of the clone, as of a world that CreateWorld makes. Empty: the original's name and a number, such as `wander-2`.
+    #[prost(string, tag = "2")]
+    pub world: ::prost::alloc::string::String,
+    /// Absent: the original's.
+    #[prost(message, optional, tag = "3")]
+    pub pace: ::core::option::Option<Pace>,
+}
+/// The clone.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct CloneWorldResponse {
+    /// It stands at the original's tick until StartWorld, so that brains can attach and changes be made at that tick. It has no
+    /// brains, no snapshots and no recording of its own yet.
+    #[prost(message, optional, tag = "1")]
+    pub status: ::core::option::Option<WorldStatus>,
+}
 /// Asks to record.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StartRecordingRequest {
@@ -1667,6 +1688,32 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SaveWorld"));
             self.inner.unary(req, path, codec).await
         }
+        /// Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
+        /// scenario, seed and changes by hand, and from there on nothing in common with the original.
+        pub async fn clone_world(
+            &mut self,
+            request: impl tonic::IntoRequest<super::CloneWorldRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CloneWorldResponse>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/baudbot.v1.ControlService/CloneWorld",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("baudbot.v1.ControlService", "CloneWorld"));
+            self.inner.unary(req, path, codec).await
+        }
         /// Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none.
         pub async fn start_recording(
             &mut self,
@@ -1983,6 +2030,15 @@ pub mod control_service_server {
             request: tonic::Request<super::SaveWorldRequest>,
         ) -> std::result::Result<
             tonic::Response<super::SaveWorldResponse>,
+            tonic::Status,
+        >;
+        /// Makes a new world that goes on from the present state of another one, to try what would happen if. It has the same
+        /// scenario, seed and changes by hand, and from there on nothing in common with the original.
+        async fn clone_world(
+            &self,
+            request: tonic::Request<super::CloneWorldRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CloneWorldResponse>,
             tonic::Status,
         >;
         /// Records a world from now on, into the server's folder of recordings. FAILED_PRECONDITION if it has none.
@@ -2697,6 +2753,51 @@ pub mod control_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = SaveWorldSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/baudbot.v1.ControlService/CloneWorld" => {
+                    #[allow(non_camel_case_types)]
+                    struct CloneWorldSvc<T: ControlService>(pub Arc<T>);
+                    impl<
+                        T: ControlService,
+                    > tonic::server::UnaryService<super::CloneWorldRequest>
+                    for CloneWorldSvc<T> {
+                        type Response = super::CloneWorldResponse;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::CloneWorldRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as ControlService>::clone_world(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = CloneWorldSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

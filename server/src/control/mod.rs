@@ -38,6 +38,11 @@ impl Control {
         async { self.registry.find("world", world)?.request(request).await }.instrument(span).await
     }
 
+    async fn create(&self, new: NewWorld) -> Result<v1::WorldStatus, Status> {
+        let report = self.registry.create(new)?.request(Asked::Report).await?;
+        Ok(status_of(report).await?.1)
+    }
+
     async fn status(&self, world: &str, request: Asked) -> Result<Option<v1::WorldStatus>, Status> {
         Ok(Some(status_of(self.request(world, request).await?).await?.1))
     }
@@ -133,9 +138,8 @@ impl ControlService for Control {
         let (pace, paused) = (convert::pace_from(request.pace)?.unwrap_or(Pace::REAL_TIME), request.paused);
         let (name, world) = blocking(move || new_world(request)).await??;
         let new = NewWorld { paused, ..NewWorld::new(name, world, pace) };
-        let report = self.registry.create(new)?.request(Asked::Report).await?;
-        let (_, status) = status_of(report).await?;
-        Ok(Response::new(v1::CreateWorldResponse { status: Some(status) }))
+        let status = Some(self.create(new).await?);
+        Ok(Response::new(v1::CreateWorldResponse { status }))
     }
 
     async fn list_worlds(
@@ -250,6 +254,19 @@ impl ControlService for Control {
         request: Request<v1::SaveWorldRequest>,
     ) -> Result<Response<v1::SaveWorldResponse>, Status> {
         Ok(Response::new(self.save(request.into_inner()).await?))
+    }
+
+    async fn clone_world(
+        &self,
+        request: Request<v1::CloneWorldRequest>,
+    ) -> Result<Response<v1::CloneWorldResponse>, Status> {
+        let v1::CloneWorldRequest { original, world: name, pace } = request.into_inner();
+        let pace = convert::pace_from(pace)?;
+        let state = self.registry.find("original", &original)?.request(Asked::Save { snapshot: 0 }).await?;
+        let name = if name.is_empty() { self.registry.free_name(&original) } else { name };
+        let new = NewWorld { paused: true, ..NewWorld::new(name, state.world, pace.unwrap_or(state.pace)) };
+        let status = Some(self.create(new).await?);
+        Ok(Response::new(v1::CloneWorldResponse { status }))
     }
 
     async fn start_recording(

@@ -9,7 +9,7 @@ use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
 
-use super::{Control, status_of};
+use super::Control;
 use crate::actor::NewWorld;
 use crate::blocking::blocking;
 use crate::convert;
@@ -88,8 +88,7 @@ impl Control {
         let name = if world.is_empty() { recording.replace('.', "-") } else { world };
         let new =
             NewWorld { replay: Some(replay), paused: true, ..NewWorld::new(name, made, Pace::REAL_TIME) };
-        let report = self.registry.create(new)?.request(Request::Report).await?;
-        Ok(status_of(report).await?.1)
+        self.create(new).await
     }
 
     pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
