@@ -351,7 +351,7 @@ fn another_build_of_the_model_does_not_go_on_with_a_journal() {
     let error = run(&experiment, &out).unwrap_err().to_string();
     assert!(
         error.contains("was begun by another build of baudbot, whose runs differ from this one's")
-            && error.contains(&format!("(`{other}`, and not `{own}`)"))
+            && error.contains(&format!("(`{other}` instead of `{own}`)"))
             && error.contains("--fresh"),
         "{error}"
     );

@@ -64,7 +64,7 @@ fn a_list_that_is_none_and_names_that_are_taken() {
     let twice = format!("{SCENARIO}{SCENARIO}");
     assert_says(
         &Folder::new().refused(&twice),
-        &["arena.maps[1].name: arena.maps[0] is called \"map\", too"],
+        &["arena.maps[1].name: arena.maps[0] is also called \"map\""],
     );
     let folder = Folder::with(&[("map.yaml", YAML)]).file("map.pgm", &pgm(1, &[0]));
     let message = folder.refused(&format!("{SCENARIO}[arena.polygons]\nname = \"x\""));

@@ -354,7 +354,7 @@ fn what_cannot_be_filled_is_refused() {
         "preset = \"xyzzyplugh\"",
         "robots[0].preset: there is no preset `xyzzyplugh`; `baudbot preset` lists all",
     );
-    refused("preset = \"gp2d12\"", "robots[0].preset: `gp2d12` is a sensor, needed is a robot");
+    refused("preset = \"gp2d12\"", "robots[0].preset: `gp2d12` is a sensor, but a robot is needed");
     refused("preset = 3", "robots[0].preset: must be the name of a preset, is of type integer");
     refused(
         "without = [\"ir_6\"]",
@@ -371,13 +371,16 @@ fn what_cannot_be_filled_is_refused() {
     let place = |place: &str| refusal(&robot(&format!("{BODY}{place}.preset = \"arsim\"")));
     assert_eq!(
         place("sensors.front"),
-        "robots[0].sensors.front.preset: `arsim` is a robot, needed is a sensor"
+        "robots[0].sensors.front.preset: `arsim` is a robot, but a sensor is needed"
     );
     assert_eq!(
         place("sensors.s.port.link"),
-        "robots[0].sensors.s.port.link.preset: `arsim` is a robot, needed is a link"
+        "robots[0].sensors.s.port.link.preset: `arsim` is a robot, but a link is needed"
     );
-    assert_eq!(place("motors"), "robots[0].motors.preset: `arsim` is a robot, needed is a pair of motors");
+    assert_eq!(
+        place("motors"),
+        "robots[0].motors.preset: `arsim` is a robot, but a pair of motors is needed"
+    );
     for part in ["microcontroller", "link", "battery"] {
         assert!(place(part).starts_with(&format!("robots[0].{part}.preset: `arsim` is a robot")), "{part}");
     }

@@ -218,7 +218,7 @@ mod tests {
         let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
         assert!(
             Disperse::new(empty, &kit)
-                .is_err_and(|error| error.to_string().starts_with("walls_m: without walls"))
+                .is_err_and(|error| error.to_string().starts_with("walls_m: localization needs walls"))
         );
         assert_eq!(refused("beams = 0"), "beams: must be at least 1");
         assert_eq!(refused("sure_m = 0"), "sure_m: must be positive, is 0");

@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn what_is_no_sketch_is_refused_with_its_line() {
         let text = |text| Grid::from_text(text).unwrap_err().to_string();
-        assert_eq!(text("..\n.x"), "line 2, column 2: `x` is no cell; write `.`, `#`, `S` or `T`");
+        assert_eq!(text("..\n.x"), "line 2, column 2: `x` is not a cell; write `.`, `#`, `S` or `T`");
         assert_eq!(text("..\n..\n..."), "line 3 has 3 cells, the first line 2");
         assert_eq!(text(""), "a grid has 1 to 16777216 cells, not 0 columns by 0 rows");
         let two = Grid::from_text("SS").unwrap();

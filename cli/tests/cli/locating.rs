@@ -216,7 +216,7 @@ fn what_cannot_be_is_refused_with_its_option() {
     // A sweep takes 67 ms.
     let over = refusal(&["--set", "end.after_s=0.01"]);
     assert!(
-        over.contains("the laser `laser` takes no scan within 60 s") && over.contains("over before"),
+        over.contains("the laser `laser` takes no scan within 60 s") && over.contains("scenario end before"),
         "{over}"
     );
 }

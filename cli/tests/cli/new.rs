@@ -14,7 +14,7 @@ fn folder(name: &str) -> String {
 fn a_project_in_rust_names_the_crates_of_this_one() {
     let folder = folder("weaver");
     let said = good(&["new", "brain", &folder]);
-    assert!(said.starts_with(&format!("{folder} is there.")), "{said}");
+    assert!(said.starts_with(&format!("{folder} is ready.")), "{said}");
     let read = |name: &str| std::fs::read_to_string(Path::new(&folder).join(name)).unwrap();
     assert!(read("Cargo.toml").contains("name = \"weaver\""));
     assert!(read("src/main.rs").contains("impl MotorBehavior for Weave"));

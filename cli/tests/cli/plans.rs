@@ -31,7 +31,7 @@ fn lengths_and_counts_are_those_of_the_grids() {
         (TRAP, "theta-star", "8", None, "20.2341 m, 2 bends"),
     ] {
         let said = across(grid, &["--method", method, "--steps", steps]);
-        assert!(said.contains(&format!("way        {way}")), "{method} {steps}: {said}");
+        assert!(said.contains(&format!("path       {way}")), "{method} {steps}: {said}");
         let expanded = effort.map_or(String::new(), |cells| format!(" cells, {cells} expanded\n"));
         assert!(said.contains(&expanded), "{method} {steps}: {said}");
     }
@@ -93,7 +93,7 @@ fn a_walker_that_gets_stuck_says_where_and_ends_with_1() {
     };
     let (code, out, err) = way("walker");
     assert_eq!((code, err.as_str()), (1, ""), "{out}");
-    assert!(out.contains("way        stuck at (4.5, 2.5): all neighbours were visited\n"), "{out}");
+    assert!(out.contains("path       stuck at (4.5, 2.5): all neighbours were visited\n"), "{out}");
     let (code, out, _) = way("greedy");
     assert_eq!(code, 0, "{out}");
 }
