@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Measures the structure of the Rust code: its size, its longest functions, and modules that reach each other in a circle.
 
-    python3 tools/house.py [--rev COMMIT] [--json]
+    python3 tools/house.py [--rev COMMIT] [--json | --check]
+
+With --check it names what the house rules of CONTRIBUTING.md forbid, and exits with 1 if there is anything of the kind.
+`house.toml` beside it has the exceptions, with the reason for each.
 
 A module is a file or folder right below a crate's `src`; it reaches another if its path stands in its code, tests left out.
-Lines of code are those that have more than a comment. What only tests use (`#[cfg(test)]`, `tests.rs`, `tests/`) is counted apart;
+Lines of code are those that have more than a comment; the length of a file counts all lines but those of tests. What only tests use (`#[cfg(test)]`, `tests.rs`, `tests/`) is counted apart;
 generated code is not counted.
 """
 
@@ -15,24 +18,61 @@ import re
 import subprocess
 import sys
 import tarfile
+import tomllib
 from collections import defaultdict
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 LONGEST_FUNCTION = 40
 LONGEST_FILE = 400
+EXCEPTIONS = Path(__file__).with_name("house.toml")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rev", help="a commit; otherwise what lies in the working tree")
-    parser.add_argument("--json", action="store_true", help="for programs")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="for programs")
+    form.add_argument("--check", action="store_true", help="say only what is amiss; exit with 1 if anything is")
     args = parser.parse_args()
     crates = measured(sources(args.rev))
+    if args.check:
+        found = amiss(crates, tomllib.loads(EXCEPTIONS.read_text(encoding="utf-8")))
+        print("\n".join(found) or "no circle of modules, nothing too long, no error that is a text; exceptions: tools/house.toml")
+        sys.exit(1 if found else 0)
     if args.json:
         json.dump(crates, sys.stdout, indent=1)
         print()
     else:
         show(crates)
+
+
+def amiss(crates, exceptions):
+    """What the house rules forbid and no exception lets pass, and exceptions that nothing needs any more."""
+    wrong, needed = [], []
+    for crate, found in crates.items():
+        for knot in found.get("knots", []):
+            passes = [one for one in exceptions.get("knots", []) if one["crate"] == crate and set(knot) <= set(one["modules"])]
+            needed += passes
+            if not passes:
+                wrong.append(f"{crate}: these modules reach each other in a circle: {' '.join(knot)}; move what they share into one below them")
+        for key, rule in RULES.items():
+            for place in found.get(key, []):
+                passes = [one for one in exceptions.get(key, []) if one["place"] == f"{crate}/src/{place}"]
+                needed += passes
+                if not passes:
+                    wrong.append(f"{crate}/src/{place}: {rule(found[key][place])}")
+    for key, all_of_them in exceptions.items():
+        for one in all_of_them:
+            if one not in needed:
+                wrong.append(f"tools/house.toml: [[{key}]] {one.get('place') or one['crate']}: nothing needs this exception any more; remove it")
+    return wrong
+
+
+RULES = {
+    "long_functions": lambda lines: f"the function has {lines} lines, more than {LONGEST_FUNCTION}; split it by what its parts mean",
+    "long_files": lambda lines: f"the file has {lines} lines without its tests, more than {LONGEST_FILE}; move its second idea into another",
+    "string_errors": lambda _: "a public function's error is a String; give it an error type",
+}
 
 
 def sources(rev):
@@ -61,7 +101,7 @@ def measured(files):
 
 
 def of_crate(files):
-    found = {"files": len(files), "code": 0, "tests": 0, "wildcards": 0, "string_errors": [], "long_functions": [], "long_files": []}
+    found = {"files": len(files), "code": 0, "tests": 0, "wildcards": 0, "string_errors": {}, "long_functions": {}, "long_files": {}}
     reached = defaultdict(set)
     for path, text in sorted(files.items()):
         code = bare(text)
@@ -73,10 +113,10 @@ def of_crate(files):
         found["code"] += lines
         found["tests"] += code_lines(tests)
         found["wildcards"] += len(re.findall(r"(?<![\w.])_ (?:if [^=]*)?=>", kept))
-        found["string_errors"] += [f"{path}: {name}" for name in string_errors(kept)]
-        found["long_functions"] += [f"{path}: {name} {n}" for name, n in functions(kept) if n > LONGEST_FUNCTION]
-        if text.count("\n") > LONGEST_FILE:
-            found["long_files"].append(f"{path} {text.count(chr(10))}")
+        found["string_errors"] |= {f"{path}: {name}": None for name in string_errors(kept)}
+        found["long_functions"] |= {f"{path}: {name}": n for name, n in functions(kept) if n > LONGEST_FUNCTION}
+        if kept.count("\n") > LONGEST_FILE:
+            found["long_files"][path] = kept.count("\n")
         module = module_of(path)
         for other in paths(path, kept):
             if other != module:
@@ -219,11 +259,15 @@ def show(crates):
             total[i] += number
         print_row(crate, row)
     print_row("all", [total[i] for i in range(8)])
-    for title, key in [("knots", "knots"), ("functions over 40 lines", "long_functions"), ("files over 400 lines", "long_files"), ("public functions whose error is a String", "string_errors")]:
+    print("\nknots:")
+    for crate, found in crates.items():
+        for knot in found.get("knots", []):
+            print(f"  {crate}: {' '.join(knot)}")
+    for title, key in [("functions over 40 lines", "long_functions"), ("files over 400 lines", "long_files"), ("public functions whose error is a String", "string_errors")]:
         print(f"\n{title}:")
         for crate, found in crates.items():
-            for one in found.get(key, []):
-                print(f"  {crate}: {one if isinstance(one, str) else ' '.join(one)}")
+            for place, lines in found.get(key, {}).items():
+                print(f"  {crate}: {place} {lines or ''}".rstrip())
 
 
 def print_row(name, row):

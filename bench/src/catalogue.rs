@@ -1,7 +1,8 @@
 //! The workloads by name.
 
+use crate::child::Streams;
 use crate::in_process::{InProcess, Unfit};
-use crate::network::{Network, Streams};
+use crate::network::Network;
 use crate::scenario::Cable;
 
 /// A workload: a row of the table.

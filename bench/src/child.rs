@@ -1,5 +1,4 @@
-//! Each workload runs in a process of its own, so that its peak of memory is its own. This is how the two talk: the
-//! task is an argument, and what happens comes back on stdout, a line of JSON each.
+//! A process that does a task: the task is its last argument, and what happens comes back on stdout, a line of JSON each.
 
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Command, ExitCode, Stdio};
@@ -7,11 +6,7 @@ use std::process::{Command, ExitCode, Stdio};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::catalogue::{self, Kind, Workload};
 use crate::measure::Effort;
-use crate::network::{self, Brains};
-use crate::outcome::{Beside, Outcome};
-use crate::process;
 
 /// What a child process is to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +15,26 @@ pub(crate) enum Task {
     Workload { name: String, effort: Effort, threads: usize },
     /// Be the brains of the server at this address.
     Brains { address: String, what: Brains },
+}
+
+/// What the process with the brains is to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Brains {
+    /// Drive these robots in lockstep and measure the ticks a second; beside it, a ping-pong at the other address.
+    Lockstep { robots: Vec<String>, streams: Streams, ping: Option<String>, lookahead: bool, effort: Effort },
+    /// Drive these robots, as many on each stream, until the server ends.
+    RealTime { robots: Vec<String>, streams: usize },
+}
+
+/// How brains are connected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Streams {
+    /// Each has a connection.
+    Connections,
+    /// Each has a stream, all on one connection.
+    OneConnection,
+    /// One stream for all.
+    OneStream,
 }
 
 /// What a child process says.
@@ -42,33 +57,6 @@ pub enum ChildError {
     /// It ended without a word.
     #[error("its process ended without an outcome ({0})")]
     Silent(String),
-}
-
-/// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
-/// number of each repeat before it begins, from 1.
-///
-/// # Errors
-/// If it could not be measured.
-pub fn measure(
-    command: Command,
-    workload: &Workload,
-    effort: Effort,
-    threads: usize,
-    progress: impl FnMut(u32),
-) -> Result<Outcome, ChildError> {
-    let task = Task::Workload { name: workload.name.to_owned(), effort, threads };
-    Child::start(command, &task)?.end(progress)
-}
-
-/// What a child process does with its last argument. `command` begins a process like itself.
-pub fn serve(task: &str, command: Command) -> ExitCode {
-    match serde_json::from_str::<Task>(task) {
-        Ok(Task::Workload { name, effort, threads }) => tell(perform(&name, effort, threads, command)),
-        Ok(Task::Brains { address, what }) => {
-            tell(network::perform(&address, &what, |repeat| say(&Said::<()>::Repeat(repeat))))
-        }
-        Err(error) => tell::<()>(Err(format!("`{task}` is no task: {error}"))),
-    }
 }
 
 /// A process that does a task. Dropped before its end, it is ended.
@@ -106,37 +94,16 @@ impl Child {
     }
 }
 
-fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Result<Outcome, String> {
-    let workload = catalogue::WORKLOADS.iter().find(|workload| workload.name == name);
-    let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
-    let progress = |repeat| say(&Said::<()>::Repeat(repeat));
-    let mut outcome = Outcome::new(workload.name, workload.unit, threads);
-    match workload.kind {
-        Kind::InProcess(world) => {
-            let run = world.run(effort, threads, progress).map_err(|error| error.to_string())?;
-            outcome.samples = run.samples;
-            outcome.hash = Some(format!("{:016x}", run.hash));
-            outcome.hash_ticks = Some(run.probe_ticks);
-            outcome.peak_memory_bytes = process::peak_memory_bytes();
-        }
-        Kind::Network(network) => {
-            let (found, notes) = network.run(effort, command, progress).map_err(|error| error.to_string())?;
-            outcome.samples = found.samples;
-            outcome.notes = notes;
-            outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
-            if !found.ping.is_empty() {
-                let what = "a bare ping-pong of 64 bytes".to_owned();
-                outcome.beside = Some(Beside { what, samples: found.ping });
-            }
-        }
-    }
-    Ok(outcome)
-}
-
-fn tell<T: Serialize>(result: Result<T, String>) -> ExitCode {
+/// Says how the task ended.
+pub(crate) fn tell<T: Serialize>(result: Result<T, String>) -> ExitCode {
     let code = if result.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     say(&result.map_or_else(Said::Failed, Said::Done));
     code
+}
+
+/// Says that a repeat begins.
+pub(crate) fn tell_repeat(repeat: u32) {
+    say(&Said::<()>::Repeat(repeat));
 }
 
 /// A parent that is gone hears nothing, and nothing is left to do.

@@ -3,14 +3,14 @@
 //! 1. [`plan`] reads the floor plans in `bench/geometry`, [`scenario`] makes scenarios of them.
 //! 2. [`driver`] steers robots by what they sense, [`rig`] is a world with its drivers in one thread.
 //! 3. `in_process` measures those; `network` measures servers whose brains are in another process.
-//! 4. [`catalogue`] has the workloads by name. [`child`] runs each in a process of its own and says what came of it, an
-//!    [`outcome`].
+//! 4. [`catalogue`] has the workloads by name. [`worker`] runs each in a process of its own (`child`) and says what came of
+//!    it, an [`outcome`].
 //! 5. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
 //!    operating system says.
 
 pub mod calibration;
 pub mod catalogue;
-pub mod child;
+mod child;
 pub mod driver;
 mod in_process;
 pub mod measure;
@@ -20,6 +20,8 @@ pub mod plan;
 pub mod process;
 pub mod rig;
 pub mod scenario;
+pub mod worker;
 
+pub use child::ChildError;
 pub use in_process::Unfit;
 pub use network::NetworkError;

@@ -11,9 +11,9 @@ use std::process::{Command, ExitCode};
 
 use anyhow::Context;
 use baudbot_bench::catalogue::{self, Workload};
-use baudbot_bench::child;
 use baudbot_bench::measure::Effort;
 use baudbot_bench::outcome::Outcome;
+use baudbot_bench::worker;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -36,7 +36,7 @@ fn main() -> ExitCode {
 
 fn bench(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
-        return Ok(child::serve(task, child_command()?));
+        return Ok(worker::serve(task, child_command()?));
     }
     let chosen = catalogue::select(&args.workloads).map_err(|error| Refused(error.to_string()))?;
     if args.list {
@@ -86,7 +86,7 @@ fn measure(
         let before = i as u64 * u64::from(args.repeats);
         bar.set_message(format!("{}: warm-up", workload.name));
         bar.set_position(before);
-        let outcome = child::measure(child_command()?, workload, effort, args.threads.into(), |repeat| {
+        let outcome = worker::measure(child_command()?, workload, effort, args.threads.into(), |repeat| {
             bar.set_message(format!("{}: repeat {repeat} of {}", workload.name, args.repeats));
             bar.set_position(before + u64::from(repeat) - 1);
         });

@@ -13,11 +13,7 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         |count| Component { name: String::new(), unit: "1".to_owned(), encoding: Encoding::Float64, count };
     let sensor = |&(name, kind, heading_rad): &(&str, &str, f64)| Sensor {
         name: name.to_owned(),
-        kind: SensorKind::ALL
-            .iter()
-            .find(|known| known.name() == kind)
-            .copied()
-            .unwrap_or(SensorKind::Unknown),
+        kind: kind_named(kind),
         components: match kind {
             "odometer" => vec![component(1); 3],
             "laser" => vec![component(3)],
@@ -50,6 +46,10 @@ pub(crate) fn body(sensors: &[(&str, &str, f64)]) -> Body {
         operations_per_s: None,
         ram_bytes: None,
     }
+}
+
+fn kind_named(name: &str) -> SensorKind {
+    SensorKind::ALL.iter().find(|kind| kind.name() == name).copied().unwrap_or(SensorKind::Unknown)
 }
 
 /// A turn at this instant, with new readings of these values, sensor by sensor.

@@ -41,27 +41,7 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         ("ended", format!("because {}", summary.ending)),
         ("state hash", summary.state_hash.clone()),
     ];
-    if let Some(lockstep) = &summary.lockstep {
-        let share = percent(lockstep.waiting_s / summary.wall_s);
-        let timeouts = lockstep.watchdog_timeouts;
-        let text =
-            format!("{:.3} s for brains, {share} of the wall clock; {timeouts} timeouts", lockstep.waiting_s);
-        head.push(("waited", text));
-    }
-    if let Some(clock) = &summary.clock {
-        let late = duration(clock.lateness_max_ms * 1e6);
-        let text =
-            format!("{} overruns, at most {late} late, drift {:+.4} %", clock.overruns, clock.drift_percent);
-        head.push(("clock", text));
-        if clock.times_let_go > 0 {
-            let times = usize::try_from(clock.times_let_go).unwrap_or(usize::MAX);
-            let lags = count(times, "lag");
-            head.push((
-                "let go",
-                format!("{} s of the wall clock, in {lags} that were too long", handy(clock.let_go_s)),
-            ));
-        }
-    }
+    head.extend(pacing(summary));
     head.extend(summary.score.iter().flat_map(score));
     head.extend(summary.recording.iter().flat_map(recording));
     for Blocked { mover, blocked_s } in &summary.blocked {
@@ -69,6 +49,33 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         head.push(("warning", text));
     }
     head
+}
+
+/// How well the pace was kept.
+fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    if let Some(lockstep) = &summary.lockstep {
+        let share = percent(lockstep.waiting_s / summary.wall_s);
+        let timeouts = lockstep.watchdog_timeouts;
+        let text =
+            format!("{:.3} s for brains, {share} of the wall clock; {timeouts} timeouts", lockstep.waiting_s);
+        facts.push(("waited", text));
+    }
+    if let Some(clock) = &summary.clock {
+        let late = duration(clock.lateness_max_ms * 1e6);
+        let text =
+            format!("{} overruns, at most {late} late, drift {:+.4} %", clock.overruns, clock.drift_percent);
+        facts.push(("clock", text));
+        if clock.times_let_go > 0 {
+            let times = usize::try_from(clock.times_let_go).unwrap_or(usize::MAX);
+            let lags = count(times, "lag");
+            facts.push((
+                "let go",
+                format!("{} s of the wall clock, in {lags} that were too long", handy(clock.let_go_s)),
+            ));
+        }
+    }
+    facts
 }
 
 fn recording(recording: &Recording) -> Vec<(&'static str, String)> {
@@ -113,54 +120,52 @@ fn histogram(clock: &Clock) -> String {
 }
 
 fn of_robot(robot: &Robot, simulated_s: f64) -> String {
-    let brain = if robot.brain.is_empty() { "none" } else { &robot.brain };
     let mut text = format!("robot {}\n", robot.robot);
-    let collisions = usize::try_from(robot.collisions).unwrap_or(usize::MAX);
-    let mut facts = vec![
-        ("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands)),
-        (
-            "driven",
-            format!(
-                "{} m, {} m/s on average, {}",
-                handy(robot.distance_m),
-                handy(robot.distance_m / simulated_s),
-                count(collisions, "collision")
-            ),
-        ),
-        ("link", link(robot)),
-        ("cycles", cycles(&robot.cycles)),
-    ];
-    if !robot.said.is_empty() {
-        facts.insert(1, ("said", Printable(&robot.said).to_string()));
-    }
-    facts.extend(losses(robot).map(|losses| ("lost", losses)));
-    if robot.lost_deliveries > 0 {
-        facts.push((
-            "slow brain",
-            format!("{} turns were not delivered, as the brain did not read", robot.lost_deliveries),
-        ));
-    }
-    if robot.lost_steps > 0 {
-        facts.push((
-            "fast brain",
-            format!("{} steps were discarded, as there were too many in a tick", robot.lost_steps),
-        ));
-    }
-    if robot.frames_missed > 0 {
-        facts.push(("busy", format!("{} frames left out by the microcontroller", robot.frames_missed)));
-    }
-    facts.extend(robot.battery.as_ref().map(|battery| ("battery", self::battery(battery))));
-    if !robot.zones.is_empty() {
-        let zone = |zone: &Zone| format!("{} {} s", zone.zone, handy(zone.time_s));
-        facts.push(("zones", robot.zones.iter().map(zone).collect::<Vec<_>>().join(", ")));
-    }
-    text += &pairs("  ", &facts);
+    text += &pairs("  ", &robot_facts(robot, simulated_s));
     text += &table("    ", &lines(robot));
     if !robot.sensors.is_empty() {
         let _ = writeln!(text, "  sensors, and how old their readings were when the brain got them");
         text += &table("    ", &sensors(robot));
     }
     text
+}
+
+fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
+    let brain = if robot.brain.is_empty() { "none" } else { &robot.brain };
+    let mut facts =
+        vec![("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands))];
+    if !robot.said.is_empty() {
+        facts.push(("said", Printable(&robot.said).to_string()));
+    }
+    let [distance, speed] = [robot.distance_m, robot.distance_m / simulated_s].map(handy);
+    let collisions = count(usize::try_from(robot.collisions).unwrap_or(usize::MAX), "collision");
+    facts.extend([
+        ("driven", format!("{distance} m, {speed} m/s on average, {collisions}")),
+        ("link", link(robot)),
+        ("cycles", cycles(&robot.cycles)),
+    ]);
+    facts.extend(losses(robot).map(|losses| ("lost", losses)));
+    facts.extend(overload(robot));
+    facts.extend(robot.battery.as_ref().map(|battery| ("battery", self::battery(battery))));
+    if !robot.zones.is_empty() {
+        let zone = |zone: &Zone| format!("{} {} s", zone.zone, handy(zone.time_s));
+        facts.push(("zones", robot.zones.iter().map(zone).collect::<Vec<_>>().join(", ")));
+    }
+    facts
+}
+
+/// What was left out as there was too much of it: of turns, of steps and of frames.
+fn overload(robot: &Robot) -> impl Iterator<Item = (&'static str, String)> {
+    let Robot { lost_deliveries, lost_steps, frames_missed, .. } = robot;
+    let turns = format!("{lost_deliveries} turns came too late for a brain that did not read");
+    let steps = format!("{lost_steps} steps were thrown away, as there were too many in a tick");
+    let frames = format!("{frames_missed} frames left out by the microcontroller");
+    let all = [
+        (*lost_deliveries, ("slow brain", turns)),
+        (*lost_steps, ("fast brain", steps)),
+        (*frames_missed, ("busy", frames)),
+    ];
+    all.into_iter().filter(|(count, _)| *count > 0).map(|(_, fact)| fact)
 }
 
 fn cycles(cycles: &Cycles) -> String {

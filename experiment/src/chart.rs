@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use baudbot_plot::scale::number;
 use baudbot_plot::{caption, chart as plot};
 
-use crate::choice::{Choice, Field, Setting};
-use crate::experiment::{Chart, Experiment, Seeds};
+use crate::experiment::{Chart, Experiment};
+use crate::factor::{Choice, Field, Setting};
 use crate::figures::INFOS;
 use crate::raw::ChartKind;
-use crate::row::Row;
+use crate::run_record::Row;
+use crate::seeds::Seeds;
 use crate::statistics::{Sample, wilson};
 
 /// All charts of an experiment, and what they show.

@@ -11,14 +11,14 @@ use baudbot_brain::Body;
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::Scenario;
 
-use crate::choice::{Choice, Level, Setting};
 use crate::crew::{self, CrewError};
 use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::nearest::{Unknown, unknown};
-use crate::row::Task;
+use crate::factor::{Choice, Level, Setting};
+use crate::run_record::Task;
 use crate::setup::{self, Setup};
+use crate::suggest::UnknownName;
 
 /// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
 ///
@@ -152,11 +152,11 @@ fn missing<'a>(
     let mut by = |is: &dyn Fn(&Setting) -> bool, words: String| {
         settings.find(|(_, setting)| is(setting)).map(|(i, setting)| (i, setting, words))
     };
-    if let Some(unknown) = Unknown::field(error) {
-        return by(&|setting| mentions(setting, &unknown.name), unknown.words("field"));
+    if let Some(unknown) = UnknownName::field(error) {
+        return by(&|setting| mentions(setting, &unknown.name), unknown.to_string());
     }
-    if let Some(unknown) = Unknown::element(error) {
-        return by(&|setting| parts(setting).any(|part| part == unknown.name), unknown.words("element"));
+    if let Some(unknown) = UnknownName::element(error) {
+        return by(&|setting| parts(setting).any(|part| part == unknown.name), unknown.to_string());
     }
     if error.starts_with("there is no parameter of a brain") || error.starts_with("no brain `") {
         return by(&|setting| error.contains(&format!("`{}`", name(setting))), error.to_owned());
@@ -172,7 +172,7 @@ fn missing<'a>(
     let is_new = !known.contains(&made);
     by(
         &|setting| is_new && parts(setting).skip_while(|part| !MAPS.contains(part)).nth(1) == Some(made),
-        unknown("sensor or actuator", made, &known),
+        UnknownName::new("sensor or actuator", made, &known).to_string(),
     )
 }
 

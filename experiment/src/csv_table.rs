@@ -5,7 +5,7 @@ use std::io::Write;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::outputs::Content;
-use crate::row::Row;
+use crate::run_record::Row;
 
 /// Writes the rows, which come in the order of their runs: the same rows give the same bytes.
 pub(crate) fn write(

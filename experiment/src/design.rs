@@ -2,8 +2,8 @@
 
 use baudbot_sim::random::Stream;
 
-use crate::choice::{Choice, Field, Level};
 use crate::error::Error;
+use crate::factor::{Choice, Field, Level};
 use crate::raw::Kind;
 
 /// Which combinations there are. Each has a number, by which it is made.
@@ -125,7 +125,7 @@ fn chance(seed: u64, field: usize, sample: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::choice::Range;
+    use crate::factor::Range;
 
     fn numbers(label: &str, numbers: &[f64]) -> Field {
         let range = Range { target: label.to_owned(), from: 0.0, to: 1.0, log: false, whole: false };

@@ -1,5 +1,6 @@
 //! What can be wrong with an experiment, and what can go wrong with a sweep.
 
+use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -38,9 +39,8 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn field(path: impl Into<String>, problem: impl Into<String>) -> Self {
-        let printable = |text: String| Printable(text).to_string();
-        Self::Field { path: printable(path.into()), problem: printable(problem.into()) }
+    pub(crate) fn field(path: impl fmt::Display, problem: impl fmt::Display) -> Self {
+        Self::Field { path: Printable(path).to_string(), problem: Printable(problem).to_string() }
     }
 
     pub(crate) fn file(doing: &'static str, path: &Path) -> impl Fn(io::Error) -> Self {

@@ -2,16 +2,17 @@
 
 use toml::Value;
 
-use crate::choice::{Field, Setting};
 use crate::crew;
 use crate::design::{Cell, Design};
 use crate::error::Error;
+use crate::factor::{Choice, Field, Setting};
 use crate::figures::Figure;
-use crate::nearest::{reworded, unknown};
 use crate::raw::{self, ChartKind, Wants};
-use crate::row;
+use crate::run_record::{self, Row, Task};
+use crate::seeds::Seeds;
 use crate::success::Success;
-use crate::tune::Tuning;
+use crate::suggest::{UnknownName, reworded};
+use crate::tuning::Tuning;
 
 /// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
 #[derive(Clone, Debug, PartialEq)]
@@ -44,15 +45,6 @@ pub struct Experiment {
     pub charts: Vec<Chart>,
 }
 
-/// Seeds of the runs of a combination.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Seeds {
-    /// From one to another, both of them too.
-    From(u64, u64),
-    /// These.
-    List(Vec<u64>),
-}
-
 /// How a limit is looked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Find {
@@ -77,85 +69,6 @@ pub struct Chart {
     pub by: Option<usize>,
     /// What stands above it, if the file says so.
     pub title: Option<String>,
-}
-
-impl Seeds {
-    /// How many there are; never 0.
-    pub fn count(&self) -> u64 {
-        match self {
-            Self::From(first, last) => last - first + 1,
-            Self::List(seeds) => seeds.len() as u64,
-        }
-    }
-
-    /// One of them, from 0.
-    pub fn get(&self, place: u64) -> u64 {
-        match self {
-            Self::From(first, _) => first + place,
-            Self::List(seeds) => seeds[place as usize],
-        }
-    }
-
-    /// Parses `N` (1 to N), `A..B` (both of them too) or `A,B,C`.
-    ///
-    /// # Errors
-    /// If it is none of these.
-    pub fn parse(text: &str) -> Result<Self, Error> {
-        let problem = || Error::field("seeds", format!("`{text}` is not N, A..B or A,B,C"));
-        let number =
-            |text: &str| text.trim().parse().ok().filter(|&seed| seed <= MAX_SEED).ok_or_else(problem);
-        if let Some((first, last)) = text.split_once("..") {
-            let (first, last) = (number(first)?, number(last)?);
-            return if first <= last { Ok(Self::From(first, last)) } else { Err(problem()) };
-        }
-        match text.split(',').map(number).collect::<Result<Vec<_>, _>>()?.as_slice() {
-            [count] => Self::up_to(*count),
-            seeds => Self::list(seeds.to_vec()),
-        }
-    }
-
-    /// The greatest of them.
-    pub fn last(&self) -> u64 {
-        match self {
-            Self::From(_, last) => *last,
-            Self::List(seeds) => seeds.iter().copied().max().unwrap_or(0),
-        }
-    }
-
-    fn up_to(count: u64) -> Result<Self, Error> {
-        if count == 0 {
-            return Err(Error::field("seeds", "must be at least 1, is 0"));
-        }
-        Ok(Self::From(1, count))
-    }
-
-    fn list(seeds: Vec<u64>) -> Result<Self, Error> {
-        let mut sorted = seeds.clone();
-        sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(Error::field("seeds", format!("{} appears twice", pair[0])));
-        }
-        if seeds.is_empty() {
-            return Err(Error::field("seeds", "is empty, so there is nothing to run; give at least one"));
-        }
-        Ok(Self::List(seeds))
-    }
-
-    fn of(value: Option<&Value>) -> Result<Self, Error> {
-        let problem = || {
-            Error::field(
-                "seeds",
-                "must be how many there are, or a list such as [1, 5, 9], of whole numbers from 0",
-            )
-        };
-        let seed =
-            |value: &Value| value.as_integer().and_then(|seed| u64::try_from(seed).ok()).ok_or_else(problem);
-        match value {
-            None => Self::up_to(DEFAULT_SEEDS),
-            Some(Value::Array(list)) => Self::list(list.iter().map(seed).collect::<Result<_, _>>()?),
-            Some(count) => Self::up_to(seed(count)?),
-        }
-    }
 }
 
 impl Experiment {
@@ -219,20 +132,38 @@ impl Experiment {
         self.design.cell(&self.fields, number)
     }
 
+    /// The run of this number: all seeds of a combination, then those of the next.
+    pub fn task(&self, run: u64) -> Task {
+        let seeds = self.seeds.count();
+        Task { run, cell: self.cell(run / seeds), seed: self.seeds.get(run % seeds) }
+    }
+
+    /// The columns of the table.
+    pub fn columns(&self) -> Vec<String> {
+        let labels = self.fields.iter().map(|field| field.label.as_str());
+        run_record::columns(labels, self.success.is_some()).map(str::to_owned).collect()
+    }
+
+    /// Whether a run succeeded, if anything counts as success. One that could not be did not.
+    pub fn succeeded(&self, row: &Row) -> Option<bool> {
+        let success = self.success.as_ref()?;
+        Some(row.outcome.as_ref().is_ok_and(|ran| success.of(&ran.figures)))
+    }
+
     /// The place of a field by its label, or by the path that it varies.
     ///
     /// # Errors
-    /// Says which fields there are.
-    pub fn place(&self, name: &str) -> Result<usize, String> {
+    /// If there is none; says which there are.
+    pub fn place(&self, name: &str) -> Result<usize, UnknownName> {
         place(&self.fields, name)
     }
 }
 
-fn place(fields: &[Field], name: &str) -> Result<usize, String> {
+fn place(fields: &[Field], name: &str) -> Result<usize, UnknownName> {
     let is_target = |field: &Field| {
         let first = match &field.choice {
-            crate::choice::Choice::Range(range) => return range.target == name,
-            crate::choice::Choice::Levels(levels) => levels.first(),
+            Choice::Range(range) => return range.target == name,
+            Choice::Levels(levels) => levels.first(),
         };
         matches!(first.map(|level| level.settings.as_slice()), Some([Setting::Scenario { path, .. }]) if path == name)
             || matches!(
@@ -242,7 +173,7 @@ fn place(fields: &[Field], name: &str) -> Result<usize, String> {
     };
     let labels: Vec<_> = fields.iter().map(|field| field.label.as_str()).collect();
     let found = labels.iter().position(|label| *label == name).or_else(|| fields.iter().position(is_target));
-    found.ok_or_else(|| unknown("field", name, &labels))
+    found.ok_or_else(|| UnknownName::new("field", name, &labels))
 }
 
 fn unique(fields: &[Field]) -> Result<(), Error> {
@@ -251,7 +182,7 @@ fn unique(fields: &[Field]) -> Result<(), Error> {
         if field.label.is_empty() {
             return Err(Error::field(at(), "is empty"));
         }
-        if row::is_column(&field.label) {
+        if run_record::is_column(&field.label) {
             return Err(Error::field(
                 at(),
                 format!("`{}` is a column of the table already; choose another", field.label),
@@ -323,9 +254,3 @@ fn chart_of(i: usize, raw: raw::Chart, fields: &[Field], success: bool) -> Resul
     }
     Ok(Chart { figure, kind: raw.kind, x, by, title: raw.title })
 }
-
-/// How many seeds there are if the file does not say.
-const DEFAULT_SEEDS: u64 = 10;
-
-/// Largest seed that a scenario can have.
-const MAX_SEED: u64 = i64::MAX as u64;

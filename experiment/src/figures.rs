@@ -1,10 +1,10 @@
 //! Figures of merit: what is said of a run in numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
-//! `Figures::of`. What they are made of is in `counted`, which takes it from a world here or from a server's status.
+//! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.
 
-use crate::counted::{Ages, Counted, RobotCounted};
-use crate::nearest::unknown;
+use crate::metrics::{Ages, Counted, RobotCounted};
+use crate::suggest::UnknownName;
 
 /// A figure of merit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,10 +147,10 @@ impl Figure {
     ///
     /// # Errors
     /// Says which there are, the nearest first.
-    pub fn named(name: &str) -> Result<Self, String> {
+    pub fn named(name: &str) -> Result<Self, UnknownName> {
         let names = INFOS.map(|info| info.name);
         let found = INFOS.iter().find(|info| info.name == name);
-        found.map(|info| info.figure).ok_or_else(|| unknown("figure", name, &names))
+        found.map(|info| info.figure).ok_or_else(|| UnknownName::new("figure", name, &names))
     }
 
     /// What there is to know about it.
@@ -230,7 +230,7 @@ mod tests {
             assert_eq!(info.figure as usize, i, "{}", info.name);
             assert_eq!(Figure::named(info.name), Ok(info.figure));
         }
-        let error = Figure::named("distance").unwrap_err();
+        let error = Figure::named("distance").unwrap_err().to_string();
         assert!(error.starts_with("there is no figure `distance`; did you mean `distance_m`?"), "{error}");
     }
 }

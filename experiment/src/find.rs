@@ -7,14 +7,14 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::check::check;
-use crate::choice::{Choice, Level, Range};
 use crate::design::Cell;
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::experiment::Experiment;
+use crate::factor::{Choice, Level, Range};
 use crate::pool::Workers;
 use crate::raw::Wants;
-use crate::row::Task;
+use crate::run_record::Task;
 use crate::statistics::wilson;
 
 /// The limit of a field for one combination of the others.

@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use baudbot_brains::catalogue;
 
-use crate::counted::Counted;
 use crate::crew;
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
+use crate::metrics::Counted;
 use crate::pair::Pair;
-use crate::row::Ran;
+use crate::run_record::Ran;
 
 /// Equal for experiments whose runs are the same, run by run. What is only told or drawn of the runs makes no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {

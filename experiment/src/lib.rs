@@ -2,10 +2,10 @@
 //!
 //! From the file inwards:
 //!
-//! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `choice` a
+//! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `factor` a
 //!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
-//! 2. [`crew`] says which brain drives which robot. [`pair`] is a world and its brains in one thread; `here` makes a
-//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `counted`.
+//! 2. [`crew`] says which brain drives which robot. [`pair`] is a world and its brains in one thread; `local_runner` makes a
+//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
@@ -14,23 +14,23 @@
 
 pub mod chart;
 mod check;
-pub mod choice;
 #[cfg(feature = "parquet")]
 pub mod columnar;
-mod counted;
 pub mod crew;
 mod csv_table;
 pub mod design;
 mod error;
 mod estimate;
 mod experiment;
+pub mod factor;
 pub mod figures;
 pub mod find;
 mod fingerprint;
-mod here;
+mod goal;
+mod ids;
 mod journal;
-mod names;
-mod nearest;
+mod local_runner;
+mod metrics;
 mod outputs;
 pub mod pair;
 #[cfg(feature = "parquet")]
@@ -38,26 +38,33 @@ mod parquet_table;
 mod pool;
 mod raw;
 mod remote;
-mod row;
+mod run_record;
+mod seeds;
 mod setup;
 pub mod statistics;
 mod success;
+mod suggest;
 pub mod summary;
 mod sweep;
 pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod tune;
+mod tuning;
 
 pub use check::check;
 pub use error::Error;
 pub use estimate::{Estimate, span};
-pub use experiment::{Chart, Experiment, Find, Seeds};
-pub use here::run;
-pub use names::unique_name;
+pub use experiment::{Chart, Experiment, Find};
+pub use goal::Goal;
+pub use ids::unique_name;
+pub use local_runner::run;
 pub use pool::{Place, Workers};
-pub use raw::{ChartKind, Wants};
-pub use row::{Ran, Row, Task};
+pub use raw::{ChartKind, Method, Wants};
+pub use run_record::{Ran, Row, Task};
+pub use seeds::Seeds;
 pub use success::Success;
+pub use suggest::UnknownName;
 pub use sweep::{Options, Swept, sweep};
 pub use tune::{Tuned, tune};
+pub use tuning::Tuning;

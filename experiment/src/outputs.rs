@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::names;
+use crate::ids;
 
 /// A folder that belongs to this sweep while this value lives, even if the program is killed meanwhile.
 #[derive(Debug)]
@@ -90,13 +90,13 @@ fn id_in(lock: &mut File) -> io::Result<Option<String>> {
     let mut bytes = Vec::new();
     lock.take(64).read_to_end(&mut bytes)?;
     let text = String::from_utf8_lossy(&bytes);
-    if names::is_id(&text) {
+    if ids::is_id(&text) {
         return Ok(Some(text.into_owned()));
     }
-    if !names::is_start_of_id(&text) {
+    if !ids::is_start_of_id(&text) {
         return Ok(None);
     }
-    let id = names::random_id();
+    let id = ids::random_id();
     lock.rewind()?;
     lock.write_all(id.as_bytes())?;
     lock.sync_all()?;

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS};
 use crate::outputs::Content;
-use crate::row::Row;
+use crate::run_record::Row;
 
 /// Writes the rows, which come in the order of their runs.
 pub(crate) fn write(

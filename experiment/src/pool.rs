@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::here;
+use crate::local_runner;
 use crate::remote::Remote;
-use crate::row::{Row, Task};
+use crate::run_record::{Row, Task};
 
 /// Where runs are done.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +83,7 @@ impl Workers {
         while let Some(task) = next() {
             let start = Instant::now();
             let row = match &remote {
-                None => Ok(here::run(experiment, &task)),
+                None => Ok(local_runner::run(experiment, &task)),
                 Some(remote) => remote.run(experiment, &task),
             };
             let failed = row.is_err();

@@ -3,8 +3,6 @@
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use crate::tune::Method;
-
 /// The whole file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -83,6 +81,23 @@ pub(crate) struct Tune {
     pub(crate) generations: Option<u64>,
     pub(crate) seed: Option<u64>,
     pub(crate) check_seeds: Option<u64>,
+}
+
+/// How numbers are looked for.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+pub enum Method {
+    /// Covariance matrix adaptation: samples of a normal distribution that moves, grows, shrinks and leans as the better half
+    /// of them say. It begins in the middle of all ranges, and folds back what is beyond their ends.
+    #[default]
+    #[serde(rename = "cma-es")]
+    CmaEs,
+    /// Particle swarm optimization: each particle is drawn to the best place that it has seen, and to the best of all.
+    #[serde(rename = "pso")]
+    Swarm,
+    /// A genetic algorithm: tournaments, children between their parents or a little beyond, mutations by up to an eighth of
+    /// the range.
+    #[serde(rename = "ga")]
+    Genetic,
 }
 
 /// Which end of a field's values is sought.

@@ -9,11 +9,11 @@ use tokio::runtime::Runtime;
 use tonic::transport::Channel;
 use tonic::{Code, Status};
 
-use crate::counted::Counted;
 use crate::crew::{Crew, CrewError};
 use crate::error::Error;
 use crate::experiment::Experiment;
-use crate::row::{Ran, Row, Task};
+use crate::metrics::Counted;
+use crate::run_record::{Ran, Row, Task};
 use crate::setup::{self, Setup};
 
 /// A connection to a server that does runs.

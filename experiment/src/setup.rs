@@ -4,11 +4,11 @@ use baudbot_brains::catalogue;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
-use crate::choice::Setting;
 use crate::crew::{self, Job};
 use crate::experiment::Experiment;
-use crate::nearest::unknown;
-use crate::row::Task;
+use crate::factor::Setting;
+use crate::run_record::Task;
+use crate::suggest::UnknownName;
 
 /// A run that can be done.
 pub(crate) struct Setup {
@@ -80,5 +80,5 @@ fn set_parameter(jobs: &mut [Job], name: &str, value: &str) -> Result<(), String
         }
         known.extend(catalogue::parameters(&job.brain));
     }
-    if found { Ok(()) } else { Err(unknown("parameter of a brain", name, &known)) }
+    if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known).to_string()) }
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS, Info};
-use crate::row::Row;
+use crate::run_record::Row;
 use crate::statistics::{Sample, wilson};
 
 /// What came of the runs of a combination.

@@ -4,9 +4,10 @@ use baudbot_client::{Action, Client, Error, Fleet, Robot, Signals, Turn, connect
 use tokio::runtime::Runtime;
 use tokio::task::JoinSet;
 
+use super::Found;
 use super::ping::Player;
 use super::server::WORLD;
-use super::{Brains, Found, Streams};
+use crate::child::{Brains, Streams};
 use crate::driver::by_infrared;
 use crate::measure::{self, Effort};
 use crate::process::{self, Clock};

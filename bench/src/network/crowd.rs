@@ -9,9 +9,9 @@ use baudbot_server::{Pace, WorldConfig};
 use baudbot_sim::Scenario;
 
 use super::server::{Running, WORLD};
-use super::{Brains, Found, NetworkError, check};
+use super::{Found, NetworkError, check};
 use crate::calibration;
-use crate::child::{Child, Task};
+use crate::child::{Brains, Child, Task};
 use crate::measure::{Effort, Sample};
 use crate::process;
 

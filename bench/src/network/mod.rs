@@ -14,7 +14,7 @@ use std::process::Command;
 use baudbot_server::{Lockstep, Pace, WorldConfig};
 use serde::{Deserialize, Serialize};
 
-use crate::child::{self, ChildError};
+use crate::child::{Brains, Child, ChildError, Streams, Task};
 use crate::in_process::Unfit;
 use crate::measure::{Effort, Sample};
 use crate::plan::Plan;
@@ -35,26 +35,6 @@ pub(crate) enum Network {
     Team(Streams),
     /// 1,000 robots in real time, on 10 streams.
     Crowd,
-}
-
-/// How brains are connected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Streams {
-    /// Each has a connection.
-    Connections,
-    /// Each has a stream, all on one connection.
-    OneConnection,
-    /// One stream for all.
-    OneStream,
-}
-
-/// What the process with the brains is to do.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Brains {
-    /// Drive these robots in lockstep and measure the ticks a second; beside it, a ping-pong at the other address.
-    Lockstep { robots: Vec<String>, streams: Streams, ping: Option<String>, lookahead: bool, effort: Effort },
-    /// Drive these robots, as many on each stream, until the server ends.
-    RealTime { robots: Vec<String>, streams: usize },
 }
 
 /// What the process with the brains found.
@@ -99,7 +79,7 @@ impl Network {
         let server = Running::start(WorldConfig::new(WORLD, scenario).pace(pace(lookahead)))?;
         let ping = if self == Self::Alone { Some(server.ping()?) } else { None };
         let what = Brains::Lockstep { robots, streams, ping, lookahead, effort };
-        let child = child::Child::start(command, &child::Task::Brains { address: server.address(), what })?;
+        let child = Child::start(command, &Task::Brains { address: server.address(), what })?;
         let mut found: Found = child.end(progress)?;
         let status = server.status()?;
         server.end();

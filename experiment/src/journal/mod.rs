@@ -20,7 +20,7 @@ use self::reader::{Found, Refusal};
 use self::seal::Seal;
 use crate::error::Error;
 use crate::figures::INFOS;
-use crate::row::{Row, Written};
+use crate::run_record::{Row, Written};
 
 /// A journal that is open.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::Header;
 use super::seal::Seal;
-use crate::row::{Row, Written};
+use crate::run_record::{Row, Written};
 
 /// What there is in a journal.
 #[derive(Debug, Default)]

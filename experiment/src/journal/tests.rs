@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::figures::Figures;
-use crate::row::Ran;
+use crate::run_record::Ran;
 
 fn header() -> Header {
     Header::new("test", "0123456789abcdef".to_owned(), "0.1.0 0".to_owned(), 5)

@@ -1,12 +1,11 @@
 //! A candidate: numbers for all fields, and what came of its runs.
 
-use crate::choice::{Level, Range};
 use crate::experiment::Experiment;
+use crate::factor::{Level, Range};
 use crate::figures::Figure;
-use crate::row::Row;
+use crate::goal::Goal;
+use crate::run_record::Row;
 use crate::statistics::Sample;
-
-use super::goal::Goal;
 
 /// A set of numbers that was tried.
 #[derive(Clone, Debug, PartialEq)]

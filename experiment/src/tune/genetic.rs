@@ -7,7 +7,7 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::method::Course;
+use super::course::Course;
 use super::optimizers::fold;
 
 /// The points of the generation after those whose costs are given. The first has as many as the population, all others one
@@ -81,8 +81,8 @@ const CREEP: f64 = 0.125;
 
 #[cfg(test)]
 mod tests {
-    use super::super::method::Method;
     use super::*;
+    use crate::raw::Method;
 
     const COURSE: Course = Course { method: Method::Genetic, dimensions: 2, population: 12, seed: 3 };
 

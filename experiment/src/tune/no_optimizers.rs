@@ -1,6 +1,6 @@
 //! In place of `optimizers` where they are not built in.
 
-use super::method::Course;
+use super::course::Course;
 use crate::error::Error;
 
 /// Whether there are optimizers in this program.

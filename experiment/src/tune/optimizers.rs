@@ -12,10 +12,11 @@ use cmaes::{CMAESOptions, DVector};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
+use super::course::Course;
 use super::genetic;
 use super::ledger::Ledger;
-use super::method::{Course, Method};
 use crate::error::Error;
+use crate::raw::Method;
 
 /// Whether there are optimizers in this program.
 #[expect(clippy::unnecessary_wraps, reason = "it is as the one of a program without")]

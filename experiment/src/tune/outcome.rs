@@ -9,14 +9,15 @@ use baudbot_sim::printable::PrintableLines;
 use serde_json::{Value, json};
 
 use crate::chart;
-use crate::choice::{Choice, Field, Setting};
 use crate::crew;
 use crate::error::Error;
 use crate::experiment::Experiment;
+use crate::factor::{Choice, Field, Setting};
+use crate::goal::Goal;
 use crate::outputs::{Content, Folder};
 
 use super::candidate::{Candidate, Outcome, levels};
-use super::goal::Goal;
+use super::plan::ranges;
 
 /// How a tuning went.
 #[derive(Debug)]
@@ -240,7 +241,7 @@ fn options(experiment: &Experiment, best: &Candidate) -> String {
 }
 
 fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec<String>) {
-    let Ok(ranges) = super::tuning::ranges(experiment) else { return Default::default() };
+    let Ok(ranges) = ranges(experiment) else { return Default::default() };
     let mut brains = experiment.brains.clone();
     let mut sets = Vec::new();
     for setting in levels(&ranges, &candidate.values).iter().flat_map(|level| &level.settings) {

@@ -5,57 +5,23 @@ use std::{fs, process};
 
 use anyhow::Context;
 
-use super::{Run, Target, outcome};
+use super::{Target, outcome};
 
 pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
     let folder = std::env::temp_dir().join(format!("baudbot-fuzz-{}", process::id()));
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let maps = import(&folder, "map.yaml", "[[arena.maps]]\nname = \"m\"\nros = \"map.yaml\"\n")?;
-    // The map's picture; its description is sound.
+    // What goes with an altered picture, and with an altered description: they are sound.
     fs::write(folder.join("sound.yaml"), YAML.replace("map.pgm", "picture.pgm"))?;
     fs::write(folder.join("map.pgm"), PICTURE)?;
-    let pictures = import(&folder, "picture.pgm", "[[arena.maps]]\nname = \"m\"\nros = \"sound.yaml\"\n")?;
-    let plans = import(&folder, "p.svg", "[[arena.maps]]\nname = \"p\"\nsvg = \"p.svg\"\nm_per_unit = 1\n")?;
-    let csv = "[[robots]]\nname = \"r\"\n[robots.sensors.front]\nkind = \"ir\"\nlookup = \"s.csv\"\n";
-    let measured = import(&folder, "s.csv", csv)?;
-    let seeds = |text: &[u8]| vec![text.to_vec()];
-    Ok(vec![
-        Target {
-            name: "scenarios",
-            what: "scenario files",
-            seeds: scenarios()?,
-            words: WORDS,
-            run: Box::new(scenario),
-        },
-        Target {
-            name: "maps",
-            what: "descriptions of ROS maps",
-            seeds: seeds(YAML.as_bytes()),
-            words: WORDS,
-            run: maps,
-        },
-        Target {
-            name: "pictures",
-            what: "pictures of ROS maps",
-            seeds: seeds(PICTURE),
-            words: WORDS,
-            run: pictures,
-        },
-        Target {
-            name: "plans",
-            what: "floor plans in SVG",
-            seeds: seeds(PLAN),
-            words: SVG_WORDS,
-            run: plans,
-        },
-        Target {
-            name: "measured",
-            what: "measurements of sensors",
-            seeds: seeds(TABLE),
-            words: WORDS,
-            run: measured,
-        },
-    ])
+    let mut targets = vec![Target {
+        name: "scenarios",
+        what: "scenario files",
+        seeds: scenarios()?,
+        words: WORDS,
+        run: Box::new(scenario),
+    }];
+    targets.extend(IMPORTS.map(|import| import.target(&folder)));
+    Ok(targets)
 }
 
 /// Those that the project has, and are not long.
@@ -81,19 +47,68 @@ fn scenario(bytes: &[u8]) -> u64 {
     }
 }
 
-/// A scenario takes in a file of this name, which is what is tried.
-fn import(folder: &Path, name: &str, scenario: &'static str) -> anyhow::Result<Run> {
-    let (folder, file) = (folder.to_owned(), folder.join(name));
-    Ok(Box::new(move |bytes| {
-        if fs::write(&file, bytes).is_err() {
-            return 0;
-        }
-        match baudbot_import::inline(scenario, &folder) {
-            Ok(text) => outcome("taken in") + (text.len() / 1_000) as u64,
-            Err(error) => outcome(&error.to_string()),
-        }
-    }))
+/// A file that a scenario takes in.
+struct Import {
+    name: &'static str,
+    what: &'static str,
+    file: &'static str,
+    /// A sound one.
+    seed: &'static [u8],
+    words: &'static [&'static [u8]],
+    scenario: &'static str,
 }
+
+impl Import {
+    fn target(self, folder: &Path) -> Target {
+        let Self { name, what, seed, words, scenario, .. } = self;
+        let (folder, file) = (folder.to_owned(), folder.join(self.file));
+        let run = move |bytes: &[u8]| {
+            if fs::write(&file, bytes).is_err() {
+                return 0;
+            }
+            match baudbot_import::inline(scenario, &folder) {
+                Ok(text) => outcome("taken in") + (text.len() / 1_000) as u64,
+                Err(error) => outcome(&error.to_string()),
+            }
+        };
+        Target { name, what, seeds: vec![seed.to_vec()], words, run: Box::new(run) }
+    }
+}
+
+const IMPORTS: [Import; 4] = [
+    Import {
+        name: "maps",
+        what: "descriptions of ROS maps",
+        file: "map.yaml",
+        seed: YAML.as_bytes(),
+        words: WORDS,
+        scenario: "[[arena.maps]]\nname = \"m\"\nros = \"map.yaml\"\n",
+    },
+    Import {
+        name: "pictures",
+        what: "pictures of ROS maps",
+        file: "picture.pgm",
+        seed: PICTURE,
+        words: WORDS,
+        scenario: "[[arena.maps]]\nname = \"m\"\nros = \"sound.yaml\"\n",
+    },
+    Import {
+        name: "plans",
+        what: "floor plans in SVG",
+        file: "p.svg",
+        seed: PLAN,
+        words: SVG_WORDS,
+        scenario: "[[arena.maps]]\nname = \"p\"\nsvg = \"p.svg\"\nm_per_unit = 1\n",
+    },
+    Import {
+        name: "measured",
+        what: "measurements of sensors",
+        file: "s.csv",
+        seed: TABLE,
+        words: WORDS,
+        scenario: "[[robots]]\nname = \"r\"\n[robots.sensors.front]\nkind = \"ir\"\nlookup = \"s.csv\"\n",
+    },
+];
 
 const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n";
 

@@ -14,44 +14,49 @@ use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified}
 /// Draws the areas that a robot's sensors see, below the robots.
 pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
     for sensor in robot.1.sensors.iter() {
-        let Some(mount) = sensor.device.mount() else { continue };
-        let mut group = Canvas::default();
-        match &sensor.device {
-            Device::Light(light) => {
-                group.put(facing(view, onlooker, robot, (mount, light.opening_rad)));
-            }
-            Device::Photoresistor(resistor) => {
-                group.put(facing(view, onlooker, robot, (mount, resistor.light.opening_rad)));
-            }
-            Device::Infrared(_)
-            | Device::VoltageRanger(_)
-            | Device::Sonar(_)
-            | Device::Laser(_)
-            | Device::LineCamera(_) => fan(&mut group, view, onlooker, (robot.0, sensor, mount)),
-            // What touches is drawn over the robots, and the others look nowhere.
-            Device::Whisker(_)
-            | Device::Bumper(_)
-            | Device::Encoders(_)
-            | Device::StepCounter(_)
-            | Device::Odometer(_)
-            | Device::OpticalFlow(_)
-            | Device::Compass(_)
-            | Device::Accelerometer(_)
-            | Device::Gyroscope(_)
-            | Device::Gps(_)
-            | Device::Field(_)
-            | Device::Microphone(_)
-            | Device::Floor(_)
-            | Device::Battery(_) => {}
-        }
+        let area = area(view, onlooker, robot, sensor);
         let color = palette::sensor(&sensor.device).color;
         let outer = Element::group().set("fill", color).set("stroke", color).titled(&title(robot.1, sensor));
-        if !group.is_empty() {
+        if !area.is_empty() {
             canvas.open(outer);
-            canvas.append(&group);
+            canvas.append(&area);
             canvas.close("g");
         }
     }
+}
+
+/// The area that a sensor sees; nothing of sensors that look nowhere, and of those that touch, which are drawn over the robots.
+fn area(view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec), sensor: &Sensor) -> Canvas {
+    let mut area = Canvas::default();
+    let Some(mount) = sensor.device.mount() else { return area };
+    match &sensor.device {
+        Device::Light(light) => {
+            area.put(facing(view, onlooker, robot, (mount, light.opening_rad)));
+        }
+        Device::Photoresistor(resistor) => {
+            area.put(facing(view, onlooker, robot, (mount, resistor.light.opening_rad)));
+        }
+        Device::Infrared(_)
+        | Device::VoltageRanger(_)
+        | Device::Sonar(_)
+        | Device::Laser(_)
+        | Device::LineCamera(_) => fan(&mut area, view, onlooker, (robot.0, sensor, mount)),
+        Device::Whisker(_)
+        | Device::Bumper(_)
+        | Device::Encoders(_)
+        | Device::StepCounter(_)
+        | Device::Odometer(_)
+        | Device::OpticalFlow(_)
+        | Device::Compass(_)
+        | Device::Accelerometer(_)
+        | Device::Gyroscope(_)
+        | Device::Gps(_)
+        | Device::Field(_)
+        | Device::Microphone(_)
+        | Device::Floor(_)
+        | Device::Battery(_) => {}
+    }
+    area
 }
 
 /// Draws the area that a sensor sees, and its rays unless there are many.

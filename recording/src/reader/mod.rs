@@ -161,12 +161,9 @@ impl<R: Read> Reader<R> {
             self.is_over = true;
             return Ok(Next::Nothing);
         }
-        let head = record::head(head).and_then(|(kind, length)| Some((kind, usize::try_from(length).ok()?)));
-        let Some((kind, length)) = head.filter(|(_, length)| *length <= MAX_RECORD) else {
-            return Ok(Next::Damage);
-        };
-        let bytes = self.bytes.peek(HEAD + length)?;
-        let record = if bytes.len() == HEAD + length { record::parse(kind, &bytes[HEAD..]) } else { None };
+        let Some((kind, length)) = kind_and_length(head) else { return Ok(Next::Damage) };
+        let bytes = self.bytes.peek(length)?;
+        let record = bytes.get(HEAD..length).and_then(|body| record::parse(kind, body));
         let mut next = Next::Nothing;
         match record {
             None => return Ok(Next::Damage),
@@ -177,11 +174,11 @@ impl<R: Read> Reader<R> {
                 self.unpacked += chunk.len();
             }
             Some(Record::DataEnd { checksum }) => {
-                self.end_messages(checksum, HEAD + length);
+                self.end_messages(checksum, length);
                 return Ok(next);
             }
             Some(Record::Footer { checksum }) => {
-                self.end(checksum, HEAD + length);
+                self.end(checksum, length);
                 return Ok(next);
             }
             Some(Record::Statistics(statistics)) => self.seen.statistics = Some(statistics),
@@ -192,7 +189,7 @@ impl<R: Read> Reader<R> {
             }
         }
         if !matches!(next, Next::Damage) {
-            self.bytes.take(HEAD + length);
+            self.bytes.take(length);
         }
         Ok(next)
     }
@@ -323,6 +320,13 @@ impl Seen {
             )),
         }
     }
+}
+
+/// The kind of the record that begins with these bytes, and how many it has; `None` if no record does.
+fn kind_and_length(head: &[u8]) -> Option<(u8, usize)> {
+    let (kind, length) = record::head(head)?;
+    let length = usize::try_from(length).ok().filter(|length| *length <= MAX_RECORD)?;
+    Some((kind, HEAD + length))
 }
 
 /// What a record of the file was.

@@ -78,7 +78,7 @@ pub(super) fn parse(kind: u8, body: &[u8]) -> Option<Record<'_>> {
             Record::Footer { checksum: fields.u32()? }
         }
         kind => {
-            fields.other(kind)?;
+            fields_of_other(kind)?.iter().try_for_each(|field| fields.pass(field))?;
             Record::Other
         }
     };
@@ -183,58 +183,48 @@ impl<'a> Fields<'a> {
         Some(Statistics { messages, chunks, first_ns, last_ns })
     }
 
-    /// What stands in a record that says nothing about the run.
-    fn other(&mut self, kind: u8) -> Option<()> {
-        match kind {
-            HEADER => {
-                self.text()?;
-                self.text()?;
-            }
-            SCHEMA => {
-                self.skip(2)?;
-                self.text()?;
-                self.text()?;
-                self.text()?;
-            }
-            MESSAGE_INDEX => {
-                self.skip(2)?;
-                self.list(8 + 8)?;
-            }
-            CHUNK_INDEX => {
-                self.skip(4 * 8)?;
-                self.list(2 + 8)?;
-                self.skip(8)?;
-                self.text()?;
-                self.skip(2 * 8)?;
-            }
-            ATTACHMENT => {
-                self.skip(2 * 8)?;
-                self.text()?;
-                self.text()?;
+    fn pass(&mut self, field: &Field) -> Option<()> {
+        match *field {
+            Field::Fixed(n) => self.skip(n).map(|_| ()),
+            Field::Text => self.text().map(|_| ()),
+            Field::Texts => self.texts(),
+            Field::List(each) => self.list(each),
+            Field::Data => {
                 let length = self.u64()?;
-                self.skip(usize::try_from(length).ok()?)?;
-                self.skip(4)?;
+                self.skip(usize::try_from(length).ok()?).map(|_| ())
             }
-            ATTACHMENT_INDEX => {
-                self.skip(5 * 8)?;
-                self.text()?;
-                self.text()?;
-            }
-            METADATA => {
-                self.text()?;
-                self.texts()?;
-            }
-            METADATA_INDEX => {
-                self.skip(2 * 8)?;
-                self.text()?;
-            }
-            SUMMARY_OFFSET => {
-                self.skip(1 + 2 * 8)?;
-            }
-            _ => return None,
         }
-        Some(())
     }
+}
+
+/// A field of a record that says nothing about the run.
+enum Field {
+    /// So many bytes.
+    Fixed(usize),
+    Text,
+    /// Names and texts.
+    Texts,
+    /// A list of things of so many bytes each.
+    List(usize),
+    /// As many bytes as 64 bits say.
+    Data,
+}
+
+/// The fields of such a record; `None` if no recording has one of this kind.
+fn fields_of_other(kind: u8) -> Option<&'static [Field]> {
+    use Field::{Data, Fixed, List, Text, Texts};
+    Some(match kind {
+        HEADER => &[Text, Text],
+        SCHEMA => &[Fixed(2), Text, Text, Text],
+        MESSAGE_INDEX => &[Fixed(2), List(8 + 8)],
+        CHUNK_INDEX => &[Fixed(4 * 8), List(2 + 8), Fixed(8), Text, Fixed(2 * 8)],
+        ATTACHMENT => &[Fixed(2 * 8), Text, Text, Data, Fixed(4)],
+        ATTACHMENT_INDEX => &[Fixed(5 * 8), Text, Text],
+        METADATA => &[Text, Texts],
+        METADATA_INDEX => &[Fixed(2 * 8), Text],
+        SUMMARY_OFFSET => &[Fixed(1 + 2 * 8)],
+        _ => return None,
+    })
 }
 
 /// Bytes of a chunk's fields before what is in it, without the name of its compression.

@@ -1,5 +1,6 @@
 //! The world: the flow of Fig. 3.1 in two halves, with the brains between them.
 
+mod ending;
 mod frozen;
 mod given;
 mod intervention;
@@ -8,10 +9,8 @@ mod motion;
 mod saved;
 mod score;
 
-use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +24,7 @@ use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
+pub use ending::Ending;
 use given::Given;
 use intervention::Altered;
 pub use intervention::{Intervention, InterventionError};
@@ -132,45 +132,6 @@ pub struct Input<'a> {
     pub at: SimTime,
     /// Bytes for the microcontroller; may be empty.
     pub bytes: &'a [u8],
-}
-
-/// Why a run ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Ending {
-    /// The scenario's time is over.
-    TimeIsOver,
-    /// A robot ran into something.
-    Collision(Collision),
-    /// The robot of this name reached the scenario's goal.
-    GoalReached(String),
-    /// So many collisions were allowed, and there were as many.
-    Collisions(u64),
-    /// The robots have been in all of the zones that are goals.
-    AllGoals,
-    /// As much of the floor was covered as was asked for.
-    Covered,
-    /// As much of the floor was sensed as was asked for.
-    Sensed,
-    /// The battery of the robot of this name is empty.
-    BatteryEmpty(String),
-    /// The brain of the robot of this name missed its deadline.
-    DeadlineMissed(String),
-}
-
-impl fmt::Display for Ending {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TimeIsOver => f.write_str("the scenario's time is over"),
-            Self::Collision(Collision { robot, with }) => write!(f, "`{robot}` ran into `{with}`"),
-            Self::GoalReached(robot) => write!(f, "`{robot}` reached the goal"),
-            Self::Collisions(n) => write!(f, "there were {n} collisions"),
-            Self::AllGoals => f.write_str("all goals were reached"),
-            Self::Covered => f.write_str("as much of the floor was covered as was asked for"),
-            Self::Sensed => f.write_str("as much of the floor was sensed as was asked for"),
-            Self::BatteryEmpty(robot) => write!(f, "the battery of `{robot}` is empty"),
-            Self::DeadlineMissed(robot) => write!(f, "the brain of `{robot}` missed its deadline"),
-        }
-    }
 }
 
 impl World {

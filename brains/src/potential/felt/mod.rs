@@ -1,18 +1,20 @@
 //! What infra-red sensors and sonars feel that the field does not know, kept as marks: cells of the believed pose's frame in
 //! which something is.
 //!
-//! A reading of an infra-red sensor is the mean of what its rays reflect (3.12), (3.13), so half of a cone near by reads as a
-//! whole one farther off. What marks explain of a reading is therefore taken from it first; the rest is put on the rays that no
-//! mark explains. A mark goes where a single ray of five would have read more than the sensor does, and where the body is.
+//! What marks explain of a reading is taken from it first (`eye` says why); the rest is put on the rays that no mark explains. A
+//! mark goes where a single ray of five would have read more than the sensor does, and where the body is.
+
+mod eye;
 
 use std::collections::BTreeSet;
 
-use baudbot_brain::{Body, Sensor, SensorKind, Turn};
+use baudbot_brain::{Body, Sensor, Turn};
 use baudbot_geometry::{Direction, Point, Pose, Vector, math};
 
 use crate::parameter::ParameterError;
 use crate::process::Beliefs;
 use crate::vfh::sight::{self, Infrared};
+use eye::{Eye, RAYS};
 
 /// The sensors of a robot, and the marks.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,21 +25,6 @@ pub(super) struct Felt {
     marks: BTreeSet<(i64, i64)>,
     /// Marks came since somebody asked.
     has_news: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Eye {
-    sensor: usize,
-    robot_from_sensor: Pose,
-    opening_rad: f64,
-    range_m: f64,
-    /// Those of an infra-red sensor; a sonar says metres.
-    infrared: Option<Infrared>,
-    /// Nothing is taken to be nearer than that, in metres.
-    least_m: f64,
-    stale_ns: u64,
-    /// When its last reading came, in nanoseconds, and what it said.
-    heard: Option<(u64, f64)>,
 }
 
 impl Felt {
@@ -53,7 +40,7 @@ impl Felt {
         if let Some(rad) = parameters.cone_rad.filter(|rad| !(*rad > 0.0 && *rad <= std::f64::consts::PI)) {
             return Err(ParameterError::range("sight.cone_rad", "above 0 and at most π", rad));
         }
-        let eye = |(i, sensor): (usize, &Sensor)| eye(parameters, infrared, i, sensor, body.radius_m);
+        let eye = |(i, sensor): (usize, &Sensor)| Eye::new(parameters, infrared, i, sensor, body.radius_m);
         let eyes: Vec<_> = body.sensors.iter().enumerate().filter_map(eye).collect();
         for name in &parameters.names {
             if !eyes.iter().any(|eye| body.sensors[eye.sensor].name == *name) {
@@ -157,12 +144,9 @@ impl Felt {
         self.marks.iter().map(|&mark| center(mark, self.cell_m))
     }
 
-    /// How far a mark may be beside what it is of, in metres: nearer than where a whole cone reads 1 nothing tells how near.
+    /// How far a mark may be beside what it is of, in metres.
     pub(super) fn blur_m(&self) -> f64 {
-        let blur = |eye: &Eye| {
-            eye.infrared.map_or(0.0, |ir| BLUR * ir.far_m(1.0, eye.range_m).min(0.5 * eye.range_m))
-        };
-        self.eyes.iter().map(blur).fold(0.0, f64::max)
+        self.eyes.iter().map(Eye::blur_m).fold(0.0, f64::max)
     }
 
     /// Whether marks came since the last time.
@@ -219,104 +203,6 @@ fn room_m(at: Point, radius_m: f64) -> f64 {
     at.x - math::sqrt(radius_m * radius_m - at.y * at.y)
 }
 
-fn eye(
-    parameters: &sight::Parameters,
-    infrared: Infrared,
-    i: usize,
-    sensor: &Sensor,
-    radius_m: f64,
-) -> Option<Eye> {
-    let is_wanted = parameters.names.is_empty() || parameters.names.contains(&sensor.name);
-    let mount = sensor.mount.filter(|mount| is_wanted && mount.turret.is_none())?;
-    let range_m = sensor.range_m.filter(|range_m| range_m.is_finite() && *range_m > 0.0)?;
-    if !matches!(sensor.kind, SensorKind::Infrared | SensorKind::Sonar) {
-        return None;
-    }
-    let infrared = (sensor.kind == SensorKind::Infrared).then_some(infrared);
-    Some(Eye {
-        sensor: i,
-        robot_from_sensor: Pose::new(mount.x_m, mount.y_m, mount.heading_rad),
-        opening_rad: parameters.cone_rad.or(sensor.opening_rad).unwrap_or_default().max(LEAST_CONE_RAD),
-        range_m,
-        infrared,
-        least_m: LEAST * radius_m,
-        stale_ns: STALE_NS.max(sensor.period_ns.saturating_mul(5)),
-        heard: None,
-    })
-}
-
-impl Eye {
-    /// The directions of its rays.
-    fn rays(&self, world_from_sensor: &Pose) -> [Vector; RAYS] {
-        std::array::from_fn(|i| {
-            let part = i as f64 / (RAYS - 1) as f64 - 0.5;
-            Direction::from_angle(world_from_sensor.heading + self.opening_rad * part).vector()
-        })
-    }
-
-    /// So far its cone is certainly free, in metres: the reading is of one ray alone.
-    fn free_m(&self, value: f64, cell_m: f64) -> f64 {
-        match self.infrared {
-            None => value.min(self.range_m) - cell_m,
-            Some(constants) => constants.far_m(RAYS as f64 * value, self.range_m).min(self.range_m),
-        }
-    }
-
-    /// So near something may be, in metres: half of the cone is full of it. From a reading of a half on that is nearer and
-    /// nearer, but not so near that a sensor that looks aside would stop the robot for what it passes.
-    fn near_m(&self, value: f64) -> f64 {
-        match self.infrared {
-            None if value >= self.range_m => f64::INFINITY,
-            None => value,
-            Some(constants) if 2.0 * value < 1.0 => constants.far_m(2.0 * value, self.range_m),
-            Some(constants) => {
-                (constants.far_m(1.0, self.range_m).min(self.range_m) * 2.0 * (1.0 - value)).max(self.least_m)
-            }
-        }
-    }
-
-    /// How far away what must be is, in metres, and on which rays it is, if these marks do not explain the reading.
-    fn unexplained(
-        &self,
-        value: f64,
-        hits: &[Option<f64>; RAYS],
-        cell_m: f64,
-    ) -> Option<(f64, [bool; RAYS])> {
-        let whole_m = self.infrared.map_or(value, |constants| constants.far_m(value, self.range_m));
-        let explains = |hit: &Option<f64>| hit.is_some_and(|m| m <= SAME * whole_m + cell_m);
-        let is_new = hits.each_ref().map(|hit| !explains(hit));
-        let Some(constants) = self.infrared else {
-            return (value < self.range_m && is_new.iter().all(|is_new| *is_new)).then_some((value, is_new));
-        };
-        let known: f64 =
-            hits.iter().flatten().filter(|m| explains(&Some(**m))).map(|m| constants.reading(*m)).sum();
-        let rest = value - known / RAYS as f64;
-        let left = is_new.iter().filter(|is_new| **is_new).count();
-        if left == 0 || rest < UNSURE * value {
-            return None;
-        }
-        let distance_m = constants.far_m(rest * RAYS as f64 / left as f64, self.range_m);
-        distance_m.is_finite().then_some((distance_m, is_new))
-    }
-}
-
-impl Infrared {
-    /// What a ray reads of something at a distance, in metres (3.13).
-    fn reading(&self, distance_m: f64) -> f64 {
-        (self.c1_m2 / (distance_m * distance_m) + self.c2).min(1.0)
-    }
-
-    /// How far away something is by the reading of a ray, in metres; infinitely where it is not within the range.
-    fn far_m(&self, reading: f64, range_m: f64) -> f64 {
-        let least = self.reading(range_m).min(1.0);
-        if reading < least {
-            f64::INFINITY
-        } else {
-            math::sqrt(self.c1_m2 / (reading.min(1.0) - self.c2)).min(range_m)
-        }
-    }
-}
-
 /// The middle of a mark.
 fn center((column, row): (i64, i64), cell_m: f64) -> Point {
     Point::new((column as f64 + 0.5) * cell_m, (row as f64 + 0.5) * cell_m)
@@ -324,33 +210,17 @@ fn center((column, row): (i64, i64), cell_m: f64) -> Point {
 
 /// The constants of ARSim's sensors.
 const ARSIM: Infrared = Infrared { c1_m2: 0.03, c2: 0.1 };
-/// Rays by which a cone is thought of.
-const RAYS: usize = 5;
 /// Side of a mark, in radii of the body.
 const CELL: f64 = 0.2;
 /// What is farther off than this, in radii of the body and in metres, is not marked: nobody can say where it is.
 const FAR: f64 = 3.0;
 const LEAST_FAR_M: f64 = 0.3;
 const MOST_FAR_M: f64 = 0.6;
-/// Part of the distance at which a whole cone reads 1 by which marks are wrong.
-const BLUR: f64 = 0.65;
-/// A mark within this part of a distance explains it.
-const SAME: f64 = 1.15;
-/// The part of a reading that noise and coarse marks leave unexplained.
-const UNSURE: f64 = 0.25;
 /// No mark is within this part of the body's radius.
 const UNDER: f64 = 0.95;
 /// Room beside the body on its way, in its radii: to marks, and to what is felt.
 const GRAZE: f64 = 1.03;
 const BESIDE: f64 = 1.1;
-/// Nothing is taken to be nearer to an infra-red sensor, in radii of the body: something ahead is then near enough to stop
-/// for, and something at 60° is passed.
-const LEAST: f64 = 0.36;
-/// No cone is taken to be narrower, in radians.
-const LEAST_CONE_RAD: f64 = 0.1;
-/// A sensor that is silent for so long, and for five of its periods, is not heard any more, in nanoseconds.
-const STALE_NS: u64 = 500_000_000;
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,12 +1,8 @@
 //! How an experiment's fields are tuned, as its file says it.
 
-use crate::choice::{Choice, Range};
 use crate::error::Error;
-use crate::experiment::Experiment;
-use crate::raw;
-
-use super::goal::Goal;
-use super::method::{Course, Method};
+use crate::goal::Goal;
+use crate::raw::{self, Method};
 
 /// How numbers are looked for, and what makes them good.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,29 +34,6 @@ impl Tuning {
                 as u64,
         })
     }
-
-    pub(super) fn course(&self, dimensions: usize) -> Course {
-        // Hansen's recommendation for CMA-ES, with a few more, as runs are noisy.
-        let suited = 8 + (3.0 * (dimensions as f64).ln()) as usize;
-        let population = self.population.unwrap_or(suited);
-        Course { method: self.method, dimensions, population, seed: self.seed }
-    }
-}
-
-/// The ranges of an experiment's fields.
-pub(super) fn ranges(experiment: &Experiment) -> Result<Vec<Range>, Error> {
-    let range = |(i, field): (usize, &crate::choice::Field)| match &field.choice {
-        Choice::Range(range) => Ok(range.clone()),
-        Choice::Levels(_) => {
-            let problem = "has values instead of a range; a tuned field goes `from` a number `to` another";
-            Err(Error::field(format!("fields[{i}]"), problem))
-        }
-    };
-    let ranges = experiment.fields.iter().enumerate().map(range).collect::<Result<Vec<_>, _>>()?;
-    if ranges.is_empty() {
-        return Err(Error::field("fields", "is missing: give at least one [[fields]] to tune"));
-    }
-    Ok(ranges)
 }
 
 fn within(name: &str, count: u64, least: u64, most: u64) -> Result<usize, Error> {

@@ -1,11 +1,10 @@
-//! A row of the table: one run and what came of it.
+//! A run that is to be done, and its record: what came of it, a row of the table.
 
 use serde::{Deserialize, Serialize};
 
-use crate::counted::Counted;
 use crate::design::Cell;
-use crate::experiment::Experiment;
 use crate::figures::{Figures, INFOS};
+use crate::metrics::Counted;
 
 /// A run and what came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,28 +37,6 @@ pub struct Task {
     pub seed: u64,
 }
 
-impl Experiment {
-    /// The run of this number: all seeds of a combination, then those of the next.
-    pub fn task(&self, run: u64) -> Task {
-        let seeds = self.seeds.count();
-        Task { run, cell: self.cell(run / seeds), seed: self.seeds.get(run % seeds) }
-    }
-
-    /// The columns of the table.
-    pub fn columns(&self) -> Vec<String> {
-        let labels = self.fields.iter().map(|field| field.label.as_str());
-        let success = self.success.iter().map(|_| SUCCESS);
-        let all = FIRST.into_iter().chain(labels).chain([ERROR, ENDING]).chain(success);
-        all.chain(INFOS.iter().map(|info| info.name)).chain([HASH]).map(str::to_owned).collect()
-    }
-
-    /// Whether a run succeeded, if anything counts as success. One that could not be did not.
-    pub fn succeeded(&self, row: &Row) -> Option<bool> {
-        let success = self.success.as_ref()?;
-        Some(row.outcome.as_ref().is_ok_and(|ran| success.of(&ran.figures)))
-    }
-}
-
 impl Row {
     /// Whether the program failed, and not the run: a better one may do it.
     pub(crate) fn has_panicked(&self) -> bool {
@@ -74,6 +51,16 @@ impl Ran {
     pub(crate) fn of(run: &Counted) -> Self {
         Self { ending: run.ending.clone(), figures: Figures::of(run), hash: run.hash }
     }
+}
+
+/// The columns of a table of such rows.
+pub(crate) fn columns<'a>(
+    labels: impl Iterator<Item = &'a str>,
+    has_success: bool,
+) -> impl Iterator<Item = &'a str> {
+    let success = has_success.then_some(SUCCESS);
+    let all = FIRST.into_iter().chain(labels).chain([ERROR, ENDING]).chain(success);
+    all.chain(INFOS.iter().map(|info| info.name)).chain([HASH])
 }
 
 /// Whether a column of this name is in every table, or may be.

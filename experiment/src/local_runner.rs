@@ -3,10 +3,10 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::counted::Counted;
 use crate::experiment::Experiment;
+use crate::metrics::Counted;
 use crate::pair;
-use crate::row::{PANICKED, Ran, Row, Task};
+use crate::run_record::{PANICKED, Ran, Row, Task};
 use crate::setup::Setup;
 
 /// Does a run. Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing

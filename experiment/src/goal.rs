@@ -14,7 +14,7 @@ pub struct Goal {
 }
 
 impl Goal {
-    pub(super) fn new(table: &Table) -> Result<Self, Error> {
+    pub(crate) fn new(table: &Table) -> Result<Self, Error> {
         let mut weights = Vec::new();
         for (name, weight) in table {
             let at = format!("tune.maximize.{name}");
@@ -37,7 +37,7 @@ impl Goal {
     }
 
     /// Whether some runs lack a figure that others have.
-    pub(super) fn may_be_missed(&self) -> bool {
+    pub(crate) fn may_be_missed(&self) -> bool {
         self.weights.iter().any(|(figure, _)| *figure == Figure::GoalTimeS)
     }
 

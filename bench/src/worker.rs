@@ -1,0 +1,61 @@
+//! Each workload runs in a process of its own, so that its peak of memory is its own.
+
+use std::process::{Command, ExitCode};
+
+use crate::catalogue::{self, Kind, Workload};
+use crate::child::{Child, ChildError, Task, tell, tell_repeat};
+use crate::measure::Effort;
+use crate::outcome::{Beside, Outcome};
+use crate::{network, process};
+
+/// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
+/// number of each repeat before it begins, from 1.
+///
+/// # Errors
+/// If it could not be measured.
+pub fn measure(
+    command: Command,
+    workload: &Workload,
+    effort: Effort,
+    threads: usize,
+    progress: impl FnMut(u32),
+) -> Result<Outcome, ChildError> {
+    let task = Task::Workload { name: workload.name.to_owned(), effort, threads };
+    Child::start(command, &task)?.end(progress)
+}
+
+/// What a child process does with its last argument. `command` begins a process like itself.
+pub fn serve(task: &str, command: Command) -> ExitCode {
+    match serde_json::from_str::<Task>(task) {
+        Ok(Task::Workload { name, effort, threads }) => tell(perform(&name, effort, threads, command)),
+        Ok(Task::Brains { address, what }) => tell(network::perform(&address, &what, tell_repeat)),
+        Err(error) => tell::<()>(Err(format!("`{task}` is no task: {error}"))),
+    }
+}
+
+fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Result<Outcome, String> {
+    let workload = catalogue::WORKLOADS.iter().find(|workload| workload.name == name);
+    let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
+    let mut outcome = Outcome::new(workload.name, workload.unit, threads);
+    match workload.kind {
+        Kind::InProcess(world) => {
+            let run = world.run(effort, threads, tell_repeat).map_err(|error| error.to_string())?;
+            outcome.samples = run.samples;
+            outcome.hash = Some(format!("{:016x}", run.hash));
+            outcome.hash_ticks = Some(run.probe_ticks);
+            outcome.peak_memory_bytes = process::peak_memory_bytes();
+        }
+        Kind::Network(network) => {
+            let (found, notes) =
+                network.run(effort, command, tell_repeat).map_err(|error| error.to_string())?;
+            outcome.samples = found.samples;
+            outcome.notes = notes;
+            outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
+            if !found.ping.is_empty() {
+                let what = "a bare ping-pong of 64 bytes".to_owned();
+                outcome.beside = Some(Beside { what, samples: found.ping });
+            }
+        }
+    }
+    Ok(outcome)
+}

@@ -1,0 +1,188 @@
+//! `baudbot check`: what a scenario is.
+
+use std::fmt::Write;
+
+use baudbot_geometry::{Bounds, Circle, Segment};
+use baudbot_plot::arena;
+use baudbot_plot::quantity::{count, duration, handy};
+use baudbot_sim::Scenario;
+use baudbot_sim::arena::Arena;
+use baudbot_sim::collision::CollisionPolicy;
+
+use crate::alike;
+use crate::args::CheckArgs;
+use crate::run::overrides;
+use crate::scenarios::Source;
+use crate::text::{self, pairs, percent};
+use crate::together;
+
+mod robot;
+
+pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
+    let source = Source::find(&args.scenario)?;
+    let scenario = source.parse(&overrides(&args.changes)?)?;
+    if let Some(path) = &args.svg {
+        let picture = arena::draw(&scenario, source.label());
+        text::write(path, &picture)?;
+        // A picture on stdout is for another program, which a text behind it would confuse.
+        if path.as_os_str() == "-" {
+            return Ok(());
+        }
+    }
+    text::print(&describe(&source, &scenario))
+}
+
+fn describe(source: &Source, scenario: &Scenario) -> String {
+    let mut text = format!("{}: sound\n", source.label());
+    text += &pairs("  ", &facts(scenario));
+    for (robot, count) in alike::first_of_each(&scenario.robots) {
+        text.push('\n');
+        text += &robot::describe(robot);
+        text += &alike::others(robot, count);
+    }
+    for warning in baudbot_scenario::warnings(scenario) {
+        let _ = writeln!(text, "\nwarning: {warning}");
+    }
+    for (robot, warning) in together::all_warnings(scenario) {
+        let _ = writeln!(text, "\nwarning: robot `{robot}`: {warning}");
+    }
+    text
+}
+
+fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let substeps = count(scenario.substeps as usize, "substep");
+    let collision = match scenario.collision {
+        CollisionPolicy::StopRun => "ends the run",
+        CollisionPolicy::StopRobot => "stops the robot",
+    };
+    vec![
+        ("name", scenario.name.to_owned()),
+        ("description", text::one_line(&scenario.description)),
+        ("step", format!("{} in {substeps}", duration(scenario.step_ns as f64))),
+        ("seed", format!("{}, sensor noise {}", scenario.seed, if scenario.noise { "on" } else { "off" })),
+        ("arena", arena(&scenario.arena)),
+        ("in it", things(scenario)),
+        ("collision", collision.to_owned()),
+        ("end", end(scenario)),
+        ("robots", scenario.robots.len().to_string()),
+    ]
+    .into_iter()
+    .filter(|(_, value)| !value.is_empty())
+    .collect()
+}
+
+fn arena(arena: &Arena) -> String {
+    let (solid, hollow): (Vec<_>, Vec<_>) = arena.polygons().iter().partition(|polygon| polygon.solid);
+    let shapes =
+        [(solid.len(), "solid polygon"), (hollow.len(), "hollow polygon"), (arena.pillars().len(), "circle")];
+    let shapes: Vec<_> = shapes.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+    let corners = arena.polygons().iter().flat_map(|polygon| &polygon.points);
+    let corners = corners.map(|&point| Bounds::of_segment(&Segment { start: point, end: point }));
+    let pillars = arena.pillars().iter().map(|pillar| Bounds::of_circle(&pillar.circle));
+    match corners.chain(pillars).reduce(|a, b| a.union(&b)) {
+        None => "empty".to_owned(),
+        Some(Bounds { min, max }) => {
+            format!("{}; x from {} to {} m, y from {} to {} m", shapes.join(", "), min.x, max.x, min.y, max.y)
+        }
+    }
+}
+
+/// What is in the arena besides walls and robots.
+fn things(scenario: &Scenario) -> String {
+    let around = &scenario.surroundings;
+    let things = [
+        (around.zones.len(), "zone"),
+        (around.lights.len(), "lamp"),
+        (around.fields.len(), "field"),
+        (scenario.movers.len(), "mover"),
+        (scenario.movables.len(), "movable"),
+    ];
+    let things: Vec<_> = things.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+    things.join(", ")
+}
+
+fn end(scenario: &Scenario) -> String {
+    let mut ends = Vec::new();
+    if let Some(after) = scenario.end.after {
+        ends.push(format!("after {} s", handy(after.as_seconds())));
+    }
+    if let Some(Circle { center, radius }) = scenario.end.goal {
+        ends.push(format!("when a robot is within {radius} m of ({}, {}) m", center.x, center.y));
+    }
+    let rules = &scenario.rules;
+    if let Some(collisions) = rules.collisions {
+        let collisions = usize::try_from(collisions).unwrap_or(usize::MAX);
+        ends.push(format!("after {}", count(collisions, "collision")));
+    }
+    if rules.all_goals {
+        ends.push("when all goals are reached".to_owned());
+    }
+    if let Some(share) = rules.covered {
+        ends.push(format!("when {} of the floor is covered", percent(share)));
+    }
+    if let Some(share) = rules.sensed {
+        ends.push(format!("when {} of the floor is sensed", percent(share)));
+    }
+    if rules.battery_empty {
+        ends.push("when a battery is empty".to_owned());
+    }
+    if ends.is_empty() { "none; `baudbot run` ends it after 60 s".to_owned() } else { ends.join(", or ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn scenario(name: &str, sets: &[&str]) -> Scenario {
+        let sets: Vec<_> = sets.iter().map(|set| baudbot_scenario::Override::parse(set).unwrap()).collect();
+        Source::find(name).unwrap().parse(&sets).unwrap()
+    }
+
+    #[test]
+    fn every_end_is_told_of() {
+        let goal = "arena.zones=[{name=\"g\",x_m=0,y_m=0,radius_m=0.1,goal=true}]";
+        let ends = "end={collisions=3,all_goals=true,covered=0.5,sensed=0.25,battery_empty=true}";
+        let metrics = "metrics={cell_m=0.1,sensed_by=\"ir_left\"}";
+        let battery = "robots.robot.battery={nominal_v=12,capacity_mah=1000}";
+        let end = end(&scenario("wander", &[goal, ends, metrics, battery]));
+        assert_eq!(
+            end,
+            "after 3 collisions, or when all goals are reached, or when 50.0 % of the floor is covered, or when \
+             25.0 % of the floor is sensed, or when a battery is empty"
+        );
+    }
+
+    #[test]
+    fn what_stands_about_and_what_a_robot_carries_is_told_of() {
+        let sets = [
+            "arena.movables=[{name=\"b\",radius_m=0.1,x_m=1,y_m=1,mass_kg=1,friction=0.1}]",
+            "arena.lights=[{name=\"l\",x_m=1,y_m=1,intensity_cd=9}, {name=\"m\",x_m=1,y_m=0,intensity_cd=9}]",
+            "robots.robot.actuators={horn={kind=\"speaker\",level=1}}",
+            "robots.robot.battery={nominal_v=12,capacity_mah=1000}",
+            "robots.robot.body={outline_m=[[0.2,0],[-0.1,0.1],[-0.1,-0.1]],mass_kg=3,inertia_kg_m2=0.2,\
+             wheel_radius_m=0.1,damping_n_s_m=15,turn_damping_nm_s=0.78}",
+        ];
+        let text = describe(&Source::find("wander").unwrap(), &scenario("wander", &sets));
+        for part in [
+            "in it        2 lamps, 1 movable\n",
+            "3 corners in a radius of 0.2 m,",
+            "horn (speaker)\n",
+            "12 V, 1000 mAh, 100.0 % full\n",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn of_robots_that_are_alike_the_first_is_described() {
+        let starts = "starts = [{ x_m = -1 }, { x_m = 1 }, { name = \"a\" }]";
+        let text = format!(
+            "[[robots]]\nname = \"r\"\n{starts}\n\
+             body = {{ radius_m = 0.2, mass_kg = 3, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\n"
+        );
+        let text = describe(&Source::find("wander").unwrap(), &baudbot_scenario::parse(&text).unwrap());
+        assert!(text.contains("  robots     3\n") && text.matches("\nrobot ").count() == 1, "{text}");
+        assert!(text.contains("\nrobot a\n  start     x 0 m"), "{text}");
+        assert!(text.ends_with("  and 2 more of `r`, identical but for their start\n"), "{text}");
+    }
+}

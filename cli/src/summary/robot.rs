@@ -1,0 +1,240 @@
+//! What is told about a robot.
+
+use baudbot_proto::v1;
+use baudbot_sim::link::Link;
+use baudbot_sim::model::RobotSpec;
+use baudbot_sim::sensor::Sensor as SensorSpec;
+use serde::Serialize;
+
+use super::seconds;
+use crate::crew::Job;
+use crate::link;
+
+/// What happened to a robot.
+#[derive(Debug, Serialize)]
+pub(crate) struct Robot {
+    pub(crate) robot: String,
+    /// Empty if it had none.
+    pub(crate) brain: String,
+    pub(crate) distance_m: f64,
+    pub(crate) collisions: u64,
+    pub(crate) turns: u64,
+    pub(crate) commands: u64,
+    pub(crate) lost_deliveries: u64,
+    /// Steps of its brain that were thrown away, since there were too many at a time.
+    pub(crate) lost_steps: u64,
+    /// What its brain last said of itself in words.
+    pub(crate) said: String,
+    pub(crate) frames_missed: u64,
+    /// `ideal`, `uart` or `usb`.
+    pub(crate) link: &'static str,
+    /// Absent if the link has no baud rate.
+    pub(crate) baud: Option<u32>,
+    pub(crate) bits_per_character: Option<u8>,
+    /// The brain is the microcontroller's program; there is no link.
+    #[serde(skip_serializing_if = "is_false")]
+    pub(crate) onboard: bool,
+    pub(crate) uplink: Line,
+    pub(crate) downlink: Line,
+    pub(crate) cycles: Cycles,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) battery: Option<Battery>,
+    /// Those that it has been in.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) zones: Vec<Zone>,
+    pub(crate) sensors: Vec<Sensor>,
+}
+
+/// A robot's control cycles: from the readings that its microcontroller frames to the command that answers them.
+#[derive(Debug, Serialize)]
+pub(crate) struct Cycles {
+    pub(crate) deadline_ms: f64,
+    pub(crate) kept: u64,
+    pub(crate) late: u64,
+    pub(crate) unanswered: u64,
+    /// Of those that were kept or late; absent if there were none.
+    pub(crate) kept_percent: Option<f64>,
+    /// Messages of readings a second that were answered by a command.
+    pub(crate) exchanges_per_s: f64,
+    /// Absent if none was answered.
+    pub(crate) duration: Option<Durations>,
+}
+
+/// How durations are spread.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Durations {
+    pub(crate) mean_ms: f64,
+    pub(crate) min_ms: f64,
+    pub(crate) p50_ms: f64,
+    pub(crate) p95_ms: f64,
+    pub(crate) p99_ms: f64,
+    pub(crate) max_ms: f64,
+}
+
+/// What feeds a robot, at the end.
+#[derive(Debug, Serialize)]
+pub(crate) struct Battery {
+    pub(crate) charge_percent: f64,
+    pub(crate) voltage_v: f64,
+    pub(crate) used_j: f64,
+    pub(crate) charged_j: f64,
+}
+
+/// A robot's time in a zone.
+#[derive(Debug, Serialize)]
+pub(crate) struct Zone {
+    pub(crate) zone: String,
+    pub(crate) time_s: f64,
+}
+
+/// One direction of a link.
+#[derive(Debug, Serialize)]
+pub(crate) struct Line {
+    pub(crate) bytes: u64,
+    pub(crate) messages: u64,
+    /// Of the characters that the line could have carried; absent if it is ideal.
+    pub(crate) used_percent: Option<f64>,
+    pub(crate) overrun_bytes: u64,
+    pub(crate) refused_bytes: u64,
+    pub(crate) corrupted_bytes: u64,
+    pub(crate) bad_frames: u64,
+    pub(crate) bad_messages: u64,
+    /// In outages of the cable.
+    pub(crate) lost_bytes: u64,
+}
+
+/// A sensor and the freshness of its readings.
+#[derive(Debug, Serialize)]
+pub(crate) struct Sensor {
+    pub(crate) sensor: String,
+    pub(crate) samples: u64,
+    pub(crate) missed: u64,
+    /// Turns in which it was readable.
+    pub(crate) readable: u64,
+    /// How old it was then; absent if that is not known of any.
+    pub(crate) age: Option<Durations>,
+    /// The cable of its own, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) port: Option<Line>,
+}
+
+impl Robot {
+    pub(super) fn new(
+        spec: &RobotSpec,
+        status: &v1::RobotStatus,
+        world: &v1::WorldStatus,
+        jobs: &[Job],
+    ) -> Self {
+        let simulated_s = seconds(world.time_ns);
+        let (baud, bits_per_character) = match &spec.link {
+            Link::Ideal | Link::Onboard | Link::Usb(_) => (None, None),
+            Link::Uart(uart) => (Some(uart.baud), Some(uart.bits_per_character)),
+        };
+        let capacity = link::bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
+        let sensors = status.sensors.iter().zip(spec.sensors.iter());
+        let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
+        Self {
+            robot: status.robot.clone(),
+            brain: job.map_or_else(|| status.brain.clone(), |job| job.brain.clone()),
+            distance_m: status.distance_m,
+            collisions: status.collisions,
+            turns: status.turns,
+            commands: status.commands,
+            lost_deliveries: status.lost_deliveries,
+            lost_steps: status.lost_steps,
+            said: status.said.clone(),
+            frames_missed: status.frames_missed,
+            link: link::kind(&spec.link),
+            baud,
+            bits_per_character,
+            onboard: matches!(spec.link, Link::Onboard),
+            uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
+            downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
+            cycles: Cycles::new(status.cycles.as_ref(), simulated_s),
+            battery: status.battery.as_ref().map(Battery::new),
+            zones: zones(world, status),
+            sensors: sensors.map(|(status, spec)| Sensor::new(status, spec, simulated_s)).collect(),
+        }
+    }
+}
+
+impl Line {
+    fn new(status: &v1::LineStatus, capacity: Option<f64>) -> Self {
+        Self {
+            bytes: status.bytes,
+            messages: status.messages,
+            used_percent: capacity.map(|capacity| status.bytes as f64 / capacity * 100.0),
+            overrun_bytes: status.overrun_bytes,
+            refused_bytes: status.refused_bytes,
+            corrupted_bytes: status.corrupted_bytes,
+            bad_frames: status.bad_frames,
+            bad_messages: status.bad_messages,
+            lost_bytes: status.lost_bytes,
+        }
+    }
+}
+
+impl Cycles {
+    fn new(status: Option<&v1::CycleStatus>, simulated_s: f64) -> Self {
+        let status = status.copied().unwrap_or_default();
+        let all = status.kept + status.late;
+        let answered = status.durations.map_or(0, |durations| durations.count);
+        Self {
+            deadline_ms: status.deadline_ns as f64 / 1e6,
+            kept: status.kept,
+            late: status.late,
+            unanswered: status.unanswered,
+            kept_percent: (all > 0).then(|| status.kept as f64 / all as f64 * 100.0),
+            exchanges_per_s: if simulated_s > 0.0 { answered as f64 / simulated_s } else { 0.0 },
+            duration: status.durations.as_ref().map(Durations::new),
+        }
+    }
+}
+
+impl Durations {
+    fn new(status: &v1::Durations) -> Self {
+        let ms = |ns: u64| ns as f64 / 1e6;
+        Self {
+            mean_ms: ms(status.mean_ns),
+            min_ms: ms(status.min_ns),
+            p50_ms: ms(status.p50_ns),
+            p95_ms: ms(status.p95_ns),
+            p99_ms: ms(status.p99_ns),
+            max_ms: ms(status.max_ns),
+        }
+    }
+}
+
+impl Battery {
+    fn new(status: &v1::BatteryStatus) -> Self {
+        let v1::BatteryStatus { charge, voltage_v, used_j, charged_j, current_a: _ } = *status;
+        Self { charge_percent: charge * 100.0, voltage_v, used_j, charged_j }
+    }
+}
+
+impl Sensor {
+    fn new(status: &v1::SensorStatus, spec: &SensorSpec, simulated_s: f64) -> Self {
+        let rate = spec.port.as_ref().and_then(|port| link::bytes_per_second(&port.link));
+        let capacity = rate.map(|rate| rate * simulated_s);
+        Self {
+            sensor: status.sensor.clone(),
+            samples: status.samples,
+            missed: status.missed,
+            readable: status.readable,
+            age: status.ages.as_ref().map(Durations::new),
+            port: status.port.as_ref().map(|line| Line::new(line, capacity)),
+        }
+    }
+}
+
+/// The zones that a robot has been in.
+fn zones(world: &v1::WorldStatus, robot: &v1::RobotStatus) -> Vec<Zone> {
+    let all = world.score.iter().flat_map(|score| &score.zones).zip(&robot.in_zone_ns);
+    let been_in = all.filter(|(_, ns)| **ns > 0);
+    been_in.map(|(zone, &ns)| Zone { zone: zone.zone.clone(), time_s: seconds(ns) }).collect()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_false(value: &bool) -> bool {
+    !value
+}

@@ -1,0 +1,47 @@
+//! Devices with a clock of their own, whose values the microcontroller finds or which go past it.
+
+use super::{Channel, Microcontroller};
+use crate::model::RobotSpec;
+use crate::sensor::{Event, Measurement, Parts, Sensor};
+use crate::time::SimTime;
+
+impl Microcontroller {
+    /// What the device of sensor `i`, which has an own clock, does next, and when.
+    pub(crate) fn next_of_own(&self, i: usize, sensor: &Sensor) -> (SimTime, Event) {
+        let running = self.channels[i].running.as_ref();
+        running.map_or((SimTime::NEVER, Event::Output), |running| running.next(&sensor.device))
+    }
+
+    /// The device of sensor `i` measures, as its own clock says.
+    pub(crate) fn measure(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) {
+        let sensor = &spec.sensors[i];
+        let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
+        let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
+        let amiss = spec.amiss(i, at.now);
+        running.measure(sensor, clock, at, Parts { memory, noise, stream }, amiss);
+    }
+
+    /// When the measurement of sensor `i` began that comes to its output next.
+    pub(crate) fn pending_since(&self, i: usize) -> Option<SimTime> {
+        self.channels[i].running.as_ref()?.pending_since()
+    }
+
+    /// What the device of sensor `i` has measured comes to its output. If it has a cable of its own, the answer
+    /// is what it sends: the values, when they were measured as it tells it, and when they truly were.
+    pub(crate) fn output(&mut self, i: usize, sensor: &Sensor) -> Option<(&[f64], SimTime, SimTime)> {
+        let channel = &mut self.channels[i];
+        let held = channel.running.as_mut()?.output()?;
+        if sensor.is_on_wire() {
+            return None;
+        }
+        channel.values.clone_from(&held.values);
+        (channel.sampled_at, channel.measured_at) = (held.measured_at, held.truly_at);
+        channel.samples += 1;
+        Some((&channel.values, channel.sampled_at, channel.measured_at))
+    }
+
+    /// A measurement of sensor `i` could not be sent, because its cable was still taken.
+    pub(crate) fn leave_out(&mut self, i: usize) {
+        self.channels[i].due.missed += 1;
+    }
+}
