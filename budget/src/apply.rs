@@ -21,7 +21,7 @@ impl Robot {
         match change {
             Change::Latency(ns) => set_adapter(&mut spec.link, |old| match old {
                 Adapter::Ftdi(ftdi) => Adapter::Ftdi(Ftdi { latency_ns: ns, ..ftdi }),
-                other => other,
+                other @ (Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_)) => other,
             }),
             Change::Baud(baud) => set_baud(&mut spec.link, baud),
             Change::PortBauds(baud) => {

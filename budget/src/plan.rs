@@ -77,17 +77,15 @@ impl<'a> Plan<'a> {
 
     /// What a read of a sensor takes of the processor's time.
     pub(super) fn read_ns(&self, sensor: &Sensor) -> Range {
-        let wait = match &sensor.device {
-            _ if sensor.own_clock.is_some() => Range::default(),
-            Device::Sonar(sonar) => Range {
-                least: sonar.holdoff_ns + sonar.echo_ns(sonar.min_m).min(sonar.timeout_ns),
-                most: sensor.device.longest_wait_ns(),
-            },
-            Device::Photoresistor(device) => Range {
-                least: device.unit_ns * u64::from(device.max_counts.min(1)),
-                most: sensor.device.longest_wait_ns(),
-            },
-            device => Range { least: device.longest_wait_ns(), most: device.longest_wait_ns() },
+        let most = sensor.device.longest_wait_ns();
+        let wait = if sensor.own_clock.is_some() {
+            Range::default()
+        } else if let Device::Sonar(sonar) = &sensor.device {
+            Range { least: sonar.holdoff_ns + sonar.echo_ns(sonar.min_m).min(sonar.timeout_ns), most }
+        } else if let Device::Photoresistor(device) = &sensor.device {
+            Range { least: device.unit_ns * u64::from(device.max_counts.min(1)), most }
+        } else {
+            Range { least: most, most }
         };
         Range { least: sensor.acquisition_ns + wait.least, most: sensor.acquisition_ns + wait.most }
     }

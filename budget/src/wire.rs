@@ -9,8 +9,8 @@ use baudbot_sim::time::SimTime;
 /// How long so many characters take of the wire, cut off: no message of them takes less.
 pub(super) fn least_ns(link: &Link, bytes: u64) -> u64 {
     match link {
-        Link::Uart(_) if bytes > 0 => link.burst_ns(bytes) - 1,
-        _ => link.burst_ns(bytes),
+        Link::Uart(_) => link.burst_ns(bytes).saturating_sub(1),
+        Link::Ideal | Link::Onboard | Link::Usb(_) => link.burst_ns(bytes),
     }
 }
 

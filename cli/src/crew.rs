@@ -12,13 +12,16 @@ use crate::error::Refused;
 
 /// Shares the robots out to the brains that `--brain` arguments name.
 pub(crate) fn share_out(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Result<Vec<Job>> {
-    crew::share_out(arguments, robots).map_err(|error| match error {
-        CrewError::Blind { robot } => Refused::error(format!(
-            "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
-             with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)",
-            crew::DEFAULT
-        )),
-        error => Refused::error(format!("--brain: {error}")),
+    crew::share_out(arguments, robots).map_err(|error| {
+        Refused::error(if let CrewError::Blind { robot } = error {
+            format!(
+                "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
+                 with --brain {robot}=NAME (`baudbot brain --list` lists them; `none` is no brain)",
+                crew::DEFAULT
+            )
+        } else {
+            format!("--brain: {error}")
+        })
     })
 }
 

@@ -78,12 +78,12 @@ pub(crate) fn out(args: &WorkArgs, experiment: &Experiment, ending: &str) -> Pat
 
 /// Errors of the file begin with its name.
 pub(crate) fn from_experiment(args: &WorkArgs, error: Error) -> anyhow::Error {
-    match &error {
-        Error::Field { .. } | Error::Syntax(_) => {
-            Refused::error(format!("{}: {error}", args.experiment.display()))
-        }
-        error if error.is_refusal() => Refused::error(error.to_string()),
-        _ => error.into(),
+    if matches!(error, Error::Field { .. } | Error::Syntax(_)) {
+        Refused::error(format!("{}: {error}", args.experiment.display()))
+    } else if error.is_refusal() {
+        Refused::error(error.to_string())
+    } else {
+        error.into()
     }
 }
 

@@ -100,10 +100,7 @@ pub struct WriteError(#[from] mcap::McapError);
 
 impl WriteError {
     fn words(&self) -> String {
-        match &self.0 {
-            // What the system says is more than that there was an error.
-            mcap::McapError::Io(error) => error.to_string(),
-            error => error.to_string(),
-        }
+        // What the system says is more than that there was an error.
+        if let mcap::McapError::Io(error) = &self.0 { error.to_string() } else { self.0.to_string() }
     }
 }

@@ -194,7 +194,7 @@ fn keeps_up(path: &Path, uart: &Uart) -> Result<()> {
     }
     let packet_bytes = match uart.adapter {
         Adapter::Ftdi(Ftdi { packet_bytes, .. }) => packet_bytes,
-        _ => 64,
+        Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_) => 64,
     };
     let problem = format!(
         "{PACKETS_PER_FRAME} packets of {packet_bytes} bytes a frame keep up with {most} baud, not with {baud}"

@@ -164,7 +164,7 @@ fn unstuff(frame: &mut [u8]) -> Result<usize, FrameError> {
         DecoderState::Grab(missing) | DecoderState::GrabChain(missing) if missing > 0 => {
             Err(FrameError::Cobs { missing })
         }
-        _ => Ok(len),
+        DecoderState::Idle | DecoderState::Grab(_) | DecoderState::GrabChain(_) => Ok(len),
     }
 }
 

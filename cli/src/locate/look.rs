@@ -121,9 +121,8 @@ impl<'a> Looker<'a> {
 
 /// The lasers of a robot, with their places among its sensors.
 fn lasers(robot: &RobotSpec) -> impl Iterator<Item = (usize, &Sensor, &Laser)> {
-    robot.sensors.iter().enumerate().filter_map(|(i, sensor)| match &sensor.device {
-        Device::Laser(laser) => Some((i, sensor, laser)),
-        _ => None,
+    robot.sensors.iter().enumerate().filter_map(|(i, sensor)| {
+        if let Device::Laser(laser) = &sensor.device { Some((i, sensor, laser)) } else { None }
     })
 }
 

@@ -80,11 +80,10 @@ impl<'a> Task<'a> {
         let clearance_m = robot.drive.radius_m + args.margin_m;
         let grid = map::grid(&scenario.arena, args.cell_m, clearance_m);
         let grid = grid.map_err(|error| {
-            Refused::error(match error {
-                GridError::NoWalls => {
-                    "the scenario's arena has no walls: there is nothing to plan around".to_owned()
-                }
-                error => format!("--cell-m {}: {error}", args.cell_m),
+            Refused::error(if error == GridError::NoWalls {
+                "the scenario's arena has no walls: there is nothing to plan around".to_owned()
+            } else {
+                format!("--cell-m {}: {error}", args.cell_m)
             })
         })?;
         let from = args.from.unwrap_or(robot.start.pose.position);
@@ -172,7 +171,9 @@ impl<'a> Task<'a> {
             Method::Cells => {
                 format!("{}, {} of them on the path", count(way.cells.len(), "convex cell"), way.expanded)
             }
-            _ => format!("{}, {} expanded", count(way.touched.len(), "cell"), way.expanded),
+            Method::Walker | Method::Greedy | Method::Dijkstra | Method::AStar | Method::ThetaStar => {
+                format!("{}, {} expanded", count(way.touched.len(), "cell"), way.expanded)
+            }
         }
     }
 

@@ -27,10 +27,12 @@ pub(super) struct Scanner {
 impl Scanner {
     /// Lasers, and the depths that a line camera sees. Where the sensor sits must be known.
     pub(super) fn of(robot: &str, sensor: &v1::SensorDescription) -> Option<Self> {
-        let (component, from_left) = match sensor.kind() {
-            SensorKind::Laser => ("", sensor.sweep.is_some_and(|sweep| sweep.clockwise)),
-            SensorKind::LineCamera => ("depth_m", true),
-            _ => return None,
+        let (component, from_left) = if sensor.kind() == SensorKind::Laser {
+            ("", sensor.sweep.is_some_and(|sweep| sweep.clockwise))
+        } else if sensor.kind() == SensorKind::LineCamera {
+            ("depth_m", true)
+        } else {
+            return None;
         };
         sensor.mount.as_ref()?;
         let place = sensor.components.iter().position(|described| described.name == component)?;

@@ -176,18 +176,19 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     path.refuse("characters", raw.characters.is_some() && !is_laser, &problem)?;
     path.refuse("first_step", raw.first_step.is_some() && !is_laser, &problem)?;
     path.refuse("sentences", raw.sentences.is_some() && !is_gps, &problem)?;
-    let format = match device {
-        Device::Laser(laser) => scip_format(path, raw, laser.rays())?,
-        Device::LineCamera(_) => Format::LineImage,
-        Device::Gps(_) => Format::Nmea { full: raw.sentences != Some(raw::Sentences::Rmc) },
-        _ => {
-            let problem = format!(
-                "a sensor of kind `{}` is read by the microcontroller; lasers, line cameras and gps can have a \
-                 port of their own",
-                device.kind()
-            );
-            return Err(path.error(problem));
-        }
+    let format = if let Device::Laser(laser) = device {
+        scip_format(path, raw, laser.rays())?
+    } else if let Device::LineCamera(_) = device {
+        Format::LineImage
+    } else if is_gps {
+        Format::Nmea { full: raw.sentences != Some(raw::Sentences::Rmc) }
+    } else {
+        let problem = format!(
+            "a sensor of kind `{}` is read by the microcontroller; lasers, line cameras and gps can have a \
+             port of their own",
+            device.kind()
+        );
+        return Err(path.error(problem));
     };
     let link = link::link(&path.field("link"), &raw.link)?;
     if matches!(link, Link::Onboard) {

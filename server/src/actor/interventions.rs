@@ -61,9 +61,10 @@ impl WorldActor {
         let gone =
             || Err(Status::aborted("intervention: the world was reset or restored before it took effect"));
         for message in std::mem::take(&mut self.deferred) {
-            match message {
-                Message::Request(Request::Intervene(_), reply) => drop(reply.send(gone())),
-                message => self.deferred.push_back(message),
+            if let Message::Request(Request::Intervene(_), reply) = message {
+                drop(reply.send(gone()));
+            } else {
+                self.deferred.push_back(message);
             }
         }
         for (_, reply) in std::mem::take(&mut self.interventions.0) {

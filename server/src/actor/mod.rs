@@ -235,10 +235,13 @@ impl WorldActor {
         if self.sessions.owing().next().is_none() {
             return Next::Finish;
         }
-        match self.wait_for_answers(now) {
-            Next::Wait(Some(until)) if self.can_finish_ahead() => Next::FinishAhead(until),
-            next => next,
+        let next = self.wait_for_answers(now);
+        if let Next::Wait(Some(until)) = next
+            && self.can_finish_ahead()
+        {
+            return Next::FinishAhead(until);
         }
+        next
     }
 
     fn activity(&self) -> Activity {

@@ -96,10 +96,8 @@ impl Running {
                 held.values.len() == device.values() && sound::numbers(held.values.iter().copied())
             })
         };
-        let (rays, sweep_ns) = match device {
-            Device::Laser(laser) => (laser.rays(), laser.sweep_ns),
-            _ => (0, 0),
-        };
+        let (rays, sweep_ns) =
+            if let Device::Laser(laser) = device { (laser.rays(), laser.sweep_ns) } else { (0, 0) };
         // One that takes longer than its period is late for ever.
         let keeps_up = self.begins.since(self.due) <= clock.jitter_ns || sweep_ns >= self.period_ns;
         self.period_ns > 0
@@ -115,9 +113,10 @@ impl Running {
 
     /// What happens next, and when. A value comes to the output before the next measurement.
     pub(crate) fn next(&self, device: &Device) -> (SimTime, Event) {
-        let measure = match device {
-            Device::Laser(laser) => laser.instant(self.begins, self.taken),
-            _ => self.begins,
+        let measure = if let Device::Laser(laser) = device {
+            laser.instant(self.begins, self.taken)
+        } else {
+            self.begins
         };
         match &self.pending {
             Some(pending) if pending.ready_at <= measure => (pending.ready_at, Event::Output),
@@ -137,24 +136,21 @@ impl Running {
     ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
-        let end = match &sensor.device {
-            Device::Laser(laser) => {
-                let rest = self.taken..laser.rays();
-                let is_later = |i: usize| laser.instant(self.begins, i) >= at.tick_end;
-                let is_partial = rest.clone().next_back().is_some_and(is_later);
-                let until = if is_partial { rest.clone().find(|&i| is_later(i)) } else { None };
-                let which = self.taken..until.unwrap_or(rest.end);
-                laser.take(at, which.clone(), self.begins, &mut self.scan);
-                self.taken = which.end;
-                if self.taken < laser.rays() {
-                    return;
-                }
-                self.begins + laser.sweep_ns
+        let end = if let Device::Laser(laser) = &sensor.device {
+            let rest = self.taken..laser.rays();
+            let is_later = |i: usize| laser.instant(self.begins, i) >= at.tick_end;
+            let is_partial = rest.clone().next_back().is_some_and(is_later);
+            let until = if is_partial { rest.clone().find(|&i| is_later(i)) } else { None };
+            let which = self.taken..until.unwrap_or(rest.end);
+            laser.take(at, which.clone(), self.begins, &mut self.scan);
+            self.taken = which.end;
+            if self.taken < laser.rays() {
+                return;
             }
-            device => {
-                device.read(at, memory, stream, &mut self.scan);
-                at.now
-            }
+            self.begins + laser.sweep_ns
+        } else {
+            sensor.device.read(at, memory, stream, &mut self.scan);
+            at.now
         };
         sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
         self.finish(end + clock.latency_ns, amiss);

@@ -138,7 +138,7 @@ impl Ant {
             Phase::Forage if sensed.food => Phase::Return,
             Phase::Return if self.home().norm() < self.parameters.near_m => Phase::Search,
             Phase::Search if found => Phase::Home,
-            same => same,
+            same @ (Phase::Forage | Phase::Return | Phase::Search | Phase::Home) => same,
         };
         match self.phase {
             Phase::Forage => self.meander(dt_s),
