@@ -395,3 +395,16 @@ fn noise_that_is_given_twice_is_refused() {
     let compass = "[robots.sensors.c]\nkind = \"compass\"\nsigma_rad = 0.1\nnoise = { additive = 0.1 }";
     refused(&robot(compass), "robots[0].sensors.c.sigma_rad", "is short for noise.additive");
 }
+
+#[test]
+fn a_thing_that_is_pushed_is_the_same_whichever_way_round_its_corners_are_given() {
+    let outline = |corners: &str| {
+        let thing = format!(
+            "[[arena.movables]]\nname = \"t\"\noutline_m = [{corners}]\nx_m = 2\ny_m = 1\nmass_kg = 1\nfriction = 0.1\n"
+        );
+        baudbot_scenario::parse(&(robot("") + &thing)).unwrap().movables.remove(0)
+    };
+    let counter_clockwise = outline("[0, 0], [0.6, 0], [0, 0.3]");
+    assert_eq!(outline("[0, 0.3], [0.6, 0], [0, 0]"), counter_clockwise);
+    assert_eq!(counter_clockwise.start.position, baudbot_geometry::Point::new(2.2, 1.1));
+}

@@ -29,6 +29,18 @@ fn disc(x: f64, y: f64, radius: f64) -> Circle {
     Circle { center: Point::new(x, y), radius }
 }
 
+/// The robot stands just below a wall that the centre of its own cell is above of, as are those of all others but the row
+/// below.
+#[test]
+fn a_robot_whose_cells_centre_is_behind_a_wall_covers_the_floor_on_its_own_side() {
+    let room = rectangle(false, (0.0, 0.0), (2.0, 2.0));
+    let wall = rectangle(true, (0.0, 1.03), (2.0, 1.04));
+    let own = floor(vec![room.clone(), wall.clone()], vec![], 0.1, &[(1.05, 1.02)]);
+    let below = floor(vec![room, wall], vec![], 0.1, &[(1.05, 0.55)]);
+    assert!(below.free_cells() > 150, "{}", below.free_cells());
+    assert_eq!(own.free_cells(), below.free_cells());
+}
+
 fn floor(polygons: Vec<Polygon>, pillars: Vec<Pillar>, cell_m: f64, starts: &[(f64, f64)]) -> Floor {
     try_floor(polygons, pillars, cell_m, starts).unwrap()
 }

@@ -359,3 +359,20 @@ proptest! {
         prop_assert_eq!(play(), play());
     }
 }
+
+#[test]
+fn a_brain_has_a_message_from_its_last_byte_to_its_step() {
+    let mut world = world(WANDER);
+    let mut has_had = [false; 2];
+    for _ in 0..20 {
+        assert!(!world.has_message(0), "it was handed over");
+        world.begin();
+        let end = SimTime::from_ns(world.time().as_ns() + world.scenario().step_ns);
+        let arrived = world.turns().iter().any(|turn| turn.robot == 0 && turn.at < end);
+        assert_eq!(world.has_message(0), arrived);
+        has_had[usize::from(arrived)] = true;
+        world.finish(&[]);
+    }
+    assert_eq!(has_had, [true; 2]);
+    assert!(!world.has_message(7), "there is no such robot");
+}

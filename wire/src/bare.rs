@@ -82,6 +82,19 @@ mod tests {
 
     const GAP_NS: u64 = 1_000;
 
+    #[test]
+    fn a_decoder_becomes_only_one_of_the_same_messages_with_less_than_one_collected() {
+        let own = BareDecoder::new(3, GAP_NS).unwrap();
+        let mut later = own.clone();
+        assert!(own.may_become(&later));
+        assert!(later.push(1, 0).is_none() && later.push(2, 0).is_none());
+        assert!(own.may_become(&later));
+        assert!(!own.may_become(&BareDecoder::new(4, GAP_NS).unwrap()));
+        assert!(!own.may_become(&BareDecoder::new(3, 2 * GAP_NS).unwrap()));
+        later.collected.push(3);
+        assert!(!own.may_become(&later), "a whole message is collected");
+    }
+
     proptest! {
         #[test]
         fn a_steady_stream_is_cut_into_messages(length in 1..20usize, bytes in vec(any::<u8>(), 0..200)) {

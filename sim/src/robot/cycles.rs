@@ -166,3 +166,27 @@ impl Cycles {
 
 /// Most cycles that are under way at once. A brain that is farther behind than that answers nothing that is known here.
 const MAX_OPEN: usize = 1024;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(counts: [u64; 3]) -> Cycles {
+        let [kept, late, unanswered] = counts;
+        Cycles { kept, late, unanswered, ..Cycles::default() }
+    }
+
+    #[test]
+    fn cycles_are_sound_unless_a_count_is_too_large_or_too_many_are_open() {
+        assert!(all([1, 2, 3]).are_sound());
+        for counts in [[u64::MAX, 0, 0], [0, u64::MAX, 0], [0, 0, u64::MAX]] {
+            assert!(!all(counts).are_sound(), "{counts:?}");
+        }
+        let mut full = Cycles::default();
+        (0..=MAX_OPEN as u64).for_each(|ns| full.open(SimTime::from_ns(ns)));
+        assert!(full.are_sound() && full.unanswered == 1);
+        let one = *full.open.front().unwrap();
+        full.open.push_back(one);
+        assert!(!full.are_sound());
+    }
+}

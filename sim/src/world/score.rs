@@ -170,3 +170,32 @@ impl RobotSpec {
         self.form().thickness_m().max(if self.outline.is_empty() { self.drive.radius_m } else { 0.0 })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_score_becomes_only_one_that_counts_the_same() {
+        let score = Score {
+            coverage: None,
+            visited: alloc::vec![false; 2],
+            in_zone_ns: alloc::vec![alloc::vec![0; 2]],
+        };
+        let with = |change: fn(&mut Score)| {
+            let mut other = score.clone();
+            change(&mut other);
+            other
+        };
+        let later = with(|score| (score.visited[1], score.in_zone_ns[0][1]) = (true, 5));
+        assert!(score.may_become(&later, None));
+        for other in [
+            with(|score| score.visited.push(false)),
+            with(|score| score.in_zone_ns.push(Vec::new())),
+            with(|score| score.in_zone_ns[0].push(0)),
+            with(|score| score.in_zone_ns[0][0] = u64::MAX),
+        ] {
+            assert!(!score.may_become(&other, None), "{other:?}");
+        }
+    }
+}

@@ -177,6 +177,9 @@ fn a_fix_comes_through_its_sentences_to_a_fifth_of_a_metre() {
         .map(|line| String::from_utf8_lossy(&line[1..6]).into_owned())
         .collect();
     assert_eq!(kinds, ["GPGGA", "GPGSA", "GPGSV", "GPGSV", "GPGSV", "GPRMC"]);
+    // The first of three with the twelve satellites, which are those of even numbers.
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(text.contains("GPGSV,3,1,12,02,15,000,40,04,21,150,40,06,27,300,40,08,33,090,40*"), "{text}");
 }
 
 #[test]

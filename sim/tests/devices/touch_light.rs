@@ -29,6 +29,12 @@ fn a_whisker_touches_what_is_within_its_length() {
 }
 
 #[test]
+fn a_whiskers_range_is_its_length() {
+    let world = world(&with_sensor("", WHISKER));
+    assert_eq!(world.scenario().robots[0].sensors[0].device.range_m(), Some(0.1));
+}
+
+#[test]
 fn a_whisker_bounces_for_a_while_after_a_change_only() {
     let sensor = named("s", &format!("{WHISKER}\nbounce_ms = 20.0"));
     let top = format!("step_ms = 0.02\n{}", wall(0.305));
