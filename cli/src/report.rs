@@ -157,8 +157,8 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
 /// What was left out as there was too much of it: of turns, of steps and of frames.
 fn overload(robot: &Robot) -> impl Iterator<Item = (&'static str, String)> {
     let Robot { lost_deliveries, lost_steps, frames_missed, .. } = robot;
-    let turns = format!("{lost_deliveries} turns came too late for a brain that did not read");
-    let steps = format!("{lost_steps} steps were thrown away, as there were too many in a tick");
+    let turns = format!("{lost_deliveries} turns were not delivered, as the brain did not read");
+    let steps = format!("{lost_steps} steps were discarded, as there were too many in a tick");
     let frames = format!("{frames_missed} frames left out by the microcontroller");
     let all = [
         (*lost_deliveries, ("slow brain", turns)),

@@ -156,19 +156,18 @@ impl Failure {
 
     /// A brain that is too much for its robot is the run's own fault, too.
     fn of_attach(error: CrewError) -> Self {
-        match error {
-            CrewError::Client(ClientError::Status { code: Code::ResourceExhausted, message }) => {
-                Self::Run(message)
-            }
-            CrewError::Client(error) => Self::of_client(error),
-            error => Self::Run(error.to_string()),
+        let CrewError::Client(error) = error else { return Self::Run(error.to_string()) };
+        if let ClientError::Status { code: Code::ResourceExhausted, message } = error {
+            return Self::Run(message);
         }
+        Self::of_client(error)
     }
 
     fn of_client(error: ClientError) -> Self {
-        match error {
-            ClientError::Status { code, message } => Self::said(code, &message),
-            error => Self::Server(Error::Server(error.to_string())),
+        if let ClientError::Status { code, message } = error {
+            Self::said(code, &message)
+        } else {
+            Self::Server(Error::Server(error.to_string()))
         }
     }
 }

@@ -218,7 +218,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices/khepera-ascii.toml");
         let text = describe(&scenario(path, &[]).robots[0]);
         for part in [
-            "khepera, lines of text; answers when asked\n",
+            "khepera, lines of text; answers when polled\n",
             "43 bytes with all sensors, 49.271 ms on the link\n",
             "    ir_7    ir   20 ms  17.5 ms  10 bits      5\n",
             "12 bytes each, 13.75 ms on the link\n",

@@ -40,9 +40,12 @@ impl Outcome {
             outcome.runs += 1;
             outcome.succeeded += u64::from(experiment.succeeded(row).unwrap_or(true));
             let score = row.outcome.as_ref().map_err(Clone::clone).and_then(|ran| {
-                let lacks = |figure: Figure| match figure {
-                    Figure::GoalTimeS => "the goal was not reached, so there is no score".to_owned(),
-                    figure => format!("`{}` was not counted, so there is no score", figure.info().name),
+                let lacks = |figure: Figure| {
+                    if figure == Figure::GoalTimeS {
+                        "the goal was not reached, so there is no score".to_owned()
+                    } else {
+                        format!("`{}` was not counted, so there is no score", figure.info().name)
+                    }
                 };
                 goal.score(&ran.figures).map_err(lacks)
             });

@@ -245,15 +245,14 @@ fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec
     let mut brains = experiment.brains.clone();
     let mut sets = Vec::new();
     for setting in levels(&ranges, &candidate.values).iter().flat_map(|level| &level.settings) {
-        match setting {
-            Setting::Parameter { name, value } => {
-                let takes = |brain: &&mut String| catalogue::takes(crew::split(brain).1, name);
-                for brain in brains.iter_mut().filter(takes) {
-                    let and = if brain.contains(':') { ',' } else { ':' };
-                    let _ = write!(brain, "{and}{name}={value}");
-                }
+        if let Setting::Parameter { name, value } = setting {
+            let takes = |brain: &&mut String| catalogue::takes(crew::split(brain).1, name);
+            for brain in brains.iter_mut().filter(takes) {
+                let and = if brain.contains(':') { ',' } else { ':' };
+                let _ = write!(brain, "{and}{name}={value}");
             }
-            setting => sets.extend(setting.as_override()),
+        } else {
+            sets.extend(setting.as_override());
         }
     }
     (brains, sets)
