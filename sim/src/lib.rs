@@ -3,8 +3,8 @@
 //! One tick is Fig. 3.1 of Wahde's "Introduction to Autonomous Robots" (2016) in two halves, with the brains
 //! between them:
 //!
-//! 1. sensors sample the frozen scene ([`sensor`]), the microcontroller reads and sends ([`microcontroller`],
-//!    [`schedule`], [`firmware`]), bytes travel the cable ([`link`]) or past the microcontroller ([`port`]):
+//! 1. sensors sample the frozen scene ([`sensor`]), the microcontroller reads and sends (`microcontroller`,
+//!    [`schedule`], [`firmware`]), bytes travel the cable ([`link`]) or past the microcontroller ([`sensor::port`]):
 //!    [`World::begin`]
 //! 2. the brain processes what has arrived: a program elsewhere, never here
 //! 3. its bytes travel back and are obeyed ([`robot`]): [`World::finish`], which also does the rest
