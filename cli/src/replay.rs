@@ -211,7 +211,7 @@ fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
     Finding {
         recording: args.recording.display().to_string(),
         world: header.world.clone(),
-        scenario: tape.scenario().name.to_owned(),
+        scenario: tape.scenario().name.clone(),
         seed: header.seed,
         recorded_by: format!("baudbot {}", header.program_version),
         first_tick: tape.first_tick(),

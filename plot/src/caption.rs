@@ -13,7 +13,7 @@ pub fn about(scenario: &Scenario, by_hand: bool) -> String {
     let fields = scenario.source.overrides.iter().filter(|change| !tells_itself(change));
     let changes: Vec<_> = fields.map(String::as_str).chain(by_hand.then_some("something by hand")).collect();
     match changes.as_slice() {
-        [] => scenario.description.to_owned(),
+        [] => scenario.description.clone(),
         changes => format!("changed: {}", changes.join(", ")),
     }
 }

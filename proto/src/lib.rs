@@ -12,6 +12,13 @@ pub mod v1 {
     include!("generated/baudbot.v1.rs");
 }
 
+impl v1::SensorKind {
+    /// What scenarios call it: `SENSOR_KIND_LINE_CAMERA` is `line-camera`.
+    pub fn scenario_name(self) -> String {
+        self.as_str_name().trim_start_matches("SENSOR_KIND_").replace('_', "-").to_lowercase()
+    }
+}
+
 /// The trailer that says why an Attach has ended, where its status alone does not.
 pub const REASON: &str = "baudbot-reason";
 

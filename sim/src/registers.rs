@@ -127,7 +127,7 @@ impl Registers {
             Register::PositionGain(gain) => self.position_gains[gain as usize] = value,
             Register::Target(side) => self.target[side as usize] = value,
             Register::Position(side) => {
-                self.zero[side as usize] = counts[side as usize] - i64::from(value);
+                self.zero[side as usize] = counts[side as usize].wrapping_sub(value.into());
             }
             Register::InputNumber => self.input = value,
             Register::ProfileSpeed(side) => self.profile_speed[side as usize] = value,
@@ -149,7 +149,7 @@ impl Registers {
 
     /// The position counters, of 32 bits, when the encoders have counted so far.
     pub(crate) fn positions(&self, counts: [i64; 2]) -> [i32; 2] {
-        let [left, right] = [0, 1].map(|side| counts[side] - self.zero[side]);
+        let [left, right] = [0, 1].map(|side| counts[side].wrapping_sub(self.zero[side]));
         [left as i32, right as i32]
     }
 
@@ -219,6 +219,14 @@ mod tests {
         assert_eq!(registers.positions([993, -999]), [-2, i32::MIN]);
         assert_eq!(registers.missing([1000, -1000]), [5, i32::MIN]);
         assert!(registers.is_sound());
+    }
+
+    #[test]
+    fn counts_and_speeds_of_any_size_are_no_panic() {
+        let mut registers = after(&["G,-1,1"]);
+        registers.set(Register::Position(baudbot_wire::khepera::Side::Left), i32::MIN, [i64::MAX, i64::MIN]);
+        assert_eq!(registers.positions([i64::MAX, i64::MIN])[0], i32::MIN);
+        assert_eq!(registers.positions([i64::MIN, i64::MAX]), [-i32::MAX, 1000]);
     }
 
     #[test]

@@ -56,7 +56,7 @@ fn facts(scenario: &Scenario) -> Vec<(&'static str, String)> {
         CollisionPolicy::StopRobot => "stops the robot",
     };
     vec![
-        ("name", scenario.name.to_owned()),
+        ("name", scenario.name.clone()),
         ("description", text::one_line(&scenario.description)),
         ("step", format!("{} in {substeps}", duration(scenario.step_ns as f64))),
         ("seed", format!("{}, sensor noise {}", scenario.seed, if scenario.noise { "on" } else { "off" })),

@@ -21,7 +21,7 @@ pub(crate) struct Robot {
     pub(crate) turns: u64,
     pub(crate) commands: u64,
     pub(crate) lost_deliveries: u64,
-    /// Steps of its brain that were thrown away, since there were too many at a time.
+    /// Steps of its brain that were discarded, since there were too many at a time.
     pub(crate) lost_steps: u64,
     /// What its brain last said of itself in words.
     pub(crate) said: String,

@@ -51,4 +51,11 @@ mod tests {
         assert_same!(MotorKind);
         assert_same!(PortFormat);
     }
+
+    #[test]
+    fn both_call_a_kind_of_sensor_as_scenarios_do() {
+        for &kind in SensorKind::ALL {
+            assert_eq!(v1::SensorKind::from(kind).scenario_name(), kind.name());
+        }
+    }
 }

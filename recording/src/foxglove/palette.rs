@@ -32,9 +32,7 @@ pub(super) fn on(surface: Rgb) -> Rgb {
 
 /// The colour of a kind of sensor. A server of another version may have kinds that are unknown here.
 pub(super) fn sensor(kind: SensorKind) -> Rgb {
-    // `SENSOR_KIND_LINE_CAMERA` is `line-camera` in scenarios.
-    let name = kind.as_str_name().trim_start_matches("SENSOR_KIND_").replace('_', "-").to_lowercase();
-    rgb(palette::sensor_kind(&name).map_or(palette::INNER, |style| style.color))
+    rgb(palette::sensor_kind(&kind.scenario_name()).map_or(palette::INNER, |style| style.color))
 }
 
 #[cfg(test)]

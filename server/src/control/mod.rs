@@ -63,7 +63,7 @@ fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status>
     let v1::CreateWorldRequest { world: name, scenario_toml, overrides, saved_mcap, .. } = request;
     let (own, world) = if saved_mcap.is_empty() {
         let scenario = parse_scenario(&scenario_toml, &overrides)?;
-        (scenario.name.to_owned(), World::new(scenario.into()))
+        (scenario.name.clone(), World::new(scenario.into()))
     } else if scenario_toml.is_empty() && overrides.is_empty() {
         recordings::from_saved(&saved_mcap)?
     } else {

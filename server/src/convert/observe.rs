@@ -21,8 +21,8 @@ use crate::frame::{Frame, RobotTruth, Thing};
 pub(crate) fn world_description(scenario: &Scenario) -> v1::DescribeWorldResponse {
     let surroundings = &scenario.surroundings;
     v1::DescribeWorldResponse {
-        scenario: scenario.name.to_owned(),
-        description: scenario.description.to_owned(),
+        scenario: scenario.name.clone(),
+        description: scenario.description.clone(),
         step_ns: scenario.step_ns,
         polygons: scenario.arena.polygons().iter().map(polygon).collect(),
         circles: scenario.arena.pillars().iter().map(disc).collect(),

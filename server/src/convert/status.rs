@@ -25,7 +25,7 @@ pub(crate) fn status(report: &Report) -> v1::WorldStatus {
     };
     v1::WorldStatus {
         world: report.name.to_string(),
-        scenario: world.scenario().name.to_owned(),
+        scenario: world.scenario().name.clone(),
         state: state.into(),
         pace: Some(pace_to(report.pace)),
         tick: world.tick(),

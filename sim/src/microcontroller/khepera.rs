@@ -151,7 +151,7 @@ impl Microcontroller {
             }
             let signal = [signals.left, signals.right][side as usize];
             let full = Pulses::of(spec)?.full_per_s(spec);
-            full.map_or(Some(0), |full| Some(per_10ms(full * signal) - speed(side)?))
+            full.map_or(Some(0), |full| Some(per_10ms(full * signal).saturating_sub(speed(side)?)))
         };
         match register {
             Register::Speed(side) => speed(side),
