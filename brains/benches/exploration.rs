@@ -60,9 +60,9 @@ fn moved(pose: &Pose, command: Command) -> Pose {
     match command {
         Command::Turn { heading_rad } => Pose { heading: toward(heading_rad), ..*pose },
         Command::Drive { to } => {
-            let way = to - pose.position;
-            let heading = toward(way.y.atan2(way.x));
-            let step_m = way.norm().min(0.03);
+            let path = to - pose.position;
+            let heading = toward(path.y.atan2(path.x));
+            let step_m = path.norm().min(0.03);
             Pose { position: pose.position + Direction::from_angle(heading).vector() * step_m, heading }
         }
         Command::Wait | Command::Done(_) | Command::Failed(_) => *pose,

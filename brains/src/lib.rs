@@ -56,16 +56,16 @@ pub mod slam;
 pub mod vfh;
 pub mod wander;
 
-mod anew;
 mod awaited;
 mod beat;
 mod chance;
-mod courier;
-mod feelers;
 mod kinds;
+mod proximity_sensors;
+mod restarting;
 mod standard;
 #[cfg(test)]
 mod test_body;
+mod throttle;
 
 pub use avoid::Avoid;
 pub use chance::Chance;

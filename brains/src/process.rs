@@ -15,7 +15,7 @@ use crate::odometry::Odometry;
 
 /// What processes know in a step.
 #[derive(Debug)]
-pub struct Moment<'a> {
+pub struct StepContext<'a> {
     /// What has come over the cable.
     pub turn: &'a Turn,
     /// Since the brain's last step, in seconds.
@@ -28,7 +28,7 @@ pub struct Moment<'a> {
     pub gammas: &'a mut Vec<(String, f64)>,
 }
 
-impl Moment<'_> {
+impl StepContext<'_> {
     /// Sets the Γ of a process, of (8.4): a large positive one activates it soon, a large negative one stops it. It falls
     /// off by itself. Methods of decision that know no utilities do not heed it.
     pub fn set_gamma(&mut self, process: &str, gamma: f64) {
@@ -58,13 +58,13 @@ pub struct Beliefs {
 /// A process that drives.
 pub trait MotorBehavior: Send {
     /// It is activated.
-    fn enter(&mut self, _: &mut Moment<'_>) {}
+    fn enter(&mut self, _: &mut StepContext<'_>) {}
 
     /// One step. `None` leaves the motors as they are.
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals>;
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals>;
 
     /// Another is activated instead.
-    fn leave(&mut self, _: &mut Moment<'_>) {}
+    fn leave(&mut self, _: &mut StepContext<'_>) {}
 
     /// Whether it drives by the believed pose. While odometry is overdue the robot then stands, and the older odometry is the
     /// slower it drives.
@@ -76,11 +76,11 @@ pub trait MotorBehavior: Send {
 /// A process that does not drive.
 pub trait CognitiveProcess: Send {
     /// It is activated.
-    fn enter(&mut self, _: &mut Moment<'_>) {}
+    fn enter(&mut self, _: &mut StepContext<'_>) {}
 
     /// One step.
-    fn step(&mut self, moment: &mut Moment<'_>);
+    fn step(&mut self, context: &mut StepContext<'_>);
 
     /// It is active no longer.
-    fn leave(&mut self, _: &mut Moment<'_>) {}
+    fn leave(&mut self, _: &mut StepContext<'_>) {}
 }

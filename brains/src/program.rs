@@ -11,10 +11,10 @@ use baudbot_brain::{Body, Brain};
 use baudbot_client::{Error, connect, run};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
-use crate::anew::Anew;
 use crate::catalogue::{shown_name, text_of};
 use crate::description::Description;
 use crate::registry::Registry;
+use crate::restarting::Restarting;
 
 /// Runs a brain that the file describes which the command line names, with these kinds of processes.
 ///
@@ -49,7 +49,7 @@ async fn run_file(file: &str, arguments: &ArgMatches, registry: &Registry) -> an
     let seed = arguments.get_one("seed").copied().unwrap_or_default();
     let make = |body: &Body| {
         let description = description.clone();
-        Ok(Anew::new(move |body: &Body| description.brain(seed, body, registry), body)?)
+        Ok(Restarting::new(move |body: &Body| description.brain(seed, body, registry), body)?)
     };
     drive(&name_of(file), arguments, make).await
 }

@@ -14,7 +14,7 @@ use crate::parameter::ParameterError;
 use crate::process::{CognitiveProcess, MotorBehavior};
 
 /// What a process is made from.
-pub struct Kit<'a> {
+pub struct BuildContext<'a> {
     /// Its name in the repertoire.
     pub name: &'a str,
     /// The robot's body.
@@ -27,7 +27,7 @@ pub struct Kit<'a> {
     pub by_utility: bool,
 }
 
-impl Kit<'_> {
+impl BuildContext<'_> {
     /// Random numbers of the process's own.
     pub fn chance(&self) -> Chance {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.name))
@@ -47,7 +47,7 @@ impl Kit<'_> {
     }
 }
 
-type Make<P> = Box<dyn Fn(Table, Kit<'_>) -> Result<Box<P>, ParameterError> + Send + Sync>;
+type Make<P> = Box<dyn Fn(Table, BuildContext<'_>) -> Result<Box<P>, ParameterError> + Send + Sync>;
 
 /// Kinds of motor behaviours and of cognitive processes.
 #[derive(Default)]
@@ -67,14 +67,15 @@ impl Registry {
     pub fn motor<P, B>(
         &mut self,
         kind: &'static str,
-        make: impl Fn(P, Kit<'_>) -> Result<B, ParameterError> + Send + Sync + 'static,
+        make: impl Fn(P, BuildContext<'_>) -> Result<B, ParameterError> + Send + Sync + 'static,
     ) -> &mut Self
     where
         P: DeserializeOwned + 'static,
         B: MotorBehavior + 'static,
     {
-        let make =
-            move |table, kit: Kit<'_>| Ok(Box::new(make(read(table)?, kit)?) as Box<dyn MotorBehavior>);
+        let make = move |table, context: BuildContext<'_>| {
+            Ok(Box::new(make(read(table)?, context)?) as Box<dyn MotorBehavior>)
+        };
         self.motors.insert(kind, Box::new(make));
         self
     }
@@ -83,14 +84,15 @@ impl Registry {
     pub fn cognitive<P, C>(
         &mut self,
         kind: &'static str,
-        make: impl Fn(P, Kit<'_>) -> Result<C, ParameterError> + Send + Sync + 'static,
+        make: impl Fn(P, BuildContext<'_>) -> Result<C, ParameterError> + Send + Sync + 'static,
     ) -> &mut Self
     where
         P: DeserializeOwned + 'static,
         C: CognitiveProcess + 'static,
     {
-        let make =
-            move |table, kit: Kit<'_>| Ok(Box::new(make(read(table)?, kit)?) as Box<dyn CognitiveProcess>);
+        let make = move |table, context: BuildContext<'_>| {
+            Ok(Box::new(make(read(table)?, context)?) as Box<dyn CognitiveProcess>)
+        };
         self.cognitives.insert(kind, Box::new(make));
         self
     }
@@ -109,20 +111,20 @@ impl Registry {
         &self,
         kind: &str,
         table: Table,
-        kit: Kit<'_>,
+        context: BuildContext<'_>,
     ) -> Result<Box<dyn MotorBehavior>, Unmade> {
         let make = self.motors.get(kind).ok_or_else(|| Unmade::Kind(self.motors().collect()))?;
-        make(table, kit).map_err(Unmade::Parameters)
+        make(table, context).map_err(Unmade::Parameters)
     }
 
     pub(crate) fn make_cognitive(
         &self,
         kind: &str,
         table: Table,
-        kit: Kit<'_>,
+        context: BuildContext<'_>,
     ) -> Result<Box<dyn CognitiveProcess>, Unmade> {
         let make = self.cognitives.get(kind).ok_or_else(|| Unmade::Kind(self.cognitives().collect()))?;
-        make(table, kit).map_err(Unmade::Parameters)
+        make(table, context).map_err(Unmade::Parameters)
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use baudbot_brain::Brain;
 
+use crate::behavior::brain_behavior::BrainBehavior;
 use crate::behavior::charge::Charge;
 use crate::behavior::follow_path::FollowPath;
 use crate::behavior::follow_wall::FollowWall;
@@ -11,7 +12,6 @@ use crate::behavior::go_to::GoTo;
 use crate::behavior::home::Home;
 use crate::behavior::taxis::Taxis;
 use crate::behavior::turn_away::TurnAway;
-use crate::behavior::whole::Whole;
 use crate::behavior::{follow_path, go_to, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
@@ -24,7 +24,7 @@ use crate::exploration::brain as explore;
 use crate::kinds::{KINDS, Kind};
 use crate::parameter::ParameterError;
 use crate::potential::PotentialField;
-use crate::registry::{Kit, Registry};
+use crate::registry::{BuildContext, Registry};
 use crate::vfh::Vfh;
 
 impl Registry {
@@ -32,33 +32,35 @@ impl Registry {
     pub fn standard() -> Self {
         let mut registry = Self::new();
         for kind in KINDS {
-            registry.motor(kind.name, |settings, kit| whole(kind, &settings, &kit));
+            registry.motor(kind.name, |settings, context| whole(kind, &settings, &context));
         }
         registry
-            .motor("charge", |parameters, kit| Charge::new(kit.name, parameters, kit.body))
-            .motor("cover_rows", |parameters: coverage::Parameters, kit| {
-                CoverRows::new(&parameters, kit.body)
+            .motor("charge", |parameters, context| Charge::new(context.name, parameters, context.body))
+            .motor("cover_rows", |parameters: coverage::Parameters, context| {
+                CoverRows::new(&parameters, context.body)
             })
-            .motor("explore", |parameters: explore::Parameters, kit| ExploreFloor::new(parameters, kit.body))
-            .motor("follow_path", |parameters: follow_path::Parameters, kit| {
-                FollowPath::new(&parameters, kit.body)
+            .motor("explore", |parameters: explore::Parameters, context| {
+                ExploreFloor::new(parameters, context.body)
             })
-            .motor("follow_wall", |parameters, kit| FollowWall::new(parameters, kit.body))
+            .motor("follow_path", |parameters: follow_path::Parameters, context| {
+                FollowPath::new(&parameters, context.body)
+            })
+            .motor("follow_wall", |parameters, context| FollowWall::new(parameters, context.body))
             .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
-            .motor("home", |parameters, kit| Home::new(parameters, &kit))
-            .motor("potential_field", |parameters, kit| PotentialField::new(parameters, kit.body))
-            .motor("taxis", |parameters: taxis::Parameters, kit| Taxis::new(&parameters, kit.body))
-            .motor("turn_away", |parameters, kit| TurnAway::new(parameters, kit.body))
-            .motor("vfh", |parameters, kit| Vfh::new(parameters, kit.body))
-            .cognitive("laser_localization", |parameters: localization::Parameters, kit| {
-                Localize::new(&parameters, &kit)
+            .motor("home", |parameters, context| Home::new(parameters, &context))
+            .motor("potential_field", |parameters, context| PotentialField::new(parameters, context.body))
+            .motor("taxis", |parameters: taxis::Parameters, context| Taxis::new(&parameters, context.body))
+            .motor("turn_away", |parameters, context| TurnAway::new(parameters, context.body))
+            .motor("vfh", |parameters, context| Vfh::new(parameters, context.body))
+            .cognitive("laser_localization", |parameters: localization::Parameters, context| {
+                Localize::new(&parameters, &context)
             })
-            .cognitive("odometry", |parameters: odometry::Parameters, kit| {
-                CountWheels::new(&parameters, kit.body)
+            .cognitive("odometry", |parameters: odometry::Parameters, context| {
+                CountWheels::new(&parameters, context.body)
             })
-            .cognitive("particle_localization", |parameters, kit| Disperse::new(parameters, &kit))
-            .cognitive("proximity", |parameters, kit| DetectProximity::new(parameters, &kit))
-            .cognitive("slam", |parameters: slam::Parameters, kit| MakeMap::new(&parameters, &kit));
+            .cognitive("particle_localization", |parameters, context| Disperse::new(parameters, &context))
+            .cognitive("proximity", |parameters, context| DetectProximity::new(parameters, &context))
+            .cognitive("slam", |parameters: slam::Parameters, context| MakeMap::new(&parameters, &context));
         registry
     }
 }
@@ -67,9 +69,9 @@ impl Registry {
 fn whole(
     kind: &'static Kind,
     settings: &BTreeMap<String, f64>,
-    kit: &Kit<'_>,
-) -> Result<Whole<Box<dyn Brain + Send>>, ParameterError> {
+    context: &BuildContext<'_>,
+) -> Result<BrainBehavior<Box<dyn Brain + Send>>, ParameterError> {
     let settings: Vec<_> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    let brain = kind.brain(&settings.join(","), kit.seed, kit.body);
-    Ok(Whole::new(brain.map_err(|error| ParameterError::Other(error.to_string()))?))
+    let brain = kind.brain(&settings.join(","), context.seed, context.body);
+    Ok(BrainBehavior::new(brain.map_err(|error| ParameterError::Other(error.to_string()))?))
 }

@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 
-/// How much may be computed until looking for mends stops. What is counted is how often a sensor is looked at in an
+/// How much may be computed until looking for remedies stops. What is counted is how often a sensor is looked at in an
 /// event of a dry run, so it does not depend on how fast the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Allowance {

@@ -10,7 +10,7 @@
 //!    `wire`, queues by `curve`. They hold whatever happens.
 //! 3. `timeline` carries the plan out, without a world, with devices by `device`. What comes of it is typical.
 //! 4. `cycle`, `rates`, `ages`, `loads` put that together; `judge` gives the verdict.
-//! 5. `mend` changes the robot and computes it again, as far as the `allowance` goes; `change` has what can be changed,
+//! 5. `remedy` changes the robot and computes it again, as far as the `allowance` goes; `change` has what can be changed,
 //!    `ports` what of sensors' own cables, `apply` does it.
 //!
 //! A brain is taken to answer each message once, and to write nothing else. Byte errors and outages are left out: what
@@ -36,11 +36,11 @@ mod device;
 mod judge;
 mod late;
 mod loads;
-mod mend;
 mod pattern;
 mod plan;
 mod ports;
 mod rates;
+mod remedy;
 mod report;
 mod timeline;
 mod transfer;
@@ -51,7 +51,7 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 
 pub use allowance::Allowance;
-pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
+pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Verdict};
 
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
@@ -79,7 +79,7 @@ const TOO_MANY: &str =
     "no fixes were searched for, and typical values are from a short dry run: ask for fewer robots at once";
 
 impl Budget {
-    /// Of all robots of a scenario, with mends for those that do not keep their step.
+    /// Of all robots of a scenario, with remedies for those that do not keep their step.
     pub fn of(scenario: &Scenario) -> Self {
         Self::of_some(scenario, &scenario.robots)
     }
@@ -106,7 +106,7 @@ impl RobotBudget {
         Self::within(scenario, spec, &mut Allowance::default())
     }
 
-    /// Of one of several robots that share an allowance. Once it is used up, robots get no mends, and say so.
+    /// Of one of several robots that share an allowance. Once it is used up, robots get no remedies, and say so.
     pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
         let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
         if allowance.is_used_up() {
@@ -115,13 +115,13 @@ impl RobotBudget {
         }
         let mut own = allowance.of_a_robot();
         let mut budget = Self::computed(&plan, FULL, &mut own);
-        mend::add(scenario, &plan, &mut budget, &mut own);
+        remedy::add(scenario, &plan, &mut budget, &mut own);
         allowance.settle(&own);
         budget
     }
 
-    /// The same without looking for mends, which takes by far the most time.
-    pub fn without_mends(scenario: &Scenario, spec: &RobotSpec) -> Self {
+    /// The same without looking for remedies, which takes by far the most time.
+    pub fn without_remedies(scenario: &Scenario, spec: &RobotSpec) -> Self {
         let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
         Self::computed(&plan, FULL, &mut Allowance::default())
     }
@@ -154,7 +154,7 @@ impl RobotBudget {
             rates: rates::rates(plan, &bounds, &outcome),
             ages: ages::ages(plan, &bounds, &outcome),
             chip: loads::chip(plan),
-            mends: Vec::new(),
+            remedies: Vec::new(),
             left_out: None,
             cycle,
             loads,

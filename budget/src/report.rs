@@ -151,7 +151,7 @@ pub enum Verdict {
     Misses,
 }
 
-/// What a mend costs, the cheapest first.
+/// What a remedy costs, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cost {
@@ -173,9 +173,9 @@ pub enum Cost {
     Loss,
 }
 
-/// A change that mends what is wrong: what the budget is with it was computed again.
+/// A change that removes the problem: what the budget is with it was computed again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Mend {
+pub struct Remedy {
     /// What to do, in words.
     pub what: String,
     /// What that costs.
@@ -213,8 +213,8 @@ pub struct RobotBudget {
     pub verdict: Verdict,
     /// What takes longest, or what is overloaded.
     pub bottleneck: String,
-    /// What would mend it, the cheapest first; none if it keeps its step.
-    pub mends: Vec<Mend>,
+    /// What would fix it, the cheapest first; none if it keeps its step.
+    pub remedies: Vec<Remedy>,
     /// What was not computed, and why; `None` if all was.
     pub left_out: Option<String>,
 }

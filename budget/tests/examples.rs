@@ -166,7 +166,7 @@ fn a_basic_stamp_does_40_operations_in_10_ms_and_has_26_bytes() {
 fn an_ideal_robot_keeps_its_step_in_no_time() {
     let robot = budget(crate::common::ARSIM);
     assert_eq!(robot.cycle.total.typical_ns, Some(0));
-    assert!(robot.verdict != Verdict::Misses && robot.mends.is_empty(), "{robot:?}");
+    assert!(robot.verdict != Verdict::Misses && robot.remedies.is_empty(), "{robot:?}");
 }
 
 /// Robots of one table are computed once.

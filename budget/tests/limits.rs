@@ -83,14 +83,14 @@ fn robots_that_come_after_the_allowance_of_a_call_get_no_mends_and_say_so() {
     let beyond = robots.iter().filter(|robot| {
         robot.left_out.as_ref().is_some_and(|why| why.starts_with("no fixes were searched for"))
     });
-    assert_eq!(beyond.map(|robot| robot.mends.len()).collect::<Vec<_>>(), [0, 0, 0]);
+    assert_eq!(beyond.map(|robot| robot.remedies.len()).collect::<Vec<_>>(), [0, 0, 0]);
     assert!(allowance.is_used_up());
 }
 
 #[test]
 fn an_ordinary_robot_has_everything_tried() {
     let robot = Budget::of(&baudbot_scenario::parse(WANDER).unwrap()).robots.remove(0);
-    assert!(robot.left_out.is_none() && !robot.mends.is_empty(), "{robot:?}");
+    assert!(robot.left_out.is_none() && !robot.remedies.is_empty(), "{robot:?}");
 }
 
 /// A robot that answers polls with 20 bytes by radio.

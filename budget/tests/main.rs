@@ -4,6 +4,6 @@
 mod common;
 mod examples;
 mod limits;
-mod mends;
 mod random;
+mod remedies;
 mod run;

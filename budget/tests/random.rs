@@ -152,7 +152,7 @@ proptest! {
             Ok(scenario) => scenario,
             Err(error) => panic!("{error}\n{toml}"),
         };
-        let budget = RobotBudget::without_mends(&scenario, &scenario.robots[0]);
+        let budget = RobotBudget::without_remedies(&scenario, &scenario.robots[0]);
         let measured = run(scenario, 1.0);
         check(&budget, &measured).map_err(|what| TestCaseError::fail(format!("{what}\n{toml}")))?;
     }

@@ -9,14 +9,14 @@ use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 
 use crate::args::{BrainArgs, Reconnect};
-use crate::crew::{self, Crew, Job};
+use crate::assignment::{self, Assignment, AttachedBrains};
 use crate::signals::Stop;
 use crate::text::tell;
 use crate::{connect, error, text};
 
 pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     let Some(brain) = args.brain.clone().filter(|_| !args.list) else { return text::print(&list()) };
-    crew::check_name(&brain)?;
+    assignment::check_name(&brain)?;
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     tokio::select! {
         driven = drive(brain, args) => driven,
@@ -31,16 +31,20 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let world = connect::world(channel.clone(), &args.server).await?;
     let robots = if args.robots.is_empty() { vec![only_robot(&world)?] } else { args.robots };
     let names = robots.join(", ");
-    let job = Job { brain, robots };
-    let mut crew = Crew::attach(Client::from_channel(channel), &world.world, job.clone(), args.seed).await?;
+    let assignment = Assignment { brain, robots };
+    let mut brains =
+        AttachedBrains::attach(Client::from_channel(channel), &world.world, assignment.clone(), args.seed)
+            .await?;
     tell!("driving {names} of world {}", world.world);
     let attach = async || {
         let client = Client::from_channel(connect::channel(&args.server.connect).await?);
-        Crew::attach(client, &world.world, job.clone(), args.seed).await
+        AttachedBrains::attach(client, &world.world, assignment.clone(), args.seed).await
     };
     loop {
-        let lost = match crew.run(|| tell!("the operator has restarted the brain of {names}")).await {
-            Ok(_) if crew.is_closed() => anyhow!("the server closed the connection before the run was over"),
+        let lost = match brains.run(|| tell!("the operator has restarted the brain of {names}")).await {
+            Ok(_) if brains.is_closed() => {
+                anyhow!("the server closed the connection before the run was over")
+            }
             Ok(summary) => {
                 let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
                 return text::print(&format!("the run is over after {}\n", count(turns, "turn")));
@@ -52,7 +56,7 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
         let limit_s = limit.as_secs();
         tell!("{}; trying to reconnect for {limit_s} s", error::text(&lost));
         let back = come_back(limit, may_pass, &attach).await;
-        crew = back.with_context(|| format!("the brain of {names} could not reconnect"))?;
+        brains = back.with_context(|| format!("the brain of {names} could not reconnect"))?;
         tell!("reconnected with a restarted brain: driving {names} of world {}", world.world);
     }
 }

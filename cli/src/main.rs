@@ -5,7 +5,7 @@
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
 //!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
-//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts one, `crew` lets brains drive robots.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts one, `brains` lets brains drive robots.
 //! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
 //!    `map` an arena in characters, `alike` says for which others a robot stands, `text` lays out columns and is the only
 //!    way to a terminal, `viewer` leads to a page, and `foxglove` lets another program look. Pictures are `baudbot-plot`'s.
@@ -15,13 +15,12 @@
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
-mod alike;
 mod args;
+mod assignment;
 mod brain;
 mod budget;
 mod check;
 mod connect;
-mod crew;
 mod csv;
 mod diagram;
 mod error;
@@ -33,11 +32,13 @@ mod logs;
 mod map;
 mod new;
 mod opened;
+mod output_files;
 mod plan;
 mod preset;
 mod record;
 mod replay;
 mod report;
+mod robot_groups;
 mod run;
 mod scenarios;
 mod serve;
@@ -52,7 +53,6 @@ mod tune;
 mod viewer;
 mod watch;
 mod work;
-mod written;
 
 use std::process::ExitCode;
 use std::time::Duration;

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Context;
-use baudbot_recording::{RecordingError, Replay, Stretch, Tape};
+use baudbot_recording::{RecordedRun, RecordingError, Replay, Stretch};
 use baudbot_server::{Pace, WorldConfig, pace_of};
 use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -53,24 +53,24 @@ struct Finding {
 pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     check(args)?;
     let (mut replay, mut world) = open(&args.recording)?;
-    let tape = Arc::clone(replay.tape());
+    let recorded = Arc::clone(replay.recorded());
     if !args.quiet {
-        note(&args.recording, &tape);
+        note(&args.recording, &recorded);
     }
     if args.fork {
-        let pace = pace(args.pace, &args.watchdog, &tape)?;
+        let pace = pace(args.pace, &args.watchdog, &recorded)?;
         to(args, &mut replay, &mut world)?;
         if let Some(difference) = replay.difference() {
             tell!("warning: the replay differs from the recorded world at {difference}");
         }
-        let name = tape.header().world.clone();
+        let name = recorded.header().world.clone();
         return live(args, name, world, pace).await.map(|()| ExitCode::SUCCESS);
     }
     if args.view {
         to(args, &mut replay, &mut world)?;
         return view(args, replay, world).await.map(|()| ExitCode::SUCCESS);
     }
-    let last_tick = args.to.map_or_else(|| tape.last_tick(), |to_s| tick(to_s, tape.scenario()));
+    let last_tick = args.to.map_or_else(|| recorded.last_tick(), |to_s| tick(to_s, recorded.scenario()));
     go_on(&mut replay, &mut world, last_tick, args.quiet)?;
     let finding = finding(args, &replay, &world);
     if args.json {
@@ -86,11 +86,11 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// What is wrong with the file.
-fn note(file: &Path, tape: &Tape) {
+fn note(file: &Path, recorded: &RecordedRun) {
     let file = file.display();
-    if let Some(problem) = tape.problem() {
+    if let Some(problem) = recorded.problem() {
         tell!("note: {file}: {problem}; it is replayed as far as it goes");
-    } else if let Some(scratch) = tape.scratch() {
+    } else if let Some(scratch) = recorded.scratch() {
         tell!("note: {file}: {scratch}, but all inputs of the run are there");
     }
 }
@@ -125,13 +125,13 @@ fn check(args: &ReplayArgs) -> anyhow::Result<()> {
 
 /// A recording at its first tick.
 pub(crate) fn open(path: &Path) -> anyhow::Result<(Replay, World)> {
-    let tape = tape(path).map_err(|error| refused(path, &error))?;
-    Replay::start(Arc::new(tape)).map_err(|error| refused(path, &error))
+    let recorded = recorded_run(path).map_err(|error| refused(path, &error))?;
+    Replay::start(Arc::new(recorded)).map_err(|error| refused(path, &error))
 }
 
 /// What is in a recording.
-pub(crate) fn tape(path: &Path) -> Result<Tape, RecordingError> {
-    Tape::read(BufReader::with_capacity(1 << 20, opened::plain(path)?))
+pub(crate) fn recorded_run(path: &Path) -> Result<RecordedRun, RecordingError> {
+    RecordedRun::read(BufReader::with_capacity(1 << 20, opened::plain(path)?))
 }
 
 /// Goes on to a tick, and shows how far it is.
@@ -141,7 +141,7 @@ pub(crate) fn go_on(
     last_tick: u64,
     quiet: bool,
 ) -> anyhow::Result<()> {
-    let last_tick = replay.tape().nearest(last_tick);
+    let last_tick = replay.recorded().nearest(last_tick);
     let bar = progress(world.tick(), last_tick, quiet);
     while world.tick() < last_tick && replay.step(world).context("the recording cannot be replayed")? {
         if world.tick().is_multiple_of(REDRAW_TICKS) {
@@ -153,9 +153,13 @@ pub(crate) fn go_on(
 }
 
 /// The pace that is asked for, or that of the recording, with what the options say of it.
-pub(crate) fn pace(asked: Option<PaceName>, watchdog: &WatchdogArgs, tape: &Tape) -> anyhow::Result<Pace> {
-    let recorded = || tape.header().pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME);
-    watchdog.apply(asked.map_or_else(recorded, PaceName::pace))
+pub(crate) fn pace(
+    asked: Option<PaceName>,
+    watchdog: &WatchdogArgs,
+    recorded: &RecordedRun,
+) -> anyhow::Result<Pace> {
+    let as_recorded = || recorded.header().pace.and_then(pace_of).unwrap_or(Pace::REAL_TIME);
+    watchdog.apply(asked.map_or_else(as_recorded, PaceName::pace))
 }
 
 pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
@@ -164,20 +168,22 @@ pub(crate) fn refused(path: &Path, error: &RecordingError) -> anyhow::Error {
 
 /// Goes where `--to` says.
 fn to(args: &ReplayArgs, replay: &mut Replay, world: &mut World) -> anyhow::Result<()> {
-    let tape = Arc::clone(replay.tape());
+    let recorded = Arc::clone(replay.recorded());
     let Some(to_s) = args.to else {
         // Who forks without a place goes on where the recording ends.
-        return if args.fork { go_on(replay, world, tape.last_tick(), args.quiet) } else { Ok(()) };
+        return if args.fork { go_on(replay, world, recorded.last_tick(), args.quiet) } else { Ok(()) };
     };
-    let tick = tick(to_s, tape.scenario());
-    if !(tape.first_tick()..=tape.last_tick()).contains(&tick) {
-        let [first, last] = [tape.first_tick(), tape.last_tick()].map(|tick| seconds(tick, tape.scenario()));
+    let tick = tick(to_s, recorded.scenario());
+    if !(recorded.first_tick()..=recorded.last_tick()).contains(&tick) {
+        let [first, last] =
+            [recorded.first_tick(), recorded.last_tick()].map(|tick| seconds(tick, recorded.scenario()));
         return Err(Refused::error(format!("--to {to_s}: the recording is from {first} s to {last} s")));
     }
-    if tape.nearest(tick) != tick {
-        let behind = tape.stretches().iter().map(|stretch| stretch.first_tick).find(|first| *first > tick);
-        let [before, behind] = [tape.nearest(tick), behind.unwrap_or(tick)];
-        let [before, behind] = [before, behind].map(|tick| seconds(tick, tape.scenario()));
+    if recorded.nearest(tick) != tick {
+        let behind =
+            recorded.stretches().iter().map(|stretch| stretch.first_tick).find(|first| *first > tick);
+        let [before, behind] = [recorded.nearest(tick), behind.unwrap_or(tick)];
+        let [before, behind] = [before, behind].map(|tick| seconds(tick, recorded.scenario()));
         return Err(Refused::error(format!(
             "--to {to_s}: the recording is damaged from {before} s to {behind} s; choose another time"
         )));
@@ -194,38 +200,38 @@ async fn live(args: &ReplayArgs, name: String, world: World, pace: Pace) -> anyh
 
 async fn view(args: &ReplayArgs, replay: Replay, world: World) -> anyhow::Result<()> {
     let mut serving = Serving::new(&args.listen);
-    let name = replay.tape().header().world.clone();
+    let name = replay.recorded().header().world.clone();
     serving.add_replay(&name, WorldConfig::replay(name.clone(), (replay, world)));
     serving.until_stopped(Viewing::Always).await
 }
 
 fn finding(args: &ReplayArgs, replay: &Replay, world: &World) -> Finding {
-    let (tape, difference) = (replay.tape(), replay.difference());
-    let header = tape.header();
-    let asked = args.to.map(|to_s| tick(to_s, tape.scenario()));
-    let (from, until) = tape.extent();
+    let (recorded, difference) = (replay.recorded(), replay.difference());
+    let header = recorded.header();
+    let asked = args.to.map(|to_s| tick(to_s, recorded.scenario()));
+    let (from, until) = recorded.extent();
     let until = asked.map_or(until, |asked| asked.clamp(from, until));
-    let complete = asked.map_or_else(|| tape.is_whole(), |asked| tape.has_all_until(asked));
+    let complete = asked.map_or_else(|| recorded.is_whole(), |asked| recorded.has_all_until(asked));
     let compared = |stretch: &Stretch| stretch.last_tick.min(until).saturating_sub(stretch.first_tick);
-    let is_end_known = tape.is_end_known() || asked.is_some_and(|asked| asked <= tape.last_tick());
+    let is_end_known = recorded.is_end_known() || asked.is_some_and(|asked| asked <= recorded.last_tick());
     Finding {
         recording: args.recording.display().to_string(),
         world: header.world.clone(),
-        scenario: tape.scenario().name.clone(),
+        scenario: recorded.scenario().name.clone(),
         seed: header.seed,
         recorded_by: format!("baudbot {}", header.program_version),
-        first_tick: tape.first_tick(),
+        first_tick: recorded.first_tick(),
         last_tick: world.tick(),
-        simulated_s: seconds(world.tick().saturating_sub(tape.first_tick()), tape.scenario()),
-        ticks_with_inputs: tape.inputs(),
-        events: tape.events().len(),
+        simulated_s: seconds(world.tick().saturating_sub(recorded.first_tick()), recorded.scenario()),
+        ticks_with_inputs: recorded.inputs(),
+        events: recorded.events().len(),
         identical: difference.is_none(),
         complete,
-        compared_ticks: tape.stretches().iter().map(compared).sum(),
+        compared_ticks: recorded.stretches().iter().map(compared).sum(),
         recorded_ticks: is_end_known.then_some(until - from),
         differs_at_tick: difference.map(|difference| difference.tick),
         differs: difference.map(|difference| difference.what.clone()),
-        cut_off: tape.problem().map(str::to_owned),
+        cut_off: recorded.problem().map(str::to_owned),
         state_hash: format!("{:016x}", world.hash()),
     }
 }

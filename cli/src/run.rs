@@ -20,22 +20,22 @@ use tokio::task::JoinSet;
 use tonic::transport::Channel;
 
 use crate::args::{ChangeArgs, RunArgs};
-use crate::crew::{self, Crew, Job};
+use crate::assignment::{self, Assignment, AttachedBrains};
 use crate::csv::Table;
 use crate::error::{Refused, from_builder, from_server};
+use crate::output_files::{self, Files, STDOUT};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::text::tell;
 use crate::trace::Trace;
-use crate::written::{self, Files, STDOUT};
 use crate::{connect, record, report, text, viewer};
 
 /// What is going to be run.
 struct Plan {
     world: String,
     scenario: Arc<Scenario>,
-    jobs: Vec<Job>,
+    assignments: Vec<Assignment>,
     pace: Pace,
     /// Seed of the brains.
     seed: u64,
@@ -63,7 +63,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
     // The world's thread has closed the files, or will at once.
     let status = files.finish().await.and(status)?;
-    let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.jobs);
+    let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.assignments);
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -110,11 +110,11 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let jobs = crew::share_out(&args.brains, &scenario.robots)?;
-        jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
+        let assignments = assignment::assign(&args.brains, &scenario.robots)?;
+        assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        Ok(Self { world, scenario: scenario.into(), jobs, pace, seed, frame, note })
+        Ok(Self { world, scenario: scenario.into(), assignments, pace, seed, frame, note })
     }
 
     /// How many ticks the run has, if its time is limited.
@@ -135,7 +135,7 @@ fn check_outputs(args: &RunArgs) -> anyhow::Result<()> {
         return Err(Refused::error("--timeline - wants stdout for itself; write the trace to a file"));
     }
     let files = [("--csv", csv), ("--timeline", timeline), ("--record", args.record.record.as_deref())];
-    written::check_apart(files.into_iter().filter_map(|(option, path)| Some((option, path?))))
+    output_files::check_apart(files.into_iter().filter_map(|(option, path)| Some((option, path?))))
 }
 
 /// The overrides that the arguments ask for.
@@ -194,14 +194,14 @@ fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(O
     if let Some(path) = &args.csv {
         let is_stdout = path == Path::new(STDOUT);
         let name = if is_stdout { "the table to stdout".into() } else { path.display().to_string() };
-        let out = written::open(path).with_context(|| format!("cannot write {name}"))?;
+        let out = output_files::open(path).with_context(|| format!("cannot write {name}"))?;
         let (made, outcome) = Table::new(out, robots);
         files.watch(name, outcome);
         table = Some(made);
     }
     let mut trace = None;
     if let Some(path) = &args.timeline {
-        let out = written::open(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let out = output_files::open(path).with_context(|| format!("cannot write {}", path.display()))?;
         let (made, outcome) = Trace::new(out, &plan.world, robots.len());
         files.watch(path.display().to_string(), outcome);
         trace = Some(made);
@@ -236,11 +236,12 @@ impl Running<'_> {
         let channel = self.server.channel().await?;
         let mut control = connect::control(channel.clone());
         let mut brains = JoinSet::new();
-        for job in &self.plan.jobs {
+        for assignment in &self.plan.assignments {
             let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
-            let mut crew = Crew::attach(client, &self.plan.world, job.clone(), self.plan.seed).await?;
-            // The crew holds its robots until all is over.
-            brains.spawn(async move { crew.run(|| ()).await.map(|_| crew) });
+            let mut attached =
+                AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
+            // They hold their robots until all is over.
+            brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
         }
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
@@ -269,8 +270,8 @@ impl Running<'_> {
     async fn wait(
         &mut self,
         stop: &mut Stop,
-        brains: &mut JoinSet<anyhow::Result<Crew>>,
-        done: &mut Vec<Crew>,
+        brains: &mut JoinSet<anyhow::Result<AttachedBrains>>,
+        done: &mut Vec<AttachedBrains>,
         bar: &ProgressBar,
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);

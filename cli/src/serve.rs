@@ -51,23 +51,23 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
 
 /// The world of a recording, from its end on.
 fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::Result<()> {
-    if args.record.record.as_deref().is_some_and(|record| crate::written::is_same_file(record, file)) {
+    if args.record.record.as_deref().is_some_and(|record| crate::output_files::is_same_file(record, file)) {
         let file = file.display();
         return Err(Refused::error(format!(
             "--record {file}: is the recording that is resumed; record into another file"
         )));
     }
     let (mut replay, mut world) = replay::open(file)?;
-    let tape = std::sync::Arc::clone(replay.tape());
-    let pace = replay::pace(args.pace, &args.watchdog, &tape)?;
-    replay.seek(&mut world, tape.last_tick()).context("the recording cannot be replayed")?;
+    let recorded = std::sync::Arc::clone(replay.recorded());
+    let pace = replay::pace(args.pace, &args.watchdog, &recorded)?;
+    replay.seek(&mut world, recorded.last_tick()).context("the recording cannot be replayed")?;
     if let Some(difference) = replay.difference() {
         return Err(anyhow::anyhow!("{}: does not replay as it was recorded: {difference}", file.display()));
     }
-    if let Some(problem) = tape.problem() {
+    if let Some(problem) = recorded.problem() {
         tell!("note: {}: {problem}; the world continues from the end of what is left", file.display());
     }
-    let (name, scenario) = (tape.header().world.clone(), std::sync::Arc::clone(world.scenario()));
+    let (name, scenario) = (recorded.header().world.clone(), std::sync::Arc::clone(world.scenario()));
     tell!("world {name} continues at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));

@@ -9,7 +9,7 @@ use baudbot_server::{Address, Builder, Server, WorldConfig};
 use baudbot_sim::Scenario;
 
 use crate::args::{DEFAULT_ADDRESS, ListenArgs};
-use crate::crew;
+use crate::assignment;
 use crate::error::from_builder;
 use crate::signals::Stop;
 use crate::text::tell;
@@ -46,7 +46,7 @@ impl<'a> Serving<'a> {
 
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Scenario, world: WorldConfig) {
-        let robot = scenario.robots.first().map(|spec| (spec.name.clone(), crew::fitting_brain(spec)));
+        let robot = scenario.robots.first().map(|spec| (spec.name.clone(), assignment::fitting_brain(spec)));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
         self.builder = std::mem::take(&mut self.builder).world(world);
     }

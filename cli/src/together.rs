@@ -10,11 +10,11 @@ use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Sensor;
 
-use crate::alike;
+use crate::robot_groups;
 
 /// What is to be said of the robots of a scenario: the name of each with a sentence.
 pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {
-    let robots = alike::first_of_each(&scenario.robots).into_iter().map(|(robot, _)| robot);
+    let robots = robot_groups::first_of_each(&scenario.robots).into_iter().map(|(robot, _)| robot);
     // A budget takes a while: only of those with sensors that some brain needs together.
     let robots: Vec<_> = robots.filter(|robot| wanted().any(|kinds| has_both(robot, kinds))).collect();
     let budget = Budget::of_some(scenario, robots.iter().copied());

@@ -11,7 +11,7 @@ use baudbot_brain::Body;
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::Scenario;
 
-use crate::crew::{self, CrewError};
+use crate::assignment::{self, AssignmentError};
 use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
@@ -53,18 +53,20 @@ fn levels(experiment: &Experiment) -> impl Iterator<Item = (usize, Level)> {
 
 fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Error> {
     let field = if experiment.brains.len() == 1 { "brain" } else { "brains" };
-    let jobs = match crew::share_out(&experiment.brains, &scenario.robots) {
-        Ok(jobs) => jobs,
-        Err(error @ (CrewError::Robot { .. } | CrewError::Twice { .. })) => {
+    let assignments = match assignment::assign(&experiment.brains, &scenario.robots) {
+        Ok(assignments) => assignments,
+        Err(error @ (AssignmentError::Robot { .. } | AssignmentError::Twice { .. })) => {
             return Err(Error::field(field, error.to_string()));
         }
         // A run may have another robot.
-        Err(CrewError::Blind { .. } | CrewError::Brain(_) | CrewError::Client(_)) => Vec::new(),
+        Err(AssignmentError::Blind { .. } | AssignmentError::Brain(_) | AssignmentError::Client(_)) => {
+            Vec::new()
+        }
     };
-    for job in &jobs {
-        let robots = scenario.robots.iter().filter(|spec| job.robots.contains(&spec.name));
+    for assignment in &assignments {
+        let robots = scenario.robots.iter().filter(|spec| assignment.robots.contains(&spec.name));
         for spec in robots {
-            match catalogue::brain(&job.brain, 1, &Body::from(spec)) {
+            match catalogue::brain(&assignment.brain, 1, &Body::from(spec)) {
                 // A run may have other sensors.
                 Ok(_) | Err(CatalogueError::Sensor { .. }) => {}
                 Err(error) => return Err(Error::field(field, error.to_string())),
@@ -117,8 +119,11 @@ fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<Str
 /// What a described brain has no place for.
 fn wrong_path(setup: &Setup) -> Option<String> {
     let body = |robot: &String| setup.scenario.robots.iter().find(|spec| spec.name == *robot).map(Body::from);
-    let mut all = setup.jobs.iter().flat_map(|job| job.robots.iter().map(move |robot| (job, robot)));
-    all.find_map(|(job, robot)| match catalogue::brain(&job.brain, 1, &body(robot)?) {
+    let mut all = setup
+        .assignments
+        .iter()
+        .flat_map(|assignment| assignment.robots.iter().map(move |robot| (assignment, robot)));
+    all.find_map(|(assignment, robot)| match catalogue::brain(&assignment.brain, 1, &body(robot)?) {
         Err(error @ CatalogueError::Description { .. }) => Some(error.to_string()).filter(|error| {
             ["unknown field", "missing field", "is no table", "has no parameter"]
                 .iter()

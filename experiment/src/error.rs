@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use baudbot_sim::printable::Printable;
 
-/// Why there is no experiment, or no end of a sweep. The message says where, and how to mend it.
+/// Why there is no experiment, or no end of a sweep. The message says where, and how to fix it.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file is not TOML; the message has line and column.

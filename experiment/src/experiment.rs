@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use crate::crew;
+use crate::assignment;
 use crate::design::{Cell, Design};
 use crate::error::Error;
 use crate::factor::{Choice, Field, Setting};
@@ -75,7 +75,7 @@ impl Experiment {
     /// Reads an experiment. `stem` is its name if it gives none; `find` finds the text of a scenario.
     ///
     /// # Errors
-    /// Says which field is wrong, and how to mend it.
+    /// Says which field is wrong, and how to fix it.
     pub fn parse(
         toml: &str,
         stem: &str,
@@ -203,7 +203,7 @@ fn brains(one: Option<String>, many: Option<Vec<String>>) -> Result<Vec<String>,
         (Some(_), Some(_)) => Err(Error::field("brains", "conflicts with `brain`; give only one of them")),
         (Some(brain), None) => Ok(vec![brain]),
         (None, Some(brains)) => Ok(brains),
-        (None, None) => Ok(vec![crew::DEFAULT.to_owned()]),
+        (None, None) => Ok(vec![assignment::DEFAULT.to_owned()]),
     }
 }
 

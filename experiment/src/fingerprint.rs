@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use baudbot_brains::catalogue;
 
-use crate::crew;
+use crate::assignment;
 use crate::experiment::Experiment;
 use crate::figures::INFOS;
+use crate::in_process::InProcess;
 use crate::metrics::Counted;
-use crate::pair::Pair;
 use crate::run_record::Ran;
 
 /// Equal for experiments whose runs are the same, run by run. What is only told or drawn of the runs makes no difference.
@@ -22,7 +22,8 @@ pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
     let choices: Vec<_> = fields.iter().map(|field| &field.choice).collect();
     let figures = INFOS.map(|info| info.name);
     // What is described may be described in another way tomorrow.
-    let described = brains.iter().map(|brain| catalogue::described(crew::split(brain).1).ok().flatten());
+    let described =
+        brains.iter().map(|brain| catalogue::described(assignment::split(brain).1).ok().flatten());
     let described: Vec<_> = described.collect();
     let mut hash = Hash(OFFSET);
     let _ = write!(hash, "{:?}", (text, brains, described, seconds, seeds, design, choices, figures));
@@ -38,9 +39,9 @@ pub(crate) fn build() -> String {
     for text in PROBES {
         let scenario =
             baudbot_scenario::parse(text).expect("it is part of the program, and its tests read it");
-        let mut pair = Pair::new(scenario, crew::DEFAULT).expect("its only robot has IR sensors");
-        pair.run(PROBE_TICKS);
-        let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&pair.world)));
+        let mut local = InProcess::new(scenario, assignment::DEFAULT).expect("its only robot has IR sensors");
+        local.run(PROBE_TICKS);
+        let _ = write!(hash, "{:?}", Ran::of(&Counted::of_world(&local.world)));
     }
     format!("{} {:016x}", env!("CARGO_PKG_VERSION"), hash.0 as u64)
 }

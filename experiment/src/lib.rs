@@ -4,7 +4,7 @@
 //!
 //! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `factor` a
 //!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
-//! 2. [`crew`] says which brain drives which robot. [`pair`] is a world and its brains in one thread; `local_runner` makes a
+//! 2. [`assignment`] says which brain drives which robot. [`in_process`] is a world and its brains in one thread; `local_runner` makes a
 //!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
@@ -12,11 +12,11 @@
 //! 5. [`chart`] says what charts show, and `baudbot_plot` draws them; `columnar` writes Parquet, if the feature `parquet` is
 //!    on. The optimizers of [`mod@tune`] need the feature `tune`.
 
+pub mod assignment;
 pub mod chart;
 mod check;
 #[cfg(feature = "parquet")]
 pub mod columnar;
-pub mod crew;
 mod csv_table;
 pub mod design;
 mod error;
@@ -28,11 +28,11 @@ pub mod find;
 mod fingerprint;
 mod goal;
 mod ids;
+pub mod in_process;
 mod journal;
 mod local_runner;
 mod metrics;
 mod outputs;
-pub mod pair;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod pool;

@@ -4,8 +4,8 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::experiment::Experiment;
+use crate::in_process;
 use crate::metrics::Counted;
-use crate::pair;
 use crate::run_record::{PANICKED, Ran, Row, Task};
 use crate::setup::Setup;
 
@@ -13,8 +13,8 @@ use crate::setup::Setup;
 /// with others but the experiment, which never changes.
 pub fn run(experiment: &Experiment, task: &Task) -> Row {
     let run = || -> Result<Ran, String> {
-        let Setup { scenario, jobs } = Setup::new(experiment, task)?;
-        let world = pair::run(scenario, &jobs).map_err(|error| error.to_string())?;
+        let Setup { scenario, assignments } = Setup::new(experiment, task)?;
+        let world = in_process::run(scenario, &assignments).map_err(|error| error.to_string())?;
         Ok(Ran::of(&Counted::of_world(&world)))
     };
     let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(panicked(&*panic)));

@@ -1,8 +1,8 @@
 //! What was counted in a run: of a world here, or of a server's status, and the same of both.
 
-use baudbot_proto::v1;
+use baudbot_proto::v1::{self, EndingKind};
 use baudbot_sim::link::LineCounters;
-use baudbot_sim::{Histogram, RobotView, World};
+use baudbot_sim::{Ending, Histogram, RobotView, World};
 
 /// What figures are made of.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,10 +66,32 @@ impl Ages {
     }
 }
 
+/// What a run was for, if it ended with that.
+#[derive(Clone, Copy, PartialEq)]
+enum Reached {
+    /// The one goal of a scenario that has no zones for goals.
+    TheGoal,
+    AllGoals,
+}
+
 impl Counted {
     pub(crate) fn of_world(world: &World) -> Self {
         let scenario = world.scenario();
         let ending = world.ending().map(ToString::to_string).unwrap_or_default();
+        let reached = match world.ending() {
+            Some(Ending::GoalReached(_)) => Some(Reached::TheGoal),
+            Some(Ending::AllGoals) => Some(Reached::AllGoals),
+            Some(
+                Ending::TimeIsOver
+                | Ending::Collision(_)
+                | Ending::Collisions(_)
+                | Ending::Covered
+                | Ending::Sensed
+                | Ending::BatteryEmpty(_)
+                | Ending::DeadlineMissed(_),
+            )
+            | None => None,
+        };
         let zones = scenario.surroundings.zones.iter().zip(world.score().visited());
         let goals = zones.filter(|(zone, visited)| zone.goal && **visited).count() as u64;
         Self {
@@ -78,28 +100,39 @@ impl Counted {
             sensed: world.score().sensed(&scenario.rules),
             robots: world.robots().map(|robot| RobotCounted::of_view(&robot)).collect(),
             hash: world.hash(),
-            ..Self::ended(ending, goals)
+            ..Self::ended(ending, reached, goals)
         }
     }
 
     pub(crate) fn of_status(status: &v1::WorldStatus) -> Self {
         let score = status.score.as_ref();
         let goals = score.map_or(0, |score| score.goals_reached.into());
+        let reached = match status.ending_kind() {
+            EndingKind::GoalReached => Some(Reached::TheGoal),
+            EndingKind::AllGoals => Some(Reached::AllGoals),
+            EndingKind::Unspecified
+            | EndingKind::TimeIsOver
+            | EndingKind::Collision
+            | EndingKind::Collisions
+            | EndingKind::Covered
+            | EndingKind::Sensed
+            | EndingKind::BatteryEmpty
+            | EndingKind::DeadlineMissed => None,
+        };
         Self {
             time_ns: status.time_ns,
             covered: score.and_then(|score| score.covered),
             sensed: score.and_then(|score| score.sensed),
             robots: status.robots.iter().map(RobotCounted::of_status).collect(),
             hash: status.state_hash,
-            ..Self::ended(status.ending.clone(), goals)
+            ..Self::ended(status.ending.clone(), reached, goals)
         }
     }
 
-    /// A server tells the ending in words only, so that it is known by its words.
-    fn ended(ending: String, goals: u64) -> Self {
-        let one = ending.ends_with(" reached the goal");
-        let is_goal = one || ending == "all goals were reached";
-        Self { ending, is_goal, goals_reached: goals + u64::from(one), ..Self::default() }
+    /// `goals` are the zones that robots have been in; the one goal of a scenario is none of these.
+    fn ended(ending: String, reached: Option<Reached>, goals: u64) -> Self {
+        let one = u64::from(reached == Some(Reached::TheGoal));
+        Self { ending, is_goal: reached.is_some(), goals_reached: goals + one, ..Self::default() }
     }
 }
 

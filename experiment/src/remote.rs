@@ -9,7 +9,7 @@ use tokio::runtime::Runtime;
 use tonic::transport::Channel;
 use tonic::{Code, Status};
 
-use crate::crew::{Crew, CrewError};
+use crate::assignment::{AssignmentError, AttachedBrains};
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::metrics::Counted;
@@ -71,19 +71,19 @@ impl Remote {
         setup: Setup,
     ) -> Result<Ran, Failure> {
         let seed = setup.scenario.seed;
-        let mut crews = Vec::new();
-        for job in setup.jobs {
-            let crew = Crew::attach(self.client.clone(), world, job, seed).await;
-            crews.push(crew.map_err(Failure::of_attach)?);
+        let mut attached = Vec::new();
+        for assignment in setup.assignments {
+            let brains = AttachedBrains::attach(self.client.clone(), world, assignment, seed).await;
+            attached.push(brains.map_err(Failure::of_attach)?);
         }
         let start = v1::StartWorldRequest { world: world.to_owned() };
         control.start_world(start).await.map_err(|status| Failure::of(&status))?;
-        let mut brains = tokio::task::JoinSet::new();
-        for mut crew in crews {
-            // A crew holds its robots until all is over.
-            brains.spawn(async move { crew.run().await.map(|_| crew) });
+        let mut driving = tokio::task::JoinSet::new();
+        for mut brains in attached {
+            // Brains hold their robots until all is over.
+            driving.spawn(async move { brains.run().await.map(|_| brains) });
         }
-        for driven in brains.join_all().await {
+        for driven in driving.join_all().await {
             driven.map_err(Failure::of_client)?;
         }
         let status = ended(control, world).await?;
@@ -155,8 +155,8 @@ impl Failure {
     }
 
     /// A brain that is too much for its robot is the run's own fault, too.
-    fn of_attach(error: CrewError) -> Self {
-        let CrewError::Client(error) = error else { return Self::Run(error.to_string()) };
+    fn of_attach(error: AssignmentError) -> Self {
+        let AssignmentError::Client(error) = error else { return Self::Run(error.to_string()) };
         if let ClientError::Status { code: Code::ResourceExhausted, message } = error {
             return Self::Run(message);
         }
@@ -190,12 +190,12 @@ mod tests {
             "{error}"
         );
         let status = |code| ClientError::Status { code, message: "hello: so it is".to_owned() };
-        let large = Failure::of_attach(CrewError::Client(status(Code::ResourceExhausted)));
+        let large = Failure::of_attach(AssignmentError::Client(status(Code::ResourceExhausted)));
         assert!(matches!(large, Failure::Run(message) if message == "hello: so it is"));
         assert!(matches!(Failure::of_client(status(Code::ResourceExhausted)), Failure::Server(_)));
         assert!(matches!(Failure::of_client(status(Code::InvalidArgument)), Failure::Run(_)));
         assert!(matches!(
-            Failure::of_attach(CrewError::Client(status(Code::Unavailable))),
+            Failure::of_attach(AssignmentError::Client(status(Code::Unavailable))),
             Failure::Server(_)
         ));
     }

@@ -66,8 +66,8 @@ impl Seeds {
     fn list(seeds: Vec<u64>) -> Result<Self, Error> {
         let mut sorted = seeds.clone();
         sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(Error::field("seeds", format!("{} appears twice", pair[0])));
+        if let Some(local) = sorted.windows(2).find(|local| local[0] == local[1]) {
+            return Err(Error::field("seeds", format!("{} appears twice", local[0])));
         }
         if seeds.is_empty() {
             return Err(Error::field("seeds", "is empty, so there is nothing to run; give at least one"));

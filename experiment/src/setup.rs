@@ -4,7 +4,7 @@ use baudbot_brains::catalogue;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 
-use crate::crew::{self, Job};
+use crate::assignment::{self, Assignment};
 use crate::experiment::Experiment;
 use crate::factor::Setting;
 use crate::run_record::Task;
@@ -13,7 +13,7 @@ use crate::suggest::UnknownName;
 /// A run that can be done.
 pub(crate) struct Setup {
     pub(crate) scenario: Scenario,
-    pub(crate) jobs: Vec<Job>,
+    pub(crate) assignments: Vec<Assignment>,
 }
 
 impl Setup {
@@ -25,8 +25,8 @@ impl Setup {
         if scenario.end.after.is_none() {
             return Err("the run has no time limit; set `seconds`, or end.after_s".to_owned());
         }
-        let jobs = jobs(experiment, task, &scenario)?;
-        Ok(Self { scenario, jobs })
+        let assignments = assignments(experiment, task, &scenario)?;
+        Ok(Self { scenario, assignments })
     }
 }
 
@@ -51,34 +51,34 @@ pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Sce
 }
 
 /// The experiment's brains with what the task changes of them.
-fn jobs(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Vec<Job>, String> {
+fn assignments(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Vec<Assignment>, String> {
     let mut brains = experiment.brains.clone();
     for setting in settings(task) {
         if let Setting::Brain(brain) = setting {
-            brains.retain(|text| crew::split(text).0.is_some());
+            brains.retain(|text| assignment::split(text).0.is_some());
             brains.push(brain.clone());
         }
     }
-    let mut jobs = crew::share_out(&brains, &scenario.robots).map_err(|error| error.to_string())?;
+    let mut assignments = assignment::assign(&brains, &scenario.robots).map_err(|error| error.to_string())?;
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
-            set_parameter(&mut jobs, name, value)?;
+            set_parameter(&mut assignments, name, value)?;
         }
     }
-    Ok(jobs)
+    Ok(assignments)
 }
 
 /// Sets it for all brains that have it.
-fn set_parameter(jobs: &mut [Job], name: &str, value: &str) -> Result<(), String> {
+fn set_parameter(assignments: &mut [Assignment], name: &str, value: &str) -> Result<(), String> {
     let mut known = Vec::new();
     let mut found = false;
-    for job in jobs {
-        if catalogue::takes(&job.brain, name) {
-            let and = if job.brain.contains(':') { ',' } else { ':' };
-            job.brain += &format!("{and}{name}={value}");
+    for assignment in assignments {
+        if catalogue::takes(&assignment.brain, name) {
+            let and = if assignment.brain.contains(':') { ',' } else { ':' };
+            assignment.brain += &format!("{and}{name}={value}");
             found = true;
         }
-        known.extend(catalogue::parameters(&job.brain));
+        known.extend(catalogue::parameters(&assignment.brain));
     }
     if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known).to_string()) }
 }

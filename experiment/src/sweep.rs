@@ -33,7 +33,7 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Is told how many runs of how many are done.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
-    /// Is told what is wrong with the journal that is there, and mended: a line of text each.
+    /// Is told what is wrong with the journal that is there, and repaired: a line of text each.
     pub tell: &'a (dyn Fn(&str) + Sync),
 }
 

@@ -15,7 +15,7 @@
 
 mod alter;
 mod chance;
-mod hunt;
+mod fuzzer;
 mod targets;
 
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use clap::Parser;
 
-use hunt::Hunt;
+use fuzzer::Fuzzer;
 
 #[derive(Parser)]
 struct Args {
@@ -63,14 +63,14 @@ fn main() -> anyhow::Result<ExitCode> {
     let is_wanted = |name: &str| args.targets.is_empty() || args.targets.iter().any(|wanted| wanted == name);
     let mut failed = false;
     for target in all.into_iter().filter(|target| is_wanted(target.name)) {
-        let mut hunt = Hunt::new(target, args.seed)?;
+        let mut fuzzer = Fuzzer::new(target, args.seed)?;
         match &args.input {
             Some(file) => {
-                hunt.once(&std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?);
+                fuzzer.once(&std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?);
             }
-            None => hunt.run(Duration::from_secs_f64(args.seconds)),
+            None => fuzzer.run(Duration::from_secs_f64(args.seconds)),
         }
-        failed |= hunt.report()?;
+        failed |= fuzzer.report()?;
     }
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
@@ -85,9 +85,9 @@ mod tests {
         let seconds = std::env::var("BAUDBOT_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
         for target in targets::all().unwrap() {
             let name = target.name;
-            let mut hunt = Hunt::new(target, 1).unwrap();
-            hunt.run(Duration::from_secs_f64(seconds.unwrap_or(0.1)));
-            assert!(!hunt.report().unwrap(), "{name}");
+            let mut fuzzer = Fuzzer::new(target, 1).unwrap();
+            fuzzer.run(Duration::from_secs_f64(seconds.unwrap_or(0.1)));
+            assert!(!fuzzer.report().unwrap(), "{name}");
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A recording is an MCAP file. What makes the run again is in messages of `baudbot.v1` ([`topic`] lists them): the scenario,
 //! states, and every input with its tick. What people look at beside that is there for other tools; [`Frames`] reads it. A [`Writer`] writes one,
-//! a [`Tape`] is what was read of one, a [`Replay`] is the world that does it again and is held against it. A single state
+//! a [`RecordedRun`] is what was read of one, a [`Replay`] is the world that does it again and is held against it. A single state
 //! by value is the shortest of recordings: [`saved`].
 
 mod change;
@@ -12,10 +12,10 @@ mod file;
 pub mod foxglove;
 mod frames;
 mod reader;
+mod recorded_run;
 mod replay;
 pub mod saved;
 mod schema;
-mod tape;
 pub mod topic;
 mod writer;
 
@@ -24,8 +24,8 @@ pub use digest::Digests;
 pub use error::{RecordingError, WriteError};
 pub use file::RecordingFile;
 pub use frames::Frames;
+pub use recorded_run::{RecordedRun, Stretch};
 pub use replay::{Difference, Replay};
-pub use tape::{Stretch, Tape};
 pub use writer::{Writer, checksum, header};
 
 /// Version of the format. A reader refuses a newer one.

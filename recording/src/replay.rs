@@ -7,14 +7,14 @@ use baudbot_proto::v1;
 use baudbot_sim::{Input, SimTime, World};
 
 use crate::error::RecordingError;
-use crate::tape::Tape;
+use crate::recorded_run::RecordedRun;
 use crate::{PROGRAM_VERSION, change, digest, writer};
 
 /// Does a recording again, in a world that is given to it: that stands at the beginning of a tick, its sensors read, as the
 /// one did that was recorded.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    tape: Arc<Tape>,
+    recorded: Arc<RecordedRun>,
     /// The tick that is looked for, and a world a little before it, so that steps back from there are short.
     goal: u64,
     near: Option<World>,
@@ -51,16 +51,16 @@ impl Replay {
     ///
     /// # Errors
     /// If the first state cannot be used.
-    pub fn start(tape: Arc<Tape>) -> Result<(Self, World)> {
-        let mut world = tape.first_state()?;
-        let mut replay = Self { tape, goal: 0, near: None, difference: None };
+    pub fn start(recorded: Arc<RecordedRun>) -> Result<(Self, World)> {
+        let mut world = recorded.first_state()?;
+        let mut replay = Self { recorded, goal: 0, near: None, difference: None };
         replay.begin(&mut world)?;
         Ok((replay, world))
     }
 
     /// What is replayed.
-    pub fn tape(&self) -> &Arc<Tape> {
-        &self.tape
+    pub fn recorded(&self) -> &Arc<RecordedRun> {
+        &self.recorded
     }
 
     /// The first difference that has been found so far.
@@ -70,12 +70,12 @@ impl Replay {
 
     /// Whether there is no more to replay.
     pub fn is_over(&self, world: &World) -> bool {
-        self.is_at_a_gap(world) && self.tape.next_stretch(world.tick()).is_none()
+        self.is_at_a_gap(world) && self.recorded.next_stretch(world.tick()).is_none()
     }
 
     /// Whether there is no more to replay, or no more before something that is missing.
     fn is_at_a_gap(&self, world: &World) -> bool {
-        world.tick() >= self.tape.stretch_of(world.tick()).last_tick || world.ending().is_some()
+        world.tick() >= self.recorded.stretch_of(world.tick()).last_tick || world.ending().is_some()
     }
 
     /// Goes on to the beginning of the next tick, or past what is missing to the next one that is there; does nothing at
@@ -85,12 +85,12 @@ impl Replay {
     /// If the recording has an input that cannot be read.
     pub fn step(&mut self, world: &mut World) -> Result<bool> {
         if self.is_at_a_gap(world) {
-            let Some(next) = self.tape.next_stretch(world.tick()) else { return Ok(false) };
-            *world = self.tape.state_before(next.first_tick)?;
+            let Some(next) = self.recorded.next_stretch(world.tick()) else { return Ok(false) };
+            *world = self.recorded.state_before(next.first_tick)?;
             self.begin(world)?;
             return Ok(true);
         }
-        let recorded = self.tape.inputs_at(world.tick())?;
+        let recorded = self.recorded.inputs_at(world.tick())?;
         let inputs = recorded.iter().flat_map(|recorded| &recorded.inputs);
         self.check(inputs.clone(), world);
         let now = world.time().as_ns();
@@ -128,16 +128,16 @@ impl Replay {
     /// # Errors
     /// As [`step`](Self::step).
     pub fn approach(&mut self, world: &mut World, tick: u64) -> Result<bool> {
-        self.goal = self.tape.nearest(tick);
+        self.goal = self.recorded.nearest(tick);
         let here = Some(world.tick()).filter(|&at| at <= self.goal);
         let near = self.near.as_ref().filter(|near| near.tick() <= self.goal);
         // Some ticks before it, so that there is something on the timelines.
-        let from = self.goal.saturating_sub(RUN_UP).max(self.tape.stretch_of(self.goal).first_tick);
-        let state = self.tape.nearest_state(from);
+        let from = self.goal.saturating_sub(RUN_UP).max(self.recorded.stretch_of(self.goal).first_tick);
+        let state = self.recorded.nearest_state(from);
         match (here, near) {
             (Some(here), near) if here >= near.map_or(state, World::tick).max(state) => return Ok(false),
             (_, Some(near)) if near.tick() >= state => *world = near.clone(),
-            _ => *world = self.tape.state_before(from)?,
+            _ => *world = self.recorded.state_before(from)?,
         }
         self.begin(world)?;
         Ok(true)
@@ -150,7 +150,8 @@ impl Replay {
             self.compare(world);
             return Ok(());
         }
-        let changes = self.tape.inputs_at(world.tick())?.into_iter().flat_map(|recorded| recorded.changes);
+        let changes =
+            self.recorded.inputs_at(world.tick())?.into_iter().flat_map(|recorded| recorded.changes);
         for change in changes.filter_map(|recorded| recorded.change) {
             if let Err(error) = world.intervene(&change::intervention(change)) {
                 self.differs(world, format!("a manual change is not possible: {error}"));
@@ -166,8 +167,8 @@ impl Replay {
             return;
         }
         let tick = world.tick();
-        let tape = Arc::clone(&self.tape);
-        let Some(mark) = tape.mark_of(tick) else { return };
+        let recorded = Arc::clone(&self.recorded);
+        let Some(mark) = recorded.mark_of(tick) else { return };
         if let Some(what) = digest::difference(mark, world) {
             self.differs(world, what);
         } else if mark.tick == tick && mark.state_hash != world.hash() {
@@ -178,12 +179,12 @@ impl Replay {
                     "the state's fingerprint, though no field that is looked at differs (since tick {since})"
                 ),
             );
-        } else if tick == tape.stretch_of(tick).last_tick || world.ending().is_none() {
+        } else if tick == recorded.stretch_of(tick).last_tick || world.ending().is_none() {
             // All is as it was.
         } else {
             self.differs(
                 world,
-                format!("the run has ended; in the recording it continues to tick {}", tape.last_tick()),
+                format!("the run has ended; in the recording it continues to tick {}", recorded.last_tick()),
             );
         }
     }
@@ -201,7 +202,7 @@ impl Replay {
 
     fn differs(&mut self, world: &World, what: String) {
         if self.difference.is_none() {
-            let recorder = &self.tape.header().program_version;
+            let recorder = &self.recorded.header().program_version;
             let program = Some(recorder.clone()).filter(|program| program != PROGRAM_VERSION);
             let (tick, time) = (world.tick(), world.time());
             self.difference = Some(Difference { tick, time, what, program });

@@ -13,7 +13,7 @@ use prost::Message;
 
 use crate::error::WriteError;
 use crate::file::RecordingFile;
-use crate::foxglove::{Look, LookSchema, Looks};
+use crate::foxglove::{FoxgloveEncoder, FoxgloveMessage, MessageSchema};
 use crate::{FORMAT, PROGRAM_VERSION, schema, topic};
 
 type Result<T> = std::result::Result<T, WriteError>;
@@ -40,7 +40,7 @@ struct Channels {
 
 /// What other programs look at.
 struct Shown {
-    looks: Looks,
+    encoder: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, u16>,
 }
 
@@ -106,8 +106,8 @@ impl<W: Write + Seek> Writer<W> {
         let time_ns = event.tick * self.step_ns;
         self.write(self.channels.events, time_ns, event)?;
         let shown = self.shown.as_ref();
-        let look = shown.map(|shown| shown.looks.event(time_ns, event.kind(), &event.text));
-        self.look(look)
+        let message = shown.map(|shown| shown.encoder.event(time_ns, event.kind(), &event.text));
+        self.message(message)
     }
 
     /// What stands still, and what the robots are. From now on there is something for other programs to look at.
@@ -117,10 +117,10 @@ impl<W: Write + Seek> Writer<W> {
     pub fn world(&mut self, time_ns: u64, world: &v1::DescribeWorldResponse) -> Result<()> {
         let own = channel(&mut self.mcap, topic::WORLD, "DescribeWorldResponse")?;
         self.write(own, time_ns, world)?;
-        let looks = Looks::new(world);
-        let opening = looks.opening(time_ns);
-        self.shown = Some(Shown { looks, channels: BTreeMap::new() });
-        self.look(opening)
+        let encoder = FoxgloveEncoder::new(world);
+        let opening = encoder.opening(time_ns);
+        self.shown = Some(Shown { encoder, channels: BTreeMap::new() });
+        self.message(opening)
     }
 
     /// What an observer sees; nothing is written unless it has been said what the [world](Self::world) is.
@@ -129,27 +129,28 @@ impl<W: Write + Seek> Writer<W> {
     /// If it cannot be written.
     pub fn frame(&mut self, frame: &v1::WatchResponse) -> Result<()> {
         let Some(shown) = &mut self.shown else { return Ok(()) };
-        let looks = shown.looks.frame(frame);
-        self.look([Look::of_frame(frame)].into_iter().chain(looks))
+        let messages = shown.encoder.frame(frame);
+        self.message([FoxgloveMessage::of_frame(frame)].into_iter().chain(messages))
     }
 
-    fn look(&mut self, looks: impl IntoIterator<Item = Look>) -> Result<()> {
+    fn message(&mut self, messages: impl IntoIterator<Item = FoxgloveMessage>) -> Result<()> {
         let Some(Shown { channels, .. }) = &mut self.shown else { return Ok(()) };
-        for look in looks {
-            let channel_id = match channels.get(&look.topic) {
+        for message in messages {
+            let channel_id = match channels.get(&message.topic) {
                 Some(&channel) => channel,
                 None => {
-                    let LookSchema { name, encoding, data } = look.schema;
+                    let MessageSchema { name, encoding, data } = message.schema;
                     let schema = self.mcap.add_schema(name, encoding, data)?;
-                    let channel = self.mcap.add_channel(schema, &look.topic, encoding, &BTreeMap::new())?;
-                    channels.insert(Arc::clone(&look.topic), channel);
+                    let channel =
+                        self.mcap.add_channel(schema, &message.topic, encoding, &BTreeMap::new())?;
+                    channels.insert(Arc::clone(&message.topic), channel);
                     channel
                 }
             };
             self.sequence = self.sequence.wrapping_add(1);
-            let (sequence, log_time) = (self.sequence, look.time_ns);
+            let (sequence, log_time) = (self.sequence, message.time_ns);
             let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
-            self.mcap.write_to_known_channel(&header, &look.data)?;
+            self.mcap.write_to_known_channel(&header, &message.data)?;
         }
         Ok(())
     }

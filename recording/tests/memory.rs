@@ -6,7 +6,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_recording::{Digests, Frames, Tape, Writer, header, saved, topic};
+use baudbot_recording::{Digests, Frames, RecordedRun, Writer, header, saved, topic};
 use baudbot_sim::{Scenario, World};
 use prost::Message;
 
@@ -23,8 +23,8 @@ const ANYWAY: u64 = 24 << 20;
 
 fn peak(file: &[u8]) -> u64 {
     let read = || {
-        if let Ok(tape) = Tape::read(file) {
-            drop(tape.first_state());
+        if let Ok(recorded) = RecordedRun::read(file) {
+            drop(recorded.first_state());
         }
         Frames::read(file).for_each(drop);
     };
@@ -147,7 +147,7 @@ fn messages(messages: &[(&str, &[u8])]) -> Vec<u8> {
 
 fn refused(file: &[u8]) -> String {
     assert_small(file, "a recording");
-    Tape::read(file).map(drop).unwrap_err().to_string()
+    RecordedRun::read(file).map(drop).unwrap_err().to_string()
 }
 
 /// A list of texts without a letter is two bytes a text in the file, and 24 in memory.

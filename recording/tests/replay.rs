@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use baudbot_proto::v1;
 use baudbot_recording::{
-    Digests, RecordingError, Replay, Tape, Writer, change, checksum, header, saved, topic,
+    Digests, RecordedRun, RecordingError, Replay, Writer, change, checksum, header, saved, topic,
 };
 use baudbot_sim::{Input, Intervention, Pose, Scenario, SimTime, World};
 use prost::Message;
@@ -105,13 +105,13 @@ fn recorded(world: &World, input: &Input<'_>) -> v1::RecordedInput {
     v1::RecordedInput { robot, after_ns, checksum: checksum(after_ns, &data), data, answers_tick: None }
 }
 
-fn tape(file: &[u8]) -> Arc<Tape> {
-    Tape::read(file).unwrap().into()
+fn recorded_run(file: &[u8]) -> Arc<RecordedRun> {
+    RecordedRun::read(file).unwrap().into()
 }
 
 /// Replays a file to its end.
 fn replay(file: &[u8]) -> (Replay, World) {
-    let (mut replay, mut world) = Replay::start(tape(file)).unwrap();
+    let (mut replay, mut world) = Replay::start(recorded_run(file)).unwrap();
     while replay.step(&mut world).unwrap() {}
     (replay, world)
 }
@@ -173,7 +173,7 @@ fn a_recording_is_replayed_to_the_same_bits() {
 #[test]
 fn any_tick_can_be_gone_to_from_any_other() {
     let (file, _) = record(300);
-    let (mut replay, mut world) = Replay::start(tape(&file)).unwrap();
+    let (mut replay, mut world) = Replay::start(recorded_run(&file)).unwrap();
     let mut hashes = vec![world.hash()];
     while replay.step(&mut world).unwrap() {
         hashes.push(world.hash());
@@ -256,12 +256,12 @@ fn a_file_that_is_cut_off_or_damaged_is_replayed_as_far_as_it_goes() {
     let (file, _) = record(300);
     let mut last = Vec::new();
     for n in (0..file.len()).step_by(97) {
-        match Tape::read(&file[..n]) {
-            Ok(tape) => {
+        match RecordedRun::read(&file[..n]) {
+            Ok(run) => {
                 // The index at the end is not missed.
-                assert!(tape.problem().is_some() || tape.last_tick() == 300, "{n}");
-                last.push(tape.last_tick());
-                let (mut replay, mut world) = Replay::start(Arc::new(tape)).unwrap();
+                assert!(run.problem().is_some() || run.last_tick() == 300, "{n}");
+                last.push(run.last_tick());
+                let (mut replay, mut world) = Replay::start(Arc::new(run)).unwrap();
                 while replay.step(&mut world).unwrap() {}
                 assert_eq!(replay.difference(), None);
             }
@@ -280,9 +280,9 @@ fn a_file_that_is_cut_off_or_damaged_is_replayed_as_far_as_it_goes() {
     for n in (200..file.len()).step_by(61) {
         let mut damaged = file.clone();
         damaged[n] ^= 4;
-        if let Ok(tape) = Tape::read(damaged.as_slice()) {
-            flips += usize::from(tape.problem().is_some());
-            let (mut replay, mut world) = Replay::start(Arc::new(tape)).unwrap();
+        if let Ok(run) = RecordedRun::read(damaged.as_slice()) {
+            flips += usize::from(run.problem().is_some());
+            let (mut replay, mut world) = Replay::start(Arc::new(run)).unwrap();
             while replay.step(&mut world).unwrap() {}
             assert_eq!(replay.difference(), None, "byte {n}");
         }
@@ -292,7 +292,7 @@ fn a_file_that_is_cut_off_or_damaged_is_replayed_as_far_as_it_goes() {
 
 #[test]
 fn what_is_no_recording_of_ours_is_refused_with_the_reason() {
-    let refused = |file: &[u8]| Tape::read(file).map(drop).unwrap_err().to_string();
+    let refused = |file: &[u8]| RecordedRun::read(file).map(drop).unwrap_err().to_string();
     assert!(refused(b"name = \"wander\"").contains("is not an MCAP file"));
     assert!(refused(b"").contains("is not an MCAP file"));
     let (file, _) = record(10);
@@ -336,7 +336,7 @@ fn a_recording_of_another_version_is_done_again_from_its_start() {
     let (replay, _) = replay(&other);
     assert_eq!(replay.difference(), None);
     // A state of this version that cannot be read is an error.
-    let error = Replay::start(tape(&rewritten(&file, topic::STATE, broken))).unwrap_err();
+    let error = Replay::start(recorded_run(&rewritten(&file, topic::STATE, broken))).unwrap_err();
     assert!(error.to_string().starts_with("begins with a state (tick 0, of baudbot"), "{error}");
 }
 
@@ -345,9 +345,9 @@ fn a_state_by_value_is_a_recording_of_one_tick() {
     let (_, mut world) = record(70);
     let bytes = saved::to_bytes("w", &world).unwrap();
     assert!(bytes.len() < 16_000, "{}", bytes.len());
-    let tape = Tape::read(bytes.as_slice()).unwrap();
-    assert_eq!((tape.first_tick(), tape.last_tick(), tape.header().world.as_str()), (70, 70, "w"));
-    let mut again = tape.first_state().unwrap();
+    let run = RecordedRun::read(bytes.as_slice()).unwrap();
+    assert_eq!((run.first_tick(), run.last_tick(), run.header().world.as_str()), (70, 70, "w"));
+    let mut again = run.first_state().unwrap();
     assert_eq!(again.hash(), world.hash());
     for world in [&mut world, &mut again] {
         for _ in 0..50 {
@@ -383,9 +383,9 @@ fn a_chunk_whose_packing_is_damaged_costs_that_chunk() {
     let is_less = |place: &&usize| {
         let mut damaged = file.clone();
         damaged[**place] ^= 1;
-        let tape = tape(&damaged);
-        assert!(tape.is_whole() || tape.problem().is_some(), "byte {place}");
-        !tape.is_whole()
+        let run = recorded_run(&damaged);
+        assert!(run.is_whole() || run.problem().is_some(), "byte {place}");
+        !run.is_whole()
     };
     // The index at the end of the file names them once more, and nothing needs that.
     assert_eq!(places[1..].iter().filter(is_less).count(), places.len() / 2 - 1);
@@ -397,23 +397,23 @@ fn of_500_flipped_bits_none_passes_unless_it_is_outside_of_all_messages() {
     let chunks = chunks(&file);
     // As good as chance, and the same each time.
     let places = (0..500_usize).map(|i| (i * 7919 * 7919) % (8 * file.len()));
-    let read = |tape: &Tape| format!("{tape:?}").split(", condition: ").next().unwrap().to_owned();
-    let sound = read(&tape(&file));
+    let read = |run: &RecordedRun| format!("{run:?}").split(", condition: ").next().unwrap().to_owned();
+    let sound = read(&recorded_run(&file));
     let (mut passed, mut went_on) = (0, 0);
     for place in places {
         let mut damaged = file.clone();
         damaged[place / 8] ^= 1 << (place % 8);
-        let Ok(tape) = Tape::read(damaged.as_slice()) else { continue };
-        let (is_whole, stretches) = (tape.is_whole(), tape.stretches().len());
-        let tape = Arc::new(tape);
-        let Ok((mut replay, mut world)) = Replay::start(Arc::clone(&tape)) else { continue };
+        let Ok(run) = RecordedRun::read(damaged.as_slice()) else { continue };
+        let (is_whole, stretches) = (run.is_whole(), run.stretches().len());
+        let run = Arc::new(run);
+        let Ok((mut replay, mut world)) = Replay::start(Arc::clone(&run)) else { continue };
         while replay.step(&mut world).unwrap() {}
         assert_eq!(replay.difference(), None, "bit {place}");
         if is_whole {
             passed += 1;
             // Behind what it unpacks to, a chunk has some bytes that say that it ends.
             if chunks.iter().any(|chunk| chunk.contains(&(place / 8))) {
-                assert_eq!(read(&tape), sound, "bit {place}");
+                assert_eq!(read(&run), sound, "bit {place}");
             }
             assert_eq!((world.tick(), world.hash()), (300, recorded.hash()), "bit {place}");
         } else {
@@ -430,13 +430,13 @@ fn behind_damage_a_replay_goes_on_at_the_next_state() {
     let chunks = chunks(&file);
     let mut damaged = file.clone();
     damaged[chunks[chunks.len() / 2].end - 5] ^= 1;
-    let tape = tape(&damaged);
-    let ticks: Vec<_> = tape.stretches().iter().map(|part| (part.first_tick, part.last_tick)).collect();
+    let run = recorded_run(&damaged);
+    let ticks: Vec<_> = run.stretches().iter().map(|part| (part.first_tick, part.last_tick)).collect();
     let [(0, gap), (state, 300)] = ticks[..] else { panic!("{ticks:?}") };
     assert!(gap < state && state % 100 == 99, "{ticks:?}");
-    assert_eq!((tape.extent(), tape.is_whole()), ((0, 300), false));
-    assert!(tape.problem().unwrap().starts_with("the file is damaged at byte"), "{:?}", tape.problem());
-    let (mut replay, mut world) = Replay::start(tape).unwrap();
+    assert_eq!((run.extent(), run.is_whole()), ((0, 300), false));
+    assert!(run.problem().unwrap().starts_with("the file is damaged at byte"), "{:?}", run.problem());
+    let (mut replay, mut world) = Replay::start(run).unwrap();
     let mut seen = vec![world.tick()];
     while replay.step(&mut world).unwrap() {
         seen.push(world.tick());

@@ -10,7 +10,7 @@ use baudbot_sim::sheet::{FieldError, Fields, Path};
 
 use super::MAX_BYTES;
 
-/// Why a scenario was refused. The message says where and how to mend it. What it quotes of the text is
+/// Why a scenario was refused. The message says where and how to fix it. What it quotes of the text is
 /// [printable](baudbot_sim::printable).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -116,7 +116,7 @@ fn what_would_mend_one_is_said_of_their_table() {
     let slow = Override::parse("robots.ann.link.baud=300").unwrap();
     let slow = baudbot_scenario::parse_with(&several(STARTS), &[slow]).unwrap();
     let budget = Budget::of(&slow);
-    let overrides: Vec<_> = budget.robots[2].mends.iter().flat_map(|mend| &mend.overrides).collect();
+    let overrides: Vec<_> = budget.robots[2].remedies.iter().flat_map(|remedy| &remedy.overrides).collect();
     assert!(overrides.iter().any(|text| text.starts_with("robots.ann.")), "{overrides:?}");
     for text in overrides {
         baudbot_scenario::parse_with(&several(STARTS), &[Override::parse(text).unwrap()]).unwrap();

@@ -49,7 +49,7 @@ pub enum FaultKind {
 
 /// What is wrong with a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Amiss {
+pub(crate) enum FaultEffect {
     /// It gives its last value.
     Sticks,
     /// It gives zeros.

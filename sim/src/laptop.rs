@@ -12,7 +12,7 @@ use crate::histogram::Histogram;
 use crate::link::{Line, Message as Arrived};
 use crate::model::RobotSpec;
 use crate::sensor::Sensor;
-use crate::sensor::port::{Heard, PortState};
+use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
 
 /// The last reading of one sensor that reached the laptop.
@@ -181,7 +181,9 @@ impl Laptop {
     ) {
         let sensor = &spec.sensors[i];
         let Some(port) = &sensor.port else { return };
-        let Heard::Reading(values, sampled_at) = state.receive(port, &sensor.device, arrival) else { return };
+        let Received::Reading(values, sampled_at) = state.receive(port, &sensor.device, arrival) else {
+            return;
+        };
         self.has_message = true;
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);

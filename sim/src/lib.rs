@@ -14,7 +14,7 @@
 //! 6. what is to be counted is counted ([`coverage`], [`rules`]); the run ends, or goes on
 //!
 //! What there is before the first tick is a [`Scenario`], which `baudbot-scenario` makes from a text: walls in the
-//! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`sight`]
+//! [`arena`], zones, lights and fields in the [`surroundings`]. Chance comes from named streams ([`random`]). [`raycast`]
 //! shows what sensors see.
 //!
 //! A user needs [`Scenario`] and [`World`]. This crate has no clock, no file, no socket and no thread: time,
@@ -51,6 +51,7 @@ mod parallel;
 pub mod printable;
 pub mod processor;
 pub mod random;
+pub mod raycast;
 mod registers;
 pub mod robot;
 pub mod rules;
@@ -59,7 +60,6 @@ mod scene;
 pub mod schedule;
 pub mod sensor;
 pub mod sheet;
-pub mod sight;
 mod sound;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]

@@ -11,7 +11,7 @@ use crate::actuator::Actuator;
 use crate::arena::Look;
 use crate::battery::Battery;
 use crate::drive::Drive;
-use crate::fault::{Amiss, Fault, FaultKind, When};
+use crate::fault::{Fault, FaultEffect, FaultKind, When};
 use crate::firmware::Firmware;
 use crate::link::Link;
 use crate::movable::Form;
@@ -92,18 +92,18 @@ impl RobotSpec {
     }
 
     /// What is wrong with this sensor. One whose signal is lost cannot stick.
-    pub(crate) fn amiss(&self, sensor: usize, at: SimTime) -> Option<Amiss> {
+    pub(crate) fn fault_effect(&self, sensor: usize, at: SimTime) -> Option<FaultEffect> {
         let of = |fault: &Fault| {
-            let amiss = match &fault.kind {
-                FaultKind::Sensor { sensor: i, .. } if *i == sensor => Amiss::Sticks,
-                FaultKind::LostSignal { sensor: i, .. } if *i == sensor => Amiss::Lost,
+            let effect = match &fault.kind {
+                FaultKind::Sensor { sensor: i, .. } if *i == sensor => FaultEffect::Sticks,
+                FaultKind::LostSignal { sensor: i, .. } if *i == sensor => FaultEffect::Lost,
                 FaultKind::Sensor { .. } | FaultKind::LostSignal { .. } => return None,
                 FaultKind::Cable | FaultKind::ByteErrors { .. } | FaultKind::Brain => return None,
             };
-            fault.when.until(at).map(|_| amiss)
+            fault.when.until(at).map(|_| effect)
         };
         let all = || self.faults.iter().filter_map(of);
-        all().find(|amiss| *amiss == Amiss::Lost).or_else(|| all().next())
+        all().find(|effect| *effect == FaultEffect::Lost).or_else(|| all().next())
     }
 
     /// From when on its brain does not stall, from `from` on and as far as `end`.

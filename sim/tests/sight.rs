@@ -1,7 +1,7 @@
 //! What sensors see, ray by ray, as drawings show it.
 
 use baudbot_sim::World;
-use baudbot_sim::sight::Onlooker;
+use baudbot_sim::raycast::RayCaster;
 
 use crate::common::world;
 
@@ -63,9 +63,9 @@ fn distances(name: &str) -> Vec<Option<f64>> {
     let world = seen_world();
     let robot = world.robot(0);
     let sensor = robot.spec().sensors.iter().find(|sensor| sensor.name == name).unwrap();
-    let glances = Onlooker::new(&world).sees(0, sensor);
+    let casts = RayCaster::new(&world).sees(0, sensor);
     let rounded = |d: f64| f64::floor(d * 1e9 + 0.5) / 1e9;
-    glances.iter().map(|glance| glance.distance_m.map(rounded)).collect()
+    casts.iter().map(|cast| cast.distance_m.map(rounded)).collect()
 }
 
 #[test]

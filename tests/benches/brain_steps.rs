@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use baudbot_brains::catalogue;
 use baudbot_client::{Action, Brain, SensorKind, Turn};
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 use rustix::time::{ClockId, clock_gettime};
 
 const COURSES: &[(&str, &str)] = &[
@@ -77,8 +77,8 @@ fn main() {
         let took = Arc::new(Mutex::new(Vec::new()));
         let brain = catalogue::brain(name, 1, &body).unwrap_or_else(|error| panic!("{name}: {error}"));
         let ticks = (minutes * 60.0 / (scenario.step_ns as f64 / 1e9)) as u64;
-        let mut pair = Pair::with_brain(scenario, Timed { brain, took: Arc::clone(&took) }).unwrap();
-        pair.run(ticks);
+        let mut local = InProcess::with_brain(scenario, Timed { brain, took: Arc::clone(&took) }).unwrap();
+        local.run(ticks);
         let mut took = took.lock().unwrap().clone();
         took.sort_unstable();
         let mean = took.iter().sum::<Duration>() / took.len().max(1) as u32;

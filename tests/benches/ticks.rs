@@ -5,7 +5,7 @@ use baudbot_client::{Client, Signals, connect};
 use baudbot_server::Server;
 use baudbot_sim::World;
 use baudbot_tests::system::{client, lockstep, serve, serve_on_ports};
-use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
+use baudbot_tests::{ARSIM, InProcess, KHEPERA, WANDER, crowd, scenario};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
@@ -39,8 +39,8 @@ fn world_alone(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = [("arsim", "constant:left=0.3,right=0.5"), ("wander", "avoid")], sample_count = 20)]
 fn world_and_brain(bencher: Bencher<'_, '_>, (name, brain): (&str, &str)) {
-    let pair = || Pair::new(scenario(&toml(name), &["end={}", "collision=stop-robot"]), brain).unwrap();
-    bencher.counter(ItemsCount::new(TICKS)).with_inputs(pair).bench_refs(|pair| pair.run(TICKS));
+    let local = || InProcess::new(scenario(&toml(name), &["end={}", "collision=stop-robot"]), brain).unwrap();
+    bencher.counter(ItemsCount::new(TICKS)).with_inputs(local).bench_refs(|local| local.run(TICKS));
 }
 
 #[divan::bench(args = ["pipe", "unix", "tcp"], sample_count = 10)]

@@ -1,9 +1,9 @@
-//! What the whole-system tests share: scenarios, a world with its brains in one thread ([`Pair`]), and a
+//! What the whole-system tests share: scenarios, a world with its brains in one thread ([`InProcess`]), and a
 //! server with its brains over real gRPC ([`system`]).
 
 pub mod system;
 
-pub use baudbot_experiment::pair::Pair;
+pub use baudbot_experiment::in_process::InProcess;
 
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;

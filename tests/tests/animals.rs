@@ -1,20 +1,20 @@
 //! Animals of the notes as robots with a cable.
 
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 const ECOLI: &str = include_str!("../../scenarios/ecoli.toml");
 
 /// The robots' mean distance from the source, before and after so many seconds.
 fn distances_m(brain: &str, seed: u64, seconds: u64) -> (f64, f64) {
-    let mut pair = Pair::new(scenario(ECOLI, &[&format!("seed={seed}")]), brain).unwrap();
-    let mean = |pair: &Pair| {
-        let positions = pair.world.robots().map(|robot| robot.motion().pose.position);
+    let mut local = InProcess::new(scenario(ECOLI, &[&format!("seed={seed}")]), brain).unwrap();
+    let mean = |local: &InProcess| {
+        let positions = local.world.robots().map(|robot| robot.motion().pose.position);
         let distances: Vec<_> = positions.map(|at| at.x.hypot(at.y)).collect();
         distances.iter().sum::<f64>() / distances.len() as f64
     };
-    let before = mean(&pair);
-    pair.run(seconds * 50);
-    (before, mean(&pair))
+    let before = mean(&local);
+    local.run(seconds * 50);
+    (before, mean(&local))
 }
 
 /// Fig. 4.2, with bodies, cables and noise: they gather, and those that do not compare do not.
@@ -30,20 +30,20 @@ const STENTOR: &str = include_str!("../../scenarios/stentor.toml");
 
 /// What a Stentor does one after the other, each with when it began, and how far it is from the poison's source in the end.
 fn stentor(brain: &str) -> (Vec<(String, f64)>, f64) {
-    let mut pair = Pair::new(scenario(STENTOR, &[]), brain).unwrap();
+    let mut local = InProcess::new(scenario(STENTOR, &[]), brain).unwrap();
     let mut states: Vec<(String, f64)> = Vec::new();
-    while pair.world.ending().is_none() {
-        pair.tick(|_| {});
-        let belief = pair.belief(0).unwrap();
+    while local.world.ending().is_none() {
+        local.tick(|_| {});
+        let belief = local.belief(0).unwrap();
         let greatest = belief.utilities.iter().map(|utility| utility.value).fold(f64::NEG_INFINITY, f64::max);
         let active: Vec<_> = belief.utilities.iter().filter(|utility| utility.active).collect();
         assert_eq!((belief.utilities.len(), active.len()), (5, 1));
         assert!(greatest >= active[0].value);
         if states.last().is_none_or(|(last, _)| *last != belief.state) {
-            states.push((belief.state, pair.world.time().as_seconds()));
+            states.push((belief.state, local.world.time().as_seconds()));
         }
     }
-    let at = pair.world.robot(0).motion().pose.position;
+    let at = local.world.robot(0).motion().pose.position;
     (states, at.x.hypot(at.y))
 }
 
@@ -65,25 +65,26 @@ const ANT: &str = include_str!("../../scenarios/ant.toml");
 
 /// How far from its nest an ant is where its vector is at an end, and at its own end; and whether it knows that it is home.
 fn ant(seed: u64) -> (f64, f64, bool) {
-    let mut pair = Pair::new(scenario(ANT, &[&format!("seed={seed}"), "end.after_s=120.0"]), "ant").unwrap();
-    let distance_m = |pair: &Pair| {
-        let at = pair.world.robot(0).motion().pose.position;
+    let mut local =
+        InProcess::new(scenario(ANT, &[&format!("seed={seed}"), "end.after_s=120.0"]), "ant").unwrap();
+    let distance_m = |local: &InProcess| {
+        let at = local.world.robot(0).motion().pose.position;
         at.x.hypot(at.y)
     };
     let mut vector_m = None;
-    while pair.world.ending().is_none() {
-        pair.tick(|_| {});
-        let state = pair.belief(0).map(|belief| belief.state).unwrap_or_default();
+    while local.world.ending().is_none() {
+        local.tick(|_| {});
+        let state = local.belief(0).map(|belief| belief.state).unwrap_or_default();
         if state == "search" || state == "home" {
-            vector_m.get_or_insert_with(|| distance_m(&pair));
+            vector_m.get_or_insert_with(|| distance_m(&local));
         }
         if state == "home" {
             // Until it stands.
-            pair.run(50);
-            return (vector_m.unwrap(), distance_m(&pair), true);
+            local.run(50);
+            return (vector_m.unwrap(), distance_m(&local), true);
         }
     }
-    (vector_m.unwrap_or_else(|| distance_m(&pair)), distance_m(&pair), false)
+    (vector_m.unwrap_or_else(|| distance_m(&local)), distance_m(&local), false)
 }
 
 /// Mean distances over these seeds: where the vector ends, and at home; and how many came home.

@@ -33,13 +33,13 @@ async fn an_operator_asks_what_a_cycle_costs_and_what_would_mend_it() {
     assert_eq!(robot.total.unwrap().typical_ns, Some(sum));
     assert_eq!(robot.ages.len(), 5);
 
-    // The first mend is tried.
-    let mend = &robot.mends[0];
-    assert_eq!(mend.overrides, ["robots.robot.link.baud=38400"]);
-    let mended = request(Given::ScenarioToml(WANDER.into()), &[&mend.overrides[0]]);
+    // The first remedy is tried.
+    let remedy = &robot.remedies[0];
+    assert_eq!(remedy.overrides, ["robots.robot.link.baud=38400"]);
+    let mended = request(Given::ScenarioToml(WANDER.into()), &[&remedy.overrides[0]]);
     let mended = ask(&server, mended).await.unwrap().remove(0);
-    assert_eq!((mended.total, mended.verdict()), (mend.total, mend.verdict()));
-    assert!(mended.mends.is_empty(), "{mended:?}");
+    assert_eq!((mended.total, mended.verdict()), (remedy.total, remedy.verdict()));
+    assert!(mended.remedies.is_empty(), "{mended:?}");
     server.shutdown().await;
 }
 

@@ -6,16 +6,16 @@ use baudbot_brains::catalogue;
 use baudbot_client::{Brain, Client, RawCommands, RawReadings, connect, run_fleet};
 use baudbot_server::Server;
 use baudbot_tests::system::{client, drive, lockstep, serve, serve_on_ports, status};
-use baudbot_tests::{Pair, WANDER, crowd, scenario};
+use baudbot_tests::{InProcess, WANDER, crowd, scenario};
 use tokio::task::JoinSet;
 
 const TWO_SECONDS: &[&str] = &["end.after_s=2.0"];
 
 fn in_process_hash(toml: &str, changes: &[&str], brain: &str) -> u64 {
-    let mut pair = Pair::new(scenario(toml, changes), brain).unwrap();
-    pair.run(u64::MAX);
-    pair.world.begin();
-    pair.world.hash()
+    let mut local = InProcess::new(scenario(toml, changes), brain).unwrap();
+    local.run(u64::MAX);
+    local.world.begin();
+    local.world.hash()
 }
 
 /// The hash at the end of the run, and the server's end.

@@ -5,7 +5,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
 use baudbot_server::{Lockstep, Pace, Server};
 use baudbot_tests::system::{client, lockstep, operator, serve, status};
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 use baudbot_wire::scip;
 use tonic::Code;
 
@@ -262,12 +262,12 @@ async fn an_operator_is_told_what_the_ports_carried_and_what_was_scored() {
 
 #[tokio::test]
 async fn the_same_run_in_process_and_over_grpc() {
-    let mut pair = Pair::with_brain(scenario(SCOUT, &[]), Look).unwrap();
-    pair.run(u64::MAX);
-    pair.world.begin();
+    let mut local = InProcess::with_brain(scenario(SCOUT, &[]), Look).unwrap();
+    local.run(u64::MAX);
+    local.world.begin();
     let (server, client) = scout().await;
     run(&mut client.attach("w", "scout").await.unwrap(), &mut Look).await.unwrap();
-    assert_eq!(status(&server).await.state_hash, pair.world.hash());
+    assert_eq!(status(&server).await.state_hash, local.world.hash());
     server.shutdown().await;
 }
 
@@ -387,13 +387,13 @@ async fn operations_of_a_brain_on_board_take_the_microcontrollers_time() {
     assert_eq!(second.tick, 2, "it thought through a tick");
     server.shutdown().await;
 
-    let mut pair = Pair::with_brain(scenario(LITTLE, &[]), Diligent(0)).unwrap();
-    pair.run(u64::MAX);
-    pair.world.begin();
+    let mut local = InProcess::with_brain(scenario(LITTLE, &[]), Diligent(0)).unwrap();
+    local.run(u64::MAX);
+    local.world.begin();
     let server = serve(scenario(LITTLE, &[]), lockstep()).await;
     let mut robot = client(&server).await.attach("w", "little").await.unwrap();
     run(&mut robot, &mut Diligent(0)).await.unwrap();
-    assert_eq!(status(&server).await.state_hash, pair.world.hash());
+    assert_eq!(status(&server).await.state_hash, local.world.hash());
     server.shutdown().await;
 }
 

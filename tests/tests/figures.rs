@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
 use baudbot_client::{Action, Brain, Turn};
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 /// A brain that is a function, and what it wrote down.
 struct Asks<T, F>(Arc<Mutex<Vec<T>>>, F);
@@ -16,17 +16,17 @@ impl<T, F: FnMut(&Turn, &mut Vec<T>) -> Action> Brain for Asks<T, F> {
 }
 
 /// Runs a scenario of one robot with such a brain, and gives back the world and the notes.
-fn ask<T, F>(toml: &str, ticks: u64, brain: F) -> (Pair, Vec<T>)
+fn ask<T, F>(toml: &str, ticks: u64, brain: F) -> (InProcess, Vec<T>)
 where
     T: Send + 'static,
     F: FnMut(&Turn, &mut Vec<T>) -> Action + Send + 'static,
 {
     let scenario = baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
     let notes = Arc::new(Mutex::new(Vec::new()));
-    let mut pair = Pair::with_brain(scenario, Asks(Arc::clone(&notes), brain)).unwrap();
-    pair.run(ticks);
+    let mut local = InProcess::with_brain(scenario, Asks(Arc::clone(&notes), brain)).unwrap();
+    local.run(ticks);
     let notes = std::mem::take(&mut *notes.lock().unwrap());
-    (pair, notes)
+    (local, notes)
 }
 
 /// A robot of ARSim's size with one sensor, asked over an ideal link so that times are the sensor's own.
@@ -115,14 +115,14 @@ fn a_ping_answers_after_115_us_to_18_5_ms_of_echo() {
 
 #[test]
 fn a_scan_of_a_urg_04lx_is_2137_bytes_and_a_brain_gets_ten_a_second() {
-    let (pair, scans) = ask(&with_sensor(&wall(1.0), "preset = \"urg-04lx\""), 1000, |turn, scans| {
+    let (local, scans) = ask(&with_sensor(&wall(1.0), "preset = \"urg-04lx\""), 1000, |turn, scans| {
         scans
             .extend(turn.reading("s").filter(|reading| reading.readable).map(|reading| reading.values.len()));
         Action::poll()
     });
     assert!((98..=100).contains(&scans.len()), "{}", scans.len());
     assert!(scans.iter().all(|&n| n == 682));
-    let port = pair.world.robot(0).port(0).unwrap();
+    let port = local.world.robot(0).port(0).unwrap();
     let rest = port.bytes - 2137 * port.messages;
     assert!(rest < 2137, "{port:?}");
 }
@@ -130,12 +130,12 @@ fn a_scan_of_a_urg_04lx_is_2137_bytes_and_a_brain_gets_ten_a_second() {
 #[test]
 fn an_e_puck_drives_12_88_cm_a_second_at_1000_steps() {
     let toml = "[[robots]]\nname = \"e\"\npreset = \"e-puck\"\n";
-    let (pair, steps) = ask(toml, 2000, |turn, steps| {
+    let (local, steps) = ask(toml, 2000, |turn, steps| {
         steps
             .extend(turn.value("steps").map(|_| (turn.at_ns, turn.reading("steps").unwrap().values.clone())));
         Action::drive(1.0, 1.0)
     });
-    let speed = pair.world.robot(0).motion().speed_m_s;
+    let speed = local.world.robot(0).motion().speed_m_s;
     assert!((speed - 0.1288).abs() < 5e-5, "{speed}");
     let (from, to) = (&steps[steps.len() / 2], &steps[steps.len() - 1]);
     let rate = (to.1[0] - from.1[0]) / ((to.0 - from.0) as f64 * 1e-9);
@@ -162,8 +162,8 @@ fn a_boe_bots_wheels_turn_as_its_servos_table_says() {
     for (pulse_us, rpm) in table {
         let signal = (pulse_us - 1500.0) / 200.0;
         let toml = "[[robots]]\nname = \"b\"\npreset = \"boe-bot\"\nmotors = { noise_sigma = 0.0 }\n";
-        let (pair, _) = ask::<(), _>(toml, 300, move |_, _| Action::drive(signal, signal));
-        let motion = pair.world.robot(0).motion();
+        let (local, _) = ask::<(), _>(toml, 300, move |_, _| Action::drive(signal, signal));
+        let motion = local.world.robot(0).motion();
         let found = motion.wheel_speed_rad_s.left * 60.0 / TAU;
         assert!((found - rpm).abs() < 2.0, "{pulse_us} us: {found} instead of {rpm} turns a minute");
     }
@@ -205,11 +205,11 @@ fn a_photoresistor_in_the_dark_blocks_a_bs2_for_131_ms() {
         )
     };
     let reads = |toml: &str| {
-        let (pair, eyes) = ask(toml, 1000, |turn, eyes| {
+        let (local, eyes) = ask(toml, 1000, |turn, eyes| {
             eyes.extend(turn.value("eye"));
             Action::wait()
         });
-        let samples: Vec<u64> = pair.world.robot(0).sensors().map(|sensor| sensor.samples).collect();
+        let samples: Vec<u64> = local.world.robot(0).sensors().map(|sensor| sensor.samples).collect();
         ([samples[0], samples[1]], eyes[eyes.len() - 1])
     };
     let ([eye, whisker], small) = reads(&toml("arena.ambient_lux = 1000.0\n"));
@@ -228,23 +228,23 @@ fn a_photoresistor_in_the_dark_blocks_a_bs2_for_131_ms() {
 /// far the robot drives meanwhile.
 fn dip(brain: &str) -> (f64, f64, usize, f64) {
     const PATIENT: &str = include_str!("../../scenarios/patient.toml");
-    let mut pair = Pair::new(scenario(PATIENT, &["noise=false"]), brain).unwrap();
+    let mut local = InProcess::new(scenario(PATIENT, &["noise=false"]), brain).unwrap();
     let mut course = Vec::new();
-    let at_m = |pair: &Pair| pair.world.robot(0).motion().pose.position.x;
+    let at_m = |local: &InProcess| local.world.robot(0).motion().pose.position.x;
     let mut from_m = 0.0;
     for tick in 0..700 {
         if tick == 495 {
-            from_m = at_m(&pair);
+            from_m = at_m(&local);
         }
-        pair.tick(|_| {});
-        let belief = pair.belief(0).unwrap();
+        local.tick(|_| {});
+        let belief = local.belief(0).unwrap();
         let wait = belief.utilities.iter().find(|utility| utility.name == "wait").unwrap();
         course.push(wait.value);
     }
     let before = course[495];
-    let fell = course[495..].windows(2).filter(|pair| pair[1] < pair[0] - 1e-9).count();
+    let fell = course[495..].windows(2).filter(|local| local[1] < local[0] - 1e-9).count();
     let least = course[495..].iter().copied().fold(f64::INFINITY, f64::min);
-    (before, before - least, fell, at_m(&pair) - from_m)
+    (before, before - least, fell, at_m(&local) - from_m)
 }
 
 #[test]
@@ -263,11 +263,12 @@ fn a_signal_that_is_lost_for_150_ms_makes_a_small_dip_in_a_utility() {
 
 #[test]
 fn who_waits_before_a_door_drives_through_it_once_it_is_open() {
-    let mut pair = Pair::new(scenario(include_str!("../../scenarios/patient.toml"), &[]), "patient").unwrap();
-    pair.run(850);
-    let at = |pair: &Pair| pair.world.robot(0).motion().pose.position;
-    assert!(at(&pair).x < 0.9, "it waits: {}", at(&pair));
-    pair.run(350);
-    assert!(at(&pair).x > 1.2, "it is through: {}", at(&pair));
-    assert!(!pair.world.robot(0).collided() && pair.world.robot(0).counters().collisions == 0);
+    let mut local =
+        InProcess::new(scenario(include_str!("../../scenarios/patient.toml"), &[]), "patient").unwrap();
+    local.run(850);
+    let at = |local: &InProcess| local.world.robot(0).motion().pose.position;
+    assert!(at(&local).x < 0.9, "it waits: {}", at(&local));
+    local.run(350);
+    assert!(at(&local).x > 1.2, "it is through: {}", at(&local));
+    assert!(!local.world.robot(0).collided() && local.world.robot(0).counters().collisions == 0);
 }

@@ -2,7 +2,7 @@
 //! says why in its commit, and updates the table:
 //! `BAUDBOT_PRINT_HASHES=1 cargo test -p baudbot-tests --test golden_hashes -- --nocapture`.
 
-use baudbot_tests::{ARSIM, KHEPERA, Pair, WANDER, crowd, scenario};
+use baudbot_tests::{ARSIM, InProcess, KHEPERA, WANDER, crowd, scenario};
 
 /// Scenario, brain, state hash after 1,000 ticks.
 const GOLDEN: [(&str, &str, u64); 6] = [
@@ -24,9 +24,9 @@ fn every_scenario_has_its_golden_hash_after_1000_ticks() {
             "khepera" => KHEPERA.to_owned(),
             _ => crowd(&(0..10).map(|i| format!("r{i}")).collect::<Vec<_>>()),
         };
-        let mut pair = Pair::new(scenario(&toml, &[]), brain).unwrap();
-        pair.run(1000);
-        found.push((name, brain, pair.world.hash()));
+        let mut local = InProcess::new(scenario(&toml, &[]), brain).unwrap();
+        local.run(1000);
+        found.push((name, brain, local.world.hash()));
     }
     if std::env::var_os("BAUDBOT_PRINT_HASHES").is_some() {
         for (name, brain, hash) in &found {

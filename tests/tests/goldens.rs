@@ -6,7 +6,7 @@ use std::sync::mpsc;
 
 use baudbot_server::{Server, WorldConfig};
 use baudbot_sim::World;
-use baudbot_tests::{ARSIM, Pair, scenario, system};
+use baudbot_tests::{ARSIM, InProcess, scenario, system};
 
 struct Golden {
     csv: &'static str,
@@ -135,13 +135,13 @@ fn in_process_to_1e_12() {
     for golden in &GOLDENS {
         let changes = golden.changes();
         let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-        let mut pair = Pair::new(scenario(ARSIM, &changes), golden.brain).unwrap();
+        let mut local = InProcess::new(scenario(ARSIM, &changes), golden.brain).unwrap();
         let mut rows = Vec::new();
-        while pair.world.ending().is_none() {
-            pair.tick(|world| rows.push(row_of(world)));
+        while local.world.ending().is_none() {
+            local.tick(|world| rows.push(row_of(world)));
         }
-        pair.world.begin();
-        rows.push(row_of(&pair.world));
+        local.world.begin();
+        rows.push(row_of(&local.world));
         compare(golden, &rows, 1e-12);
     }
 }

@@ -7,7 +7,7 @@ use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
 use baudbot_client::{Action, Body, Brain, Turn};
 use baudbot_sim::Scenario;
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 const SCENARIO: &str = include_str!("../../scenarios/tour.toml");
 const BRAIN: &str = include_str!("../../brains/repertoires/tour.toml");
@@ -40,22 +40,23 @@ struct Tour {
 pub(crate) type Believed = Arc<Mutex<Option<[f64; 2]>>>;
 
 /// A world with a brain that a text describes, and where that believes to be.
-pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (Pair, Believed) {
+pub(crate) fn witnessed(scenario: Scenario, brain: &str) -> (InProcess, Believed) {
     let description = Description::parse(brain).unwrap();
     let body = Body::from(&scenario.robots[0]);
     let brain = description.brain(scenario.seed, &body, &Registry::standard()).unwrap();
     let believed_m = Believed::default();
-    let pair = Pair::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
-    (pair, believed_m)
+    let local =
+        InProcess::with_brain(scenario, Witness { brain, believed_m: Arc::clone(&believed_m) }).unwrap();
+    (local, believed_m)
 }
 
 fn tour(seed: u64, brain: &str) -> Tour {
-    let (mut pair, believed_m) = witnessed(scenario(SCENARIO, &[&format!("seed={seed}")]), brain);
+    let (mut local, believed_m) = witnessed(scenario(SCENARIO, &[&format!("seed={seed}")]), brain);
     let (mut squares, mut count, mut driven_m, mut last) = (0.0, 0.0, 0.0, [2.0, 2.0]);
     let mut tour = Tour { believed_m: 0.0, odometer_m: 0.0, collisions: 0 };
-    while driven_m < 48.0 && pair.world.ending().is_none() {
-        pair.tick(|_| {});
-        let robot = pair.world.robots().next().unwrap();
+    while driven_m < 48.0 && local.world.ending().is_none() {
+        local.tick(|_| {});
+        let robot = local.world.robots().next().unwrap();
         let at = robot.motion().pose.position;
         driven_m += (at.x - last[0]).hypot(at.y - last[1]);
         last = [at.x, at.y];
@@ -64,9 +65,9 @@ fn tour(seed: u64, brain: &str) -> Tour {
         count += 1.0;
         let odometer = robot.sensors().nth(1).unwrap().sample;
         tour.odometer_m = tour.odometer_m.max((at.x - odometer[0]).hypot(at.y - odometer[1]));
-        tour.collisions += pair.world.collisions().len() as u64;
+        tour.collisions += local.world.collisions().len() as u64;
     }
-    assert!(driven_m >= 48.0, "it got only {driven_m} m far: {:?}", pair.world.ending());
+    assert!(driven_m >= 48.0, "it got only {driven_m} m far: {:?}", local.world.ending());
     tour.believed_m = f64::sqrt(squares / count);
     tour
 }
@@ -107,9 +108,9 @@ fn who_does_not_know_where_it_is_finds_out_by_particles() {
         "[motor.turn]\nkind = \"constant\"\nparameters = {{ left = -0.1, right = 0.1 }}\n\
          [cognitive.odometry]\nkind = \"odometry\"\nparameters = {{ start = [9.0, 6.0, 1.0] }}{rest}"
     );
-    let (mut pair, believed_m) = witnessed(scenario(SCENARIO, &["seed=1"]), &brain);
+    let (mut local, believed_m) = witnessed(scenario(SCENARIO, &["seed=1"]), &brain);
     let mut off_m = |ticks: usize| {
-        (0..ticks).for_each(|_| pair.tick(|_| {}));
+        (0..ticks).for_each(|_| local.tick(|_| {}));
         let [x, y] = believed_m.lock().unwrap().expect("a belief");
         (x - 2.0).hypot(y - 2.0)
     };

@@ -9,7 +9,7 @@ use baudbot_client::{Action, Client, Error};
 use baudbot_proto::v1;
 use baudbot_server::{Pace, Server, WatchdogPolicy, WorldConfig};
 use baudbot_tests::system::{client, lockstep, operator, serve, status, strict, watched};
-use baudbot_tests::{Pair, WANDER, crowd, scenario};
+use baudbot_tests::{InProcess, WANDER, crowd, scenario};
 use tokio::task::JoinSet;
 use tonic::Code;
 
@@ -81,10 +81,10 @@ async fn random_worlds_and_delays_give_the_bits_of_strict_lockstep() {
         let mut state = seed;
         let (toml, changes) = drawn(ROBOTS, &mut state);
         let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-        let mut pair = Pair::new(scenario(&toml, &changes), "avoid").unwrap();
-        pair.run(u64::MAX);
-        pair.world.begin();
-        let expected = pair.world.hash();
+        let mut local = InProcess::new(scenario(&toml, &changes), "avoid").unwrap();
+        local.run(u64::MAX);
+        local.world.begin();
+        let expected = local.world.hash();
         for (pace, delay_us) in [(strict(), 0), (lockstep(), 0), (lockstep(), 2_000)] {
             let hash = hash_with(&toml, &changes, pace, ROBOTS, seed, delay_us).await;
             assert_eq!(hash, expected, "{pace:?}, delays of {delay_us} µs, {changes:?}");
@@ -177,16 +177,16 @@ async fn attach_all(client: &Client) -> baudbot_client::Fleet {
 fn all_states() -> HashSet<u64> {
     let (toml, changes) = slow();
     let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-    let mut pair = Pair::new(scenario(&toml, &changes), "constant:left=0.2,right=0.3").unwrap();
+    let mut local = InProcess::new(scenario(&toml, &changes), "constant:left=0.2,right=0.3").unwrap();
     let mut states = HashSet::new();
-    while pair.world.ending().is_none() {
-        states.insert(pair.world.hash());
-        pair.tick(|world| {
+    while local.world.ending().is_none() {
+        states.insert(local.world.hash());
+        local.tick(|world| {
             states.insert(world.hash());
         });
     }
-    pair.world.begin();
-    states.insert(pair.world.hash());
+    local.world.begin();
+    states.insert(local.world.hash());
     states
 }
 

@@ -1,16 +1,16 @@
 //! Ways to a goal, through cables.
 
-use baudbot_tests::{Pair, WANDER, scenario};
+use baudbot_tests::{InProcess, WANDER, scenario};
 
 const WEDGE: &str = include_str!("../../scenarios/wedge.toml");
 
 /// Where the wedge's robot is after so many seconds, and why its run ended, if it did.
 fn wedge(brain: &str, y_m: f64, seconds: u64) -> ([f64; 2], Option<String>) {
     let start = format!("robots.robot.start.y_m={y_m}");
-    let mut pair = Pair::new(scenario(WEDGE, &[&start]), brain).unwrap();
-    pair.run(seconds * 100);
-    let at = pair.world.robots().next().unwrap().motion().pose.position;
-    ([at.x, at.y], pair.world.ending().map(ToString::to_string))
+    let mut local = InProcess::new(scenario(WEDGE, &[&start]), brain).unwrap();
+    local.run(seconds * 100);
+    let at = local.world.robots().next().unwrap().motion().pose.position;
+    ([at.x, at.y], local.world.ending().map(ToString::to_string))
 }
 
 /// Fig. 6.13, and the way out that the notes leave to waypoints.
@@ -32,11 +32,11 @@ fn a_robot_that_is_locked_in_a_potential_field_gets_out() {
 fn a_metre_is_driven_within_three_percent_at_9600_baud() {
     let odometer = "robots.robot.sensors.odometer={ kind = \"odometer\", sigma_m = 0.0001, bits = 16 }";
     let changes = [odometer, "robots.robot.firmware.period_ms=40.0"];
-    let mut pair = Pair::new(scenario(WANDER, &changes), "navigate").unwrap();
-    let at = |pair: &Pair| pair.world.robots().next().unwrap().motion().pose.position;
-    let from = at(&pair);
-    pair.run(2000);
-    let to = at(&pair);
+    let mut local = InProcess::new(scenario(WANDER, &changes), "navigate").unwrap();
+    let at = |local: &InProcess| local.world.robots().next().unwrap().motion().pose.position;
+    let from = at(&local);
+    local.run(2000);
+    let to = at(&local);
     let driven_m = (to.x - from.x).hypot(to.y - from.y);
     assert!((driven_m - 1.0).abs() < 0.03, "{driven_m}");
 }

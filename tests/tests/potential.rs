@@ -7,7 +7,7 @@ use baudbot_brains::Chance;
 use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
 use baudbot_client::Body;
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 const WEDGE: &str = include_str!("../../scenarios/wedge.toml");
 const WANDER: &str = include_str!("../../scenarios/wander.toml");
@@ -155,19 +155,19 @@ fn run(trap: &Trap, knows: Knows, radius_m: f64, start: u64) -> Run {
     let description = Description::parse(&brain(trap, knows, radius_m)).unwrap();
     let brain =
         description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard()).unwrap();
-    let mut pair = Pair::with_brain(scenario, brain).unwrap();
-    let arrives = |pair: &mut Pair| {
-        pair.run(10);
-        pair.belief(0).is_some_and(|belief| belief.state.contains("has arrived"))
+    let mut local = InProcess::with_brain(scenario, brain).unwrap();
+    let arrives = |local: &mut InProcess| {
+        local.run(10);
+        local.belief(0).is_some_and(|belief| belief.state.contains("has arrived"))
     };
-    let arrived = (0..2400).any(|_| arrives(&mut pair));
-    let robot = pair.world.robot(0);
+    let arrived = (0..2400).any(|_| arrives(&mut local));
+    let robot = local.world.robot(0);
     let at = robot.motion().pose.position;
     let off_m = (at.x - trap.goal[0]).hypot(at.y - trap.goal[1]);
     Run {
         arrived_m: arrived.then_some(off_m),
         collisions: robot.counters().collisions,
-        after_s: pair.world.time().as_ns() as f64 * 1e-9,
+        after_s: local.world.time().as_ns() as f64 * 1e-9,
         at: [at.x, at.y],
     }
 }

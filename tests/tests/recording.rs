@@ -9,7 +9,7 @@ use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_proto::v1::intervene_request::Intervention;
 use baudbot_proto::v1::observe_service_client::ObserveServiceClient;
-use baudbot_recording::{Replay, Tape};
+use baudbot_recording::{RecordedRun, Replay};
 use baudbot_server::{Pace, Server, WatchdogPolicy, WorldConfig};
 use baudbot_tests::system::{client, drive, lockstep, operator, serve, status, watched};
 use baudbot_tests::{WANDER, scenario};
@@ -33,9 +33,9 @@ async fn with_folder(folder: &Path, pace: Pace, changes: &[&str]) -> Server {
 
 /// Replays a file to its end, where it must be as it was recorded; the last tick and the fingerprint there.
 fn replayed(path: &Path) -> (u64, u64) {
-    let tape = Tape::open(path).unwrap();
-    assert_eq!(tape.problem(), None);
-    let (mut replay, mut world) = Replay::start(Arc::new(tape)).unwrap();
+    let recorded = RecordedRun::open(path).unwrap();
+    assert_eq!(recorded.problem(), None);
+    let (mut replay, mut world) = Replay::start(Arc::new(recorded)).unwrap();
     while replay.step(&mut world).unwrap() {}
     assert_eq!(replay.difference(), None, "{}", path.display());
     (world.tick(), world.hash())
@@ -346,10 +346,10 @@ async fn restarted(folder: &Path, pace: Pace, recording: &str) -> (u32, u32) {
     stop(&mut operator).await;
     let file = folder.join(format!("{recording}.mcap"));
     assert_eq!(replayed(&file), (2000, hash));
-    let tape = Tape::open(&file).unwrap();
+    let recorded = RecordedRun::open(&file).unwrap();
     let text = "the brain of `robot` is gone: the operator restarts this brain";
-    let told = tape.events().iter().filter(|event| event.text == text).count();
-    assert_eq!(told, done as usize, "{:?}", tape.events());
+    let told = recorded.events().iter().filter(|event| event.text == text).count();
+    assert_eq!(told, done as usize, "{:?}", recorded.events());
     server.shutdown().await;
     (done, begun)
 }

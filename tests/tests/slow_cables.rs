@@ -1,7 +1,7 @@
 //! Brains that need a laser and odometry together, across cables on which odometry is older than the next scan. The laser has a
 //! cable of its own.
 
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 const HALL: &str = include_str!("../../scenarios/hall.toml");
 const TOUR: &str = include_str!("../../scenarios/tour.toml");
@@ -22,15 +22,15 @@ struct Run {
 fn run(toml: &str, brain: &str, link: &str, others: &[&str]) -> Run {
     let link = format!("robots.robot.link={{ kind = \"uart\", {link} }}");
     let changes: Vec<_> = [link.as_str()].into_iter().chain(others.iter().copied()).collect();
-    let mut pair = Pair::new(scenario(toml, &changes), brain).unwrap();
-    pair.world.keep_timeline(0);
-    pair.run(if toml == TOUR { 12_000 } else { u64::MAX });
-    let (robot, score) = (pair.world.robot(0), pair.world.score());
+    let mut local = InProcess::new(scenario(toml, &changes), brain).unwrap();
+    local.world.keep_timeline(0);
+    local.run(if toml == TOUR { 12_000 } else { u64::MAX });
+    let (robot, score) = (local.world.robot(0), local.world.score());
     Run {
-        seconds: pair.world.time().as_ns() as f64 * 1e-9,
+        seconds: local.world.time().as_ns() as f64 * 1e-9,
         collisions: robot.counters().collisions,
         distance_m: robot.counters().distance_m,
-        sensed: score.sensed(&pair.world.scenario().rules).unwrap_or_default(),
+        sensed: score.sensed(&local.world.scenario().rules).unwrap_or_default(),
         goals: score.visited().iter().filter(|is_visited| **is_visited).count(),
     }
 }

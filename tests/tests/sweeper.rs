@@ -1,20 +1,20 @@
 //! The floor-sweeping robot of Section 8.2: a brain of behaviours and utilities, through its cable.
 
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 const SWEEPER: &str = include_str!("../../scenarios/sweeper.toml");
 
 /// The scenario with this seed, for so long, or until the battery is empty.
-fn sweep(brain: &str, seed: u64, minutes: u64) -> Pair {
-    let mut pair = Pair::new(scenario(SWEEPER, &[&format!("seed={seed}")]), brain).unwrap();
-    pair.run(minutes * 6000);
-    pair
+fn sweep(brain: &str, seed: u64, minutes: u64) -> InProcess {
+    let mut local = InProcess::new(scenario(SWEEPER, &[&format!("seed={seed}")]), brain).unwrap();
+    local.run(minutes * 6000);
+    local
 }
 
 fn never_runs_empty(seeds: std::ops::RangeInclusive<u64>, minutes: u64) {
     for seed in seeds {
-        let pair = sweep("sweeper", seed, minutes);
-        let world = &pair.world;
+        let local = sweep("sweeper", seed, minutes);
+        let world = &local.world;
         // The hour is over, or it goes on.
         let ending = world.ending().map(ToString::to_string).unwrap_or_default();
         assert!(!ending.contains("battery"), "seed {seed}: {ending}");
@@ -44,9 +44,9 @@ const TUNED: &str = "sweeper:motor.sweep.parameters.forward=0.72126,motor.sweep.
 fn the_tuned_one_covers_more_than_the_one_set_by_hand_and_is_not_empty() {
     for seed in 301..=302 {
         let covered = |brain: &str| {
-            let pair = sweep(brain, seed, 30);
-            assert!(pair.world.ending().is_none(), "seed {seed}: {:?}", pair.world.ending());
-            pair.world.score().covered(&pair.world.scenario().rules).expect("it is counted")
+            let local = sweep(brain, seed, 30);
+            assert!(local.world.ending().is_none(), "seed {seed}: {:?}", local.world.ending());
+            local.world.score().covered(&local.world.scenario().rules).expect("it is counted")
         };
         let (by_hand, tuned) = (covered("sweeper"), covered(TUNED));
         assert!(tuned > by_hand + 0.1, "seed {seed}: {by_hand} {tuned}");
@@ -55,7 +55,7 @@ fn the_tuned_one_covers_more_than_the_one_set_by_hand_and_is_not_empty() {
 
 #[test]
 fn who_never_goes_to_the_charger_runs_empty() {
-    let pair = sweep("sweeper:motor.charge.utility.bias=-2.0", 1, 60);
-    let ending = pair.world.ending().map(ToString::to_string).expect("it runs empty");
+    let local = sweep("sweeper:motor.charge.utility.bias=-2.0", 1, 60);
+    let ending = local.world.ending().map(ToString::to_string).expect("it runs empty");
     assert!(ending.contains("battery"), "{ending}");
 }

@@ -21,11 +21,12 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
     let runtime = runtime.map_err(|error| format!("cannot start the runtime: {error}"))?;
     let mut found = match what {
         Brains::Lockstep { robots, streams, ping, lookahead, effort } => {
-            let mut crew = runtime.block_on(Crew::attach(address, robots, *streams)).map_err(text)?;
-            crew.waits = *lookahead;
+            let mut brains =
+                runtime.block_on(AttachedBrains::attach(address, robots, *streams)).map_err(text)?;
+            brains.waits = *lookahead;
             let ping = ping.as_deref().map(|address| runtime.block_on(Player::connect(address)));
             let ping = ping.transpose().map_err(|status| format!("the ping-pong: {}", status.message()))?;
-            lockstep(&runtime, crew, ping, *effort, progress)?
+            lockstep(&runtime, brains, ping, *effort, progress)?
         }
         Brains::RealTime { robots, streams } => {
             runtime.block_on(real_time(address, robots, *streams)).map_err(text)?;
@@ -39,7 +40,7 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
 /// Repeats of the ping-pong and of the world by turns, so that both see the same machine.
 fn lockstep(
     runtime: &Runtime,
-    mut crew: Crew,
+    mut brains: AttachedBrains,
     mut ping: Option<Player>,
     effort: Effort,
     mut progress: impl FnMut(u32),
@@ -55,14 +56,14 @@ fn lockstep(
                     .map_err(|status| status.message().to_owned())?,
             );
         }
-        let work = |ticks| runtime.block_on(crew.drive(ticks));
+        let work = |ticks| runtime.block_on(brains.drive(ticks));
         found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work).map_err(text)?);
     }
     Ok(found)
 }
 
 /// Brains that hold their robots.
-struct Crew {
+struct AttachedBrains {
     held: Held,
     /// Whether they need not be asked before there is news.
     waits: bool,
@@ -73,7 +74,7 @@ enum Held {
     Fleet(Box<Fleet>),
 }
 
-impl Crew {
+impl AttachedBrains {
     async fn attach(address: &str, robots: &[String], streams: Streams) -> Result<Self, Error> {
         let first = client(address).await?;
         if streams == Streams::OneStream {

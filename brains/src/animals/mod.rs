@@ -23,11 +23,11 @@ pub mod stentor;
 pub mod woodlice;
 
 mod leaky_integrator;
-mod legs;
 mod sense;
 #[cfg(test)]
 mod test_dish;
+mod wheel_commands;
 
 pub use leaky_integrator::LeakyIntegrator;
-pub use legs::Motion;
 pub use sense::Sides;
+pub use wheel_commands::Motion;

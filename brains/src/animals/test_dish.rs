@@ -40,9 +40,9 @@ impl Dish {
     fn roll(&mut self) {
         let wheels = [self.signals.left, self.signals.right].map(|signal| signal * FULL_SPEED_M_S);
         let Twist { forward, turn } = Twist::of_wheels(wheels, self.body.half_track_m);
-        let way = Vector::new(forward * STEP_S, 0.0);
+        let displacement = Vector::new(forward * STEP_S, 0.0);
         let Pose { position, heading } =
-            self.pose.compose(&Pose { position: Point::from(way), heading: turn * STEP_S });
+            self.pose.compose(&Pose { position: Point::from(displacement), heading: turn * STEP_S });
         let held = |m: f64| m.clamp(-self.half_side_m, self.half_side_m);
         self.pose = Pose::new(held(position.x), held(position.y), heading);
     }

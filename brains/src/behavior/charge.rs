@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::steering::{Helm, Steering};
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 use crate::senses::Source;
 
 /// Where the charger is, and when it is enough.
@@ -82,20 +82,20 @@ impl Charge {
 }
 
 impl MotorBehavior for Charge {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let Some(estimate) = context.beliefs.pose else { return Some(Signals::default()) };
         let p = &self.parameters;
-        let way = self.charger - estimate.world_from_robot.position;
-        if math::hypot(way.x, way.y) <= p.reached_m {
-            let charge = self.battery.first(moment.turn).unwrap_or(0.0);
-            moment.set_gamma(&self.name, if charge < p.full { p.stay_gamma } else { 0.0 });
-            moment.beliefs.intention = format!("charges, {:.0} %", charge * 100.0);
-            moment.beliefs.path.clear();
+        let offset = self.charger - estimate.world_from_robot.position;
+        if math::hypot(offset.x, offset.y) <= p.reached_m {
+            let charge = self.battery.first(context.turn).unwrap_or(0.0);
+            context.set_gamma(&self.name, if charge < p.full { p.stay_gamma } else { 0.0 });
+            context.beliefs.intention = format!("charges, {:.0} %", charge * 100.0);
+            context.beliefs.path.clear();
             return Some(Signals::default());
         }
-        moment.beliefs.intention.clear();
-        moment.beliefs.path = vec![self.charger];
-        Some(self.helm.signals(&estimate.world_from_robot, math::atan2(way.y, way.x), 1.0))
+        context.beliefs.intention.clear();
+        context.beliefs.path = vec![self.charger];
+        Some(self.helm.signals(&estimate.world_from_robot, math::atan2(offset.y, offset.x), 1.0))
     }
 
     fn goes_by_pose(&self) -> bool {

@@ -4,7 +4,7 @@ use baudbot_brain::{Body, SensorKind, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// How it follows.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -71,9 +71,9 @@ impl FollowWall {
 }
 
 impl MotorBehavior for FollowWall {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
         let p = &self.parameters;
-        let reading = moment.turn.readings.get(self.sensor).and_then(Option::as_ref);
+        let reading = context.turn.readings.get(self.sensor).and_then(Option::as_ref);
         let Some(reading) = reading.and_then(|reading| reading.values.first().copied()) else {
             return Some(Signals::default());
         };

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::steering::{Helm, Steering, braking};
 use crate::navigation::Goals;
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// Where it goes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -55,23 +55,23 @@ impl GoTo {
 
     fn toward(&mut self, world_from_robot: &Pose) -> Signals {
         let Some(goal) = self.goals.from(world_from_robot.position) else { return Signals::default() };
-        let way = goal - world_from_robot.position;
-        let part = if self.goals.is_last() { braking(way.norm()) } else { 1.0 };
-        self.helm.signals(world_from_robot, math::atan2(way.y, way.x), part)
+        let offset = goal - world_from_robot.position;
+        let part = if self.goals.is_last() { braking(offset.norm()) } else { 1.0 };
+        self.helm.signals(world_from_robot, math::atan2(offset.y, offset.x), part)
     }
 }
 
 impl MotorBehavior for GoTo {
     /// It begins with the first point again if it had arrived; a tour that was interrupted goes on.
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let Some(estimate) = context.beliefs.pose else { return Some(Signals::default()) };
         let signals = self.toward(&estimate.world_from_robot);
-        moment.beliefs.path = self.goals.left().to_vec();
-        moment.beliefs.intention = if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
+        context.beliefs.path = self.goals.left().to_vec();
+        context.beliefs.intention = if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
         Some(signals)
     }
 

@@ -10,8 +10,8 @@ use serde::Deserialize;
 
 use crate::animals::ant::{self, Ant, Phase, Sensed};
 use crate::parameter::{ParameterError, check_not_negative, check_positive};
-use crate::process::{Moment, MotorBehavior};
-use crate::registry::Kit;
+use crate::process::{MotorBehavior, StepContext};
+use crate::registry::BuildContext;
 use crate::senses::Source;
 
 /// How far it goes, and what it knows its home by.
@@ -74,12 +74,12 @@ impl Home {
     ///
     /// # Errors
     /// If the parameters make no sense.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+    pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let p = &parameters;
         check(p)?;
-        let nest = p.nest.as_deref().map(|nest| Source::parse(nest, kit.body)).transpose();
+        let nest = p.nest.as_deref().map(|nest| Source::parse(nest, context.body)).transpose();
         let nest = nest.map_err(|error| ParameterError::value("nest", error))?;
-        let legs = ant::Parameters {
+        let gait = ant::Parameters {
             speed_m_s: p.speed_m_s,
             turn_rad_s: p.turn_rad_s,
             steering_hz: p.steering_hz,
@@ -88,7 +88,7 @@ impl Home {
             pitch_m: p.pitch_m,
             ..ant::Parameters::default()
         };
-        let (ant, half_track_m) = (Ant::new(legs, kit.chance()), kit.body.half_track_m);
+        let (ant, half_track_m) = (Ant::new(gait, context.chance()), context.body.half_track_m);
         Ok(Self { parameters, nest, half_track_m, ant, last: None, driven_m: 0.0 })
     }
 
@@ -102,16 +102,16 @@ impl Home {
     fn moved(&mut self, pose: Pose) -> (f64, f64) {
         let last = self.last.replace(pose).unwrap_or(pose);
         let half_way_rad = last.heading + 0.5 * angle::difference(pose.heading, last.heading);
-        let way = pose.position - last.position;
+        let offset = pose.position - last.position;
         let (sin, cos) = math::sin_cos(half_way_rad);
-        let distance_m = way.x * cos + way.y * sin;
+        let distance_m = offset.x * cos + offset.y * sin;
         self.driven_m += distance_m.abs();
         (distance_m, half_way_rad)
     }
 
-    fn is_home(&self, moment: &Moment<'_>) -> bool {
+    fn is_home(&self, context: &StepContext<'_>) -> bool {
         let above =
-            |nest: &Source| nest.first(moment.turn).is_some_and(|value| value > self.parameters.nest_above);
+            |nest: &Source| nest.first(context.turn).is_some_and(|value| value > self.parameters.nest_above);
         // Who cannot sense it takes the vector's word for it.
         self.nest.as_ref().map_or_else(|| self.ant.phase() == Phase::Search, above)
     }
@@ -139,21 +139,21 @@ fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 impl MotorBehavior for Home {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let pose = moment.beliefs.pose?.world_from_robot;
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let pose = context.beliefs.pose?.world_from_robot;
         let (distance_m, heading_rad) = self.moved(pose);
         let food = self.driven_m >= self.parameters.out_m;
-        let nest = self.is_home(moment);
+        let nest = self.is_home(context);
         let sensed = Sensed { distance_m, heading_rad, landmarks_rad: &[], food, nest };
-        let motion = self.ant.step(&sensed, moment.dt_s);
+        let motion = self.ant.step(&sensed, context.dt_s);
         let (intention, path) = match self.ant.phase() {
             Phase::Forage => ("goes out", Vec::new()),
             Phase::Return => ("returns", vec![self.home(pose.position)]),
             Phase::Search => ("searches", vec![self.home(pose.position)]),
             Phase::Home => ("is at home", Vec::new()),
         };
-        intention.clone_into(&mut moment.beliefs.intention);
-        moment.beliefs.path = path;
+        intention.clone_into(&mut context.beliefs.intention);
+        context.beliefs.path = path;
         let wheel = |side: f64| {
             (motion.speed_m_s + side * motion.turn_rate_rad_s * self.half_track_m)
                 / self.parameters.full_speed_m_s
@@ -175,8 +175,8 @@ mod tests {
 
     fn made(parameters: Parameters, seed: u64) -> Result<Home, String> {
         let body = body(&[("nose", "field", 0.0)]);
-        let kit = Kit { name: "home", body: &body, seed, motors: &["home"], by_utility: true };
-        Home::new(parameters, &kit).map_err(|error| error.to_string())
+        let context = BuildContext { name: "home", body: &body, seed, motors: &["home"], by_utility: true };
+        Home::new(parameters, &context).map_err(|error| error.to_string())
     }
 
     /// Drives for ten minutes at most, or until it is home; its home is moved by so much once it returns. The way by phases,
@@ -189,14 +189,14 @@ mod tests {
             let scent = if (pose.position - nest).norm() < 0.15 { 1.0 } else { 0.0 };
             let turn = turn(&body, i * 20_000_000, &[Some(&[scent])]);
             let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
-            let mut moment = Moment {
+            let mut context = StepContext {
                 turn: &turn,
                 dt_s: 0.02,
                 state: &[],
                 beliefs: &mut beliefs,
                 gammas: &mut Vec::new(),
             };
-            let Signals { left, right } = home.step(&mut moment).expect("signals");
+            let Signals { left, right } = home.step(&mut context).expect("signals");
             let phase = match home.phase() {
                 Phase::Forage => 0,
                 Phase::Return => 1,

@@ -1,5 +1,6 @@
 //! Motor behaviours that repertoires choose among.
 
+pub mod brain_behavior;
 pub mod charge;
 pub mod follow_path;
 pub mod follow_wall;
@@ -8,6 +9,5 @@ pub mod home;
 pub(crate) mod steering;
 pub mod taxis;
 pub mod turn_away;
-pub mod whole;
 
 pub use steering::Steering;

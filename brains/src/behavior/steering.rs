@@ -93,15 +93,15 @@ impl Helm {
         part: f64,
     ) -> Signals {
         let s = self.steering;
-        let way = to - world_from_robot.position;
-        let heading_rad = math::atan2(way.y, way.x);
+        let offset = to - world_from_robot.position;
+        let heading_rad = math::atan2(offset.y, offset.x);
         let off_rad = angle::difference(heading_rad, world_from_robot.heading);
         let limit_rad = if self.rotates { s.rotate_until_rad } else { s.rotate_above_rad };
         if off_rad.abs() > limit_rad {
             return self.signals(world_from_robot, heading_rad, part);
         }
         self.rotates = false;
-        let bend = 2.0 * math::sin(off_rad) / way.norm().max(LEAST_M) * half_track_m;
+        let bend = 2.0 * math::sin(off_rad) / offset.norm().max(LEAST_M) * half_track_m;
         let speed_m_s = (s.speed_m_s * part).min(s.rotation_m_s / bend.abs().max(f64::MIN_POSITIVE));
         let signal = |side: f64| speed_m_s * (1.0 + side * bend) / s.full_speed_m_s;
         Signals { left: signal(-1.0), right: signal(1.0) }

@@ -5,7 +5,7 @@ use baudbot_brain::{Body, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// How it goes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -58,8 +58,8 @@ impl Taxis {
 }
 
 impl MotorBehavior for Taxis {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let sense = |sensor: usize| moment.turn.readings.get(sensor)?.as_ref()?.values.first().copied();
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let sense = |sensor: usize| context.turn.readings.get(sensor)?.as_ref()?.values.first().copied();
         let (Some(left), Some(right)) = (sense(self.sensors[0]), sense(self.sensors[1])) else {
             return Some(Signals::default());
         };

@@ -5,7 +5,7 @@ use baudbot_brain::{Body, SensorKind, Signals};
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// How it turns.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -65,10 +65,10 @@ impl TurnAway {
     }
 
     /// How near something is on a side: a number that is greater the nearer it is.
-    fn nearness(&self, moment: &Moment<'_>, is_left: bool) -> f64 {
+    fn nearness(&self, context: &StepContext<'_>, is_left: bool) -> f64 {
         let eyes = self.eyes.iter().filter(|eye| eye.is_left == is_left);
         let values = eyes.filter_map(|eye| {
-            let value = *moment.turn.readings.get(eye.sensor)?.as_ref()?.values.first()?;
+            let value = *context.turn.readings.get(eye.sensor)?.as_ref()?.values.first()?;
             Some(if eye.is_distance { -value } else { value })
         });
         values.fold(f64::NEG_INFINITY, f64::max)
@@ -76,11 +76,11 @@ impl TurnAway {
 }
 
 impl MotorBehavior for TurnAway {
-    fn enter(&mut self, moment: &mut Moment<'_>) {
-        self.leftwards = self.nearness(moment, false) >= self.nearness(moment, true);
+    fn enter(&mut self, context: &mut StepContext<'_>) {
+        self.leftwards = self.nearness(context, false) >= self.nearness(context, true);
     }
 
-    fn step(&mut self, _: &mut Moment<'_>) -> Option<Signals> {
+    fn step(&mut self, _: &mut StepContext<'_>) -> Option<Signals> {
         let turn = if self.leftwards { self.turn } else { -self.turn };
         Some(Signals { left: -turn, right: turn })
     }

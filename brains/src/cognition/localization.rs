@@ -12,8 +12,8 @@ use crate::estimate::Estimate;
 use crate::localization::laser::{self, Shrink};
 use crate::localization::{Map, refine};
 use crate::parameter::ParameterError;
-use crate::process::{CognitiveProcess, Moment};
-use crate::registry::Kit;
+use crate::process::{CognitiveProcess, StepContext};
+use crate::registry::BuildContext;
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
@@ -85,9 +85,9 @@ impl Localize {
     ///
     /// # Errors
     /// See [`ParameterError`].
-    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+    pub fn new(parameters: &Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let Parameters { laser, every_s, rays, .. } = parameters;
-        let scanner = Scanner::new(kit.body, laser, *rays)?;
+        let scanner = Scanner::new(context.body, laser, *rays)?;
         if !(0.0..=1e6).contains(every_s) {
             return Err(ParameterError::range("every_s", "from 0 to 1000000", *every_s));
         }
@@ -96,21 +96,21 @@ impl Localize {
             return Err(ParameterError::range("iterations", "from 1 to 100000", found));
         }
         if let Some(stop) = &parameters.stop {
-            kit.check_raised("stop", stop)?;
+            context.check_raised("stop", stop)?;
         }
         let map = map_of(&parameters.walls_m)?;
-        let (parameters, chance) = (parameters.clone(), kit.chance());
+        let (parameters, chance) = (parameters.clone(), context.chance());
         Ok(Self { parameters, map, scanner, chance, next_ns: 0, stopped_ns: None })
     }
 
     /// The scan that has just come, if one has, and when it was taken. Of a robot that is to stand for it, only one that
     /// began when it stood.
-    fn scan(&mut self, moment: &Moment<'_>) -> Option<(u64, Scan)> {
-        self.scanner.hear(moment.turn);
+    fn scan(&mut self, context: &StepContext<'_>) -> Option<(u64, Scan)> {
+        self.scanner.hear(context.turn);
         if self.parameters.stop.is_some() {
             self.scanner.forget_before(self.stopped_ns? + SETTLE_NS);
         }
-        self.scanner.take(moment.beliefs.odometry.as_ref()?)
+        self.scanner.take(context.beliefs.odometry.as_ref()?)
     }
 
     /// Where the robot was when this scan was taken, if the map says so.
@@ -135,34 +135,34 @@ impl Localize {
 }
 
 impl CognitiveProcess for Localize {
-    fn step(&mut self, moment: &mut Moment<'_>) {
-        let at_ns = moment.turn.at_ns;
-        if at_ns < self.next_ns || moment.beliefs.odometry.is_none() {
+    fn step(&mut self, context: &mut StepContext<'_>) {
+        let at_ns = context.turn.at_ns;
+        if at_ns < self.next_ns || context.beliefs.odometry.is_none() {
             return;
         }
         if let Some(stop) = &self.parameters.stop {
             let stopped_ns = *self.stopped_ns.get_or_insert(at_ns);
             let gives_up = at_ns.saturating_sub(stopped_ns) > GIVE_UP_NS;
-            moment.set_gamma(stop, if gives_up { 0.0 } else { STOP_GAMMA });
+            context.set_gamma(stop, if gives_up { 0.0 } else { STOP_GAMMA });
             if gives_up {
                 self.stopped_ns = None;
                 self.next_ns = at_ns + (self.parameters.every_s.max(1.0) * 1e9) as u64;
                 return;
             }
         }
-        let Some((taken_ns, scan)) = self.scan(moment) else {
+        let Some((taken_ns, scan)) = self.scan(context) else {
             if at_ns.saturating_sub(self.next_ns) > OVERDUE_NS {
-                let beliefs = &mut *moment.beliefs;
+                let beliefs = &mut *context.beliefs;
                 beliefs.awaited.get_or_insert_with(|| self.scanner.awaited(beliefs.odometry.as_ref()));
             }
             return;
         };
-        let guess = moment.beliefs.odometry.as_ref().and_then(|odometry| odometry.correctable(taken_ns));
+        let guess = context.beliefs.odometry.as_ref().and_then(|odometry| odometry.correctable(taken_ns));
         let Some(guess) = guess else { return };
         let found = self.locate(&scan, guess);
-        if let (Some(estimate), Some(odometry)) = (found, &mut moment.beliefs.odometry) {
+        if let (Some(estimate), Some(odometry)) = (found, &mut context.beliefs.odometry) {
             odometry.correct(taken_ns, estimate);
-            moment.beliefs.pose = Some(odometry.estimate());
+            context.beliefs.pose = Some(odometry.estimate());
         }
         // Who has not found itself tries again with the next scan.
         let pause_s = if found.is_some() { self.parameters.every_s } else { 0.0 };
@@ -171,12 +171,12 @@ impl CognitiveProcess for Localize {
             self.scanner.forget();
         }
         if let Some(stop) = self.parameters.stop.as_ref().filter(|_| found.is_some()) {
-            moment.set_gamma(stop, 0.0);
+            context.set_gamma(stop, 0.0);
             self.stopped_ns = None;
         }
     }
 
-    fn leave(&mut self, _: &mut Moment<'_>) {
+    fn leave(&mut self, _: &mut StepContext<'_>) {
         self.stopped_ns = None;
     }
 }

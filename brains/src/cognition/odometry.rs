@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::odometry::{self, OVERDUE_NS, Odometry};
 use crate::parameter::{ParameterError, check_not_negative};
-use crate::process::{Awaited, CognitiveProcess, Moment};
+use crate::process::{Awaited, CognitiveProcess, StepContext};
 
 /// What it counts by.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -58,19 +58,19 @@ impl CountWheels {
 }
 
 impl CognitiveProcess for CountWheels {
-    fn step(&mut self, moment: &mut Moment<'_>) {
-        if moment.beliefs.odometry.is_none() {
-            moment.beliefs.odometry =
-                Odometry::starting(self.parameters, moment.turn, &self.sensor, self.start);
+    fn step(&mut self, context: &mut StepContext<'_>) {
+        if context.beliefs.odometry.is_none() {
+            context.beliefs.odometry =
+                Odometry::starting(self.parameters, context.turn, &self.sensor, self.start);
         }
-        let Some(odometry) = &mut moment.beliefs.odometry else {
-            moment.beliefs.awaited = Some(Awaited { sensor: self.sensor.clone(), since_ns: 0 });
+        let Some(odometry) = &mut context.beliefs.odometry else {
+            context.beliefs.awaited = Some(Awaited { sensor: self.sensor.clone(), since_ns: 0 });
             return;
         };
-        odometry.read(moment.turn, &self.sensor);
-        moment.beliefs.pose = Some(odometry.estimate());
-        if odometry.is_overdue(moment.turn.at_ns, OVERDUE_NS) {
-            moment.beliefs.awaited = Some(odometry.awaited());
+        odometry.read(context.turn, &self.sensor);
+        context.beliefs.pose = Some(odometry.estimate());
+        if odometry.is_overdue(context.turn.at_ns, OVERDUE_NS) {
+            context.beliefs.awaited = Some(odometry.awaited());
         }
     }
 }

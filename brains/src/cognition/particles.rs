@@ -15,8 +15,8 @@ use crate::localization::map::VirtualLaser;
 use crate::localization::particles::{self, Particles};
 use crate::odometry::Odometry;
 use crate::parameter::{ParameterError, check_positive};
-use crate::process::{CognitiveProcess, Moment};
-use crate::registry::Kit;
+use crate::process::{CognitiveProcess, StepContext};
+use crate::registry::BuildContext;
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
@@ -84,7 +84,7 @@ impl Disperse {
     ///
     /// # Errors
     /// If a parameter makes no sense, or the robot has no such laser.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+    pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         check_positive([("sure_m", parameters.sure_m), ("every_m", parameters.every_m)])?;
         if !(1..=100_000).contains(&parameters.particles) {
             let found = parameters.particles as f64;
@@ -97,12 +97,12 @@ impl Disperse {
             return Err(ParameterError::value("walls_m", "localization needs walls"));
         }
         let map = map_of(&parameters.walls_m)?;
-        let scanner = Scanner::new(kit.body, &parameters.laser, parameters.beams)?;
+        let scanner = Scanner::new(context.body, &parameters.laser, parameters.beams)?;
         Ok(Self {
             parameters,
             map,
             scanner,
-            chance: kit.chance(),
+            chance: context.chance(),
             particles: None,
             has_found: false,
             last: None,
@@ -166,19 +166,19 @@ fn fit(map: &Map, scan: &Scan, world_from_robot: &Pose) -> f64 {
 }
 
 impl CognitiveProcess for Disperse {
-    fn step(&mut self, moment: &mut Moment<'_>) {
-        self.scanner.hear(moment.turn);
-        let Some(odometry) = &mut moment.beliefs.odometry else { return };
+    fn step(&mut self, context: &mut StepContext<'_>) {
+        self.scanner.hear(context.turn);
+        let Some(odometry) = &mut context.beliefs.odometry else { return };
         while let Some((taken_ns, scan)) = self.scanner.take(odometry) {
             if let Some(estimate) = self.see(odometry, taken_ns, &scan) {
                 odometry.correct(taken_ns, estimate);
-                moment.beliefs.pose = Some(odometry.estimate());
+                context.beliefs.pose = Some(odometry.estimate());
             }
         }
     }
 
     /// What happened meanwhile it does not know.
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.scanner.forget();
         self.last = None;
     }
@@ -200,12 +200,12 @@ mod tests {
 
     fn refused(toml: &str) -> String {
         let body = body(&[("laser", "laser", 0.0)]);
-        let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
+        let context = BuildContext { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
         let walls = "walls_m = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 3.0]]\n";
         let parameters =
             toml::from_str(&format!("{walls}{toml}")).map_err(|error| error.message().to_owned());
         let made = parameters
-            .and_then(|parameters| Disperse::new(parameters, &kit).map_err(|error| error.to_string()));
+            .and_then(|parameters| Disperse::new(parameters, &context).map_err(|error| error.to_string()));
         made.err().unwrap_or_default()
     }
 
@@ -215,9 +215,9 @@ mod tests {
         assert_eq!(refused("particles = 0"), "particles: must be from 1 to 100000, is 0");
         let empty = toml::from_str("walls_m = []").unwrap();
         let body = body(&[("laser", "laser", 0.0)]);
-        let kit = Kit { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
+        let context = BuildContext { name: "particles", body: &body, seed: 1, motors: &[], by_utility: true };
         assert!(
-            Disperse::new(empty, &kit)
+            Disperse::new(empty, &context)
                 .is_err_and(|error| error.to_string().starts_with("walls_m: localization needs walls"))
         );
         assert_eq!(refused("beams = 0"), "beams: must be at least 1");

@@ -7,10 +7,10 @@
 use baudbot_brain::Body;
 use serde::Deserialize;
 
-use crate::feelers::{Feelers, Near};
 use crate::parameter::{ParameterError, check_positive};
-use crate::process::{CognitiveProcess, Moment};
-use crate::registry::Kit;
+use crate::process::{CognitiveProcess, StepContext};
+use crate::proximity_sensors::{Near, ProximitySensors};
+use crate::registry::BuildContext;
 
 /// From where on something is near, and who is to know.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -44,7 +44,7 @@ fn gamma() -> f64 {
 /// A process that knows what is close ahead.
 #[derive(Clone, Debug)]
 pub struct DetectProximity {
-    feelers: Feelers,
+    proximity: ProximitySensors,
     raise: Option<(String, f64)>,
 }
 
@@ -53,20 +53,20 @@ impl DetectProximity {
     ///
     /// # Errors
     /// If a parameter makes no sense, or no infra-red sensor or sonar looks ahead.
-    pub fn new(parameters: Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+    pub fn new(parameters: Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let Parameters { near_m, near_reading, raise, gamma } = parameters;
         check_positive([("near_m", near_m), ("near_reading", near_reading)])?;
         if !gamma.is_finite() {
             return Err(ParameterError::range("gamma", "finite", gamma));
         }
         if let Some(name) = &raise {
-            kit.check_raised("raise", name)?;
+            context.check_raised("raise", name)?;
         }
-        let feelers = Feelers::new(kit.body, Near { near_m, near_reading });
-        if feelers.is_empty() {
-            return Err(lacks(kit.body));
+        let proximity = ProximitySensors::new(context.body, Near { near_m, near_reading });
+        if proximity.is_empty() {
+            return Err(lacks(context.body));
         }
-        Ok(Self { feelers, raise: raise.map(|name| (name, gamma)) })
+        Ok(Self { proximity, raise: raise.map(|name| (name, gamma)) })
     }
 }
 
@@ -76,20 +76,20 @@ fn lacks(body: &Body) -> ParameterError {
 }
 
 impl CognitiveProcess for DetectProximity {
-    fn step(&mut self, moment: &mut Moment<'_>) {
-        self.feelers.feel(moment.turn);
-        moment.beliefs.near = self.feelers.is_near();
-        if let Some((name, gamma)) = self.raise.as_ref().filter(|_| moment.beliefs.near) {
-            moment.set_gamma(name, *gamma);
+    fn step(&mut self, context: &mut StepContext<'_>) {
+        self.proximity.feel(context.turn);
+        context.beliefs.near = self.proximity.is_near();
+        if let Some((name, gamma)) = self.raise.as_ref().filter(|_| context.beliefs.near) {
+            context.set_gamma(name, *gamma);
         }
     }
 
-    fn enter(&mut self, _: &mut Moment<'_>) {
-        self.feelers.forget();
+    fn enter(&mut self, _: &mut StepContext<'_>) {
+        self.proximity.forget();
     }
 
-    fn leave(&mut self, moment: &mut Moment<'_>) {
-        moment.beliefs.near = false;
+    fn leave(&mut self, context: &mut StepContext<'_>) {
+        context.beliefs.near = false;
     }
 }
 
@@ -100,9 +100,10 @@ mod tests {
     use crate::test_body::{body, turn};
 
     fn made(toml: &str, body: &Body) -> Result<DetectProximity, String> {
-        let kit = Kit { name: "proximity", body, seed: 1, motors: &["stand", "go"], by_utility: true };
+        let context =
+            BuildContext { name: "proximity", body, seed: 1, motors: &["stand", "go"], by_utility: true };
         let parameters = toml::from_str(toml).map_err(|error| error.message().to_owned())?;
-        DetectProximity::new(parameters, &kit).map_err(|error| error.to_string())
+        DetectProximity::new(parameters, &context).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -120,20 +121,30 @@ mod tests {
             let values = values.each_ref().map(|value| value.as_ref().map(<[f64; 1]>::as_slice));
             let turn = turn(&body, 0, &values);
             let mut gammas = Vec::new();
-            let mut moment =
-                Moment { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut gammas };
-            process.step(&mut moment);
-            assert_eq!(moment.beliefs.near, near, "{values:?}");
+            let mut context = StepContext {
+                turn: &turn,
+                dt_s: 0.1,
+                state: &[],
+                beliefs: &mut beliefs,
+                gammas: &mut gammas,
+            };
+            process.step(&mut context);
+            assert_eq!(context.beliefs.near, near, "{values:?}");
             assert_eq!(gammas, if near { vec![("stand".to_owned(), 7.0)] } else { vec![] });
         }
         let turn = turn(&body, 0, &[Some(&[0.9]), None, None]);
-        let mut moment =
-            Moment { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
-        process.step(&mut moment);
-        process.leave(&mut moment);
-        assert!(!moment.beliefs.near, "nobody knows any more");
-        process.enter(&mut moment);
-        assert!(!process.feelers.is_near(), "what was then is not now");
+        let mut context = StepContext {
+            turn: &turn,
+            dt_s: 0.1,
+            state: &[],
+            beliefs: &mut beliefs,
+            gammas: &mut Vec::new(),
+        };
+        process.step(&mut context);
+        process.leave(&mut context);
+        assert!(!context.beliefs.near, "nobody knows any more");
+        process.enter(&mut context);
+        assert!(!process.proximity.is_near(), "what was then is not now");
     }
 
     #[test]

@@ -7,8 +7,8 @@
 use serde::Deserialize;
 
 use crate::parameter::ParameterError;
-use crate::process::{CognitiveProcess, Moment};
-use crate::registry::Kit;
+use crate::process::{CognitiveProcess, StepContext};
+use crate::registry::BuildContext;
 use crate::scanner::Scanner;
 use crate::slam::{self, Slam};
 
@@ -53,7 +53,7 @@ impl MakeMap {
     ///
     /// # Errors
     /// See [`ParameterError`].
-    pub fn new(parameters: &Parameters, kit: &Kit<'_>) -> Result<Self, ParameterError> {
+    pub fn new(parameters: &Parameters, context: &BuildContext<'_>) -> Result<Self, ParameterError> {
         let &Parameters { ref laser, cell_m, rays } = parameters;
         if !(0.01..=1.0).contains(&cell_m) {
             return Err(ParameterError::range("cell_m", "from 0.01 to 1", cell_m));
@@ -62,28 +62,28 @@ impl MakeMap {
             let problem = format_args!("must be at least {LEAST_RAYS}, is {rays}: fewer match no map");
             return Err(ParameterError::value("rays", problem));
         }
-        let laser_rays = kit.body.sensor(laser).map_or(LEAST_RAYS, baudbot_brain::Sensor::values);
+        let laser_rays = context.body.sensor(laser).map_or(LEAST_RAYS, baudbot_brain::Sensor::values);
         if laser_rays < LEAST_RAYS {
             let problem =
                 format_args!("`{laser}` has {laser_rays} rays; matching needs {LEAST_RAYS} at least");
             return Err(ParameterError::value("laser", problem));
         }
-        let scanner = Scanner::new(kit.body, laser, usize::MAX)?;
+        let scanner = Scanner::new(context.body, laser, usize::MAX)?;
         let slam = Slam::new(slam::Parameters { cell_m, rays, ..slam::Parameters::default() });
         Ok(Self { scanner, slam })
     }
 }
 
 impl CognitiveProcess for MakeMap {
-    fn step(&mut self, moment: &mut Moment<'_>) {
-        self.scanner.hear(moment.turn);
-        let Some(odometry) = &mut moment.beliefs.odometry else { return };
+    fn step(&mut self, context: &mut StepContext<'_>) {
+        self.scanner.hear(context.turn);
+        let Some(odometry) = &mut context.beliefs.odometry else { return };
         while let Some((taken_ns, scan)) = self.scanner.take(odometry) {
             let Some(guess) = odometry.correctable(taken_ns) else { continue };
-            let grid = moment.beliefs.grid.get_or_insert_with(|| self.slam.grid());
+            let grid = context.beliefs.grid.get_or_insert_with(|| self.slam.grid());
             if let Some(estimate) = self.slam.see(grid, &scan, &guess) {
                 odometry.correct(taken_ns, estimate);
-                moment.beliefs.pose = Some(odometry.estimate());
+                context.beliefs.pose = Some(odometry.estimate());
             }
         }
     }

@@ -5,14 +5,14 @@
 
 use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};
 
-use crate::courier::Courier;
 use crate::decision::utility::{self, Utility};
 use crate::decision::{Layers, Machine, Tree};
 use crate::estimate::Estimate;
 use crate::mapping::Occupancy;
 use crate::odometry::OVERDUE_NS;
-use crate::process::{Beliefs, CognitiveProcess, Moment, MotorBehavior};
+use crate::process::{Beliefs, CognitiveProcess, MotorBehavior, StepContext};
 use crate::senses::Senses;
+use crate::throttle::CommandThrottle;
 
 /// A brain of processes.
 pub struct Composed {
@@ -25,7 +25,7 @@ pub struct Composed {
     beliefs: Beliefs,
     gammas: Vec<(String, f64)>,
     signals: Signals,
-    courier: Courier,
+    throttle: CommandThrottle,
     /// Time that a command takes on the cable.
     command_ns: u64,
     stepped_ns: Option<u64>,
@@ -84,7 +84,7 @@ impl Composed {
             beliefs: Beliefs::default(),
             gammas: Vec::new(),
             signals: Signals::default(),
-            courier: Courier::new(body),
+            throttle: CommandThrottle::new(body),
             command_ns: body.command_ns(),
             stepped_ns: None,
         }
@@ -133,12 +133,12 @@ impl Composed {
     fn activate(&mut self, chosen: usize, turn: &Turn, dt_s: f64, state: &[f64]) {
         let by_utility = matches!(self.decision, Decision::Utility);
         let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
-        let mut moment = Moment { turn, dt_s, state, beliefs, gammas };
+        let mut context = StepContext { turn, dt_s, state, beliefs, gammas };
         for process in &mut self.cognitives {
             let active = !by_utility || process.utility.value() > 0.0;
             match (process.active, active) {
-                (true, false) => process.process.leave(&mut moment),
-                (false, true) => process.process.enter(&mut moment),
+                (true, false) => process.process.leave(&mut context),
+                (false, true) => process.process.enter(&mut context),
                 _ => {}
             }
             process.active = active;
@@ -147,12 +147,12 @@ impl Composed {
             return;
         }
         if let Some(old) = self.active.and_then(|active| self.motors.get_mut(active)) {
-            old.behavior.leave(&mut moment);
+            old.behavior.leave(&mut context);
         }
-        moment.beliefs.intention.clear();
-        moment.beliefs.path.clear();
+        context.beliefs.intention.clear();
+        context.beliefs.path.clear();
         if let Some(new) = self.motors.get_mut(chosen) {
-            new.behavior.enter(&mut moment);
+            new.behavior.enter(&mut context);
         }
         self.active = Some(chosen);
     }
@@ -161,12 +161,12 @@ impl Composed {
     fn act(&mut self, turn: &Turn, dt_s: f64, state: &[f64]) {
         let (beliefs, gammas) = (&mut self.beliefs, &mut self.gammas);
         beliefs.awaited = None;
-        let mut moment = Moment { turn, dt_s, state, beliefs, gammas };
+        let mut context = StepContext { turn, dt_s, state, beliefs, gammas };
         for process in self.cognitives.iter_mut().filter(|process| process.active) {
-            process.process.step(&mut moment);
+            process.process.step(&mut context);
         }
         let Some(motor) = self.active.and_then(|active| self.motors.get_mut(active)) else { return };
-        let signals = motor.behavior.step(&mut moment);
+        let signals = motor.behavior.step(&mut context);
         let goes_by_pose = motor.behavior.goes_by_pose();
         let odometry = self.beliefs.odometry.as_ref().filter(|_| goes_by_pose);
         let is_overdue = odometry.is_some_and(|odometry| odometry.is_overdue(turn.at_ns, OVERDUE_NS));
@@ -199,7 +199,7 @@ impl Brain for Composed {
         self.activate(chosen, turn, dt_s, &state);
         self.act(turn, dt_s, &state);
         self.hand_out_gammas();
-        self.courier.send(turn, self.signals)
+        self.throttle.send(turn, self.signals)
     }
 
     fn belief(&mut self) -> Option<Belief> {

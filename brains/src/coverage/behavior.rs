@@ -11,10 +11,10 @@ use super::passage::Passage;
 use super::regions::{Parts, Region, Rows, regions};
 use crate::behavior::Steering;
 use crate::behavior::steering::{Helm, braking};
-use crate::navigation::{CELLS_A_STEP, Floor, Method, Pursuit, Way};
+use crate::navigation::{CELLS_A_STEP, Floor, Method, Path, Pursuit};
 use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::planning::ThetaStar;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// What is covered, and how.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -76,10 +76,10 @@ pub struct CoverRows {
     apart: usize,
     /// Those that are left; `None` before it is known where the robot is, and so what it can reach.
     left: Option<Vec<Region>>,
-    /// Straight pieces of the way that is left in this region.
-    legs: VecDeque<Way>,
+    /// Straight pieces of the path that is left in this region.
+    wheels: VecDeque<Path>,
     pursuit: Option<Pursuit>,
-    /// The way to the next region that is being planned.
+    /// The path to the next region that is being planned.
     passage: Option<Passage>,
     /// It has strayed, or was interrupted: from where it finds back, to the rest of its leg.
     back: Option<(Point, Vec<Point>)>,
@@ -116,7 +116,7 @@ impl CoverRows {
             rows: Rows::AlongX,
             apart,
             left: None,
-            legs: VecDeque::new(),
+            wheels: VecDeque::new(),
             pursuit: None,
             passage: None,
             back: None,
@@ -131,7 +131,7 @@ impl CoverRows {
 
     /// Whether all that can be reached has been covered.
     pub fn has_covered(&self) -> bool {
-        self.left.as_ref().is_some_and(Vec::is_empty) && self.legs.is_empty() && self.pursuit.is_none()
+        self.left.as_ref().is_some_and(Vec::is_empty) && self.wheels.is_empty() && self.pursuit.is_none()
     }
 
     /// The regions that a robot can reach from a free place, with rows along the axis along which there are fewer of them.
@@ -151,15 +151,15 @@ impl CoverRows {
         found
     }
 
-    /// Plans the way to the next region and through it.
+    /// Plans the path to the next region and through it.
     fn next_region(&mut self, here: Point, cells: &mut usize) -> Poll<()> {
         let Some(left) = &mut self.left else { return Poll::Ready(()) };
         let passage =
             self.passage.get_or_insert_with(|| Passage::new(&self.floor, left, self.rows, self.apart, here));
         match ready!(passage.plan(&self.floor, &mut self.search, cells)) {
-            Some((region, way)) => {
+            Some((region, path)) => {
                 left.remove(region);
-                self.legs = way.legs(BEND_RAD).into();
+                self.wheels = path.wheels(BEND_RAD).into();
             }
             None => left.clear(),
         }
@@ -171,10 +171,10 @@ impl CoverRows {
     fn go_on(&mut self, here: Point, cells: &mut usize) -> Poll<()> {
         while self.pursuit.as_ref().is_none_or(|pursuit| pursuit.left_m() <= self.reached_m) {
             self.pursuit = None;
-            if self.legs.is_empty() {
+            if self.wheels.is_empty() {
                 ready!(self.next_region(here, cells));
             }
-            let Some(mut pursuit) = self.legs.pop_front().map(|leg| Pursuit::new(leg, self.look_ahead_m))
+            let Some(mut pursuit) = self.wheels.pop_front().map(|leg| Pursuit::new(leg, self.look_ahead_m))
             else {
                 break;
             };
@@ -194,12 +194,12 @@ impl CoverRows {
     /// believe to be elsewhere soon.
     fn find_back(&mut self, cells: &mut usize) -> Poll<()> {
         let Some((from, rest)) = &self.back else { return Poll::Ready(()) };
-        let way = ready!(self.floor.seek(&mut self.search, *from, rest[0], cells));
-        if let Ok(way) = way {
+        let path = ready!(self.floor.seek(&mut self.search, *from, rest[0], cells));
+        if let Ok(path) = path {
             self.pursuit = None;
-            let back = Way::new(way.into_iter().chain(rest.iter().copied()).collect());
-            for leg in back.legs(BEND_RAD).into_iter().rev() {
-                self.legs.push_front(leg);
+            let back = Path::new(path.into_iter().chain(rest.iter().copied()).collect());
+            for leg in back.wheels(BEND_RAD).into_iter().rev() {
+                self.wheels.push_front(leg);
             }
         }
         self.back = None;
@@ -222,20 +222,20 @@ impl CoverRows {
 }
 
 impl MotorBehavior for CoverRows {
-    /// It finds its way back to where it was interrupted. The way to a region that it was planning began elsewhere.
-    fn enter(&mut self, moment: &mut Moment<'_>) {
+    /// It finds its way back to where it was interrupted. The path to a region that it was planning began elsewhere.
+    fn enter(&mut self, context: &mut StepContext<'_>) {
         self.passage = None;
-        if let Some(estimate) = moment.beliefs.pose {
+        if let Some(estimate) = context.beliefs.pose {
             self.lose(estimate.world_from_robot.position);
         }
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let world_from_robot = moment.beliefs.pose?.world_from_robot;
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let world_from_robot = context.beliefs.pose?.world_from_robot;
         let place = self.floor.nearest_free(world_from_robot.position);
         if !self.floor.is_free(place) {
             // It may believe to be elsewhere soon, and then goes on where it was.
-            moment.beliefs.intention = "is not on its map".to_owned();
+            context.beliefs.intention = "is not on its map".to_owned();
             return Some(Signals::default());
         }
         if self.left.is_none() {
@@ -243,9 +243,10 @@ impl MotorBehavior for CoverRows {
         }
         let driven = self.drive(&world_from_robot);
         let points = self.pursuit.iter().flat_map(Pursuit::rest);
-        moment.beliefs.path = points.chain(self.legs.iter().flat_map(|leg| leg.points().to_vec())).collect();
+        context.beliefs.path =
+            points.chain(self.wheels.iter().flat_map(|leg| leg.points().to_vec())).collect();
         let left = self.left.as_ref().map_or(0, Vec::len);
-        moment.beliefs.intention = match driven {
+        context.beliefs.intention = match driven {
             Poll::Pending => format!("plans its path, {left} regions left"),
             Poll::Ready(_) if self.has_covered() => "has covered all".to_owned(),
             Poll::Ready(_) => format!("{left} regions left"),

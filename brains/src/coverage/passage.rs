@@ -1,6 +1,6 @@
 //! Which region comes next, and the way there and through it.
 //!
-//! Regions are taken as they come: the next one is that of which a corner is nearest along a way. That is not the shortest
+//! Regions are taken as they come: the next one is that of which a corner is nearest along a path. That is not the shortest
 //! way through all of them, which would be a travelling salesman's.
 //!
 //! All is planned in parts, as a step of a brain has little time.
@@ -11,10 +11,10 @@ use std::task::{Poll, ready};
 use baudbot_geometry::Point;
 
 use super::regions::{Region, Rows};
-use crate::navigation::{Floor, Way};
+use crate::navigation::{Floor, Path};
 use crate::planning::{Cell, ThetaStar};
 
-/// A way into a region and through it that is being planned.
+/// A path into a region and through it that is being planned.
 #[derive(Clone, Debug)]
 pub(super) struct Passage {
     from: Point,
@@ -38,7 +38,7 @@ struct Entry {
 struct Best {
     region: usize,
     length_m: f64,
-    /// The way so far.
+    /// The path so far.
     points: Vec<Point>,
     /// Rows that it does not have yet, in the direction in which they are driven.
     rows: VecDeque<[Point; 2]>,
@@ -59,14 +59,14 @@ impl Passage {
         Self { from, entries, tried: 0, best: None }
     }
 
-    /// Goes on, looking at no more cells than are `left`. When it is ready it has the way, and the place of its region in
+    /// Goes on, looking at no more cells than are `left`. When it is ready it has the path, and the place of its region in
     /// the list; `None` if no path leads to any.
     pub(super) fn plan(
         &mut self,
         floor: &Floor,
         search: &mut ThetaStar,
         left: &mut usize,
-    ) -> Poll<Option<(usize, Way)>> {
+    ) -> Poll<Option<(usize, Path)>> {
         while let Some(entry) = self.entries.get(self.tried) {
             let is_longer = |best: &Best| entry.straight_m >= best.length_m;
             if self.best.as_ref().is_some_and(is_longer) {
@@ -92,7 +92,7 @@ impl Passage {
             best.points.push(*to);
             best.rows.pop_front();
         }
-        Poll::Ready(Some((best.region, Way::new(std::mem::take(&mut best.points)))))
+        Poll::Ready(Some((best.region, Path::new(std::mem::take(&mut best.points)))))
     }
 }
 

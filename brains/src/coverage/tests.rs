@@ -31,9 +31,14 @@ fn drive(cover: &mut CoverRows, mut pose: Pose) -> Vec<Point> {
     for i in 0..60_000 {
         let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
         let turn = turn(&body, i * 20_000_000, &[]);
-        let mut moment =
-            Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
-        let Signals { left, right } = cover.step(&mut moment).expect("signals");
+        let mut context = StepContext {
+            turn: &turn,
+            dt_s: 0.02,
+            state: &[],
+            beliefs: &mut beliefs,
+            gammas: &mut Vec::new(),
+        };
+        let Signals { left, right } = cover.step(&mut context).expect("signals");
         if cover.has_covered() {
             return places;
         }
@@ -87,8 +92,8 @@ fn who_is_on_no_floor_waits_until_it_is_and_who_is_close_to_a_wall_begins_there(
         let pose = Some(Estimate::exact(Pose::new(at[0], at[1], 0.0)));
         let mut beliefs = Beliefs { pose, ..Beliefs::default() };
         let (turn, gammas) = (turn(&body, 0, &[]), &mut Vec::new());
-        let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
-        let signals = cover.step(&mut moment).expect("signals");
+        let mut context = StepContext { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
+        let signals = cover.step(&mut context).expect("signals");
         (signals, beliefs.intention)
     };
     let mut cover = made("cell_m = 0.05").unwrap();
@@ -113,16 +118,16 @@ fn who_plans_for_many_steps_stands_and_has_not_covered_all() {
     for i in 0..60_000_u64 {
         let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
         let (turn, gammas) = (turn(&body, i * 20_000_000, &[]), &mut Vec::new());
-        let mut moment = Moment { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
-        let Signals { left, right } = cover.step(&mut moment).expect("signals");
-        if moment.beliefs.intention.starts_with("plans its path") {
+        let mut context = StepContext { turn: &turn, dt_s: 0.02, state: &[], beliefs: &mut beliefs, gammas };
+        let Signals { left, right } = cover.step(&mut context).expect("signals");
+        if context.beliefs.intention.starts_with("plans its path") {
             assert!((left, right) == (0.0, 0.0) && !cover.has_covered());
             planning += 1;
             // Something else drives it elsewhere, now and then.
             if planning % 5 == 2 && interrupted < 3 {
                 interrupted += 1;
                 pose = Pose::new(0.5 + 0.4 * f64::from(interrupted), 0.5, 1.0);
-                cover.enter(&mut moment);
+                cover.enter(&mut context);
             }
         }
         if cover.has_covered() {

@@ -6,7 +6,7 @@ use super::DescriptionError;
 use super::raw::{By, Raw, RawDecision, RawNode, RawProcess, RawUtility, RawVariable};
 use crate::composed::{Cognitive, Composed, Decision, Motor};
 use crate::decision::{Condition, Layers, Machine, Node, Transition, Tree, Utility, UtilityFunction};
-use crate::registry::{Kit, Registry, Unmade};
+use crate::registry::{BuildContext, Registry, Unmade};
 use crate::senses::{Mapping, Network, Senses, Source, StateVariable};
 
 type Result<T> = std::result::Result<T, DescriptionError>;
@@ -17,9 +17,9 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let (mut motors, mut cognitives) = (Vec::new(), Vec::new());
     let names: Vec<_> = raw.motor.keys().map(String::as_str).collect();
     let by_utility = raw.decision == RawDecision::Utility;
-    let kit = |name| Kit { name, body, seed, motors: &names, by_utility };
+    let context = |name| BuildContext { name, body, seed, motors: &names, by_utility };
     for (name, process) in &raw.motor {
-        let made = registry.make_motor(&process.kind, process.parameters.clone(), kit(name.as_str()));
+        let made = registry.make_motor(&process.kind, process.parameters.clone(), context(name.as_str()));
         let behavior = made.map_err(|unmade| problem("motor", name, process, unmade))?;
         motors.push(Motor { name: name.clone(), behavior, utility: utility(&process.utility(0.0), raw) });
     }
@@ -27,7 +27,7 @@ pub(super) fn brain(raw: &Raw, seed: u64, body: &Body, registry: &Registry) -> R
     let mut ordered: Vec<_> = raw.cognitive.iter().collect();
     ordered.sort_by_key(|(_, process)| process.kind != "odometry");
     for (name, process) in ordered {
-        let made = registry.make_cognitive(&process.kind, process.parameters.clone(), kit(name.as_str()));
+        let made = registry.make_cognitive(&process.kind, process.parameters.clone(), context(name.as_str()));
         let made = made.map_err(|unmade| problem("cognitive", name, process, unmade))?;
         let utility = utility(&process.utility(ALWAYS), raw);
         cognitives.push(Cognitive { name: name.clone(), process: made, utility, active: false });

@@ -4,7 +4,7 @@ use baudbot_brain::{Body, Brain, Signals};
 use serde::Deserialize;
 
 use super::*;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 use crate::test_body::{body, turn};
 
 const REPERTOIRE: &str = r#"
@@ -94,8 +94,8 @@ struct SpinParameters {
 }
 
 impl MotorBehavior for Spin {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        moment.set_gamma("stroll", -9.0);
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        context.set_gamma("stroll", -9.0);
         Some(Signals { left: -self.0, right: self.0 })
     }
 }

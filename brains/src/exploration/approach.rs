@@ -4,7 +4,7 @@ use baudbot_geometry::{Point, Pose, angle, math};
 
 use super::Command;
 
-/// A straight way to a point, while the robot is on it.
+/// A straight path to a point, while the robot is on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Approach {
     pub(super) to: Point,
@@ -28,7 +28,7 @@ impl Approach {
     }
 }
 
-/// The turn to a heading; `None` if the robot faces that way.
+/// The turn to a heading; `None` if the robot faces that path.
 pub(super) fn turn(here: &Pose, heading_rad: f64) -> Option<Command> {
     let aside = angle::difference(heading_rad, here.heading).abs();
     (aside > FACING_RAD).then_some(Command::Turn { heading_rad })
@@ -36,8 +36,8 @@ pub(super) fn turn(here: &Pose, heading_rad: f64) -> Option<Command> {
 
 /// The heading in radians that leads to a point.
 pub(super) fn heading_to(here: &Pose, to: Point) -> f64 {
-    let way = to - here.position;
-    math::atan2(way.y, way.x)
+    let offset = to - here.position;
+    math::atan2(offset.y, offset.x)
 }
 
 /// A robot faces a point if its heading is off by less than this, in radians; at 1 m that is 5 cm, ...

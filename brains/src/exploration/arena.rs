@@ -215,9 +215,9 @@ fn moved(pose: &Pose, command: Command) -> Pose {
     match command {
         Command::Turn { heading_rad } => Pose { heading: toward(heading_rad), ..*pose },
         Command::Drive { to } => {
-            let way = to - pose.position;
-            let heading = toward(way.y.atan2(way.x));
-            let step_m = (SPEED_M_S * STEP_S).min(way.norm());
+            let offset = to - pose.position;
+            let heading = toward(offset.y.atan2(offset.x));
+            let step_m = (SPEED_M_S * STEP_S).min(offset.norm());
             Pose { position: pose.position + Direction::from_angle(heading).vector() * step_m, heading }
         }
         Command::Wait | Command::Done(_) | Command::Failed(_) => *pose,
@@ -244,10 +244,10 @@ impl Sensed {
     fn mark(&mut self, scan: &PlacedScan) {
         let from = scan.world_from_laser().position;
         for (end, _) in scan.ends() {
-            let way = end - from;
-            let steps = (way.norm() / (0.5 * CELL_M)) as usize;
+            let offset = end - from;
+            let steps = (offset.norm() / (0.5 * CELL_M)) as usize;
             for i in 0..steps {
-                let point = from + way * (i as f64 / steps as f64);
+                let point = from + offset * (i as f64 / steps as f64);
                 let cell = (point.y / CELL_M) as usize * self.columns + (point.x / CELL_M) as usize;
                 self.is_sensed[cell] = true;
             }

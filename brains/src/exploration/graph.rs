@@ -1,4 +1,4 @@
-//! Nodes and the ways between them: Wahde 2016, §6.1.
+//! Nodes and the paths between them: Wahde 2016, §6.1.
 //!
 //! *Deviation.* The notes speak of paths from node to node as the robot has placed them, which is a tree. Ways that
 //! the robot has driven directly are added here, and the path is the shortest.
@@ -29,7 +29,7 @@ pub struct Node {
     is_passed: bool,
     /// What was last seen from it.
     scan: Option<PlacedScan>,
-    /// Nodes with a way to and from here.
+    /// Nodes with a path to and from here.
     joined: Vec<usize>,
 }
 
@@ -49,9 +49,9 @@ pub struct Graph {
     blocked: Vec<(usize, usize)>,
 }
 
-/// The shortest ways between one node, the root, and all others, in one direction.
-pub(super) struct Ways {
-    /// For each node the length in metres, and its neighbour on the way; infinite if there is no way.
+/// The shortest paths between one node, the root, and all others, in one direction.
+pub(super) struct Paths {
+    /// For each node the length in metres, and its neighbour on the way; infinite if there is no path.
     reached: Vec<(f64, usize)>,
 }
 
@@ -90,17 +90,17 @@ impl Graph {
         !self.nodes.iter().any(|node| node.status != Status::Unreachable && near(node))
     }
 
-    /// A way between two nodes, open in both directions.
+    /// A path between two nodes, open in both directions.
     pub(super) fn join(&mut self, a: usize, b: usize) {
         for (from, to) in [(a, b), (b, a)] {
             if !self.nodes[from].joined.contains(&to) {
                 self.nodes[from].joined.push(to);
             }
-            self.blocked.retain(|way| *way != (from, to));
+            self.blocked.retain(|path| *path != (from, to));
         }
     }
 
-    /// Joins a node with all that its last scan shows a clear way to, within `sight_m`. A way that could not be gone stays
+    /// Joins a node with all that its last scan shows a clear way to, within `sight_m`. A path that could not be gone stays
     /// what it is: what stopped the robot may be too low for the laser.
     pub(super) fn join_seen(&mut self, from: usize, sight_m: f64, half_width_m: f64) {
         let Some(scan) = &self.nodes[from].scan else { return };
@@ -114,7 +114,7 @@ impl Graph {
         seen.into_iter().for_each(|to| self.join(from, to));
     }
 
-    /// The robot could not go this way.
+    /// The robot could not go this path.
     pub(super) fn block(&mut self, from: usize, to: usize) {
         self.blocked.push((from, to));
     }
@@ -130,19 +130,19 @@ impl Graph {
         self.nodes[node].status = Status::Unreachable;
     }
 
-    /// The shortest ways from all nodes to this one.
-    pub(super) fn ways_to(&self, root: usize) -> Ways {
+    /// The shortest paths from all nodes to this one.
+    pub(super) fn paths_to(&self, root: usize) -> Paths {
         self.search(root, |near, far| (far, near))
     }
 
-    /// The shortest ways from this node to all.
-    pub(super) fn ways_from(&self, root: usize) -> Ways {
+    /// The shortest paths from this node to all.
+    pub(super) fn paths_from(&self, root: usize) -> Paths {
         self.search(root, |near, far| (near, far))
     }
 
-    /// Dijkstra's algorithm, simply, as there are few nodes. `way` says in which direction a way is gone between two
+    /// Dijkstra's algorithm, simply, as there are few nodes. `path` says in which direction a way is gone between two
     /// nodes, of which the first is nearer to the root.
-    fn search(&self, root: usize, way: impl Fn(usize, usize) -> (usize, usize)) -> Ways {
+    fn search(&self, root: usize, path: impl Fn(usize, usize) -> (usize, usize)) -> Paths {
         let mut reached = vec![(f64::INFINITY, root); self.nodes.len()];
         let mut open: Vec<usize> = (0..self.nodes.len()).collect();
         reached[root].0 = 0.0;
@@ -155,24 +155,24 @@ impl Graph {
                 break;
             }
             let Node { place, joined, .. } = &self.nodes[near];
-            for &far in joined.iter().filter(|far| !self.blocked.contains(&way(near, **far))) {
+            for &far in joined.iter().filter(|far| !self.blocked.contains(&path(near, **far))) {
                 let length = reached[near].0 + (self.place(far) - place).norm();
                 if length < reached[far].0 {
                     reached[far] = (length, near);
                 }
             }
         }
-        Ways { reached }
+        Paths { reached }
     }
 }
 
-impl Ways {
-    /// Length of the way between the root and a node, in metres; infinite if there is none.
+impl Paths {
+    /// Length of the path between the root and a node, in metres; infinite if there is none.
     pub(super) fn length(&self, node: usize) -> f64 {
         self.reached[node].0
     }
 
-    /// The neighbour of a node on the way; `None` if there is no way or it is the root.
+    /// The neighbour of a node on the way; `None` if there is no path or it is the root.
     pub(super) fn next(&self, node: usize) -> Option<usize> {
         let (length, next) = self.reached[node];
         (length > 0.0 && length.is_finite()).then_some(next)
@@ -198,23 +198,23 @@ mod tests {
 
     #[test]
     fn the_way_is_the_shortest() {
-        let ways = graph().ways_to(3);
-        assert!((ways.length(0) - 5_f64.sqrt()).abs() < 1e-12);
-        assert_eq!((ways.next(0), ways.length(1), ways.next(1)), (Some(3), 2.0, Some(2)));
-        assert_eq!((ways.length(3), ways.next(3)), (0.0, None));
+        let paths = graph().paths_to(3);
+        assert!((paths.length(0) - 5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((paths.next(0), paths.length(1), paths.next(1)), (Some(3), 2.0, Some(2)));
+        assert_eq!((paths.length(3), paths.next(3)), (0.0, None));
     }
 
     #[test]
     fn a_way_is_blocked_in_one_direction_only() {
         let mut graph = graph();
         graph.block(0, 3);
-        assert_eq!((graph.ways_to(3).length(0), graph.ways_to(3).next(0)), (3.0, Some(1)));
-        assert_eq!(graph.ways_from(0).length(3), 3.0);
-        assert_eq!(graph.ways_to(0).next(3), Some(0), "back it is open");
+        assert_eq!((graph.paths_to(3).length(0), graph.paths_to(3).next(0)), (3.0, Some(1)));
+        assert_eq!(graph.paths_from(0).length(3), 3.0);
+        assert_eq!(graph.paths_to(0).next(3), Some(0), "back it is open");
         graph.block(0, 1);
-        assert_eq!(graph.ways_to(3).next(0), None);
+        assert_eq!(graph.paths_to(3).next(0), None);
         graph.join(0, 3);
-        assert_eq!(graph.ways_to(3).next(0), Some(3), "open again");
+        assert_eq!(graph.paths_to(3).next(0), Some(3), "open again");
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl fmt::Display for LeftOut {
 pub(super) struct Rest<'a> {
     pub(super) grid: &'a Occupancy,
     pub(super) dark: &'a Dark<'a>,
-    /// The cells to which there is a way, and those to which there were one if proximity had found nothing.
+    /// The cells to which there is a path, and those to which there were one if proximity had found nothing.
     pub(super) reached: &'a [Cell],
     pub(super) reached_but: &'a [Cell],
     /// The edge of the dark, but for what was looked at in vain.
@@ -135,7 +135,7 @@ impl Rest<'_> {
     }
 }
 
-/// The least width of an opening through which a way with this half width leads for sure, in metres.
+/// The least width of an opening through which a path with this half width leads for sure, in metres.
 pub(super) fn least_width_m(half_width_m: f64, cell_m: f64) -> f64 {
     2.0 * half_width_m + cell_m
 }

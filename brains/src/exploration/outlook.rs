@@ -20,9 +20,9 @@ impl<'a> Outlook<'a> {
         let mut seen: Vec<Option<u32>> = vec![None; columns * rows];
         for (number, &cell) in wanted.iter().enumerate() {
             dark.light(cell, view_m, |place| {
-                let way = |number: u32| wanted[number as usize].distance_squared(grid.cell_of(place));
+                let squared = |number: u32| wanted[number as usize].distance_squared(grid.cell_of(place));
                 let number = number as u32;
-                if seen[place].is_none_or(|old| way(number) < way(old)) {
+                if seen[place].is_none_or(|old| squared(number) < squared(old)) {
                     seen[place] = Some(number);
                 }
             });

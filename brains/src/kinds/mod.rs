@@ -10,7 +10,6 @@ use baudbot_brain::{Body, Brain};
 pub use error::CatalogueError;
 pub use nearest::nearest_first;
 
-use crate::anew::Anew;
 use crate::animals::ant::brain::{self as ant, AntBrain};
 use crate::animals::ecoli::brain::{self as ecoli, EColiBrain};
 use crate::animals::larva::brain::{self as larva, LarvaBrain};
@@ -19,6 +18,7 @@ use crate::animals::woodlice::brain::{self as woodlice, WoodlouseBrain};
 use crate::chance::Chance;
 use crate::exploration::brain as explore;
 use crate::parameter::Parameter;
+use crate::restarting::Restarting;
 use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigate, wander};
 
 /// A kind of brain.
@@ -53,12 +53,12 @@ pub(crate) struct Kind {
     pub(crate) name: &'static str,
     summary: &'static str,
     settings: fn() -> Vec<Setting>,
-    make: fn(&Wish<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
+    make: fn(&BrainRequest<'_>) -> Result<Box<dyn Brain + Send>, CatalogueError>,
     together: Option<[&'static str; 2]>,
 }
 
 /// A brain that is to be made.
-struct Wish<'a> {
+struct BrainRequest<'a> {
     brain: &'static str,
     /// `PARAMETER=NUMBER,…`.
     settings: &'a str,
@@ -72,8 +72,8 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "ant",
         summary: "goes out on a winding path, and returns by its home vector and by remembered landmarks",
         settings: || settings(ant::PARAMETERS),
-        make: |wish| {
-            wish.sensing(
+        make: |request| {
+            request.sensing(
                 ant::PARAMETERS,
                 AntBrain::new,
                 "a sensor of kind `laser` that tells how it sweeps, and a sensor of kind `odometer`",
@@ -85,22 +85,24 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "avoid",
         summary: "wanders without running into what its infra-red sensors see",
         settings: || settings(avoid::PARAMETERS),
-        make: |wish| wish.sensing(avoid::PARAMETERS, Avoid::new, "a sensor of kind `ir` that looks ahead"),
+        make: |request| {
+            request.sensing(avoid::PARAMETERS, Avoid::new, "a sensor of kind `ir` that looks ahead")
+        },
         together: None,
     },
     Kind {
         name: "constant",
         summary: "sends the same signals in every step",
         settings: || settings(constant::PARAMETERS),
-        make: |wish| Ok(Box::new(Constant::new(wish.parameters(constant::PARAMETERS)?))),
+        make: |request| Ok(Box::new(Constant::new(request.parameters(constant::PARAMETERS)?))),
         together: None,
     },
     Kind {
         name: "ecoli",
         summary: "seeks more of what it senses as E. coli does: runs while it gets better, tumbles if not",
         settings: || settings(ecoli::PARAMETERS),
-        make: |wish| {
-            wish.sensing(
+        make: |request| {
+            request.sensing(
                 ecoli::PARAMETERS,
                 EColiBrain::new,
                 "a sensor of kind `field`, `light` or `photoresistor`",
@@ -112,11 +114,11 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "explore",
         summary: "explores until its laser has seen every part of the floor",
         settings: || settings(explore::PARAMETERS),
-        make: |wish| {
-            let explore = Explore::new(wish.parameters(explore::PARAMETERS)?, wish.body);
+        make: |request| {
+            let explore = Explore::new(request.parameters(explore::PARAMETERS)?, request.body);
             let needed = "a sensor of kind `laser` that tells how it sweeps, over two rays or more, and a sensor \
                           `odometer` with x_m, y_m and heading_rad";
-            Ok(Box::new(explore.ok_or_else(|| wish.lacks(needed))?))
+            Ok(Box::new(explore.ok_or_else(|| request.lacks(needed))?))
         },
         together: PLACED_SCANS,
     },
@@ -124,8 +126,8 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "larva",
         summary: "crawls away from light like a fly's larva, swinging its head, until the reflex tires",
         settings: || settings(larva::PARAMETERS),
-        make: |wish| {
-            wish.sensing(
+        make: |request| {
+            request.sensing(
                 larva::PARAMETERS,
                 LarvaBrain::new,
                 "a sensor of kind `light`, `photoresistor` or `field`",
@@ -137,11 +139,11 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "navigate",
         summary: "drives a distance by its odometer and stops",
         settings: || settings(navigate::PARAMETERS),
-        make: |wish| {
-            let parameters = wish.parameters(navigate::PARAMETERS)?;
-            let odometer = wish.body.sensor(navigate::ODOMETER);
+        make: |request| {
+            let parameters = request.parameters(navigate::PARAMETERS)?;
+            let odometer = request.body.sensor(navigate::ODOMETER);
             let odometer = odometer.filter(|sensor| sensor.components.len() >= 2);
-            odometer.ok_or_else(|| wish.lacks("a sensor `odometer` with x_m and y_m"))?;
+            odometer.ok_or_else(|| request.lacks("a sensor `odometer` with x_m and y_m"))?;
             Ok(Box::new(Navigate::new(parameters)))
         },
         together: None,
@@ -150,8 +152,8 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "stentor",
         summary: "sits still; when disturbed it turns away, backs off, contracts and finally drives off",
         settings: || settings(stentor::PARAMETERS),
-        make: |wish| {
-            wish.sensing(
+        make: |request| {
+            request.sensing(
                 stentor::PARAMETERS,
                 StentorBrain::new,
                 "a sensor of kind `field`, `light`, `photoresistor`, `bumper` or `ir`",
@@ -163,15 +165,15 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "wander",
         summary: "drives on and turns now and then, blindly and at random",
         settings: || settings(wander::PARAMETERS),
-        make: |wish| Ok(Box::new(Wander::new(wish.parameters(wander::PARAMETERS)?, wish.chance()))),
+        make: |request| Ok(Box::new(Wander::new(request.parameters(wander::PARAMETERS)?, request.chance()))),
         together: None,
     },
     Kind {
         name: "woodlouse",
         summary: "runs fast where it is dry and slowly where it is damp, and so stays where it is damp",
         settings: || settings(woodlice::PARAMETERS),
-        make: |wish| {
-            wish.sensing(
+        make: |request| {
+            request.sensing(
                 woodlice::PARAMETERS,
                 WoodlouseBrain::new,
                 "a sensor of kind `field`, `light` or `photoresistor`",
@@ -199,9 +201,10 @@ impl Kind {
         body: &Body,
     ) -> Result<Box<dyn Brain + Send>, CatalogueError> {
         let settings = settings.to_owned();
-        let make =
-            move |body: &Body| (self.make)(&Wish { brain: self.name, settings: &settings, seed, body });
-        Ok(Box::new(Anew::new(make, body)?))
+        let make = move |body: &Body| {
+            (self.make)(&BrainRequest { brain: self.name, settings: &settings, seed, body })
+        };
+        Ok(Box::new(Restarting::new(make, body)?))
     }
 }
 
@@ -219,7 +222,7 @@ fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {
     parameters.iter().map(setting).collect()
 }
 
-impl Wish<'_> {
+impl BrainRequest<'_> {
     fn chance(&self) -> Chance {
         Chance::new(self.seed, &format!("{}/{}", self.body.name, self.brain))
     }

@@ -4,7 +4,7 @@
 //! 2. [`laser`] is the notes' *Laser localization*: a random search around a guess.
 //! 3. [`refine`] finds the same pose with far fewer virtual scans, and says how sure it is.
 //! 4. [`particles`] follows many poses at once, and finds a robot that is lost.
-//! 5. [`deskew`] mends a scan that was taken while the robot moved.
+//! 5. [`deskew`] corrects a scan that was taken while the robot moved.
 //!
 //! Each is given the pose from [`odometry`](crate::odometry), and gives it back better. Which poses [`laser`] and [`refine`]
 //! look at on the way, [`Tried`] says to whom wants to watch.

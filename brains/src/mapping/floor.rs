@@ -4,13 +4,13 @@
 //! cell but from where rays have [ended](Occupancy::surface) in it. A cell is open if it has as much room as half the width of a
 //! way, and is not known to be occupied nor in the dark. Ways lead from open cell to open cell over sides and corners. Their
 //! lengths are found by Dijkstra's algorithm, in whole numbers: 10 for a step over a side and 14 over a corner. Where there is less
-//! room than half a way and 10 cm a step counts up to five times, so that ways keep to the middle of what is narrow.
+//! room than half a path and 10 cm a step counts up to five times, so that paths keep to the middle of what is narrow.
 //!
-//! A way leads through every gap that is as wide as a way and a cell: so far apart may its middle and the nearest
+//! A path leads through every gap that is as wide as a path and a cell: so far apart may its middle and the nearest
 //! centres of cells be, taken twice.
 //!
 //! A robot that has come too near to something must get away. Cells around it that are not open are tight, if they have no
-//! less room than where it is: ways lead through them, but a step into one counts ten times, and no way ends in one.
+//! less room than where it is: ways lead through them, but a step into one counts ten times, and no path ends in one.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -84,7 +84,7 @@ impl<'a> Floor<'a> {
         self.grid.line(from, to).all(is_open)
     }
 
-    /// The cells to which there is a way from a point, in the order of its length, which is found as far as it is asked for. The
+    /// The cells to which there is a path from a point, in the order of its length, which is found as far as it is asked for. The
     /// point's own cell need not be open.
     #[must_use]
     pub fn search(&self, from: Point) -> Search<'_> {
@@ -98,15 +98,15 @@ impl<'a> Floor<'a> {
         Search { floor: self, start, reached, waiting }
     }
 
-    /// Points at which to turn, so that a way becomes straight lines over open cells; the last one is its end. No line has less
+    /// Points at which to turn, so that a path becomes straight lines over open cells; the last one is its end. No line has less
     /// room than the part of the way that it stands for.
     #[must_use]
-    pub fn straighten(&self, from: Point, way: &[Cell]) -> Vec<Point> {
+    pub fn straighten(&self, from: Point, path: &[Cell]) -> Vec<Point> {
         let mut turns: Vec<Point> = Vec::new();
         let room_m = |cell: Cell| self.grid.place(cell).map_or(0.0, |place| self.room_m[place]);
         let (mut begin, mut end) = (from, from);
         let mut least_m = f32::INFINITY;
-        for &cell in way {
+        for &cell in path {
             let center = self.grid.center(cell);
             least_m = least_m.min(room_m(cell));
             if !self.is_line_as_roomy(begin, center, least_m) && end != begin {
@@ -156,12 +156,12 @@ fn lessen(grid: &Occupancy, room_m: &mut [f32], point: Point, far_m: f64) {
     }
 }
 
-/// A search for the nearest cells, by the length of the way.
+/// A search for the nearest cells, by the length of the path.
 #[derive(Clone, Debug)]
 pub struct Search<'a> {
     floor: &'a Floor<'a>,
     start: Cell,
-    /// The length of the way to each cell, as far as it is known, and the cell before.
+    /// The length of the path to each cell, as far as it is known, and the cell before.
     reached: Vec<(u32, Cell)>,
     waiting: BinaryHeap<Reverse<(u32, Cell)>>,
 }
@@ -194,22 +194,22 @@ impl Iterator for Search<'_> {
 }
 
 impl Search<'_> {
-    /// The way to a cell that was found, with both ends.
+    /// The path to a cell that was found, with both ends.
     #[must_use]
-    pub fn way(&self, to: Cell) -> Vec<Cell> {
-        let mut way = vec![to];
+    pub fn path(&self, to: Cell) -> Vec<Cell> {
+        let mut path = vec![to];
         let mut cell = to;
         while cell != self.start {
             let Some(place) = self.floor.grid.place(cell) else { break };
             cell = self.reached[place].1;
-            way.push(cell);
+            path.push(cell);
         }
-        way.reverse();
-        way
+        path.reverse();
+        path
     }
 }
 
-/// Beyond half a way so much room is as good as any, in metres.
+/// Beyond half a path so much room is as good as any, in metres.
 pub(crate) const EASE_M: f64 = 0.1;
 
 const STEPS: [(i32, i32, u32); 8] =
@@ -224,10 +224,10 @@ pub(crate) fn is_clear(
     radius_m: f64,
     obstacles: &[Point],
 ) -> bool {
-    let way = Segment { start: from, end: to };
+    let path = Segment { start: from, end: to };
     let is_past = |point: Point| {
         let least_m = radius_m.min((point - from).norm() - AWAY_M);
-        way.distance(point) >= least_m
+        path.distance(point) >= least_m
     };
     let around = Vector::new(radius_m, radius_m);
     let low = Point::new(from.x.min(to.x), from.y.min(to.y)) - around;
@@ -259,10 +259,10 @@ mod tests {
         points.filter(is_wall).map(|y| Point::new(0.013, y)).collect()
     }
 
-    fn way(floor: &Floor<'_>, from: Point, to: Cell) -> Option<Vec<Cell>> {
+    fn path(floor: &Floor<'_>, from: Point, to: Cell) -> Option<Vec<Cell>> {
         let mut search = floor.search(from);
         let found = search.find(|cell| *cell == to)?;
-        Some(search.way(found))
+        Some(search.path(found))
     }
 
     fn length_m(from: Point, turns: &[Point]) -> f64 {
@@ -276,13 +276,13 @@ mod tests {
         let (here, there) = (Point::new(-1.99, 0.01), Point::new(1.99, 0.01));
         let goal = grid.cell(there);
         let free = Floor::new(&dark, 0.25, here, &[]);
-        let straight = way(&free, here, goal).unwrap();
+        let straight = path(&free, here, goal).unwrap();
         assert_eq!((straight[0], straight.last()), (grid.cell(here), Some(&goal)));
         assert_eq!(free.straighten(here, &straight), [grid.center(goal)]);
         // A wall across, with a door above.
         let wall = wall(-4.5, 1.0, None);
         let floor = Floor::new(&dark, 0.25, here, &wall);
-        let round = way(&floor, here, goal).unwrap();
+        let round = path(&floor, here, goal).unwrap();
         let clear = |cell: &Cell| wall.iter().all(|point| (grid.center(*cell) - point).norm() >= 0.25 - 1e-6);
         assert!(round.iter().all(clear));
         let turns = floor.straighten(here, &round);
@@ -303,7 +303,7 @@ mod tests {
             let passes = |gap_m: f64| {
                 let mut wall = wall(-4.5, 4.5, Some((low, low + gap_m)));
                 wall.extend([Point::new(0.013, low), Point::new(0.013, low + gap_m)]);
-                way(&Floor::new(&dark, 0.225, here, &wall), here, goal).is_some()
+                path(&Floor::new(&dark, 0.225, here, &wall), here, goal).is_some()
             };
             assert!(passes(0.476) && !passes(0.449), "{low}");
         }
@@ -316,7 +316,7 @@ mod tests {
         let here = Point::new(-2.0, 0.0);
         let floor_wall = wall(-4.5, 4.5, Some((-0.35, 0.35)));
         let floor = Floor::new(&dark, 0.225, here, &floor_wall);
-        let turns = floor.straighten(here, &way(&floor, here, grid.cell(Point::new(2.0, 1.0))).unwrap());
+        let turns = floor.straighten(here, &path(&floor, here, grid.cell(Point::new(2.0, 1.0))).unwrap());
         let ends = std::iter::once(here).chain(turns.iter().copied()).collect::<Vec<_>>();
         let nearest_m = ends.windows(2).flat_map(|pair| {
             let line = Segment { start: pair[0], end: pair[1] };
@@ -332,7 +332,7 @@ mod tests {
         let wall = wall(-2.0, 2.0, None);
         let here = Point::new(-0.19, 0.0);
         let floor = Floor::new(&dark, 0.25, here, &wall);
-        let out = way(&floor, here, grid.cell(Point::new(-1.0, 0.0))).unwrap();
+        let out = path(&floor, here, grid.cell(Point::new(-1.0, 0.0))).unwrap();
         assert!(out.iter().all(|cell| grid.center(*cell).x < -0.16), "{out:?}");
         assert!(!floor.is_line_as_roomy(here, Point::new(-0.1, 0.0), 0.0));
         assert!(is_clear(&grid, (here, Point::new(-1.0, 0.0)), 0.25, &wall));

@@ -15,14 +15,14 @@ pub struct PlacedScan {
     pub scan: Scan,
 }
 
-/// What a scan says about a way.
+/// What a scan says about a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
     /// Nothing that was seen is in the way.
     Clear,
     /// Something is in the way.
     Blocked,
-    /// The way leads out of the sensor's opening angle, or farther than its range.
+    /// The path leads out of the sensor's opening angle, or farther than its range.
     Unseen,
 }
 
@@ -59,10 +59,11 @@ impl PlacedScan {
     /// the scan says. What is behind the robot is in no way.
     #[must_use]
     pub fn view(&self, to: Point, half_width_m: f64) -> View {
-        let way = Segment { start: self.world_from_robot.position, end: to };
-        let along = way.end - way.start;
+        let path = Segment { start: self.world_from_robot.position, end: to };
+        let along = path.end - path.start;
         let in_way = |point: Point| {
-            (point - way.start).dot(&along) > 0.0 && way.distance_squared(point) < half_width_m * half_width_m
+            (point - path.start).dot(&along) > 0.0
+                && path.distance_squared(point) < half_width_m * half_width_m
         };
         if self.ends().any(|(end, met)| met && in_way(end)) {
             return View::Blocked;
@@ -82,7 +83,7 @@ const HERE_M: f64 = 0.05;
 /// ... and has turned less than this, in radians.
 const HERE_RAD: f64 = 0.1;
 
-/// So far within the opening angle a way must lead, in radians, that what is beside it is seen too.
+/// So far within the opening angle a path must lead, in radians, that what is beside it is seen too.
 const SIDE_RAD: f64 = 0.2;
 
 #[cfg(test)]

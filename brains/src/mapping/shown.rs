@@ -74,7 +74,7 @@ mod tests {
         assert!(grid.add(&PlacedScan { world_from_robot: Pose::new(-1.0, 0.02, 0.0), scan }));
         let shown = grid.shown();
         let at = |point: Point| {
-            let [column, row] = [point.x - shown.x_m, point.y - shown.y_m].map(|way| (way / 0.1) as u32);
+            let [column, row] = [point.x - shown.x_m, point.y - shown.y_m].map(|path| (path / 0.1) as u32);
             shown.cells[(row * shown.columns + column) as usize]
         };
         assert_eq!(at(Point::new(-0.8, 0.05)), 102, "p = 0.4");

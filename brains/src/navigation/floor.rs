@@ -17,7 +17,7 @@ pub struct Floor {
     cells: Option<CellGrid>,
 }
 
-/// How a way is found.
+/// How a path is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -73,17 +73,17 @@ impl Floor {
     ///
     /// # Errors
     /// If no path leads there.
-    pub fn way(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
+    pub fn path(&self, from: Point, to: Point) -> Result<Vec<Point>, PlanError> {
         let mut search = ThetaStar::default();
         loop {
-            if let Poll::Ready(way) = self.seek(&mut search, from, to, &mut { usize::MAX }) {
-                return way;
+            if let Poll::Ready(path) = self.seek(&mut search, from, to, &mut { usize::MAX }) {
+                return path;
             }
         }
     }
 
     /// The same in parts: a search on the grid looks at no more cells than are `left`, and goes on when it is called again. A
-    /// straight way, and one through the few convex cells, is found at once.
+    /// straight path, and one through the few convex cells, is found at once.
     ///
     /// # Errors
     /// If no path leads there.
@@ -100,10 +100,10 @@ impl Floor {
             Some(cells) => cells.route(start, to)?.points,
             None => ready!(self.any_angle(search, start, to, left))?,
         };
-        let mut way = vec![from];
-        way.extend(rest);
-        way.dedup();
-        Poll::Ready(Ok(way))
+        let mut path = vec![from];
+        path.extend(rest);
+        path.dedup();
+        Poll::Ready(Ok(path))
     }
 
     fn any_angle(
@@ -116,7 +116,7 @@ impl Floor {
         let cell = |end, point| self.grid.cell_at(point).ok_or(PlanError::OffMap { end, point });
         let ends = [cell(End::Start, from)?, cell(End::Target, to)?];
         let turns = ready!(search.seek(&self.grid, ends, left))?;
-        // The ends of the way are centres of cells. Those stay in it: a straight line that leaves them out may cut a corner.
+        // The ends of the path are centres of cells. Those stay in it: a straight line that leaves them out may cut a corner.
         let turns = turns.into_iter().map(|cell| self.grid.center(cell));
         Poll::Ready(Ok([from].into_iter().chain(turns).chain([to]).collect()))
     }
@@ -159,9 +159,9 @@ mod tests {
         [2.0, 0.0, 2.0, 2.0],
     ];
 
-    /// The least distance of a way from the walls, in metres.
-    fn clearance_m(floor: &Floor, way: &[Point]) -> f64 {
-        let points = way.windows(2).flat_map(|ends| {
+    /// The least distance of a path from the walls, in metres.
+    fn clearance_m(floor: &Floor, path: &[Point]) -> f64 {
+        let points = path.windows(2).flat_map(|ends| {
             let (from, step) = (ends[0], (ends[1] - ends[0]) / 100.0);
             (0..=100).map(move |i| from + step * f64::from(i))
         });
@@ -175,21 +175,21 @@ mod tests {
         let (from, to) = (Point::new(0.5, 0.5), Point::new(3.5, 0.5));
         for method in [Method::ThetaStar, Method::ConvexCells] {
             let floor = Floor::new(&ROOM, 0.05, 0.3, method).unwrap();
-            let way = floor.way(from, to).unwrap();
-            let length: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+            let path = floor.path(from, to).unwrap();
+            let length: f64 = path.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
             // The tangents to a disc of 0.3 m around the wall's end, and the arc between them, are 4.76 m long.
-            assert!((4.7..5.0).contains(&length), "{method:?}: {length} {way:?}");
-            assert!(clearance_m(&floor, &way) >= 0.3 - 0.036, "{method:?}: {way:?}");
-            assert_eq!((way[0], way[way.len() - 1]), (from, to));
+            assert!((4.7..5.0).contains(&length), "{method:?}: {length} {path:?}");
+            assert!(clearance_m(&floor, &path) >= 0.3 - 0.036, "{method:?}: {path:?}");
+            assert_eq!((path[0], path[path.len() - 1]), (from, to));
         }
     }
 
     #[test]
     fn who_stands_too_near_to_a_wall_first_leaves_it_on_the_same_side() {
         let floor = Floor::new(&ROOM, 0.05, 0.3, Method::ThetaStar).unwrap();
-        let way = floor.way(Point::new(1.95, 1.0), Point::new(3.5, 0.5)).unwrap();
-        assert!(way[1].x < 1.8 && floor.is_free(way[1]), "{way:?}");
-        assert!(floor.way(Point::new(9.0, 9.0), Point::new(3.5, 0.5)).is_err());
+        let path = floor.path(Point::new(1.95, 1.0), Point::new(3.5, 0.5)).unwrap();
+        assert!(path[1].x < 1.8 && floor.is_free(path[1]), "{path:?}");
+        assert!(floor.path(Point::new(9.0, 9.0), Point::new(3.5, 0.5)).is_err());
     }
 
     #[test]

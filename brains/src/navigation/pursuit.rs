@@ -1,6 +1,6 @@
-//! Pure pursuit: which point of a way to drive at. Coulter 1992 (CMU-RI-TR-92-01).
+//! Pure pursuit: which point of a path to drive at. Coulter 1992 (CMU-RI-TR-92-01).
 //!
-//! It is the point that is one look-ahead distance farther along than the place of the way that is nearest. The helm drives
+//! It is the point that is one look-ahead distance farther along than the place of the path that is nearest. The helm drives
 //! at it on a circle: [`Helm::pursue`](crate::behavior::steering::Helm::pursue).
 //!
 //! *Deviation*: that circle cuts corners, by up to a third of the look-ahead distance. Therefore the point comes nearer until
@@ -9,44 +9,44 @@
 
 use baudbot_geometry::Point;
 
-use super::way::Way;
+use super::path::Path;
 
-/// A way that is being followed.
+/// A path that is being followed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pursuit {
-    way: Way,
+    path: Path,
     look_ahead_m: f64,
     along_m: f64,
 }
 
 impl Pursuit {
-    /// At the beginning of a way, with a look-ahead distance in metres.
-    pub fn new(way: Way, look_ahead_m: f64) -> Self {
-        Self { way, look_ahead_m, along_m: 0.0 }
+    /// At the beginning of a path, with a look-ahead distance in metres.
+    pub fn new(path: Path, look_ahead_m: f64) -> Self {
+        Self { path, look_ahead_m, along_m: 0.0 }
     }
 
-    /// Takes in where the robot is, and returns how far that is from the way, in metres. It goes on along the way, and never
+    /// Takes in where the robot is, and returns how far that is from the path, in metres. It goes on along the path, and never
     /// back.
     pub fn advance(&mut self, here: Point) -> f64 {
         let until_m = self.along_m + 2.0 * self.look_ahead_m;
-        let (along_m, aside_m) = self.way.nearest(here, self.along_m, until_m);
+        let (along_m, aside_m) = self.path.nearest(here, self.along_m, until_m);
         self.along_m = along_m;
         aside_m
     }
 
-    /// How much of the way is left, in metres.
+    /// How much of the path is left, in metres.
     pub fn left_m(&self) -> f64 {
-        self.way.length_m() - self.along_m
+        self.path.length_m() - self.along_m
     }
 
-    /// What is left of the way.
+    /// What is left of the path.
     pub fn rest(&self) -> impl Iterator<Item = Point> + '_ {
-        self.way.rest(self.along_m)
+        self.path.rest(self.along_m)
     }
 
-    /// The point to drive at, the farthest one that is clear; `None` if the way has no point.
+    /// The point to drive at, the farthest one that is clear; `None` if the path has no point.
     pub fn target(&self, is_clear: impl Fn(Point) -> bool) -> Option<Point> {
-        let ahead = |part: f64| self.way.at(self.along_m + part * self.look_ahead_m);
+        let ahead = |part: f64| self.path.at(self.along_m + part * self.look_ahead_m);
         let parts = (2..=STEPS).rev().map(|i| f64::from(i) / f64::from(STEPS));
         parts.filter_map(ahead).find(|&point| is_clear(point)).or_else(|| ahead(2.0 / f64::from(STEPS)))
     }
@@ -61,7 +61,7 @@ mod tests {
 
     fn corner() -> Pursuit {
         let points = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)].map(|(x, y)| Point::new(x, y));
-        Pursuit::new(Way::new(points.to_vec()), 0.8)
+        Pursuit::new(Path::new(points.to_vec()), 0.8)
     }
 
     #[test]

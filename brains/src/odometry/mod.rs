@@ -20,7 +20,7 @@
 //!   which grows faster, so take k larger than the wheels' noise.
 //!
 //! The scan of a laser arrives late, and says where the robot was when it was taken. Therefore the last
-//! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] mends it, and all that came after. What came before
+//! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] corrects it, and all that came after. What came before
 //! moves with it, so that another scan, which began earlier, still knows how the robot went.
 
 mod arrivals;

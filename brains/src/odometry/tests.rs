@@ -165,7 +165,7 @@ fn a_late_correction_moves_all_that_came_after() {
     assert!(!late.correct(2000, better) && late == before, "what is newer is known better");
 }
 
-/// A scan that began before another was matched is mended by how the robot went meanwhile.
+/// A scan that began before another was matched is corrected by how the robot went meanwhile.
 #[test]
 fn the_way_to_what_is_corrected_moves_with_it() {
     for at_ns in [3000, 3250, 5000, 7000] {

@@ -1,7 +1,7 @@
 //! The loop that all searches with an open list share: take the best node from the list, look at its neighbours.
 //!
 //! Ranks are compared first, then estimates (of equally good nodes the one nearer to the target), then the order in
-//! which nodes came into the list. So the same graph gives the same way on every machine.
+//! which nodes came into the list. So the same graph gives the same path on every machine.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -20,7 +20,7 @@ pub(super) trait Graph {
         cost + estimate
     }
 
-    /// The cost of going straight to a node from the predecessor of its neighbour, if there is such a way where nothing is
+    /// The cost of going straight to a node from the predecessor of its neighbour, if there is such a path where nothing is
     /// [in between](Self::sees); `None` if paths follow the edges.
     fn straight(&self, _predecessor: usize, _node: usize) -> Option<f64> {
         None

@@ -1,4 +1,4 @@
-//! The graph on which a way through a cell grid is found: points of its doors, joined within cells.
+//! The graph on which a path through a cell grid is found: points of its doors, joined within cells.
 
 use baudbot_geometry::Point;
 
@@ -34,7 +34,7 @@ impl Crossing {
         Self { ends, first_nodes, nodes }
     }
 
-    /// The cells of the shortest way in the graph; `None` if there is no way.
+    /// The cells of the shortest path in the graph; `None` if there is no path.
     pub(super) fn cells(&self) -> Option<Vec<usize>> {
         let target = self.nodes.len() - 1;
         let mut search = Search::default();
@@ -42,7 +42,7 @@ impl Crossing {
         let found = search.finish(self)?;
         let mut cells: Vec<usize> = Vec::new();
         for cell in found.path.into_iter().map(|node| self.nodes[node].cell) {
-            // A way that is equally short may touch a corner twice, and so come back to a cell: that loop is left
+            // A path that is equally short may touch a corner twice, and so come back to a cell: that loop is left
             // out.
             if let Some(before) = cells.iter().position(|&earlier| earlier == cell) {
                 cells.truncate(before);

@@ -1,4 +1,4 @@
-//! The shortest way through a corridor of convex cells: a string through its doors, pulled tight.
+//! The shortest path through a corridor of convex cells: a string through its doors, pulled tight.
 //!
 //! The funnel algorithm (Chazelle 1982; Lee and Preparata 1984). From the last corner of the string, the apex, one
 //! looks through door after door. What can be seen through all of them is a funnel, which gets narrower. Once the
@@ -7,21 +7,21 @@
 
 use baudbot_geometry::{Point, Segment};
 
-/// The corners of the shortest way from `start` through all doors, in order, to `target`, both included. A door
+/// The corners of the shortest path from `start` through all doors, in order, to `target`, both included. A door
 /// goes from its left end to its right one, as one passes through.
 pub(super) fn tighten(start: Point, doors: &[Segment], target: Point) -> Vec<Point> {
     let last = Segment { start: target, end: target };
     let doors: Vec<_> = doors.iter().chain([&last]).copied().collect();
-    let mut way = vec![start];
+    let mut path = vec![start];
     let mut first = 0;
-    while let Some((corner, door)) = next_corner(way[way.len() - 1], &doors[first..]) {
-        way.push(corner);
+    while let Some((corner, door)) = next_corner(path[path.len() - 1], &doors[first..]) {
+        path.push(corner);
         first += door + 1;
     }
-    way.push(target);
+    path.push(target);
     // The start may be an end of the first door, and the target one of the last.
-    way.dedup();
-    way
+    path.dedup();
+    path
 }
 
 /// The corner at which the string from the apex bends first, and at which door; `None` if it runs straight to the
@@ -82,7 +82,7 @@ mod tests {
         // Up, over the wall's end from x = 2 to 3, and down again.
         let doors =
             [door((0.0, 4.0), (2.0, 4.0)), door((3.0, 5.0), (3.0, 4.0)), door((5.0, 4.0), (3.0, 4.0))];
-        let way = tighten(Point::new(1.0, 0.0), &doors, Point::new(4.0, 0.0));
-        assert_eq!(way, points([(1.0, 0.0), (2.0, 4.0), (3.0, 4.0), (4.0, 0.0)]));
+        let path = tighten(Point::new(1.0, 0.0), &doors, Point::new(4.0, 0.0));
+        assert_eq!(path, points([(1.0, 0.0), (2.0, 4.0), (3.0, 4.0), (4.0, 0.0)]));
     }
 }

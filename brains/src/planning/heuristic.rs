@@ -1,15 +1,15 @@
-//! Estimates of the way that is left: f(n) of §6.2.1.
+//! Estimates of the path that is left: f(n) of §6.2.1.
 
 use std::f64::consts::SQRT_2;
 
 use baudbot_geometry::grid::Cell;
 use baudbot_geometry::math;
 
-/// How the way between two cells is estimated, in cells, as if there were no walls.
+/// How the path between two cells is estimated, in cells, as if there were no walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heuristic {
     /// Steps along rows and columns: the true way of [`Moves::Four`](super::Moves::Four) in the open. With diagonal
-    /// moves it estimates too much, and A\* may then miss the shortest way.
+    /// moves it estimates too much, and A\* may then miss the shortest path.
     Manhattan,
     /// The straight line. Never too much.
     Euclidean,

@@ -1,16 +1,16 @@
 //! Ways through a known map: Wahde 2016, §6.2.1.
 //!
-//! A [`Grid`] divides the plane into square cells, free or blocked. On it these find a way from cell to cell:
+//! A [`Grid`] divides the plane into square cells, free or blocked. On it these find a path from cell to cell:
 //!
 //! | function | finds | from |
 //! |---|---|---|
 //! | [`walk`] | some way, or a dead end | Fig. 6.7, as it is printed |
-//! | [`greedy`] | a way, quickly | §6.2.1, with an open list |
-//! | [`dijkstra`] | a shortest way | Fig. 6.9 |
-//! | [`a_star`] | a shortest way, sooner | named in §6.2.1; Hart, Nilsson and Raphael 1968 |
-//! | [`theta_star`] | a way that may turn by any angle | Nash, Daniel, Koenig and Felner 2007 |
+//! | [`greedy`] | a path, quickly | §6.2.1, with an open list |
+//! | [`dijkstra`] | a shortest path | Fig. 6.9 |
+//! | [`a_star`] | a shortest path, sooner | named in §6.2.1; Hart, Nilsson and Raphael 1968 |
+//! | [`theta_star`] | a path that may turn by any angle | Nash, Daniel, Koenig and Felner 2007 |
 //!
-//! A [`CellGrid`] covers the free part of a grid with few large convex cells instead, and finds a way that runs
+//! A [`CellGrid`] covers the free part of a grid with few large convex cells instead, and finds a path that runs
 //! straight on through them: Fig. 6.6.
 //!
 //! ```

@@ -8,13 +8,13 @@ use thiserror::Error;
 
 use super::grid::Grid;
 
-/// A way through a grid, and what was looked at to find it.
+/// A path through a grid, and what was looked at to find it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The way from the start to the target, both included: all cells one after the other, but of
+    /// The path from the start to the target, both included: all cells one after the other, but of
     /// [`theta_star`](super::theta_star) only those where it turns.
     pub cells: Vec<Cell>,
-    /// Length of the way from cell centre to cell centre, in metres.
+    /// Length of the path from cell centre to cell centre, in metres.
     pub length_m: f64,
     /// The cells whose neighbours were looked at, in this order, and at last the target.
     pub expanded: Vec<Cell>,
@@ -23,7 +23,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The centres of the cells of the way.
+    /// The centres of the cells of the path.
     pub fn points(&self, grid: &Grid) -> Vec<Point> {
         self.cells.iter().map(|&cell| grid.center(cell)).collect()
     }
@@ -68,7 +68,7 @@ pub enum PlanError {
         /// Where it should end.
         target: Cell,
     },
-    /// The walker of Fig. 6.7 has visited all neighbours. There may be a way.
+    /// The walker of Fig. 6.7 has visited all neighbours. There may be a path.
     #[error("dead end in cell ({}, {}) after {moves} moves: all its neighbours were visited", cell.column, cell.row)]
     DeadEnd {
         /// Where it stands.
@@ -77,12 +77,12 @@ pub enum PlanError {
         moves: usize,
         /// Its way until there, the start included.
         walked: Vec<Cell>,
-        /// The cells that were looked at, in this order: its way and the free neighbours of that.
+        /// The cells that were looked at, in this order: its path and the free neighbours of that.
         touched: Vec<Cell>,
     },
 }
 
-/// An end of a way.
+/// An end of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// Where it begins.

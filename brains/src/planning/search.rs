@@ -2,9 +2,9 @@
 //!
 //! | search | takes first the node with the least | finds |
 //! |---|---|---|
-//! | [`dijkstra`], Fig. 6.9 | way from the start | a shortest way |
-//! | [`a_star`] | way from the start + estimate of the way left | a shortest way, if no estimate is too large |
-//! | [`greedy`] | estimate of the way left | some way |
+//! | [`dijkstra`], Fig. 6.9 | way from the start | a shortest path |
+//! | [`a_star`] | way from the start + estimate of the path left | a shortest path, if no estimate is too large |
+//! | [`greedy`] | estimate of the path left | some way |
 //!
 //! Deviations: the notes' best-first search of Fig. 6.7 has no open list and gets stuck; here it is
 //! [`walk`](super::walk). Fig. 6.9 stops once the target has been reached, by which we mean once it is the current
@@ -18,7 +18,7 @@ use super::heuristic::Heuristic;
 use super::moves::Moves;
 use super::plan::{Plan, PlanError, check_ends};
 
-/// A shortest way, by Dijkstra's algorithm: Fig. 6.9.
+/// A shortest path, by Dijkstra's algorithm: Fig. 6.9.
 ///
 /// # Errors
 /// If an end is outside the grid or blocked, or no path leads from one to the other.
@@ -26,7 +26,7 @@ pub fn dijkstra(grid: &Grid, start: Cell, target: Cell, moves: Moves) -> Result<
     search(&Search { grid, target, moves, order: Order::Cost }, start)
 }
 
-/// A shortest way, by A\*: Dijkstra's algorithm drawn towards the target. The way is a shortest one if the
+/// A shortest path, by A\*: Dijkstra's algorithm drawn towards the target. The path is a shortest one if the
 /// heuristic never estimates too much for the moves.
 ///
 /// # Errors
@@ -42,7 +42,7 @@ pub fn a_star(
 }
 
 /// Some way, by greedy best-first search: always on from the cell that seems nearest to the target, of all that
-/// were touched. It looks at few cells, and finds a way if there is one.
+/// were touched. It looks at few cells, and finds a path if there is one.
 ///
 /// # Errors
 /// As [`dijkstra`].

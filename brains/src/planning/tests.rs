@@ -58,7 +58,7 @@ fn near(plan: &Plan, figure: f64) {
     assert!((plan.length_m - figure).abs() < 5.1e-5, "{} instead of {figure}", plan.length_m);
 }
 
-/// Lengths of the shortest way, of greedy search and of Fig. 6.7's walk, which were computed independently.
+/// Lengths of the shortest path, of greedy search and of Fig. 6.7's walk, which were computed independently.
 #[test]
 fn lengths_on_three_grids_are_the_known_ones() {
     let figures = [
@@ -89,9 +89,9 @@ fn theta_star_goes_straight_and_round_corners() {
         let plan = theta_star(&task.grid, task.start, task.target).unwrap();
         near(&plan, figure);
         assert_eq!(plan.cells.len() - 2, turns, "{:?}", plan.cells);
-        let legs: Vec<_> =
+        let wheels: Vec<_> =
             plan.points(&task.grid).windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
-        assert!((legs.iter().sum::<f64>() - plan.length_m).abs() < 1e-12);
+        assert!((wheels.iter().sum::<f64>() - plan.length_m).abs() < 1e-12);
         assert!(plan.cells.windows(2).all(|pair| line_of_sight(&task.grid, pair[0], pair[1])));
     }
 }
@@ -139,7 +139,7 @@ fn the_walker_gets_stuck_where_a_search_does_not() {
     let task = Task::new("..###.\nS...#T\n..###.\n......");
     let stuck = walk(&task.grid, task.start, task.target, Four, Euclidean);
     let walked: Vec<_> = (0..4).map(|column| Cell { column, row: 1 }).collect();
-    // The start and its three neighbours, then those of each cell of the way that are new.
+    // The start and its three neighbours, then those of each cell of the path that are new.
     let touched = [(0, 1), (1, 1), (0, 2), (0, 0), (2, 1), (1, 2), (1, 0), (3, 1)];
     let touched = touched.map(|(column, row)| Cell { column, row }).to_vec();
     assert_eq!(stuck, Err(PlanError::DeadEnd { cell: walked[3], moves: 3, walked, touched }));

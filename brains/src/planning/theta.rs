@@ -1,7 +1,7 @@
 //! Theta\*: ways that turn by any angle, on a grid. Nash, Daniel, Koenig and Felner 2007; not in the notes.
 //!
 //! It is A\* with one thing more. A cell whose line of sight to the *predecessor* of the current cell is free is
-//! reached from there in a straight line, so a way bends only at corners of walls. Such a way is nearly always
+//! reached from there in a straight line, so a path bends only at corners of walls. Such a path is nearly always
 //! shorter than one in eight directions. It need not be the very shortest: only lines from one predecessor are
 //! tried.
 
@@ -28,15 +28,15 @@ pub fn theta_star(grid: &Grid, start: Cell, target: Cell) -> Result<Plan, PlanEr
 /// [`theta_star`] a few cells at a time, for who has little time in each step.
 #[derive(Clone, Debug, Default)]
 pub struct ThetaStar {
-    /// Between which cells a way is being looked for.
+    /// Between which cells a path is being looked for.
     ends: Option<(Cell, Cell)>,
     search: Search,
 }
 
 impl ThetaStar {
-    /// Looks for the way between two cells, and goes on with that if it is called again with the same ones and the same
+    /// Looks for the path between two cells, and goes on with that if it is called again with the same ones and the same
     /// grid. It looks at the neighbours of no more cells than are `left`, and takes from that number those that it looked
-    /// at. When it is ready it has the cells in which the way turns, with both ends.
+    /// at. When it is ready it has the cells in which the path turns, with both ends.
     ///
     /// # Errors
     /// As [`theta_star`].

@@ -3,7 +3,7 @@
 //! It is no search in a list of open nodes but a walk: from the current node to the unvisited neighbour that seems
 //! nearest to the target, and never back. So in front of an obstacle it makes long detours, and where all
 //! neighbours have been visited it stands still, though the target could be reached: the notes say that it may get
-//! stuck. What it finds is a way, as long as the walk was.
+//! stuck. What it finds is a path, as long as the walk was.
 
 use baudbot_geometry::grid::Cell;
 

@@ -3,64 +3,64 @@
 use baudbot_geometry::Point;
 
 use super::behavior::distance;
-use super::terrain::{Terrain, Way};
+use super::terrain::{Path, Terrain};
 
-/// A way that is driven.
+/// A path that is driven.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Detour {
-    way: Way,
-    /// The point of the way at which the robot is.
+    path: Path,
+    /// The point of the path at which the robot is.
     reached: usize,
     look_ahead_m: f64,
 }
 
 impl Detour {
-    /// At the start of a way, for a body of this radius.
-    pub(super) fn new(way: Way, radius_m: f64) -> Self {
-        Self { way, reached: 0, look_ahead_m: LOOK_AHEAD * radius_m }
+    /// At the start of a path, for a body of this radius.
+    pub(super) fn new(path: Path, radius_m: f64) -> Self {
+        Self { path, reached: 0, look_ahead_m: LOOK_AHEAD * radius_m }
     }
 
     /// All other ways are closed, as far as anybody knows.
     pub(super) fn is_forced(&self) -> bool {
-        self.way.is_forced
+        self.path.is_forced
     }
 
-    /// The point to drive at, a little farther along the way than the robot is.
+    /// The point to drive at, a little farther along the path than the robot is.
     pub(super) fn next(&mut self, here: Point) -> Point {
-        let points = &self.way.points;
+        let points = &self.path.points;
         let near = |i: &usize| distance(points[*i], here);
-        // It may not skip to a later part of the way that passes near by.
+        // It may not skip to a later part of the path that passes near by.
         let window = self.reached..points.len().min(self.reached + WINDOW);
         self.reached = window.min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(self.reached);
         let later = points[self.reached..].iter().find(|at| distance(**at, here) >= self.look_ahead_m);
         later.or_else(|| points.last()).copied().unwrap_or(here)
     }
 
-    /// What is left of the way.
+    /// What is left of the path.
     pub(super) fn left(&self) -> &[Point] {
-        &self.way.points[self.reached..]
+        &self.path.points[self.reached..]
     }
 
-    /// How far the robot is beside its way, in metres.
+    /// How far the robot is beside its path, in metres.
     pub(super) fn strayed_m(&self, here: Point) -> f64 {
         self.left().first().map_or(f64::INFINITY, |at| distance(*at, here))
     }
 
     /// Another way instead, if that is much better by what is known now.
-    pub(super) fn reconsider(&mut self, way: Way, terrain: &Terrain) {
+    pub(super) fn reconsider(&mut self, path: Path, terrain: &Terrain) {
         let mut old = terrain.price(self.left());
         if self.left().iter().any(|at| terrain.is_closed(*at)) {
             old *= 2.0;
         }
-        if terrain.price(&way.points) < BETTER * old {
-            *self = Self { way, reached: 0, look_ahead_m: self.look_ahead_m };
+        if terrain.price(&path.points) < BETTER * old {
+            *self = Self { path, reached: 0, look_ahead_m: self.look_ahead_m };
         }
     }
 }
 
 /// How far ahead on the way it looks, in radii of the body.
 const LOOK_AHEAD: f64 = 0.75;
-/// Points of the way among which the nearest is looked for.
+/// Points of the path among which the nearest is looked for.
 const WINDOW: usize = 12;
-/// A new way must cost less than this part of the old one.
+/// A new path must cost less than this part of the old one.
 const BETTER: f64 = 0.8;

@@ -105,8 +105,8 @@ mod tests {
                 return (at, Some(f64::from(step) * dt_s));
             }
             if let [next, later @ ..] = waypoints {
-                let way = next.center() - at;
-                waypoints = if math::hypot(way.x, way.y) < removed_m { later } else { waypoints };
+                let offset = next.center() - at;
+                waypoints = if math::hypot(offset.x, offset.y) < removed_m { later } else { waypoints };
             }
             let mut field = wedge();
             field.potentials.extend(waypoints.first());

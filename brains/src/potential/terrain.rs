@@ -1,7 +1,7 @@
 //! The ground in square cells, each with what a metre across it costs: 1 where it is open, more near hills and marks.
 //!
 //! A hill stands for something that the **centre** of the body keeps out of: the ellipse with the half axes β and γ. Beside
-//! that a way keeps 1.5 R clear where there is room, with R the body's radius, as the ellipse may be meant for the obstacle
+//! that a path keeps 1.5 R clear where there is room, with R the body's radius, as the ellipse may be meant for the obstacle
 //! alone. A mark is where something was felt; there the body itself keeps clear.
 //!
 //! Prices instead of borders: of two narrow places the wider one is taken, and there is a way out of where the robot is.
@@ -11,15 +11,15 @@ use baudbot_geometry::{Bounds, Point, Vector, math};
 use super::field::Potential;
 use crate::planning::{Cell, Grid, cheapest};
 
-/// What a way costs where.
+/// What a path costs where.
 pub(super) struct Terrain {
     grid: Grid,
     costs: Vec<f64>,
 }
 
-/// A way to a target.
+/// A path to a target.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Way {
+pub(super) struct Path {
     /// From where the robot was to the target.
     pub(super) points: Vec<Point>,
     /// It leads through a hill or over a mark, not only out of one at its start or into one at its end: all other ways are
@@ -84,7 +84,7 @@ impl Terrain {
         *known = known.max(cost);
     }
 
-    /// What a way costs a metre at a place; outside of the ground it is open.
+    /// What a path costs a metre at a place; outside of the ground it is open.
     fn cost(&self, at: Point) -> f64 {
         self.grid.cell_at(at).map_or(1.0, |cell| self.costs[self.grid.number(cell)])
     }
@@ -105,7 +105,7 @@ impl Terrain {
     }
 
     /// The cheapest way.
-    pub(super) fn way(&self, from: Point, to: Point) -> Option<Way> {
+    pub(super) fn path(&self, from: Point, to: Point) -> Option<Path> {
         let (start, target) = (self.grid.cell_at(from)?, self.grid.cell_at(to)?);
         let (cells, _) = cheapest(&self.grid, &self.costs, start, target).ok()?;
         let mut points: Vec<_> = cells.into_iter().map(|cell| self.grid.center(cell)).collect();
@@ -115,15 +115,15 @@ impl Terrain {
         let out = points.iter().position(|at| !is_closed(at)).unwrap_or(points.len());
         let into = points.iter().rposition(|at| !is_closed(at)).map_or(0, |last| last + 1);
         let is_forced = points.get(out..into).is_none_or(|between| between.iter().any(is_closed));
-        Some(Way { points, is_forced })
+        Some(Path { points, is_forced })
     }
 }
 
 /// How deep a place is in a hill, from 0 at the ellipse to 1 at its centre, and how far outside of it, in metres: 0 within, and
 /// of an ellipse that is no circle in the first order.
 fn depth(hill: &Potential, at: Point) -> (f64, f64) {
-    let way = at - hill.center();
-    let scaled = Vector::new(way.x / hill.beta_m, way.y / hill.gamma_m);
+    let offset = at - hill.center();
+    let scaled = Vector::new(offset.x / hill.beta_m, offset.y / hill.gamma_m);
     let u = scaled.norm();
     if u < 1.0 {
         return (1.0 - u, 0.0);
@@ -151,7 +151,7 @@ const MARK_SOFT: f64 = 0.75;
 const MARK_HARD: f64 = 0.15;
 /// What the narrowest place costs more than an open one.
 const NARROW: f64 = 30.0;
-/// What it costs to go where no way is.
+/// What it costs to go where no path is.
 const CLOSED: f64 = 1000.0;
 /// How much more that is in the middle of it.
 const DEEP: f64 = 3.0;
@@ -168,22 +168,22 @@ mod tests {
         Potential { x_m, y_m, alpha: 0.6, beta_m: 0.25, gamma_m: 0.25 }
     }
 
-    fn way(hills: &[Potential], marks: &[Point]) -> Way {
+    fn path(hills: &[Potential], marks: &[Point]) -> Path {
         let (from, to) = (Point::new(0.0, 0.0), Point::new(2.0, 0.0));
         let terrain = Terrain::new([from, to], hills, marks.iter().copied(), 0.0, BODY_M).unwrap();
-        terrain.way(from, to).unwrap()
+        terrain.path(from, to).unwrap()
     }
 
     #[test]
     fn a_way_keeps_out_of_hills_and_clear_of_marks() {
         let hills = [hill(1.0, 0.0), hill(1.0, 0.3), hill(1.0, -0.3)];
-        let round = way(&hills, &[]);
+        let round = path(&hills, &[]);
         assert!(!round.is_forced && round.points[round.points.len() - 1] == Point::new(2.0, 0.0));
         let near = round.points.iter().flat_map(|at| hills.map(|hill| (at - hill.center()).norm()));
         let near_m = near.fold(f64::INFINITY, f64::min);
         assert!(near_m > 0.25 + 0.9 * HILL_SOFT * BODY_M, "{near_m}");
         let marks: Vec<_> = (-10..=10).map(|i| Point::new(1.0, 0.04 * f64::from(i))).collect();
-        let round = way(&[], &marks);
+        let round = path(&[], &marks);
         let near = round.points.iter().flat_map(|at| marks.iter().map(move |mark| (at - mark).norm()));
         let near_m = near.fold(f64::INFINITY, f64::min);
         assert!(!round.is_forced && near_m > BODY_M * (1.0 + 0.9 * MARK_SOFT), "{near_m}");
@@ -194,7 +194,7 @@ mod tests {
     fn of_two_gaps_the_wider_one_is_taken_though_it_is_farther_away() {
         let hills: Vec<_> =
             [-2.4, -2.0, -1.6, -1.2, 0.0, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6].map(|y| hill(1.0, y)).to_vec();
-        let crossed = way(&hills, &[]).points.into_iter().find(|at| at.x > 1.0).unwrap();
+        let crossed = path(&hills, &[]).points.into_iter().find(|at| at.x > 1.0).unwrap();
         assert!((crossed.y + 0.6).abs() < 0.14, "{crossed}");
     }
 
@@ -206,8 +206,8 @@ mod tests {
                 hill(2.0 + 0.8 * cos, 0.8 * sin)
             })
             .collect();
-        assert!(way(&ring, &[]).is_forced);
-        assert!(!way(&[hill(2.1, 0.0)], &[]).is_forced, "the goal is in a hill");
-        assert!(!way(&[hill(-0.1, 0.0)], &[]).is_forced, "the robot is in a hill");
+        assert!(path(&ring, &[]).is_forced);
+        assert!(!path(&[hill(2.1, 0.0)], &[]).is_forced, "the goal is in a hill");
+        assert!(!path(&[hill(-0.1, 0.0)], &[]).is_forced, "the robot is in a hill");
     }
 }

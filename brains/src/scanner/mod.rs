@@ -1,7 +1,7 @@
 //! From a laser's readings to scans of one instant.
 //!
 //! A reading comes late, and is of a robot that moved. It waits until the odometry has come to the end of its sweep, and
-//! then is [mended](crate::localization::deskew) by what that says. On a slow cable odometry comes later than the next
+//! then is [corrected](crate::localization::deskew) by what that says. On a slow cable odometry comes later than the next
 //! readings of the laser, so these wait behind it: each is used as soon as odometry covers it, the oldest first.
 //!
 //! *Limit.* Lasers on turrets are not understood.

@@ -209,10 +209,10 @@ fn line(grid: &Occupancy, point: Point) -> Option<(Point, Vector)> {
     let around = AROUND.into_iter().filter_map(|(columns, rows)| grid.surface(cell.offset(columns, rows)));
     let (mut count, mut sum, mut squares) = (0.0, Vector::zeros(), [0.0; 3]);
     for surface in around {
-        let way = surface - point;
+        let gap = surface - point;
         count += 1.0;
-        sum += way;
-        squares = [squares[0] + way.x * way.x, squares[1] + way.x * way.y, squares[2] + way.y * way.y];
+        sum += gap;
+        squares = [squares[0] + gap.x * gap.x, squares[1] + gap.x * gap.y, squares[2] + gap.y * gap.y];
     }
     if count < 2.0 {
         return None;

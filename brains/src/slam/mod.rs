@@ -14,7 +14,7 @@
 //! grid's probabilities, which is good to a cell; here cells know where in them rays have ended. A scan is added only
 //! after `step_m` or `step_rad`, since each one that is added moves the map by a part of its error.
 //!
-//! *Limits.* The past is not mended: who comes back after a long round through unknown rooms is as wrong as the errors of
+//! *Limits.* The past is not corrected: who comes back after a long round through unknown rooms is as wrong as the errors of
 //! the matches on the way add up to, and no loop is closed.
 
 pub mod matching;

@@ -13,7 +13,7 @@ use crate::behavior::steering::{Helm, braking};
 use crate::navigation::Goals;
 use crate::odometry::Odometry;
 use crate::parameter::{ParameterError, check_not_negative, check_positive};
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// Where it goes, and what it heeds on its way.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -66,7 +66,7 @@ pub struct Parameters {
     /// It drives no further with so much room ahead, in metres.
     #[serde(default = "stop_m")]
     pub stop_m: f64,
-    /// So fast somebody may walk into its way, in metres a second; 0 if nobody does. Only by lasers alone it heeds that. Who is slower
+    /// So fast somebody may walk into its path, in metres a second; 0 if nobody does. Only by lasers alone it heeds that. Who is slower
     /// than [`Memory::slowest_m_s`] is taken to stand.
     #[serde(default = "walker_m_s")]
     pub walker_m_s: f64,
@@ -202,10 +202,10 @@ impl Vfh {
     }
 
     /// Takes in what has come.
-    fn look(&mut self, moment: &Moment<'_>) {
-        for seen in self.sight.look(moment.turn, moment.beliefs) {
+    fn look(&mut self, context: &StepContext<'_>) {
+        for seen in self.sight.look(context.turn, context.beliefs) {
             self.memory.see(&seen.scan, &seen.world_from_robot, seen.at_ns);
-            self.seen_ns = Some(moment.turn.at_ns);
+            self.seen_ns = Some(context.turn.at_ns);
             self.taken_ns = self.taken_ns.max(seen.at_ns);
         }
     }
@@ -214,16 +214,16 @@ impl Vfh {
     fn direction(&mut self, world_from_robot: &Pose, goal: Point) -> Option<f64> {
         let p = &self.parameters;
         let (here, heading_rad) = (world_from_robot.position, world_from_robot.heading);
-        let way = goal - here;
+        let offset = goal - here;
         let (wide_m, slack_m) = (self.radius_m + p.clearance_m, p.cell_m);
         let window = Window { radius_m: p.window_m, wide_m, slack_m, low: p.low, high: p.high };
         // What is farther away than the goal is not in the way.
-        let near = |obstacle: &Point| (obstacle - here).norm() <= way.norm();
+        let near = |obstacle: &Point| (obstacle - here).norm() <= offset.norm();
         self.histogram.update(here, self.memory.obstacles().filter(near), &window);
         let obstacles = self.memory.obstacles().filter(near);
         let masked = self.histogram.masked(world_from_robot, obstacles, p.turn_radius_m, &window);
         let wanted = Wanted {
-            goal_rad: math::atan2(way.y, way.x),
+            goal_rad: math::atan2(offset.y, offset.x),
             heading_rad,
             previous_rad: self.previous_rad.unwrap_or(heading_rad),
             costs: p.costs,
@@ -239,8 +239,8 @@ impl Vfh {
         let ahead = Direction::from_angle(world_from_robot.heading).vector();
         let half_width_m = self.radius_m + 0.5 * self.parameters.clearance_m;
         let room = |obstacle: Point| {
-            let way: Vector = obstacle - world_from_robot.position;
-            let (along_m, aside_m) = (way.dot(&ahead), ahead.perp(&way));
+            let offset: Vector = obstacle - world_from_robot.position;
+            let (along_m, aside_m) = (offset.dot(&ahead), ahead.perp(&offset));
             let is_ahead = along_m > 0.0 && aside_m.abs() < half_width_m;
             is_ahead.then(|| along_m - math::sqrt(half_width_m * half_width_m - aside_m * aside_m))
         };
@@ -258,9 +258,10 @@ impl Vfh {
         let walked_m = p.walker_m_s * (age_s + p.halt_s);
         let reach_m = self.radius_m + walked_m + p.steering.speed_m_s * p.halt_s;
         let ahead = world_from_robot.direction().vector();
-        let way = |obstacle: Point| obstacle - world_from_robot.position;
-        let counts = |obstacle: Point| way(obstacle).dot(&ahead) > 0.0 && way(obstacle).norm() < reach_m;
-        let safe_m_s = |obstacle| (way(obstacle).norm() - self.radius_m - walked_m) / p.halt_s;
+        let offset = |obstacle: Point| obstacle - world_from_robot.position;
+        let counts =
+            |obstacle: Point| offset(obstacle).dot(&ahead) > 0.0 && offset(obstacle).norm() < reach_m;
+        let safe_m_s = |obstacle| (offset(obstacle).norm() - self.radius_m - walked_m) / p.halt_s;
         self.memory.walkers(counts).map(safe_m_s).fold(f64::INFINITY, f64::min)
     }
 
@@ -334,7 +335,7 @@ fn check(p: &Parameters) -> Result<(), ParameterError> {
 
 impl MotorBehavior for Vfh {
     /// It begins with the first goal again if it had arrived, and remembers nothing of what it saw before.
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
         self.sight.forget();
         let p = &self.parameters;
@@ -343,27 +344,27 @@ impl MotorBehavior for Vfh {
         (self.previous_rad, self.seen_ns, self.taken_ns) = (None, None, 0);
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        self.look(moment);
-        let estimate = moment.beliefs.pose?;
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        self.look(context);
+        let estimate = context.beliefs.pose?;
         let goal = self.goals.from(estimate.world_from_robot.position);
-        moment.beliefs.path = self.goals.left().to_vec();
+        context.beliefs.path = self.goals.left().to_vec();
         // What is seen counts only once odometry says from where.
-        let patience_ns = moment.beliefs.odometry.as_ref().map_or(0, Odometry::patience_ns);
+        let patience_ns = context.beliefs.odometry.as_ref().map_or(0, Odometry::patience_ns);
         let stale_ns = ((self.parameters.stale_s * 1e9) as u64).max(patience_ns);
         let is_blind =
-            self.seen_ns.is_none_or(|seen_ns| moment.turn.at_ns.saturating_sub(seen_ns) > stale_ns);
+            self.seen_ns.is_none_or(|seen_ns| context.turn.at_ns.saturating_sub(seen_ns) > stale_ns);
         let (signals, intention) = match goal {
             None => (Signals::default(), if self.has_arrived() { "has arrived" } else { "" }),
             Some(_) if is_blind => {
-                let beliefs = &mut *moment.beliefs;
-                let awaited = self.sight.awaited(moment.turn, beliefs, self.seen_ns.unwrap_or_default());
+                let beliefs = &mut *context.beliefs;
+                let awaited = self.sight.awaited(context.turn, beliefs, self.seen_ns.unwrap_or_default());
                 beliefs.awaited = beliefs.awaited.take().or(awaited);
                 (Signals::default(), "sees nothing")
             }
-            Some(goal) => self.drive(&estimate.world_from_robot, goal, moment.turn.at_ns),
+            Some(goal) => self.drive(&estimate.world_from_robot, goal, context.turn.at_ns),
         };
-        intention.clone_into(&mut moment.beliefs.intention);
+        intention.clone_into(&mut context.beliefs.intention);
         Some(signals)
     }
 

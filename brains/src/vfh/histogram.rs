@@ -92,8 +92,8 @@ fn middle_rad(sector: usize, sectors: usize) -> f64 {
 fn primary(sectors: usize, here: Point, obstacles: &[Point], radius_m: f64, wide_m: f64) -> Vec<f64> {
     let mut density = vec![0.0; sectors];
     for obstacle in obstacles {
-        let way = obstacle - here;
-        let distance_m = way.norm();
+        let offset = obstacle - here;
+        let distance_m = offset.norm();
         if distance_m > radius_m {
             continue;
         }
@@ -101,7 +101,7 @@ fn primary(sectors: usize, here: Point, obstacles: &[Point], radius_m: f64, wide
         let wide_rad = half_width_rad(wide_m, distance_m);
         // The first sector whose middle is not before the right end, and all up to the left end.
         let place = |rad: f64| rad / TAU * sectors as f64 - 0.5;
-        let middle_rad = math::atan2(way.y, way.x);
+        let middle_rad = math::atan2(offset.y, offset.x);
         let (first, last) =
             (math::ceil(place(middle_rad - wide_rad)), math::floor(place(middle_rad + wide_rad)));
         for i in first as i64..=last as i64 {
@@ -156,7 +156,7 @@ mod tests {
     fn an_opening_that_is_wide_enough_stays_while_it_becomes_a_little_narrower() {
         let window = Window { slack_m: 0.05, ..WINDOW };
         let mut histogram = Histogram::new(72);
-        // Two posts on both sides of the way along the x axis.
+        // Two posts on both sides of the path along the x axis.
         let mut is_blocked = |half_m: f64| {
             let posts = [Point::new(1.0, half_m), Point::new(1.0, -half_m)];
             histogram.update(Point::origin(), posts.into_iter(), &window);

@@ -10,7 +10,7 @@
 //! 3. [`candidates`] has the directions that openings offer; the cheapest one is chosen.
 //! 4. [`Vfh`] drives there, the more slowly the less room there is ahead, and stands before who walks can be at it.
 //!
-//! It is blind to all but what is near: in a dead end it stays. A way through rooms is a list of goals.
+//! It is blind to all but what is near: in a dead end it stays. A path through rooms is a list of goals.
 //!
 //! *Deviations.* A cell holds what a laser or a sonar saw last, and not a count of hits: its certainty is 1, until a ray goes
 //! through it or it is forgotten. A cell weighs nothing at the window's edge, as in the VFH of 1991, where (3) has it

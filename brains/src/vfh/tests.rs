@@ -49,8 +49,9 @@ fn scan(map: &Map, pose: &Pose) -> Vec<f64> {
 
 fn signals(vfh: &mut Vfh, turn: &Turn, pose: Pose) -> (Signals, Beliefs) {
     let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
-    let mut moment = Moment { turn, dt_s: DT_S, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
-    let signals = vfh.step(&mut moment).expect("signals");
+    let mut context =
+        StepContext { turn, dt_s: DT_S, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
+    let signals = vfh.step(&mut context).expect("signals");
     (signals, beliefs)
 }
 
@@ -104,7 +105,7 @@ fn among_pillars_at_random_it_arrives_and_touches_nothing() {
     }
 }
 
-/// Somebody comes from the left at 0.5 m/s, across the way. Something of his size that stands there is passed.
+/// Somebody comes from the left at 0.5 m/s, across the path. Something of his size that stands there is passed.
 #[test]
 fn who_walks_into_its_way_is_waited_for() {
     let last = |walks: bool| {

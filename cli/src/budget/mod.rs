@@ -9,9 +9,9 @@ use std::process::ExitCode;
 use baudbot_budget::{Budget, Verdict};
 use baudbot_sim::model::RobotSpec;
 
-use crate::alike;
 use crate::args::BudgetArgs;
 use crate::error::Refused;
+use crate::robot_groups;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text;
@@ -69,9 +69,10 @@ fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget) -> String {
         robot.map(|robot| {
             let warnings = together::warnings(spec, robot);
             let warnings: String = warnings.iter().map(|warning| format!("  warning: {warning}\n")).collect();
-            table::robot(robot) + &warnings + &alike::others(spec, count)
+            table::robot(robot) + &warnings + &robot_groups::others(spec, count)
         })
     };
-    let robots: Vec<_> = alike::first_of_each(specs.iter().copied()).into_iter().filter_map(told).collect();
+    let robots: Vec<_> =
+        robot_groups::first_of_each(specs.iter().copied()).into_iter().filter_map(told).collect();
     robots.join("\n")
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{Cost, Mend, RobotBudget, Span, Verdict};
+use baudbot_budget::{Cost, Remedy, RobotBudget, Span, Verdict};
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::text::{percent, table};
@@ -15,7 +15,7 @@ pub(super) fn robot(robot: &RobotBudget) -> String {
     text += &ages(robot);
     text += &loads(robot);
     text += &chip(robot);
-    text += &mends(robot);
+    text += &remedies(robot);
     text
 }
 
@@ -140,12 +140,12 @@ fn chip(robot: &RobotBudget) -> String {
     text
 }
 
-fn mends(robot: &RobotBudget) -> String {
+fn remedies(robot: &RobotBudget) -> String {
     let mut text = String::new();
     if let Some(left_out) = &robot.left_out {
         let _ = writeln!(text, "  {left_out}");
     }
-    if robot.mends.is_empty() {
+    if robot.remedies.is_empty() {
         let known = if robot.left_out.is_some() { "was tried" } else { "is known here" };
         if robot.verdict == Verdict::Misses {
             let _ = writeln!(text, "  no change that {known} fixes that");
@@ -153,9 +153,9 @@ fn mends(robot: &RobotBudget) -> String {
         return text;
     }
     text += "  what would fix it, the cheapest first\n";
-    for mend in &robot.mends {
-        let _ = writeln!(text, "    {} ({}): {}", mend.what, cost(mend.cost), outcome(mend));
-        for change in &mend.overrides {
+    for remedy in &robot.remedies {
+        let _ = writeln!(text, "    {} ({}): {}", remedy.what, cost(remedy.cost), outcome(remedy));
+        for change in &remedy.overrides {
             let quoted =
                 if change.contains([' ', '{', '"']) { format!("'{change}'") } else { change.clone() };
             let _ = writeln!(text, "      --set {quoted}");
@@ -164,14 +164,14 @@ fn mends(robot: &RobotBudget) -> String {
     text
 }
 
-fn outcome(mend: &Mend) -> String {
-    let meets = match mend.verdict {
+fn outcome(remedy: &Remedy) -> String {
+    let meets = match remedy.verdict {
         Verdict::Keeps => "meets",
         Verdict::Sometimes => "mostly meets",
         Verdict::Misses => "misses",
     };
-    let step = duration(mend.step_ns as f64);
-    format!("{} typical, {}; {meets} {step}", span_ms(mend.total.typical_ns), worst(mend.total))
+    let step = duration(remedy.step_ns as f64);
+    format!("{} typical, {}; {meets} {step}", span_ms(remedy.total.typical_ns), worst(remedy.total))
 }
 
 fn cost(cost: Cost) -> &'static str {

@@ -9,8 +9,8 @@ use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::collision::CollisionPolicy;
 
-use crate::alike;
 use crate::args::CheckArgs;
+use crate::robot_groups;
 use crate::run::overrides;
 use crate::scenarios::Source;
 use crate::text::{self, pairs, percent};
@@ -35,10 +35,10 @@ pub(crate) fn check(args: &CheckArgs) -> anyhow::Result<()> {
 fn describe(source: &Source, scenario: &Scenario) -> String {
     let mut text = format!("{}: sound\n", source.label());
     text += &pairs("  ", &facts(scenario));
-    for (robot, count) in alike::first_of_each(&scenario.robots) {
+    for (robot, count) in robot_groups::first_of_each(&scenario.robots) {
         text.push('\n');
         text += &robot::describe(robot);
-        text += &alike::others(robot, count);
+        text += &robot_groups::others(robot, count);
     }
     for warning in baudbot_scenario::warnings(scenario) {
         let _ = writeln!(text, "\nwarning: {warning}");

@@ -14,7 +14,7 @@ mod table;
 mod tests;
 
 use anyhow::anyhow;
-use baudbot_experiment::pair::Pair;
+use baudbot_experiment::in_process::InProcess;
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
@@ -25,7 +25,7 @@ use baudbot_plot::timing::{self, Diagram, Mark};
 
 use self::record::{Place, Wanted, Window};
 use crate::args::DiagramArgs;
-use crate::crew::{self, Job};
+use crate::assignment::{self, Assignment};
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
@@ -35,24 +35,24 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
-    let jobs = crew::share_out(&args.brains, &scenario.robots)?;
-    jobs.iter().try_for_each(|job| crew::check_name(&job.brain))?;
+    let assignments = assignment::assign(&args.brains, &scenario.robots)?;
+    assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let wanted = wanted(args);
-    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &jobs, place)?)?;
+    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &assignments, place)?)?;
     let window = wanted.window(robot, &events, scenario.step_ns);
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
     let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
-    picture.ran = ran(&scenario, robot, &jobs);
+    picture.ran = ran(&scenario, robot, &assignments);
     text::write(path, &picture.draw())
 }
 
 /// What ran: the robot's brain, its link and the seed, and what was changed of the scenario.
-fn ran(scenario: &Scenario, robot: &RobotSpec, jobs: &[Job]) -> Vec<String> {
-    let own = jobs.iter().filter(|job| job.robots.contains(&robot.name));
-    let brains: Vec<_> = own.map(|job| job.brain.clone()).collect();
+fn ran(scenario: &Scenario, robot: &RobotSpec, assignments: &[Assignment]) -> Vec<String> {
+    let own = assignments.iter().filter(|assignment| assignment.robots.contains(&robot.name));
+    let brains: Vec<_> = own.map(|assignment| assignment.brain.clone()).collect();
     let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed);
     let about = caption::about(scenario, false);
     let changed = (about != scenario.description).then_some(about);
@@ -63,10 +63,11 @@ fn ran(scenario: &Scenario, robot: &RobotSpec, jobs: &[Job]) -> Vec<String> {
 /// tick, in nanoseconds, or nothing if the run was over.
 fn world(
     scenario: Scenario,
-    jobs: &[Job],
+    assignments: &[Assignment],
     place: usize,
 ) -> anyhow::Result<impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>> {
-    let mut pair = Pair::with_jobs(scenario, jobs).map_err(|error| Refused::error(error.to_string()))?;
+    let mut pair = InProcess::with_assignments(scenario, assignments)
+        .map_err(|error| Refused::error(error.to_string()))?;
     let mut seen = 0;
     Ok(move |events: &mut Vec<Event>| {
         if pair.world.ending().is_some() {

@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 
 use baudbot_proto::v1::{RecordedEvent, ReplayEventKind};
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::{Event, What};
 use baudbot_sim::{SimTime, World};
@@ -29,10 +29,10 @@ pub(super) struct Events {
 }
 
 impl Events {
-    pub(super) fn new(out: Out, tape: &Arc<Tape>, from: SimTime) -> Self {
-        let mut recorded = tape.events().to_vec();
+    pub(super) fn new(out: Out, run: &Arc<RecordedRun>, from: SimTime) -> Self {
+        let mut recorded = run.events().to_vec();
         recorded.sort_by_key(|event| event.tick);
-        let seen = vec![0; tape.scenario().robots.len()];
+        let seen = vec![0; run.scenario().robots.len()];
         Self { out: csv::Writer::from_writer(out), recorded, next: 0, from, seen, is_begun: false }
     }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_server::{Film, Server, WorldConfig};
 use indicatif::ProgressBar;
 use tokio::sync::mpsc;
@@ -17,8 +17,8 @@ use super::window::Window;
 use super::{Out, name, start};
 use crate::args::{ExportArgs, FilmArgs, Theme};
 use crate::error::{Refused, from_builder};
+use crate::output_files;
 use crate::signals::Stop;
-use crate::written;
 
 /// The films that are wanted.
 pub(super) struct Films<'a> {
@@ -61,8 +61,8 @@ impl Kind {
 
 impl<'a> Films<'a> {
     /// Opens the files, and refuses what would never end.
-    pub(super) fn new(args: &'a ExportArgs, tape: &Tape, window: &Window) -> anyhow::Result<Self> {
-        let step_s = tape.header().step_ns as f64 / 1e9;
+    pub(super) fn new(args: &'a ExportArgs, recorded: &RecordedRun, window: &Window) -> anyhow::Result<Self> {
+        let step_s = recorded.header().step_ns as f64 / 1e9;
         let (from_s, to_s) = (window.from_tick as f64 * step_s, window.to_tick as f64 * step_s);
         let pictures = ((to_s - from_s) / args.film.speed * f64::from(args.film.fps)).floor() + 1.0;
         let mut films = Self { args, browser: PathBuf::new(), wanted: Vec::new(), from_s, to_s, pictures };
@@ -84,19 +84,23 @@ impl<'a> Films<'a> {
     fn add(&mut self, kind: Kind, path: Option<&Path>) -> anyhow::Result<()> {
         let Some(path) = path else { return Ok(()) };
         let name = name(path);
-        let out = written::open(path).with_context(|| format!("cannot write {name}"))?;
+        let out = output_files::open(path).with_context(|| format!("cannot write {name}"))?;
         self.wanted.push(Wanted { kind, name, out });
         Ok(())
     }
 
     /// Makes them, one after the other. Says whether it came to its end, before a signal did.
-    pub(super) async fn make(&mut self, tape: &Arc<Tape>, stop: &mut Stop) -> anyhow::Result<bool> {
+    pub(super) async fn make(
+        &mut self,
+        recorded: &Arc<RecordedRun>,
+        stop: &mut Stop,
+    ) -> anyhow::Result<bool> {
         if self.wanted.is_empty() {
             return Ok(true);
         }
         let (films, mut made) = mpsc::channel(1);
-        let world = tape.header().world.clone();
-        let replay = WorldConfig::replay(world.clone(), start(&self.args.file, tape)?);
+        let world = recorded.header().world.clone();
+        let replay = WorldConfig::replay(world.clone(), start(&self.args.file, recorded)?);
         let place = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
         let server = Server::builder().world(replay).viewer(place).films(films).serve().await;
         let server = server.map_err(from_builder)?;

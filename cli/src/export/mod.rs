@@ -26,50 +26,50 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Context;
-use baudbot_recording::{Replay, Tape};
+use baudbot_recording::{RecordedRun, Replay};
 use baudbot_sim::World;
 
 use crate::args::ExportArgs;
 use crate::csv::Table;
 use crate::error::Refused;
-use crate::replay::{refused, tape};
+use crate::output_files::{self, STDOUT};
+use crate::replay::{recorded_run, refused};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::text::tell;
 use crate::trace::Trace;
-use crate::written::{self, STDOUT};
 use pass::{Output, Sink};
 use watched::Watched;
 use window::Window;
 
 pub(crate) async fn export(args: &ExportArgs) -> anyhow::Result<ExitCode> {
     check(args)?;
-    let tape = Arc::new(tape(&args.file).map_err(|error| refused(&args.file, &error))?);
+    let recorded = Arc::new(recorded_run(&args.file).map_err(|error| refused(&args.file, &error))?);
     if args.outputs().next().is_none() {
-        summary::show(&args.file, &tape, args.json)?;
+        summary::show(&args.file, &recorded, args.json)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let window = Window::new(&tape, &args.window)?;
+    let window = Window::new(&recorded, &args.window)?;
     if !args.quiet {
-        notes(args, &tape);
+        notes(args, &recorded);
     }
-    let mut films = film::Films::new(args, &tape, &window)?;
-    let outputs = outputs(args, &tape, &window)?;
+    let mut films = film::Films::new(args, &recorded, &window)?;
+    let outputs = outputs(args, &recorded, &window)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let mut is_whole = true;
     if !outputs.is_empty() {
-        let replay = start(&args.file, &tape)?;
+        let replay = start(&args.file, &recorded)?;
         is_whole = pass::run(replay, &window, outputs, &stop, args.quiet)?;
     }
     if is_whole {
-        is_whole = films.make(&tape, &mut stop).await?;
+        is_whole = films.make(&recorded, &mut stop).await?;
     }
     Ok(if is_whole { ExitCode::SUCCESS } else { ExitCode::from(INTERRUPTED) })
 }
 
 /// The recording at its first tick.
-fn start(path: &Path, tape: &Arc<Tape>) -> anyhow::Result<(Replay, World)> {
-    Replay::start(Arc::clone(tape)).map_err(|error| refused(path, &error))
+fn start(path: &Path, recorded: &Arc<RecordedRun>) -> anyhow::Result<(Replay, World)> {
+    Replay::start(Arc::clone(recorded)).map_err(|error| refused(path, &error))
 }
 
 /// Refuses outputs that would be written into each other, or over the recording.
@@ -85,48 +85,50 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
             "{one} - and {other} - both want stdout; write one of them to a file"
         )));
     }
-    if let Some((option, path)) = args.outputs().find(|(_, path)| written::is_same_file(path, &args.file)) {
+    if let Some((option, path)) =
+        args.outputs().find(|(_, path)| output_files::is_same_file(path, &args.file))
+    {
         let (path, file) = (path.display(), args.file.display());
         return Err(Refused::error(format!(
             "{option} {path} would overwrite the recording {file}; write to another file"
         )));
     }
-    written::check_apart(args.outputs())
+    output_files::check_apart(args.outputs())
 }
 
-fn notes(args: &ExportArgs, tape: &Tape) {
+fn notes(args: &ExportArgs, recorded: &RecordedRun) {
     let file = args.file.display();
-    if let Some(problem) = tape.problem() {
-        let ends = tape.stretches().iter().map(|stretch| {
+    if let Some(problem) = recorded.problem() {
+        let ends = recorded.stretches().iter().map(|stretch| {
             let [from_s, to_s] =
-                [stretch.first_tick, stretch.last_tick].map(|tick| window::seconds(tape, tick));
+                [stretch.first_tick, stretch.last_tick].map(|tick| window::seconds(recorded, tick));
             format!("{from_s} s to {to_s} s")
         });
         let left = ends.collect::<Vec<_>>().join(", ");
         tell!("note: {file}: {problem}; what is left of it is {left}");
     }
-    if let Some(scratch) = tape.scratch() {
+    if let Some(scratch) = recorded.scratch() {
         tell!("note: {file}: {scratch}; the inputs of the run are complete, but frames may be missing");
     }
-    let first = tape.first_tick();
+    let first = recorded.first_tick();
     if first > 0 && args.timeline.is_some() {
-        let start_s = window::seconds(tape, first);
+        let start_s = window::seconds(recorded, first);
         tell!("note: {file} begins at {start_s} s: the trace does not cover the time before");
     }
 }
 
 /// All that is written while the run is simulated.
-fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Result<Vec<Output>> {
-    let robots = &tape.scenario().robots;
-    let every = window::every(&args.rows, tape.header().step_ns);
+fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> anyhow::Result<Vec<Output>> {
+    let robots = &recorded.scenario().robots;
+    let every = window::every(&args.rows, recorded.header().step_ns);
     // Before any file is opened: it may be that there is nothing to write.
     let with = beliefs::columns(&args.with, robots)?;
-    let beliefs = beliefs::Beliefs::wanted(args, tape, window)?;
+    let beliefs = beliefs::Beliefs::wanted(args, recorded, window)?;
     let mut outputs = Vec::new();
     let mut add = |path: &Option<PathBuf>, every, make: &dyn Fn(Out) -> Box<dyn Sink>| {
         let Some(path) = path else { return Ok(()) };
         let name = name(path);
-        let out = written::open(path).with_context(|| format!("cannot write {name}"))?;
+        let out = output_files::open(path).with_context(|| format!("cannot write {name}"))?;
         outputs.push(Output { name, every, sink: make(out) });
         anyhow::Ok(())
     };
@@ -134,13 +136,13 @@ fn outputs(args: &ExportArgs, tape: &Arc<Tape>, window: &Window) -> anyhow::Resu
     #[cfg(feature = "parquet")]
     add(&args.parquet, every, &|out| Box::new(rows::Rows::new(out, robots)))?;
     add(&args.timeline, 1, &|out| {
-        let (trace, outcome) = Trace::new(out, &tape.header().world, robots.len());
+        let (trace, outcome) = Trace::new(out, &recorded.header().world, robots.len());
         Box::new(Watched::new((trace.since(window.from), outcome), Trace::write))
     })?;
-    add(&args.events, 1, &|out| Box::new(events::Events::new(out, tape, window.from)))?;
-    add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, tape)))?;
+    add(&args.events, 1, &|out| Box::new(events::Events::new(out, recorded, window.from)))?;
+    add(&args.svg, 1, &|out| Box::new(trails::Picture::new(out, recorded)))?;
     add(&args.beliefs_csv, 1, &|out| Box::new(beliefs::Table::new(out, &beliefs)))?;
-    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, tape, &beliefs, &with)))?;
+    add(&args.utilities_svg, 1, &|out| Box::new(beliefs::Picture::new(out, recorded, &beliefs, &with)))?;
     Ok(outputs)
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use baudbot_plot::caption;
 use baudbot_proto::v1::ReplayEventKind;
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::{Scenario, World};
 
 /// What is known of a run, and seen while it is simulated once more.
@@ -18,17 +18,17 @@ pub(super) struct Ran {
 }
 
 impl Ran {
-    pub(super) fn of(tape: &Tape) -> Self {
-        let of_kind = |kind| tape.events().iter().filter(move |event| event.kind() == kind);
+    pub(super) fn of(recorded: &RecordedRun) -> Self {
+        let of_kind = |kind| recorded.events().iter().filter(move |event| event.kind() == kind);
         let changed: BTreeSet<_> = of_kind(ReplayEventKind::Change).map(|event| event.tick).collect();
         let mut brains: Vec<_> = of_kind(ReplayEventKind::Brain)
             .filter_map(|event| brain(&event.text))
             .map(str::to_owned)
             .collect();
-        if brains.is_empty() && tape.inputs() > 0 {
+        if brains.is_empty() && recorded.inputs() > 0 {
             brains.push("a brain from before the recording".to_owned());
         }
-        let scenario: &Scenario = tape.scenario();
+        let scenario: &Scenario = recorded.scenario();
         let about = caption::about(scenario, !changed.is_empty());
         Self { about, brains, links: Vec::new(), seed: scenario.seed, changed }
     }

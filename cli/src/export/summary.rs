@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use baudbot_plot::quantity::{count, duration, handy};
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use prost_types::Timestamp;
 use serde::Serialize;
 
@@ -38,9 +38,9 @@ struct Summary<'a> {
     cut_off: Option<&'a str>,
 }
 
-pub(super) fn show(path: &Path, tape: &Tape, as_json: bool) -> anyhow::Result<()> {
+pub(super) fn show(path: &Path, recorded: &RecordedRun, as_json: bool) -> anyhow::Result<()> {
     let bytes = fs::metadata(path).with_context(|| format!("cannot read {}", path.display()))?.len();
-    let summary = Summary::new(path.display().to_string(), bytes, tape);
+    let summary = Summary::new(path.display().to_string(), bytes, recorded);
     if as_json {
         return text::print_json(&summary);
     }
@@ -48,12 +48,12 @@ pub(super) fn show(path: &Path, tape: &Tape, as_json: bool) -> anyhow::Result<()
 }
 
 impl<'a> Summary<'a> {
-    fn new(file: String, bytes: u64, tape: &'a Tape) -> Self {
-        let header = tape.header();
-        let (first_tick, last_tick, step_ns) = (tape.first_tick(), tape.last_tick(), header.step_ns);
+    fn new(file: String, bytes: u64, recorded: &'a RecordedRun) -> Self {
+        let header = recorded.header();
+        let (first_tick, last_tick, step_ns) = (recorded.first_tick(), recorded.last_tick(), header.step_ns);
         let seconds = |ticks: u64| ticks as f64 * step_ns as f64 / 1e9;
         let mut events = BTreeMap::new();
-        for event in tape.events() {
+        for event in recorded.events() {
             *events.entry(kind_of(event)).or_default() += 1;
         }
         let started = Timestamp {
@@ -66,7 +66,7 @@ impl<'a> Summary<'a> {
             format: header.format,
             program_version: &header.program_version,
             world: &header.world,
-            scenario: &tape.scenario().name,
+            scenario: &recorded.scenario().name,
             seed: header.seed,
             started: started.to_string(),
             step_ns,
@@ -76,10 +76,10 @@ impl<'a> Summary<'a> {
             to_s: seconds(last_tick),
             simulated_s: seconds(last_tick - first_tick),
             robots: &header.robots,
-            ticks_with_inputs: tape.inputs(),
+            ticks_with_inputs: recorded.inputs(),
             events,
-            last_state_hash: format!("{:016x}", tape.last_hash()),
-            cut_off: tape.problem(),
+            last_state_hash: format!("{:016x}", recorded.last_hash()),
+            cut_off: recorded.problem(),
         }
     }
 

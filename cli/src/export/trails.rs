@@ -1,4 +1,4 @@
-//! The ways of the robots, for a picture.
+//! The paths of the robots, for a picture.
 
 use std::io::{self, Write};
 use std::mem;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use baudbot_geometry::{Point, Pose};
 use baudbot_plot::arena::{self, Collision, Trail, Trails};
 use baudbot_plot::quantity::duration;
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::{RobotView, Scenario, SimTime, World};
 
 use super::Out;
@@ -26,13 +26,13 @@ pub(super) struct Picture {
     tick: u64,
     /// Ticks within the span that the recording lost.
     missing: u64,
-    ways: Vec<Way>,
+    builders: Vec<TrailBuilder>,
     /// How many points of each robot's are kept.
     room: usize,
 }
 
-/// The way of a robot as far as it went.
-struct Way {
+/// The path of a robot as far as it went.
+struct TrailBuilder {
     trail: Trail,
     /// Nearer points than this are not kept, in metres.
     tolerance_m: f64,
@@ -40,17 +40,17 @@ struct Way {
 }
 
 impl Picture {
-    pub(super) fn new(out: Out, tape: &Arc<Tape>) -> Self {
-        let robots = tape.scenario().robots.len();
+    pub(super) fn new(out: Out, recorded: &Arc<RecordedRun>) -> Self {
+        let robots = recorded.scenario().robots.len();
         Self {
             out,
-            scenario: Arc::clone(tape.scenario()),
-            label: tape.header().world.clone(),
-            ran: Ran::of(tape),
+            scenario: Arc::clone(recorded.scenario()),
+            label: recorded.header().world.clone(),
+            ran: Ran::of(recorded),
             span: None,
             tick: 0,
             missing: 0,
-            ways: Vec::new(),
+            builders: Vec::new(),
             room: (MOST_POINTS / robots.max(1)).clamp(LEAST_ROOM, MOST_ROOM),
         }
     }
@@ -62,27 +62,27 @@ impl Sink for Picture {
         self.span = Some((self.span.map_or(now, |(from, _)| from), now));
         self.ran.see(world);
         let before = mem::replace(&mut self.tick, world.tick());
-        if self.ways.is_empty() {
-            self.ways = world.robots().map(|robot| Way::new(&robot)).collect();
+        if self.builders.is_empty() {
+            self.builders = world.robots().map(|robot| TrailBuilder::new(&robot)).collect();
             return Ok(());
         }
         let missing = world.tick() - before - 1;
         self.missing += missing;
         let changed = self.ran.is_changed(world.tick());
         let step_s = world.scenario().step_ns as f64 * 1e-9;
-        for (way, robot) in self.ways.iter_mut().zip(world.robots()) {
+        for (builder, robot) in self.builders.iter_mut().zip(world.robots()) {
             if missing == 0 {
-                way.go_on(&robot, step_s, changed);
+                builder.go_on(&robot, step_s, changed);
             } else {
-                way.leap(robot.motion().pose);
+                builder.leap(robot.motion().pose);
             }
-            if way.points > self.room {
-                way.thin();
+            if builder.points > self.room {
+                builder.thin();
             }
         }
         for collision in world.collisions() {
             let place = world.robots().position(|robot| robot.spec().name == collision.robot);
-            if let Some(trail) = place.map(|place| &mut self.ways[place].trail) {
+            if let Some(trail) = place.map(|place| &mut self.builders[place].trail) {
                 trail.collisions += 1;
                 if trail.places.len() < MOST_PLACES {
                     let with = collision.with.clone();
@@ -95,7 +95,7 @@ impl Sink for Picture {
 
     fn finish(mut self: Box<Self>) -> io::Result<()> {
         let (from, until) = self.span.unwrap_or_default();
-        let robots = self.ways.into_iter().map(Way::done).collect();
+        let robots = self.builders.into_iter().map(TrailBuilder::done).collect();
         let (about, mut facts) = (self.ran.about().to_owned(), self.ran.facts());
         if self.missing > 0 {
             let missing_ns = (self.missing * self.scenario.step_ns) as f64;
@@ -108,7 +108,7 @@ impl Sink for Picture {
     }
 }
 
-impl Way {
+impl TrailBuilder {
     fn new(robot: &RobotView<'_>) -> Self {
         let pose = robot.motion().pose;
         Self {
@@ -185,7 +185,7 @@ const MOST_POINTS: usize = 2_000_000;
 /// Points of one robot at least and at most.
 const LEAST_ROOM: usize = 1000;
 const MOST_ROOM: usize = 50_000;
-/// Pieces of a way that was often put somewhere else.
+/// Pieces of a path that was often put somewhere else.
 const MOST_PIECES: usize = 400;
 /// Collisions of a robot that are marked.
 const MOST_PLACES: usize = 200;
@@ -196,35 +196,35 @@ mod tests {
 
     use super::*;
 
-    /// A robot that rolls, and its way.
-    fn rolling() -> (World, Way) {
+    /// A robot that rolls, and its path.
+    fn rolling() -> (World, TrailBuilder) {
         let body = "{ radius_m = 0.1, mass_kg = 500.0, inertia_kg_m2 = 10.0, wheel_radius_m = 0.1 }";
         let toml = format!("[[robots]]\nname = \"a\"\nstart.speed_m_s = 1.0\nbody = {body}\n");
         let mut world = World::new(baudbot_scenario::parse(&toml).unwrap().into());
         world.begin();
-        let way = Way::new(&world.robots().next().unwrap());
-        (world, way)
+        let builder = TrailBuilder::new(&world.robots().next().unwrap());
+        (world, builder)
     }
 
-    fn go_on(world: &mut World, way: &mut Way, put: Option<f64>) {
+    fn go_on(world: &mut World, builder: &mut TrailBuilder, put: Option<f64>) {
         world.finish(&[]);
         if let Some(x_m) = put {
             let pose = Pose::new(x_m, 5.0, 0.0);
             world.intervene(&Intervention::PlaceRobot { robot: "a".to_owned(), pose }).unwrap();
         }
         world.begin();
-        way.go_on(&world.robots().next().unwrap(), world.scenario().step_ns as f64 * 1e-9, put.is_some());
+        builder.go_on(&world.robots().next().unwrap(), world.scenario().step_ns as f64 * 1e-9, put.is_some());
     }
 
     #[test]
     fn who_is_put_somewhere_else_has_not_driven_there() {
-        let (mut world, mut way) = rolling();
-        (0..100).for_each(|_| go_on(&mut world, &mut way, None));
-        let before = way.trail.distance_m;
+        let (mut world, mut builder) = rolling();
+        (0..100).for_each(|_| go_on(&mut world, &mut builder, None));
+        let before = builder.trail.distance_m;
         assert!(before > 0.1, "{before} m");
-        go_on(&mut world, &mut way, Some(30.0));
-        (0..10).for_each(|_| go_on(&mut world, &mut way, None));
-        let trail = way.done();
+        go_on(&mut world, &mut builder, Some(30.0));
+        (0..10).for_each(|_| go_on(&mut world, &mut builder, None));
+        let trail = builder.done();
         assert_eq!(trail.pieces.len(), 2);
         assert!(trail.distance_m < before + 0.5, "{} m", trail.distance_m);
         assert_eq!(trail.pieces[1][0], Point::new(30.0, 5.0));
@@ -233,12 +233,12 @@ mod tests {
 
     #[test]
     fn a_way_that_is_thinned_keeps_its_shape() {
-        let (mut world, mut way) = rolling();
-        (0..200).for_each(|_| go_on(&mut world, &mut way, None));
-        let (before, distance_m) = (way.points, way.trail.distance_m);
-        (0..5).for_each(|_| way.thin());
-        assert!(way.points * 5 < before && way.points > 1, "{} of {before} points", way.points);
-        let trail = way.done();
+        let (mut world, mut builder) = rolling();
+        (0..200).for_each(|_| go_on(&mut world, &mut builder, None));
+        let (before, distance_m) = (builder.points, builder.trail.distance_m);
+        (0..5).for_each(|_| builder.thin());
+        assert!(builder.points * 5 < before && builder.points > 1, "{} of {before} points", builder.points);
+        let trail = builder.done();
         let piece = &trail.pieces[0];
         let length: f64 = piece.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
         assert!((0.9 * distance_m..=distance_m + 1e-9).contains(&length), "{length} m, {distance_m} m");

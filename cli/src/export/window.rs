@@ -1,7 +1,7 @@
 //! Which part of a recording is wanted.
 
 use baudbot_plot::quantity::handy;
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::SimTime;
 
 use crate::args::{RowArgs, WindowArgs};
@@ -17,9 +17,9 @@ pub(super) struct Window {
 }
 
 impl Window {
-    pub(super) fn new(tape: &Tape, args: &WindowArgs) -> anyhow::Result<Self> {
-        let (first, last) = (tape.first_tick(), tape.last_tick());
-        Self::of((first, last), tape.header().step_ns, args)
+    pub(super) fn new(recorded: &RecordedRun, args: &WindowArgs) -> anyhow::Result<Self> {
+        let (first, last) = (recorded.first_tick(), recorded.last_tick());
+        Self::of((first, last), recorded.header().step_ns, args)
     }
 
     fn of((first, last): (u64, u64), step_ns: u64, args: &WindowArgs) -> anyhow::Result<Self> {
@@ -44,8 +44,8 @@ impl Window {
 }
 
 /// When a tick begins.
-pub(super) fn seconds(tape: &Tape, tick: u64) -> String {
-    handy(SimTime::from_ns(tick.saturating_mul(tape.header().step_ns)).as_seconds())
+pub(super) fn seconds(recorded: &RecordedRun, tick: u64) -> String {
+    handy(SimTime::from_ns(tick.saturating_mul(recorded.header().step_ns)).as_seconds())
 }
 
 /// Every so many ticks there is a row.

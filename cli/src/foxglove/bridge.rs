@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use baudbot_proto::v1;
-use baudbot_recording::foxglove::{Look, Looks};
+use baudbot_recording::foxglove::{FoxgloveEncoder, FoxgloveMessage};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{PartialMetadata, RawChannel, SinkId, WebSocketServerHandle};
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
@@ -47,10 +47,10 @@ pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Resul
 struct Show {
     context: Arc<foxglove::Context>,
     server: WebSocketServerHandle,
-    looks: Looks,
+    messages: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, Arc<RawChannel>>,
     /// Of each topic, for those who come late.
-    last: BTreeMap<Arc<str>, Look>,
+    last: BTreeMap<Arc<str>, FoxgloveMessage>,
     time_ns: u64,
     has_ended: bool,
 }
@@ -69,14 +69,14 @@ impl Show {
         let server = server.with_context(|| format!("--foxglove={at}: cannot listen there"))?;
         let at = SocketAddr::new(at.ip(), server.port());
         text::print(&format!("world {world} for Foxglove: ws://{at}\nin a browser: {}\n", server.app_url()))?;
-        let looks = Looks::new(described);
+        let messages = FoxgloveEncoder::new(described);
         let (channels, last) = (BTreeMap::new(), BTreeMap::new());
-        Ok(Self { context, server, looks, channels, last, time_ns: 0, has_ended: false })
+        Ok(Self { context, server, messages, channels, last, time_ns: 0, has_ended: false })
     }
 
     /// What stands still, and what robots look like.
     fn open(&mut self, time_ns: u64) {
-        self.looks.opening(time_ns).into_iter().for_each(|look| self.log(look));
+        self.messages.opening(time_ns).into_iter().for_each(|message| self.log(message));
     }
 
     fn frame(&mut self, frame: &v1::WatchResponse) {
@@ -89,12 +89,12 @@ impl Show {
         }
         self.time_ns = frame.time_ns;
         self.server.broadcast_time(frame.time_ns);
-        self.log(Look::of_frame(frame));
-        let looks = self.looks.frame(frame);
-        looks.into_iter().for_each(|look| self.log(look));
+        self.log(FoxgloveMessage::of_frame(frame));
+        let messages = self.messages.frame(frame);
+        messages.into_iter().for_each(|message| self.log(message));
         for (kind, text) in self.events(frame) {
-            let look = self.looks.event(frame.time_ns, kind, &text);
-            self.log(look);
+            let message = self.messages.event(frame.time_ns, kind, &text);
+            self.log(message);
         }
     }
 
@@ -110,22 +110,22 @@ impl Show {
         events
     }
 
-    fn log(&mut self, look: Look) {
-        let channel = self.channels.entry(Arc::clone(&look.topic)).or_insert_with(|| {
-            let channel = self.context.channel_builder(&*look.topic).schema(look.schema.clone());
-            let channel = channel.message_encoding(&look.schema.encoding).build_raw();
+    fn log(&mut self, message: FoxgloveMessage) {
+        let channel = self.channels.entry(Arc::clone(&message.topic)).or_insert_with(|| {
+            let channel = self.context.channel_builder(&*message.topic).schema(message.schema.clone());
+            let channel = channel.message_encoding(&message.schema.encoding).build_raw();
             channel.expect("a channel with a schema and an encoding")
         });
-        channel.log_with_meta(&look.data, PartialMetadata::with_log_time(look.time_ns));
-        self.last.insert(Arc::clone(&look.topic), look);
+        channel.log_with_meta(&message.data, PartialMetadata::with_log_time(message.time_ns));
+        self.last.insert(Arc::clone(&message.topic), message);
     }
 
     /// The last word of a topic, for one who has just subscribed to it: what is said once would otherwise be missed, and
     /// a world that stands says nothing.
     fn again(&self, who: Option<SinkId>, topic: &str) {
-        if let (Some(channel), Some(look)) = (self.channels.get(topic), self.last.get(topic)) {
-            let time = PartialMetadata::with_log_time(look.time_ns);
-            channel.log_with_meta_to_sink(&look.data, time, who);
+        if let (Some(channel), Some(message)) = (self.channels.get(topic), self.last.get(topic)) {
+            let time = PartialMetadata::with_log_time(message.time_ns);
+            channel.log_with_meta_to_sink(&message.data, time, who);
         }
     }
 }

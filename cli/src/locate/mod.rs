@@ -1,10 +1,10 @@
 //! `baudbot locate`: the search for a robot's place by its scan (Section 6.3.1), and the poses that were tried, Fig. 6.18.
 //!
-//! [`look`] takes a scan in a world, and makes a map of its arena; [`hunt`] searches by `baudbot_brains::localization`;
+//! [`scan_source`] takes a scan in a world, and makes a map of its arena; [`pose_search`] searches by `baudbot_brains::localization`;
 //! [`arena`] shows both.
 
-mod hunt;
-mod look;
+mod pose_search;
+mod scan_source;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,8 +17,8 @@ use baudbot_plot::quantity::{NOTHING, count, handy};
 use clap::ValueEnum;
 use serde::Serialize;
 
-use self::hunt::{Hunt, Step, error_at, off};
-use self::look::Looker;
+use self::pose_search::{SearchResult, Step, error_at, off};
+use self::scan_source::ScanSource;
 use crate::args::LocateArgs;
 use crate::run::overrides;
 use crate::scenarios::Source;
@@ -27,15 +27,15 @@ use crate::text::{self, pairs};
 pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = Arc::new(source.parse(&overrides(&args.changes)?)?);
-    let looker = Looker::find(args, &scenario.robots)?;
-    let map = looker.map(&scenario.arena)?;
-    let (whole, truth) = looker.scan(&scenario, args.at)?;
+    let scan_source = ScanSource::find(args, &scenario.robots)?;
+    let map = scan_source.map(&scenario.arena)?;
+    let (whole, truth) = scan_source.scan(&scenario, args.at)?;
     let scan = whole.thinned(args.rays as usize);
-    let hunt = Hunt::new(args, &map, &scan, scenario.seed)?;
+    let search = SearchResult::new(args, &map, &scan, scenario.seed)?;
     let error_at_truth = error_at(&map, &scan, &truth);
     let rays = whole.distances_m.len();
-    let told = Told { args, looker, hunt: &hunt, scan: &scan, rays, truth, error_at_truth };
-    let code = if hunt.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    let told = Told { args, scan_source, search: &search, scan: &scan, rays, truth, error_at_truth };
+    let code = if search.error().is_finite() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     if let Some(path) = &args.svg {
         text::write(path, &arena::draw_pose_search(&scenario, source.label(), &told.search()))?;
         if path == Path::new("-") {
@@ -53,8 +53,8 @@ pub(crate) fn locate(args: &LocateArgs) -> anyhow::Result<ExitCode> {
 /// What there is to tell.
 struct Told<'a> {
     args: &'a LocateArgs,
-    looker: Looker<'a>,
-    hunt: &'a Hunt,
+    scan_source: ScanSource<'a>,
+    search: &'a SearchResult,
     scan: &'a Scan,
     /// Of the whole scan.
     rays: usize,
@@ -115,41 +115,41 @@ impl<'a> Told<'a> {
     }
 
     fn accepted(&self) -> usize {
-        self.hunt.steps.iter().filter(|step| step.accepted).count()
+        self.search.steps.iter().filter(|step| step.accepted).count()
     }
 
     fn found(&self) -> Found<'a> {
-        let hunt = self.hunt;
-        let (off_m, off_rad) = off(&hunt.found, &self.truth);
+        let search = self.search;
+        let (off_m, off_rad) = off(&search.found, &self.truth);
         let tried = |step: &Step| {
             let Step { pose, error, accepted, start } = *step;
             TriedPose { place: pose.into(), error, accepted, start }
         };
         Found {
             method: self.method(),
-            robot: &self.looker.robot.name,
-            laser: self.looker.sensor(),
+            robot: &self.scan_source.robot.name,
+            laser: self.scan_source.sensor(),
             rays: self.scan.distances_m.len(),
             rays_of_laser: self.rays,
             truth: self.truth.into(),
             error_at_truth: self.error_at_truth,
             guess: self.args.guess.into(),
-            found: hunt.found.into(),
-            error: hunt.error(),
+            found: search.found.into(),
+            error: search.error(),
             off_m,
             off_rad,
-            fit: hunt.fit,
-            poses_tried: hunt.steps.len(),
+            fit: search.fit,
+            poses_tried: search.steps.len(),
             poses_accepted: self.accepted(),
-            starts: hunt.starts(),
-            best_start: hunt.best(),
-            tried: hunt.steps.iter().map(tried).collect(),
+            starts: search.starts(),
+            best_start: search.best(),
+            tried: search.steps.iter().map(tried).collect(),
         }
     }
 
     fn words(&self) -> String {
-        let (found, hunt) = (self.found(), self.hunt);
-        let error_at_guess = hunt.steps.first().map_or(f64::INFINITY, |step| step.error);
+        let (found, search) = (self.found(), self.search);
+        let error_at_guess = search.steps.first().map_or(f64::INFINITY, |step| step.error);
         let mut facts = vec![
             ("method", found.method),
             (
@@ -158,12 +158,12 @@ impl<'a> Told<'a> {
             ),
             ("truth", format!("{}; ε {}", place(&self.truth), epsilon(self.error_at_truth))),
             ("guess", self.told_of(&self.args.guess, error_at_guess)),
-            ("found", self.told_of(&hunt.found, found.error)),
+            ("found", self.told_of(&search.found, found.error)),
             ("tried", self.effort()),
         ];
-        facts.extend(hunt.fit.map(|fit| ("fit", format!("{} of the rays", text::percent(fit)))));
-        if hunt.starts() > 1 {
-            facts.push(("starts", format!("{}, of which {} was the best", hunt.starts(), hunt.best())));
+        facts.extend(search.fit.map(|fit| ("fit", format!("{} of the rays", text::percent(fit)))));
+        if search.starts() > 1 {
+            facts.push(("starts", format!("{}, of which {} was the best", search.starts(), search.best())));
         }
         format!("{}\n{}", pairs("", &facts), self.table())
     }
@@ -174,7 +174,7 @@ impl<'a> Told<'a> {
     }
 
     fn effort(&self) -> String {
-        format!("{}, {} accepted", count(self.hunt.steps.len(), "pose"), self.accepted())
+        format!("{}, {} accepted", count(self.search.steps.len(), "pose"), self.accepted())
     }
 
     /// The poses that were accepted on the way to where it ended.
@@ -187,38 +187,38 @@ impl<'a> Told<'a> {
             let [x, y, heading, m, rad] = numbers;
             [number.to_string(), epsilon(step.error), x, y, heading, m, rad]
         };
-        let rows = self.hunt.accepted(self.hunt.best()).map(row);
+        let rows = self.search.accepted(self.search.best()).map(row);
         text::table("", &[head.map(str::to_owned)].into_iter().chain(rows).collect::<Vec<_>>())
     }
 
     /// What is drawn of it.
     fn search(&self) -> PoseSearch {
-        let hunt = self.hunt;
+        let search = self.search;
         let attempt = |start: usize| Attempt {
-            steps: hunt.accepted(start).map(|(number, step)| (number, step.pose)).collect(),
+            steps: search.accepted(start).map(|(number, step)| (number, step.pose)).collect(),
         };
-        let best = hunt.best();
-        let others = (0..hunt.starts()).filter(|start| *start != best);
-        let (m, rad) = off(&hunt.found, &self.truth);
+        let best = search.best();
+        let others = (0..search.starts()).filter(|start| *start != best);
+        let (m, rad) = off(&search.found, &self.truth);
         PoseSearch {
-            robot: self.looker.robot.name.clone(),
+            robot: self.scan_source.robot.name.clone(),
             truth: self.truth,
             guess: self.args.guess,
-            found: hunt.found,
-            rejected: hunt.steps.iter().filter(|step| !step.accepted).map(|step| step.pose).collect(),
+            found: search.found,
+            rejected: search.steps.iter().filter(|step| !step.accepted).map(|step| step.pose).collect(),
             best: attempt(best),
             others: others.map(attempt).collect(),
             seen_from_guess: seen_from(self.scan, &self.args.guess),
-            seen_from_found: seen_from(self.scan, &hunt.found),
+            seen_from_found: seen_from(self.scan, &search.found),
             notes: vec![
                 format!(
                     "{}, {} of {}",
                     self.method(),
                     count(self.scan.distances_m.len(), "ray"),
-                    self.looker.sensor()
+                    self.scan_source.sensor()
                 ),
                 self.effort(),
-                format!("{m:.3} m and {rad:.3} rad off in the end, ε {}", epsilon(hunt.error())),
+                format!("{m:.3} m and {rad:.3} rad off in the end, ε {}", epsilon(search.error())),
                 format!("ε {} at the true pose", epsilon(self.error_at_truth)),
             ],
         }

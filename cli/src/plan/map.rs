@@ -1,4 +1,4 @@
-//! The map in which a way is planned: what stands still in the arena, as a brain would have been given it.
+//! The map in which a path is planned: what stands still in the arena, as a brain would have been given it.
 
 use baudbot_brains::planning::{Cell, Grid, GridError};
 use baudbot_geometry::{Bounds, Segment};

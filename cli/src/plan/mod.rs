@@ -1,10 +1,10 @@
-//! `baudbot plan`: a way through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
+//! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
 //!
-//! [`map`] makes cells of the arena as a brain would that knows its walls; [`way`] finds a way through them, by
+//! [`map`] makes cells of the arena as a brain would that knows its walls; [`planned_path`] finds a path through them, by
 //! `baudbot_brains::planning`; [`arena`] shows both.
 
 mod map;
-mod way;
+mod planned_path;
 
 use std::process::ExitCode;
 
@@ -17,7 +17,7 @@ use baudbot_sim::model::RobotSpec;
 use clap::ValueEnum;
 use serde::Serialize;
 
-use self::way::Way;
+use self::planned_path::PlannedPath;
 use crate::args::{Method, PlanArgs};
 use crate::error::Refused;
 use crate::run::overrides;
@@ -29,18 +29,19 @@ pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let scenario = source.parse(&overrides(&args.changes)?)?;
     let robot = robot(args.robot.as_deref(), &scenario.robots)?;
     let task = Task::new(args, &scenario, robot)?;
-    let way = Way::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
-    let code = if way.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
-    if let Some(path) = &args.svg {
-        text::write(path, &arena::draw_route(&scenario, source.label(), &task.route(&way)))?;
-        if path.as_os_str() == "-" {
+    let path =
+        PlannedPath::find(&task.grid, args, task.from, task.to).map_err(|error| task.refusal(&error))?;
+    let code = if path.is_stuck { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    if let Some(svg) = &args.svg {
+        text::write(svg, &arena::draw_route(&scenario, source.label(), &task.route(&path)))?;
+        if svg.as_os_str() == "-" {
             return Ok(code);
         }
     }
     if args.json {
-        text::print_json(&task.found(&way))?;
+        text::print_json(&task.found(&path))?;
     } else {
-        text::print(&task.words(&way))?;
+        text::print(&task.words(&path))?;
     }
     Ok(code)
 }
@@ -94,7 +95,7 @@ impl<'a> Task<'a> {
         self.grid.cells().filter(|&cell| self.grid.is_free(cell)).count()
     }
 
-    /// In the words of the command line, why there is no way.
+    /// In the words of the command line, why there is no path.
     fn refusal(&self, error: &PlanError) -> anyhow::Error {
         let end = |end: End| match end {
             End::Start if self.args.from.is_none() => ("--from (where the robot starts)", self.from),
@@ -126,7 +127,7 @@ impl<'a> Task<'a> {
         })
     }
 
-    fn found(&self, way: &Way) -> Found {
+    fn found(&self, path: &PlannedPath) -> Found {
         Found {
             method: name(self.args.method),
             robot: self.robot.name.clone(),
@@ -135,22 +136,22 @@ impl<'a> Task<'a> {
             columns: self.grid.columns(),
             rows: self.grid.rows(),
             free_cells: self.free_cells(),
-            cells_looked_at: way.touched.len(),
-            cells_expanded: way.expanded,
-            is_stuck: way.is_stuck,
-            length_m: way.length_m,
-            points_m: way.points.iter().map(|point| [point.x, point.y]).collect(),
+            cells_looked_at: path.touched.len(),
+            cells_expanded: path.expanded,
+            is_stuck: path.is_stuck,
+            length_m: path.length_m,
+            points_m: path.points.iter().map(|point| [point.x, point.y]).collect(),
         }
     }
 
-    fn words(&self, way: &Way) -> String {
-        let found = self.found(way);
+    fn words(&self, path: &PlannedPath) -> String {
+        let found = self.found(path);
         let grid = format!("{} by {} cells of {} m", found.columns, found.rows, handy(found.cell_m));
         let clear = format!("{}, {} m from walls", found.robot, handy(found.clearance_m));
-        let end = way.points.last().copied().unwrap_or(self.from);
-        let led = match way.is_stuck {
+        let end = path.points.last().copied().unwrap_or(self.from);
+        let led = match path.is_stuck {
             true => format!("stuck at {}: all neighbours were visited", place(end)),
-            false => format!("{} m, {}", metres(way.length_m), bends(way)),
+            false => format!("{} m, {}", metres(path.length_m), bends(path)),
         };
         pairs(
             "",
@@ -160,40 +161,40 @@ impl<'a> Task<'a> {
                 ("grid", format!("{grid}, {} free", found.free_cells)),
                 ("from", place(self.from)),
                 ("to", place(self.to)),
-                ("looked at", self.effort(way)),
+                ("looked at", self.effort(path)),
                 ("path", led),
             ],
         )
     }
 
-    fn effort(&self, way: &Way) -> String {
+    fn effort(&self, path: &PlannedPath) -> String {
         match self.args.method {
             Method::Cells => {
-                format!("{}, {} of them on the path", count(way.cells.len(), "convex cell"), way.expanded)
+                format!("{}, {} of them on the path", count(path.cells.len(), "convex cell"), path.expanded)
             }
             Method::Walker | Method::Greedy | Method::Dijkstra | Method::AStar | Method::ThetaStar => {
-                format!("{}, {} expanded", count(way.touched.len(), "cell"), way.expanded)
+                format!("{}, {} expanded", count(path.touched.len(), "cell"), path.expanded)
             }
         }
     }
 
     /// What is drawn of it.
-    fn route(&self, way: &Way) -> Route {
+    fn route(&self, path: &PlannedPath) -> Route {
         let cell = |point| self.grid.cell_at(point).map(|cell| square(&self.grid, cell));
         let is_grid = self.args.method != Method::Cells;
         let mut notes = vec![format!("{}, cells of {} m", name(self.args.method), handy(self.grid.cell_m()))];
-        notes.push(self.effort(way));
-        notes.push(match way.is_stuck {
+        notes.push(self.effort(path));
+        notes.push(match path.is_stuck {
             true => "it got stuck where the path ends".to_owned(),
-            false => format!("a path of {} m, {}", metres(way.length_m), bends(way)),
+            false => format!("a path of {} m, {}", metres(path.length_m), bends(path)),
         });
         Route {
             blocked: map::runs(&self.grid, |cell| !self.grid.is_free(cell)),
-            looked_at: map::runs(&self.grid, |cell| way.touched.contains(&cell)),
-            cells: way.cells.clone(),
+            looked_at: map::runs(&self.grid, |cell| path.touched.contains(&cell)),
+            cells: path.cells.clone(),
             start: cell(self.from).filter(|_| is_grid),
             target: cell(self.to).filter(|_| is_grid),
-            path: way.points.clone(),
+            path: path.points.clone(),
             notes,
         }
     }
@@ -215,8 +216,8 @@ fn name(method: Method) -> String {
     method.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
-fn bends(way: &Way) -> String {
-    count(way.points.len().saturating_sub(2), "bend")
+fn bends(path: &PlannedPath) -> String {
+    count(path.points.len().saturating_sub(2), "bend")
 }
 
 fn place(point: Point) -> String {

@@ -5,7 +5,7 @@ use baudbot_proto::v1::pace::Kind;
 use baudbot_sim::Scenario;
 use serde::Serialize;
 
-use crate::crew::Job;
+use crate::assignment::Assignment;
 
 mod robot;
 
@@ -116,7 +116,7 @@ impl Summary {
         scenario: &Scenario,
         status: &v1::WorldStatus,
         interrupted: bool,
-        jobs: &[Job],
+        assignments: &[Assignment],
     ) -> Self {
         let (simulated_s, wall_s) = (seconds(status.time_ns), seconds(status.running_wall_ns));
         let pacing = status.pacing.clone().unwrap_or_default();
@@ -144,7 +144,7 @@ impl Summary {
             score: status.score.as_ref().map(Score::new),
             blocked: status.movers.iter().filter(|mover| mover.blocked_ns > 0).map(Blocked::new).collect(),
             recording: status.recording.as_ref().map(Recording::new),
-            robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, jobs)).collect(),
+            robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assignments)).collect(),
         }
     }
 }
@@ -232,9 +232,9 @@ mod tests {
             link = { kind = "uart", baud = 9600 }
         "#;
         let scenario = baudbot_scenario::parse(toml).unwrap();
-        let jobs = [Job { brain: "wander".into(), robots: vec!["alice".into()] }];
+        let assignments = [Assignment { brain: "wander".into(), robots: vec!["alice".into()] }];
         let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
-        let summary = Summary::new(&scenario, &status(scaled), true, &jobs);
+        let summary = Summary::new(&scenario, &status(scaled), true, &assignments);
         assert_eq!(summary.simulated_per_wall, 1.5);
         assert!(summary.interrupted && summary.lockstep.is_none());
         let clock = summary.clock.unwrap();

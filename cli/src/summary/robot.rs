@@ -7,7 +7,7 @@ use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 
 use super::seconds;
-use crate::crew::Job;
+use crate::assignment::Assignment;
 use crate::link;
 
 /// What happened to a robot.
@@ -123,7 +123,7 @@ impl Robot {
         spec: &RobotSpec,
         status: &v1::RobotStatus,
         world: &v1::WorldStatus,
-        jobs: &[Job],
+        assignments: &[Assignment],
     ) -> Self {
         let simulated_s = seconds(world.time_ns);
         let (baud, bits_per_character) = match &spec.link {
@@ -132,10 +132,10 @@ impl Robot {
         };
         let capacity = link::bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
         let sensors = status.sensors.iter().zip(spec.sensors.iter());
-        let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
+        let assignment = assignments.iter().find(|assignment| assignment.robots.contains(&spec.name));
         Self {
             robot: status.robot.clone(),
-            brain: job.map_or_else(|| status.brain.clone(), |job| job.brain.clone()),
+            brain: assignment.map_or_else(|| status.brain.clone(), |assignment| assignment.brain.clone()),
             distance_m: status.distance_m,
             collisions: status.collisions,
             turns: status.turns,

@@ -3,7 +3,7 @@
 
 use std::process::ExitCode;
 
-use baudbot_brains::process::{Moment, MotorBehavior};
+use baudbot_brains::process::{MotorBehavior, StepContext};
 use baudbot_brains::program;
 use baudbot_brains::registry::Registry;
 use baudbot_client::Signals;
@@ -23,9 +23,9 @@ struct Weave {
 }
 
 impl MotorBehavior for Weave {
-    /// Called in each step in which the behaviour has the motors. `moment.turn` has the readings.
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        self.elapsed_s += moment.dt_s;
+    /// Called in each step in which the behaviour has the motors. `context.turn` has the readings.
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        self.elapsed_s += context.dt_s;
         let lean = if (self.elapsed_s as u64).is_multiple_of(2) { 0.3 } else { -0.3 };
         let forward = self.parameters.forward;
         Some(Signals { left: forward * (1.0 - lean), right: forward * (1.0 + lean) })

@@ -74,8 +74,9 @@ fn the_table_and_the_trace_are_those_of_the_run() {
     let [csv, trace, run_csv, run_trace] =
         ["same-tape.csv", "same-tape.trace", "same-run.csv", "same-run.trace"].map(place);
     let paths = [&csv, &trace, &run_csv, &run_trace].map(|path| path.to_str().unwrap());
-    let tape = record("wander", &["--seconds", "2", "--csv", paths[2], "--timeline", paths[3]], "same.mcap");
-    good(&["export", &tape, "--csv", paths[0], "--timeline", paths[1]]);
+    let recorded =
+        record("wander", &["--seconds", "2", "--csv", paths[2], "--timeline", paths[3]], "same.mcap");
+    good(&["export", &recorded, "--csv", paths[0], "--timeline", paths[1]]);
     assert_eq!(fs::read_to_string(&csv).unwrap(), fs::read_to_string(&run_csv).unwrap());
     let [made, ran] = [&trace, &run_trace].map(|path| fs::read(path).unwrap());
     assert!(!ran.is_empty() && made == ran, "{} and {} bytes", made.len(), ran.len());
@@ -83,23 +84,23 @@ fn the_table_and_the_trace_are_those_of_the_run() {
 
 #[test]
 fn a_part_of_the_run_has_the_rows_of_that_part() {
-    let tape = two_seconds("part.mcap");
-    let whole = good(&["export", &tape, "--csv", "-"]);
+    let recorded = two_seconds("part.mcap");
+    let whole = good(&["export", &recorded, "--csv", "-"]);
     let rows: Vec<_> = whole.lines().collect();
     assert_eq!(rows.len(), 1 + 201);
-    let part = good(&["export", &tape, "--csv", "-", "--from-s", "1.5", "--to-s", "1.7"]);
+    let part = good(&["export", &recorded, "--csv", "-", "--from-s", "1.5", "--to-s", "1.7"]);
     assert_eq!(part.lines().collect::<Vec<_>>(), [&rows[..1], &rows[151..=171]].concat());
-    let thin = good(&["export", &tape, "--csv", "-", "--every", "50"]);
+    let thin = good(&["export", &recorded, "--csv", "-", "--every", "50"]);
     assert_eq!(thin.lines().collect::<Vec<_>>(), [0, 1, 51, 101, 151, 201].map(|row| rows[row]));
-    assert_eq!(good(&["export", &tape, "--csv", "-", "--hz", "2"]), thin);
+    assert_eq!(good(&["export", &recorded, "--csv", "-", "--hz", "2"]), thin);
 }
 
 #[test]
 fn parquet_has_the_numbers_of_the_table() {
-    let tape = three(&["a=constant:left=0.3,right=0.3", "none"], "parquet.mcap");
+    let recorded = three(&["a=constant:left=0.3,right=0.3", "none"], "parquet.mcap");
     let path = place("three.parquet");
-    good(&["export", &tape, "--parquet", path.to_str().unwrap(), "--every", "2"]);
-    let table = good(&["export", &tape, "--csv", "-", "--every", "2"]);
+    good(&["export", &recorded, "--parquet", path.to_str().unwrap(), "--every", "2"]);
+    let table = good(&["export", &recorded, "--csv", "-", "--every", "2"]);
     let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let mut header = lines.next().unwrap();
     header[0] = "time_s";
@@ -128,8 +129,8 @@ fn parquet_has_the_numbers_of_the_table() {
 
 #[test]
 fn events_are_rows() {
-    let tape = three(&["a=constant:left=0.6,right=0.6", "none"], "events.mcap");
-    let table = good(&["export", &tape, "--events", "-"]);
+    let recorded = three(&["a=constant:left=0.6,right=0.6", "none"], "events.mcap");
+    let table = good(&["export", &recorded, "--events", "-"]);
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let header = reader.headers().unwrap().iter().collect::<Vec<_>>().join(",");
     assert_eq!(header, "start_ns,end_ns,robot,kind,part,bytes,text");
@@ -145,7 +146,7 @@ fn events_are_rows() {
     assert_eq!((&acquire[2], &acquire[4], &acquire[5], &acquire[6]), ("a", "heading", "", "read heading"));
     let think: Vec<_> = of("think").into_iter().filter(|row| &row[2] == "a").collect();
     assert_eq!(think.len(), 400, "one a tick");
-    let late = good(&["export", &tape, "--events", "-", "--from-s", "3"]);
+    let late = good(&["export", &recorded, "--events", "-", "--from-s", "3"]);
     let ends = late.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse::<u64>().unwrap());
     assert!(ends.min().unwrap() >= 3_000_000_000, "{late}");
 }
@@ -153,8 +154,8 @@ fn events_are_rows() {
 #[test]
 fn the_picture_has_a_way_for_each_robot() {
     let brains = ["a=constant:left=0.6,right=0.6", "c=constant:left=0.5,right=0.3", "none"];
-    let tape = three(&brains, "ways.mcap");
-    let picture = good(&["export", &tape, "--svg", "-"]);
+    let recorded = three(&brains, "ways.mcap");
+    let picture = good(&["export", &recorded, "--svg", "-"]);
     let document = Document::parse(&picture).unwrap();
     let ways: Vec<_> =
         document.descendants().filter(|node| node.attribute("class") == Some("trail")).collect();
@@ -183,16 +184,16 @@ fn words(picture: &str) -> String {
 fn a_picture_tells_what_ran_and_repeats_no_description_that_was_made_false() {
     let whole = "ARSim's arena, five IR sensors, a brain across 9600 baud 8N1";
     let seconds = ["--seconds", "0.5", "--seed", "7", "--brain", "avoid:forward=0.3"];
-    let tape = record("wander", &seconds, "as-described.mcap");
-    let picture = words(&good(&["export", &tape, "--svg", "-"]));
+    let recorded = record("wander", &seconds, "as-described.mcap");
+    let picture = words(&good(&["export", &recorded, "--svg", "-"]));
     assert!(picture.contains(whole), "{picture}");
     assert!(
         picture.contains("wander") && picture.contains("avoid:forward=0.3 · 9600 baud · seed 7"),
         "{picture}"
     );
     let slow = [&seconds[..], &["--set", "robots.robot.link.baud=2400", "--no-noise"]].concat();
-    let tape = record("wander", &slow, "slower.mcap");
-    let picture = words(&good(&["export", &tape, "--svg", "-"]));
+    let recorded = record("wander", &slow, "slower.mcap");
+    let picture = words(&good(&["export", &recorded, "--svg", "-"]));
     assert!(!picture.contains("9600"), "{picture}");
     assert!(picture.contains("changed: robots.robot.link.baud=2400, noise=false"), "{picture}");
     assert!(picture.contains("avoid:forward=0.3 · 2400 baud · seed 7"), "{picture}");
@@ -210,8 +211,8 @@ fn a_picture_tells_what_ran_and_repeats_no_description_that_was_made_false() {
 
 #[test]
 fn a_recording_is_summed_up() {
-    let tape = two_seconds("summary.mcap");
-    let text = good(&["export", &tape]);
+    let recorded = two_seconds("summary.mcap");
+    let text = good(&["export", &recorded]);
     for part in [
         "wander, scenario wander, seed 1\n",
         "200 of 10 ms, from 0 to 2 s\n",
@@ -222,24 +223,24 @@ fn a_recording_is_summed_up() {
     ] {
         assert!(text.contains(part), "`{part}` is not in:\n{text}");
     }
-    let summary: Value = serde_json::from_str(&good(&["export", &tape, "--json"])).unwrap();
+    let summary: Value = serde_json::from_str(&good(&["export", &recorded, "--json"])).unwrap();
     let run = good(&["run", "wander", "--set", "end.after_s=2.0", "--json", "--quiet"]);
     let run: Value = serde_json::from_str(&run).unwrap();
     assert_eq!(summary["last_state_hash"], run["state_hash"]);
     assert_eq!((&summary["simulated_s"], &summary["cut_off"]), (&Value::from(2.0), &Value::Null));
-    assert_eq!(summary["bytes"], fs::metadata(&tape).unwrap().len());
+    assert_eq!(summary["bytes"], fs::metadata(&recorded).unwrap().len());
 }
 
 #[test]
 fn what_is_left_of_a_recording_is_exported_with_a_note() {
-    let tape = two_seconds("cut.mcap");
-    let whole = fs::read(&tape).unwrap();
-    fs::write(&tape, &whole[..whole.len() - 100]).unwrap();
-    let (code, table, note) = baudbot(&["export", &tape, "--csv", "-"]);
+    let recorded = two_seconds("cut.mcap");
+    let whole = fs::read(&recorded).unwrap();
+    fs::write(&recorded, &whole[..whole.len() - 100]).unwrap();
+    let (code, table, note) = baudbot(&["export", &recorded, "--csv", "-"]);
     assert_eq!(code, 0);
-    assert!(note.starts_with(&format!("note: {tape}: the file is cut off")), "{note}");
+    assert!(note.starts_with(&format!("note: {recorded}: the file is cut off")), "{note}");
     assert!(table.lines().count() > 1, "{table}");
-    assert!(good(&["export", &tape]).contains("cut off"));
+    assert!(good(&["export", &recorded]).contains("cut off"));
 }
 
 /// A recording whose fingerprints are of another run.
@@ -273,27 +274,27 @@ fn a_run_that_comes_out_otherwise_is_exported_with_a_warning() {
 
 #[test]
 fn outputs_are_kept_apart() {
-    let tape = two_seconds("apart.mcap");
+    let recorded = two_seconds("apart.mcap");
     let out = place("apart.out");
     let out = out.to_str().unwrap();
-    let same = refusal(2, &["export", &tape, "--csv", out, "--svg", out]);
+    let same = refusal(2, &["export", &recorded, "--csv", out, "--svg", out]);
     assert_eq!(
         same,
         format!("--csv {out} and --svg {out} are the same file; write each to a file of its own")
     );
-    let both = refusal(2, &["export", &tape, "--events", "-", "--svg", "-"]);
+    let both = refusal(2, &["export", &recorded, "--events", "-", "--svg", "-"]);
     assert_eq!(both, "--events - and --svg - both want stdout; write one of them to a file");
-    let before = fs::read(&tape).unwrap();
-    let over = refusal(2, &["export", &tape, "--parquet", &tape]);
-    assert!(over.starts_with(&format!("--parquet {tape} would overwrite the recording")), "{over}");
-    assert_eq!(fs::read(&tape).unwrap(), before);
+    let before = fs::read(&recorded).unwrap();
+    let over = refusal(2, &["export", &recorded, "--parquet", &recorded]);
+    assert!(over.starts_with(&format!("--parquet {recorded} would overwrite the recording")), "{over}");
+    assert_eq!(fs::read(&recorded).unwrap(), before);
     let nowhere = place("nowhere").join("a.parquet");
     let nowhere = nowhere.to_str().unwrap();
-    let error = refusal(1, &["export", &tape, "--parquet", nowhere]);
+    let error = refusal(1, &["export", &recorded, "--parquet", nowhere]);
     assert!(error.starts_with(&format!("cannot write {nowhere}: ")), "{error}");
-    let full = refusal(1, &["export", &tape, "--parquet", "/dev/full", "--quiet"]);
+    let full = refusal(1, &["export", &recorded, "--parquet", "/dev/full", "--quiet"]);
     assert!(full.starts_with("cannot write /dev/full: "), "{full}");
-    assert!(refusal(2, &["export", &tape, "--from-s", "9", "--csv", "-"]).contains("is from 0 s to 2 s"));
+    assert!(refusal(2, &["export", &recorded, "--from-s", "9", "--csv", "-"]).contains("is from 0 s to 2 s"));
 }
 
 #[test]
@@ -323,21 +324,21 @@ fn browser(name: &str, python: &str) -> (PathBuf, PathBuf) {
     (program, told)
 }
 
-fn film(tape: &str, browser: &Path, args: &[&str]) -> (i32, String, String) {
-    let mut command = crate::command(&[&["export", tape, "--quiet"], args].concat());
+fn film(recorded: &str, browser: &Path, args: &[&str]) -> (i32, String, String) {
+    let mut command = crate::command(&[&["export", recorded, "--quiet"], args].concat());
     crate::said(command.env("BAUDBOT_BROWSER", browser).output().unwrap())
 }
 
 #[test]
 fn a_film_is_what_the_page_hands_in() {
-    let tape = two_seconds("film.mcap");
+    let recorded = two_seconds("film.mcap");
     let python = "page = urllib.request.urlopen(url.split('?')[0]).read()\nassert b'<html' in page.lower()\n\
                   post('/film', b'GIF89a' + url.encode())\ntime.sleep(600)";
     let (program, told) = browser("browser-good", python);
     let out = place("film.gif");
     let options = ["--from-s", "0.5", "--speed", "2", "--fps", "20", "--width-px", "640", "--theme", "dark"];
     let args = [&["--gif", out.to_str().unwrap()], &options[..]].concat();
-    assert_eq!(film(&tape, &program, &args), (0, String::new(), String::new()));
+    assert_eq!(film(&recorded, &program, &args), (0, String::new(), String::new()));
     let made = fs::read_to_string(&out).unwrap();
     let asked = "/?film=gif&world=wander&from_s=0.5&to_s=2&speed=2&fps=20&width=640&theme=dark&post=/film";
     assert!(made.starts_with("GIF89ahttp://127.0.0.1:") && made.ends_with(asked), "{made}");
@@ -352,12 +353,12 @@ fn a_film_is_what_the_page_hands_in() {
 
 #[test]
 fn a_film_that_cannot_be_is_an_error_that_says_why() {
-    let tape = two_seconds("no-film.mcap");
+    let recorded = two_seconds("no-film.mcap");
     let out = place("no-film.webm");
     let out = out.to_str().unwrap();
     let failed = |python: &str| {
         let (program, _) = browser("browser-bad", python);
-        let (code, _, err) = film(&tape, &program, &["--webm", out]);
+        let (code, _, err) = film(&recorded, &program, &["--webm", out]);
         assert_eq!(code, 1, "{err}");
         err
     };
@@ -367,23 +368,23 @@ fn a_film_that_cannot_be_is_an_error_that_says_why() {
     assert!(other.contains("the page did not make a valid webm (6 bytes)"), "{other}");
     let ended = failed("print('no display', file=sys.stderr)\nsys.exit(3)");
     assert_eq!(ended, "error: the browser ended without a film: exit status: 3 (it said: no display)\n");
-    let (code, _, err) = film(&tape, Path::new("/nowhere/chromium"), &["--webm", out]);
+    let (code, _, err) = film(&recorded, Path::new("/nowhere/chromium"), &["--webm", out]);
     assert_eq!(code, 2);
     assert!(err.contains("BAUDBOT_BROWSER: there is no program `/nowhere/chromium`"), "{err}");
-    let mut without = crate::command(&["export", &tape, "--webm", out]);
+    let mut without = crate::command(&["export", &recorded, "--webm", out]);
     let (code, _, err) =
         crate::said(without.env("PATH", "/nowhere").env_remove("BAUDBOT_BROWSER").output().unwrap());
     assert!(code == 2 && err.contains("apt install chromium"), "{err}");
-    let many = refusal(2, &["export", &tape, "--gif", out, "--speed", "0.0001"]);
+    let many = refusal(2, &["export", &recorded, "--gif", out, "--speed", "0.0001"]);
     assert!(many.contains("would have 500001 pictures"), "{many}");
 }
 
 #[test]
 fn ctrl_c_ends_the_browser() {
-    let tape = two_seconds("interrupted.mcap");
+    let recorded = two_seconds("interrupted.mcap");
     let (program, told) = browser("browser-slow", "time.sleep(600)");
     let out = place("interrupted.gif");
-    let mut command = crate::command(&["export", &tape, "--quiet", "--gif", out.to_str().unwrap()]);
+    let mut command = crate::command(&["export", &recorded, "--quiet", "--gif", out.to_str().unwrap()]);
     let run = crate::Running(command.env("BAUDBOT_BROWSER", &program).spawn().unwrap());
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
     while !fs::read_to_string(&told).is_ok_and(|told| told.contains('\n')) {

@@ -8,8 +8,8 @@ use baudbot_plot::chart::progress::{self, Progress};
 use baudbot_sim::printable::PrintableLines;
 use serde_json::{Value, json};
 
+use crate::assignment;
 use crate::chart;
-use crate::crew;
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Field, Setting};
@@ -246,7 +246,7 @@ fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec
     let mut sets = Vec::new();
     for setting in levels(&ranges, &candidate.values).iter().flat_map(|level| &level.settings) {
         if let Setting::Parameter { name, value } = setting {
-            let takes = |brain: &&mut String| catalogue::takes(crew::split(brain).1, name);
+            let takes = |brain: &&mut String| catalogue::takes(assignment::split(brain).1, name);
             for brain in brains.iter_mut().filter(takes) {
                 let and = if brain.contains(':') { ',' } else { ':' };
                 let _ = write!(brain, "{and}{name}={value}");
@@ -262,7 +262,7 @@ fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec
 fn description(experiment: &Experiment, best: &Candidate) -> Option<String> {
     let (brains, _) = settings(experiment, best);
     let [brain] = brains.as_slice() else { return None };
-    catalogue::described(crew::split(brain).1).ok().flatten()
+    catalogue::described(assignment::split(brain).1).ok().flatten()
 }
 
 /// What a tuning makes of its journal.

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_recording::{Digests, Frames, Replay, Tape, Writer, checksum, header, saved};
+use baudbot_recording::{Digests, Frames, RecordedRun, Replay, Writer, checksum, header, saved};
 use baudbot_sim::{Input, Scenario, World};
 
 use super::{Target, outcome};
@@ -40,12 +40,12 @@ const SCENARIO: &str = include_str!("world.toml");
 
 fn recordings(bytes: &[u8]) -> u64 {
     Frames::read(bytes).take(10).for_each(drop);
-    let tape = match Tape::read_at_most(bytes, 64 << 20) {
-        Ok(tape) => tape,
+    let recorded = match RecordedRun::read_at_most(bytes, 64 << 20) {
+        Ok(recorded) => recorded,
         Err(error) => return outcome(&error.to_string()),
     };
-    let condition = u64::from(tape.is_whole()) + 2 * tape.stretches().len() as u64;
-    let (mut replay, mut world) = match Replay::start(Arc::new(tape)) {
+    let condition = u64::from(recorded.is_whole()) + 2 * recorded.stretches().len() as u64;
+    let (mut replay, mut world) = match Replay::start(Arc::new(recorded)) {
         Ok(started) => started,
         Err(error) => return outcome(&error.to_string()),
     };

@@ -1,7 +1,7 @@
 //! Enlargements of robots that are too small in the plan.
 
 use baudbot_geometry::{Bounds, Vector, math};
-use baudbot_sim::sight::Onlooker;
+use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{Scenario, World};
 
 use super::block::{Block, WIDTH};
@@ -18,7 +18,7 @@ pub(super) fn draw(
     number: usize,
     kind: &Kind<'_>,
     world: &World,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     (height, plan_scale): (f64, f64),
 ) -> Block {
     let view = View { left: 0.0, top: HEAD, ..window(kind, height) };
@@ -33,7 +33,7 @@ pub(super) fn draw(
     canvas.put(Element::new("clipPath").set("id", &id).with(shape()));
     canvas.open(Element::group().set("clip-path", &format!("url(#{id})")));
     let mut labels = Labels::new((4.0, HEAD + 4.0), (WIDTH - 4.0, HEAD + view.height() - 4.0));
-    draw_inside(&mut canvas, &mut labels, &view, kind, world, onlooker);
+    draw_inside(&mut canvas, &mut labels, &view, kind, world, caster);
     canvas.append(&labels.into_canvas());
     canvas.close("g");
     canvas.put(shape().set("fill", "none").set("stroke", FRAME));
@@ -67,19 +67,19 @@ pub(super) fn mark(canvas: &mut Canvas, plan: &View, kind: &Kind<'_>, height: f6
 }
 
 /// Puts labels at a robot's sensors.
-pub(super) fn label_sensors(labels: &mut Labels, view: &View, onlooker: &Onlooker<'_>, kind: &Kind<'_>) {
+pub(super) fn label_sensors(labels: &mut Labels, view: &View, caster: &RayCaster<'_>, kind: &Kind<'_>) {
     let robot = (kind.first, kind.robot);
     let middle = view.at(kind.robot.start.pose.position);
     let rim = view.length(kind.robot.drive.radius_m);
     for sensor in kind.robot.sensors.iter() {
-        let Some(place) = senses::place(view, onlooker, robot, sensor) else { continue };
+        let Some(place) = senses::place(view, caster, robot, sensor) else { continue };
         // Dark enough for text on its fan.
         let color = palette::darker(palette::rgb(palette::sensor(&sensor.device).color), 0.62);
         let style = Style { size: 10.5, color: &color, bold: false };
         let off: Place = (place.0 - middle.0, middle.1 - place.1);
         let far = math::hypot(off.0, off.1);
         // One in the middle is told of where it looks.
-        let facing = sensor.device.mount().map(|mount| onlooker.place(kind.first, mount).heading);
+        let facing = sensor.device.mount().map(|mount| caster.place(kind.first, mount).heading);
         let way = if far > 0.3 * rim { math::atan2(off.1, off.0) } else { facing.unwrap_or(0.0) };
         labels.put_off(&sensor.name, style, place, way, (rim - far).max(0.0) + 14.0);
     }
@@ -91,21 +91,21 @@ fn draw_inside(
     view: &View,
     kind: &Kind<'_>,
     world: &World,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
 ) {
     let scenario: &Scenario = world.scenario();
     ground::draw_near(canvas, view, scenario);
     walls::draw(canvas, view, &scenario.arena);
     things::draw(canvas, view, scenario, false);
     let robot = (kind.first, kind.robot);
-    senses::fans(canvas, view, onlooker, robot);
+    senses::fans(canvas, view, caster, robot);
     let near = |other: &&baudbot_sim::model::RobotSpec| view.shows(&extent::of_robot(other));
     for other in scenario.robots.iter().filter(near) {
         body::draw(canvas, view, other);
     }
-    senses::mounts(canvas, view, onlooker, robot);
+    senses::mounts(canvas, view, caster, robot);
     labels.keep_disc(view.at(kind.robot.start.pose.position), view.length(kind.robot.drive.radius_m) + 2.0);
-    label_sensors(labels, view, onlooker, kind);
+    label_sensors(labels, view, caster, kind);
 }
 
 /// The window: the body, and as much of its sensors' ranges as leaves the body large enough.

@@ -33,7 +33,7 @@ mod walls;
 
 use std::sync::Arc;
 
-use baudbot_sim::sight::Onlooker;
+use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{Scenario, World};
 
 use self::block::{Block, GAP, WIDTH};
@@ -83,7 +83,7 @@ enum Shown<'a> {
 
 fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
     let world = World::new(Arc::new(scenario.clone()));
-    let onlooker = Onlooker::new(&world);
+    let caster = RayCaster::new(&world);
     let kinds = kinds::of(&scenario.robots);
     let start = extent::of(scenario);
     let went = match shown {
@@ -102,7 +102,7 @@ fn picture(scenario: &Scenario, label: &str, shown: Shown<'_>) -> String {
         Shown::Starts => Lenses::new(&kinds, scale),
         Shown::Trails(_) | Shown::Route(_) | Shown::PoseSearch(_) => Lenses::none(),
     };
-    let plan = Plan { view, world: &world, onlooker: &onlooker, kinds: &kinds, lenses: &lenses, shown };
+    let plan = Plan { view, world: &world, caster: &caster, kinds: &kinds, lenses: &lenses, shown };
     let mut canvas = Canvas::default();
     canvas.append(&head.canvas);
     plan.draw(&mut canvas);
@@ -196,7 +196,7 @@ fn columns(plan: &View, is_wide: bool) -> Vec<Place> {
 struct Plan<'a> {
     view: View,
     world: &'a World,
-    onlooker: &'a Onlooker<'a>,
+    caster: &'a RayCaster<'a>,
     kinds: &'a [Kind<'a>],
     lenses: &'a Lenses<'a>,
     shown: Shown<'a>,
@@ -219,7 +219,7 @@ impl Plan<'_> {
             return own.into_iter().chain(surroundings).collect();
         }
         let sizes = (self.lenses.height, self.view.scale);
-        let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, self.world, self.onlooker, sizes);
+        let lens = |(i, kind): (usize, &&Kind<'_>)| lens::draw(i, kind, self.world, self.caster, sizes);
         let lenses = self.lenses.kinds.iter().enumerate().map(lens);
         let keys = self.kinds.iter().take(MOST_LENSES).map(key::of_kind);
         let rest = (self.kinds.len() > MOST_LENSES).then(key::of_rest);
@@ -258,19 +258,19 @@ impl Plan<'_> {
 
     /// Robots at their starts, with what they look at.
     fn draw_robots(&self, canvas: &mut Canvas) {
-        let (view, onlooker, robots) = (&self.view, self.onlooker, &self.world.scenario().robots);
+        let (view, caster, robots) = (&self.view, self.caster, &self.world.scenario().robots);
         let is_crowd = robots.len() > CROWD;
         for robot in robots.iter().enumerate().take(MOST_FANS) {
             match is_crowd {
-                true => senses::brief_fans(canvas, view, onlooker, robot),
-                false => senses::fans(canvas, view, onlooker, robot),
+                true => senses::brief_fans(canvas, view, caster, robot),
+                false => senses::fans(canvas, view, caster, robot),
             }
         }
         for robot in robots {
             body::draw(canvas, view, robot);
         }
         if !is_crowd {
-            robots.iter().enumerate().for_each(|robot| senses::mounts(canvas, view, onlooker, robot));
+            robots.iter().enumerate().for_each(|robot| senses::mounts(canvas, view, caster, robot));
         }
         for kind in &self.lenses.kinds {
             lens::mark(canvas, view, kind, self.lenses.height);
@@ -293,7 +293,7 @@ impl Plan<'_> {
         let is_start = matches!(self.shown, Shown::Starts);
         let is_told = |kind: &&Kind<'_>| !lenses.has(kind) && robots.len() <= CROWD && is_start;
         for kind in self.kinds.iter().filter(is_told) {
-            lens::label_sensors(labels, view, self.onlooker, kind);
+            lens::label_sensors(labels, view, self.caster, kind);
         }
         let named = if robots.len() > MOST_NAMES { 0 } else { robots.len() };
         for (i, robot) in robots.iter().enumerate().take(named) {

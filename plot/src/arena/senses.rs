@@ -2,8 +2,8 @@
 
 use baudbot_geometry::{Fan, Point, Pose};
 use baudbot_sim::model::RobotSpec;
+use baudbot_sim::raycast::{CastRay, RayCaster};
 use baudbot_sim::sensor::{Device, Mount, Sensor};
-use baudbot_sim::sight::{Glance, Onlooker};
 
 use super::extent::of_disc;
 use super::view::{View, arc};
@@ -12,9 +12,9 @@ use crate::quantity::{count, duration, length};
 use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified};
 
 /// Draws the areas that a robot's sensors see, below the robots.
-pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
+pub(super) fn fans(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec)) {
     for sensor in robot.1.sensors.iter() {
-        let area = area(view, onlooker, robot, sensor);
+        let area = area(view, caster, robot, sensor);
         let color = palette::sensor(&sensor.device).color;
         let outer = Element::group().set("fill", color).set("stroke", color).titled(&title(robot.1, sensor));
         if !area.is_empty() {
@@ -26,21 +26,21 @@ pub(super) fn fans(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, ro
 }
 
 /// The area that a sensor sees; nothing of sensors that look nowhere, and of those that touch, which are drawn over the robots.
-fn area(view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec), sensor: &Sensor) -> Canvas {
+fn area(view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec), sensor: &Sensor) -> Canvas {
     let mut area = Canvas::default();
     let Some(mount) = sensor.device.mount() else { return area };
     match &sensor.device {
         Device::Light(light) => {
-            area.put(facing(view, onlooker, robot, (mount, light.opening_rad)));
+            area.put(facing(view, caster, robot, (mount, light.opening_rad)));
         }
         Device::Photoresistor(resistor) => {
-            area.put(facing(view, onlooker, robot, (mount, resistor.light.opening_rad)));
+            area.put(facing(view, caster, robot, (mount, resistor.light.opening_rad)));
         }
         Device::Infrared(_)
         | Device::VoltageRanger(_)
         | Device::Sonar(_)
         | Device::Laser(_)
-        | Device::LineCamera(_) => fan(&mut area, view, onlooker, (robot.0, sensor, mount)),
+        | Device::LineCamera(_) => fan(&mut area, view, caster, (robot.0, sensor, mount)),
         Device::Whisker(_)
         | Device::Bumper(_)
         | Device::Encoders(_)
@@ -63,14 +63,14 @@ fn area(view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec), sensor
 fn fan(
     group: &mut Canvas,
     view: &View,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     (robot, sensor, mount): (usize, &Sensor, &Mount),
 ) {
     let (Some(fan), Some(range_m)) = (sensor.device.fan(), sensor.device.range_m()) else { return };
-    let wedge = wedge(view, onlooker, robot, (mount, fan, range_m));
+    let wedge = wedge(view, caster, robot, (mount, fan, range_m));
     group.put(drawn(&wedge).set("stroke", "none").set("fill-opacity", "0.16"));
     if fan.len() <= MOST_RAYS {
-        rays(group, view, &onlooker.sees(robot, sensor), range_m);
+        rays(group, view, &caster.sees(robot, sensor), range_m);
     }
 }
 
@@ -78,7 +78,7 @@ fn fan(
 pub(super) fn brief_fans(
     canvas: &mut Canvas,
     view: &View,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     robot: (usize, &RobotSpec),
 ) {
     let mut shapes: Vec<(&str, String)> = Vec::new();
@@ -86,7 +86,7 @@ pub(super) fn brief_fans(
         let (Some(mount), Some(fan), Some(range_m)) = (device.mount(), device.fan(), device.range_m()) else {
             continue;
         };
-        let wedge = wedge(view, onlooker, robot.0, (mount, fan, range_m));
+        let wedge = wedge(view, caster, robot.0, (mount, fan, range_m));
         let color = palette::sensor(device).color;
         match shapes.iter_mut().find(|(other, _)| *other == color) {
             Some((_, data)) => *data += &wedge,
@@ -99,25 +99,25 @@ pub(super) fn brief_fans(
 }
 
 /// Draws the mounts of sensors and whatever touches, over the robots.
-pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, robot: (usize, &RobotSpec)) {
+pub(super) fn mounts(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec)) {
     let spec = robot.1;
     let radius = view.length(spec.drive.radius_m);
     let dot = (0.06 * radius).clamp(1.2, 4.5);
     for sensor in spec.sensors.iter() {
         let SensorStyle { color, symbol, .. } = palette::sensor(&sensor.device);
-        let Some(place) = place(view, onlooker, robot, sensor) else { continue };
+        let Some(place) = place(view, caster, robot, sensor) else { continue };
         canvas.open(Element::group().set("fill", color).set("stroke", color).titled(&title(spec, sensor)));
         let circle =
             |r: f64| Element::new("circle").number("cx", place.0).number("cy", place.1).number("r", r);
         match symbol {
             Symbol::Line => {
-                for glance in onlooker.sees(robot.0, sensor) {
-                    whisker_line(canvas, view, &glance, sensor.device.range_m().unwrap_or(0.0));
+                for cast in caster.sees(robot.0, sensor) {
+                    whisker_line(canvas, view, &cast, sensor.device.range_m().unwrap_or(0.0));
                 }
                 canvas.put(circle(0.8 * dot));
             }
             Symbol::Arc => {
-                let bar = drawn(&view.line(rim_arc(onlooker, robot, sensor, 1.0)));
+                let bar = drawn(&view.line(rim_arc(caster, robot, sensor, 1.0)));
                 let bar = bar.set("fill", "none").set("stroke-linecap", "round");
                 canvas.put(
                     bar.number("stroke-width", (0.1 * radius).clamp(2.0, 7.0)).set("stroke-opacity", "0.85"),
@@ -139,24 +139,24 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, onlooker: &Onlooker<'_>, 
 /// The place of a sensor in the picture, unless it has none in particular.
 pub(super) fn place(
     view: &View,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     (i, robot): (usize, &RobotSpec),
     sensor: &Sensor,
 ) -> Option<Place> {
     match palette::sensor(&sensor.device).symbol {
-        Symbol::Arc => rim_arc(onlooker, (i, robot), sensor, 0.6).next().map(|point| view.at(point)),
+        Symbol::Arc => rim_arc(caster, (i, robot), sensor, 0.6).next().map(|point| view.at(point)),
         Symbol::Ring => {
             Some(view.at(robot.start.pose.transform(Point::new(-0.35 * robot.drive.radius_m, 0.0))))
         }
         Symbol::Dot | Symbol::Square | Symbol::Line => {
-            sensor.device.mount().map(|mount| view.at(onlooker.place(i, mount).position))
+            sensor.device.mount().map(|mount| view.at(caster.place(i, mount).position))
         }
     }
 }
 
 /// The part of the robot's rim along which a sensor feels, or a share of that part about its middle.
 fn rim_arc(
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     (i, robot): (usize, &RobotSpec),
     sensor: &Sensor,
     share: f64,
@@ -165,7 +165,7 @@ fn rim_arc(
     sense.into_iter().flat_map(move |(mount, fan)| {
         let kappas = fan.kappas();
         let ends = [kappas[0], kappas[kappas.len() - 1]].map(|end| share * end);
-        arc(&onlooker.place(i, mount), robot.drive.radius_m, ends[0], ends[1])
+        arc(&caster.place(i, mount), robot.drive.radius_m, ends[0], ends[1])
     })
 }
 
@@ -188,11 +188,11 @@ pub(super) fn period(sensor: &Sensor) -> String {
 /// The area that is seen through a fan, as the data of a path. A single ray is a line.
 fn wedge(
     view: &View,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     robot: usize,
     (mount, fan, range_m): (&Mount, &Fan, f64),
 ) -> String {
-    let pose = onlooker.place(robot, mount);
+    let pose = caster.place(robot, mount);
     // Nobody sees farther than to the window's farthest corner.
     let range_m = range_m.min(1.1 * farthest(view, &pose));
     let kappas = fan.kappas();
@@ -200,8 +200,8 @@ fn wedge(
     let enough = (opening * view.length(range_m) / 1.5).ceil() as usize;
     let rays = enough.max(fan.len().min(720)).clamp(1, MOST_SAMPLES);
     let smooth = Fan::new(opening, rays);
-    let glances = onlooker.along(robot, mount, &smooth, range_m);
-    let ends: Vec<_> = glances.iter().map(|glance| view.at(end(glance, range_m))).collect();
+    let casts = caster.along(robot, mount, &smooth, range_m);
+    let ends: Vec<_> = casts.iter().map(|cast| view.at(end(cast, range_m))).collect();
     let origin = view.at(pose.position);
     let around = opening > std::f64::consts::TAU - 1e-3;
     path(simplified(&ends, 0.25).into_iter().chain((!around).then_some(origin))) + "Z"
@@ -212,39 +212,39 @@ fn farthest(view: &View, pose: &Pose) -> f64 {
     (pose.position - view.world.center()).norm() + 0.5 * view.world.size().norm()
 }
 
-fn end(glance: &Glance, range_m: f64) -> Point {
-    glance.ray.at(glance.distance_m.unwrap_or(range_m))
+fn end(cast: &CastRay, range_m: f64) -> Point {
+    cast.ray.at(cast.distance_m.unwrap_or(range_m))
 }
 
 /// Draws rays as thin lines, with dots where they meet something.
-fn rays(canvas: &mut Canvas, view: &View, glances: &[Glance], range_m: f64) {
-    let line = |glance: &Glance| view.line([glance.ray.origin, end(glance, range_m)]);
-    let lines: String = glances.iter().map(line).collect();
+fn rays(canvas: &mut Canvas, view: &View, casts: &[CastRay], range_m: f64) {
+    let line = |cast: &CastRay| view.line([cast.ray.origin, end(cast, range_m)]);
+    let lines: String = casts.iter().map(line).collect();
     canvas.put(drawn(&lines).set("fill", "none").set("stroke-width", "0.6").set("stroke-opacity", "0.6"));
-    canvas.put_dots(&dots(view, glances));
+    canvas.put_dots(&dots(view, casts));
 }
 
-fn dots(view: &View, glances: &[Glance]) -> String {
-    let hits = glances.iter().filter_map(|glance| Some(glance.ray.at(glance.distance_m?)));
+fn dots(view: &View, casts: &[CastRay]) -> String {
+    let hits = casts.iter().filter_map(|cast| Some(cast.ray.at(cast.distance_m?)));
     let seen = hits.filter(|&hit| view.shows(&of_disc(hit, 0.0))).map(|hit| view.at(hit));
     // Lines of no length, with round ends.
     seen.map(|(x, y)| format!("M{} {}h.01", px(x), px(y))).collect()
 }
 
-fn whisker_line(canvas: &mut Canvas, view: &View, glance: &Glance, length_m: f64) {
-    let line = drawn(&view.line([glance.ray.origin, end(glance, length_m)])).set("fill", "none");
+fn whisker_line(canvas: &mut Canvas, view: &View, cast: &CastRay, length_m: f64) {
+    let line = drawn(&view.line([cast.ray.origin, end(cast, length_m)])).set("fill", "none");
     canvas.put(line.set("stroke-width", "1.8").set("stroke-linecap", "round"));
-    canvas.put_dots(&dots(view, std::slice::from_ref(glance)));
+    canvas.put_dots(&dots(view, std::slice::from_ref(cast)));
 }
 
 /// The direction and the opening of a light sensor, which has no range.
 fn facing(
     view: &View,
-    onlooker: &Onlooker<'_>,
+    caster: &RayCaster<'_>,
     (i, robot): (usize, &RobotSpec),
     (mount, opening): (&Mount, f64),
 ) -> Element {
-    let pose = onlooker.place(i, mount);
+    let pose = caster.place(i, mount);
     let rim = arc(&pose, 0.55 * robot.drive.radius_m, -0.5 * opening, 0.5 * opening);
     let sector = drawn(&view.ring(rim.chain([pose.position])));
     let sector = sector.set("fill-opacity", "0.22").set("stroke-width", "0.7").set("stroke-dasharray", "2 2");

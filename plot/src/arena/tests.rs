@@ -151,8 +151,8 @@ fn a_fan_ends_where_the_ray_does() {
     ));
     let view = View { world: extent::of(world.scenario()), scale: 100.0, left: 0.0, top: 0.0 };
     let mut canvas = Canvas::default();
-    let onlooker = Onlooker::new(&world);
-    senses::mounts(&mut canvas, &view, &onlooker, (0, &world.scenario().robots[0]));
+    let caster = RayCaster::new(&world);
+    senses::mounts(&mut canvas, &view, &caster, (0, &world.scenario().robots[0]));
     let (start, end) = (view.at([0.2, 0.0].into()), view.at([0.7, 0.0].into()));
     let line = path([start, end]);
     let drawn = canvas.into_text();

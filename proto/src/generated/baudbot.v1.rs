@@ -111,7 +111,7 @@ pub struct WorldStatus {
     /// Fingerprint of the whole state: equal for equal bits.
     #[prost(fixed64, tag = "9")]
     pub state_hash: u64,
-    /// Why the run ended; empty while it has not.
+    /// Why the run ended, in words for people; empty while it has not.
     #[prost(string, tag = "10")]
     pub ending: ::prost::alloc::string::String,
     /// Its robots in the order of their names.
@@ -132,6 +132,9 @@ pub struct WorldStatus {
     /// The recording that is being made of it, or that came to an end before it was closed; absent if there is none.
     #[prost(message, optional, tag = "16")]
     pub recording: ::core::option::Option<RecordingStatus>,
+    /// Why the run ended, for programs; unspecified while it has not.
+    #[prost(enumeration = "EndingKind", tag = "17")]
+    pub ending_kind: i32,
 }
 /// A world that replays a recording.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -477,6 +480,67 @@ impl WorldState {
         }
     }
 }
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum EndingKind {
+    /// It has not ended.
+    Unspecified = 0,
+    /// The scenario's time is over.
+    TimeIsOver = 1,
+    /// A robot ran into something.
+    Collision = 2,
+    /// As many collisions as the scenario allows have happened.
+    Collisions = 3,
+    /// A robot reached the scenario's goal.
+    GoalReached = 4,
+    /// The robots have been in all zones that are goals.
+    AllGoals = 5,
+    /// As much of the floor was covered as the scenario asks for.
+    Covered = 6,
+    /// As much of the floor was sensed as the scenario asks for.
+    Sensed = 7,
+    /// A robot's battery is empty.
+    BatteryEmpty = 8,
+    /// A brain missed its deadline.
+    DeadlineMissed = 9,
+}
+impl EndingKind {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "ENDING_KIND_UNSPECIFIED",
+            Self::TimeIsOver => "ENDING_KIND_TIME_IS_OVER",
+            Self::Collision => "ENDING_KIND_COLLISION",
+            Self::Collisions => "ENDING_KIND_COLLISIONS",
+            Self::GoalReached => "ENDING_KIND_GOAL_REACHED",
+            Self::AllGoals => "ENDING_KIND_ALL_GOALS",
+            Self::Covered => "ENDING_KIND_COVERED",
+            Self::Sensed => "ENDING_KIND_SENSED",
+            Self::BatteryEmpty => "ENDING_KIND_BATTERY_EMPTY",
+            Self::DeadlineMissed => "ENDING_KIND_DEADLINE_MISSED",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "ENDING_KIND_UNSPECIFIED" => Some(Self::Unspecified),
+            "ENDING_KIND_TIME_IS_OVER" => Some(Self::TimeIsOver),
+            "ENDING_KIND_COLLISION" => Some(Self::Collision),
+            "ENDING_KIND_COLLISIONS" => Some(Self::Collisions),
+            "ENDING_KIND_GOAL_REACHED" => Some(Self::GoalReached),
+            "ENDING_KIND_ALL_GOALS" => Some(Self::AllGoals),
+            "ENDING_KIND_COVERED" => Some(Self::Covered),
+            "ENDING_KIND_SENSED" => Some(Self::Sensed),
+            "ENDING_KIND_BATTERY_EMPTY" => Some(Self::BatteryEmpty),
+            "ENDING_KIND_DEADLINE_MISSED" => Some(Self::DeadlineMissed),
+            _ => None,
+        }
+    }
+}
 /// Asks what each robot's control cycle costs.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct GetBudgetRequest {
@@ -548,7 +612,7 @@ pub struct RobotBudget {
     pub bottleneck: ::prost::alloc::string::String,
     /// What would fix it, the cheapest first; none if it meets its deadline.
     #[prost(message, repeated, tag = "12")]
-    pub mends: ::prost::alloc::vec::Vec<BudgetMend>,
+    pub remedies: ::prost::alloc::vec::Vec<BudgetRemedy>,
     /// When a cycle must be over, in nanoseconds: the step, or the deadline that the scenario states.
     #[prost(uint64, tag = "13")]
     pub deadline_ns: u64,
@@ -636,7 +700,7 @@ pub struct BudgetChip {
 }
 /// A change that fixes a robot, with the resulting budget.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct BudgetMend {
+pub struct BudgetRemedy {
     /// What to change, in words.
     #[prost(string, tag = "1")]
     pub what: ::prost::alloc::string::String,

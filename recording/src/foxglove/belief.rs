@@ -11,8 +11,8 @@ use super::arena::label;
 use super::bodies::reach;
 use super::footprint::Footprint;
 use super::frames;
-use super::look::Look;
 use super::map;
+use super::message::FoxgloveMessage;
 use super::palette;
 use super::parts::{WORLD, color, entity, fact, lines, part, point, pose_at, scene_anew, sound_pose, vector};
 
@@ -44,7 +44,7 @@ impl Believer {
     }
 
     /// What it says stands for all that it said before; a belief in nothing takes all back.
-    pub(super) fn looks(&mut self, belief: &v1::Belief, time_ns: u64) -> Vec<Look> {
+    pub(super) fn messages(&mut self, belief: &v1::Belief, time_ns: u64) -> Vec<FoxgloveMessage> {
         let at = belief.pose.as_ref().and_then(|pose| sound_pose(pose.x_m, pose.y_m, pose.heading_rad));
         let parts = [
             self.state(belief, at, time_ns),
@@ -53,15 +53,15 @@ impl Believer {
             self.path(belief, time_ns),
         ];
         let scene = scene_anew(time_ns, parts.into_iter().flatten().collect());
-        let mut looks = vec![Look::new(&self.topic, time_ns, &scene)];
+        let mut messages = vec![FoxgloveMessage::new(&self.topic, time_ns, &scene)];
         let map = belief.map.as_ref().and_then(|map| map::grid(map, time_ns));
         if map.is_some() || self.has_map {
             self.has_map = map.is_some();
             // A grid cannot be taken back.
             let grid = map.unwrap_or_else(|| map::nothing(time_ns));
-            looks.push(Look::new(&self.map_topic, time_ns, &grid));
+            messages.push(FoxgloveMessage::new(&self.map_topic, time_ns, &grid));
         }
-        looks
+        messages
     }
 
     /// What it is doing, in words; behind where it believes to be, or behind where it is.
@@ -183,8 +183,8 @@ mod tests {
         Believer::new(&robot, 0.5)
     }
 
-    fn scene(look: &Look) -> SceneUpdate {
-        SceneUpdate::decode(&look.data[..]).unwrap()
+    fn scene(message: &FoxgloveMessage) -> SceneUpdate {
+        SceneUpdate::decode(&message.data[..]).unwrap()
     }
 
     fn ids(scene: &SceneUpdate) -> Vec<&str> {
@@ -212,12 +212,12 @@ mod tests {
 
     #[test]
     fn a_belief_is_drawn_in_its_colour_and_stands_for_all_before() {
-        let looks = believer().looks(&belief(), 3);
+        let messages = believer().messages(&belief(), 3);
         assert_eq!(
-            looks.iter().map(|look| &*look.topic).collect::<Vec<_>>(),
+            messages.iter().map(|message| &*message.topic).collect::<Vec<_>>(),
             ["/belief/alice", "/belief/alice/map"]
         );
-        let scene = scene(&looks[0]);
+        let scene = scene(&messages[0]);
         assert_eq!(scene.deletions[0].r#type(), scene_entity_deletion::Type::All);
         assert_eq!(ids(&scene), ["state", "pose", "particles", "path"]);
         let [state, pose, particles, path] = &scene.entities[..] else { unreachable!("four, as above") };
@@ -240,12 +240,12 @@ mod tests {
     #[test]
     fn a_belief_that_is_taken_back_leaves_nothing() {
         let mut believer = believer();
-        assert_eq!(believer.looks(&v1::Belief::default(), 0).len(), 1, "there was no map");
-        believer.looks(&belief(), 1);
-        let looks = believer.looks(&v1::Belief::default(), 2);
-        let scene = scene(&looks[0]);
+        assert_eq!(believer.messages(&v1::Belief::default(), 0).len(), 1, "there was no map");
+        believer.messages(&belief(), 1);
+        let messages = believer.messages(&v1::Belief::default(), 2);
+        let scene = scene(&messages[0]);
         assert!(scene.entities.is_empty() && scene.deletions.len() == 1);
-        let grid = Grid::decode(&looks[1].data[..]).unwrap();
+        let grid = Grid::decode(&messages[1].data[..]).unwrap();
         assert_eq!(&grid.data[..], [0; 4], "nothing is to be seen of it");
     }
 
@@ -256,8 +256,8 @@ mod tests {
         nowhere.particles[0].y_m = f32::INFINITY;
         nowhere.particles[1].weight = f32::NAN;
         nowhere.path[1].x_m = f64::NAN;
-        let looks = believer().looks(&nowhere, 0);
-        let scene = scene(&looks[0]);
+        let messages = believer().messages(&nowhere, 0);
+        let scene = scene(&messages[0]);
         assert_eq!(ids(&scene), ["state", "particles", "path"]);
         assert_eq!(scene.entities[0].frame_id, "robot/alice", "at the robot itself");
         assert_eq!(scene.entities[1].lines[0].points.len(), 2);

@@ -58,7 +58,7 @@ pub(super) fn ghosts<'a>(
     heights: &Heights,
     time_ns: u64,
 ) -> SceneUpdate {
-    let ghost = |robot: &v1::ObservedRobot| {
+    let dead_reckoning = |robot: &v1::ObservedRobot| {
         let shape = Footprint::of_robot(robot)?;
         let (z_m, paint) = (heights.of_robot(robot), color(palette::GHOST, 1.0));
         let mut entity = entity(time_ns, &frames::odometry(&robot.robot), &robot.robot);
@@ -67,7 +67,7 @@ pub(super) fn ghosts<'a>(
         entity.lines.push(lines(Line::LineStrip, ahead, 1.5, paint));
         Some(entity)
     };
-    scene_anew(time_ns, robots.filter_map(ghost).collect())
+    scene_anew(time_ns, robots.filter_map(dead_reckoning).collect())
 }
 
 #[cfg(test)]

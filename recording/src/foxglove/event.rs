@@ -6,10 +6,10 @@ use baudbot_proto::v1::ReplayEventKind as Kind;
 use foxglove::messages::Log;
 use foxglove::messages::log::Level;
 
-use super::look::Look;
+use super::message::FoxgloveMessage;
 use super::parts::time;
 
-pub(super) fn event(topic: &Arc<str>, time_ns: u64, kind: Kind, text: &str) -> Look {
+pub(super) fn event(topic: &Arc<str>, time_ns: u64, kind: Kind, text: &str) -> FoxgloveMessage {
     let (level, name) = match kind {
         Kind::Unspecified => (Level::Info, "world"),
         Kind::Collision => (Level::Warning, "collision"),
@@ -24,7 +24,7 @@ pub(super) fn event(topic: &Arc<str>, time_ns: u64, kind: Kind, text: &str) -> L
         name: name.to_owned(),
         ..Log::default()
     };
-    Look::new(topic, time_ns, &log)
+    FoxgloveMessage::new(topic, time_ns, &log)
 }
 
 #[cfg(test)]
@@ -35,9 +35,9 @@ mod tests {
 
     #[test]
     fn a_collision_is_a_warning() {
-        let look = event(&"/log".into(), 1_000_000_001, Kind::Collision, "alice ran into wall");
-        assert_eq!((look.schema.name.as_str(), look.time_ns), ("foxglove.Log", 1_000_000_001));
-        let log = Log::decode(&look.data[..]).unwrap();
+        let message = event(&"/log".into(), 1_000_000_001, Kind::Collision, "alice ran into wall");
+        assert_eq!((message.schema.name.as_str(), message.time_ns), ("foxglove.Log", 1_000_000_001));
+        let log = Log::decode(&message.data[..]).unwrap();
         assert_eq!(log.level(), Level::Warning);
         assert_eq!((log.name.as_str(), log.message.as_str()), ("collision", "alice ran into wall"));
         let at = log.timestamp.unwrap();

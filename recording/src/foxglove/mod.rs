@@ -23,8 +23,8 @@ mod bodies;
 mod event;
 mod footprint;
 mod frames;
-mod look;
 mod map;
+mod message;
 mod odometry;
 mod palette;
 mod parts;
@@ -44,11 +44,11 @@ use self::footprint::Heights;
 use self::parts::time;
 use self::robot::Robot;
 
-pub use self::look::{Look, LookSchema};
+pub use self::message::{FoxgloveMessage, MessageSchema};
 
 /// Makes a world's messages, frame by frame; keeps of the world what it needs for that.
 #[derive(Clone, Debug)]
-pub struct Looks {
+pub struct FoxgloveEncoder {
     described: v1::DescribeWorldResponse,
     heights: Heights,
     robots: Vec<Robot>,
@@ -79,7 +79,7 @@ impl Topics {
     }
 }
 
-impl Looks {
+impl FoxgloveEncoder {
     /// Of a world as it was described to its observers.
     pub fn new(described: &v1::DescribeWorldResponse) -> Self {
         let heights = Heights::new(described);
@@ -96,7 +96,7 @@ impl Looks {
     }
 
     /// What is said once, before the first frame: what stands still, what bodies look like, and frames that do not move.
-    pub fn opening(&self, time_ns: u64) -> Vec<Look> {
+    pub fn opening(&self, time_ns: u64) -> Vec<FoxgloveMessage> {
         let (described, heights) = (&self.described, &self.heights);
         let scenes = [
             ("/scene/arena", arena::arena(described, heights, time_ns)),
@@ -104,17 +104,17 @@ impl Looks {
             ("/scene/things", bodies::things(described, heights, time_ns)),
         ];
         let scenes = scenes.into_iter().filter(|(_, scene)| !scene.entities.is_empty());
-        let mut looks: Vec<_> =
-            scenes.map(|(topic, scene)| Look::new(&topic.into(), time_ns, &scene)).collect();
+        let mut messages: Vec<_> =
+            scenes.map(|(topic, scene)| FoxgloveMessage::new(&topic.into(), time_ns, &scene)).collect();
         let fixed = frames::fixed(&described.robots, time_ns);
         if !fixed.transforms.is_empty() {
-            looks.push(Look::new(&"/tf_static".into(), time_ns, &fixed));
+            messages.push(FoxgloveMessage::new(&"/tf_static".into(), time_ns, &fixed));
         }
-        looks
+        messages
     }
 
     /// A frame's messages: where everything is, and more about robots of which the frame has details.
-    pub fn frame(&mut self, frame: &v1::WatchResponse) -> Vec<Look> {
+    pub fn frame(&mut self, frame: &v1::WatchResponse) -> Vec<FoxgloveMessage> {
         if frame.time_ns < self.last_ns {
             self.robots.iter_mut().for_each(Robot::forget);
         }
@@ -122,30 +122,30 @@ impl Looks {
         for (robot, truth) in self.robots.iter_mut().zip(&frame.robots) {
             robot.note(truth, frame.time_ns);
         }
-        let mut looks = Vec::new();
+        let mut messages = Vec::new();
         for detail in &frame.details {
             if let Some(robot) = self.robots.get_mut(detail.robot as usize) {
-                looks.extend(robot.take(detail, frame.time_ns));
+                messages.extend(robot.take(detail, frame.time_ns));
             }
         }
-        looks.extend(self.transforms(frame));
-        looks.extend(self.ghosts(frame.time_ns));
-        looks.extend(self.rays(frame));
+        messages.extend(self.transforms(frame));
+        messages.extend(self.ghosts(frame.time_ns));
+        messages.extend(self.rays(frame));
         for annotation in &frame.annotations {
             let robot = self.robots.get_mut(annotation.robot as usize);
             if let (Some(robot), Some(belief)) = (robot, &annotation.belief) {
-                looks.extend(robot.believer.looks(belief, frame.time_ns));
+                messages.extend(robot.believer.messages(belief, frame.time_ns));
             }
         }
-        looks
+        messages
     }
 
     /// What happened, in words.
-    pub fn event(&self, time_ns: u64, kind: v1::ReplayEventKind, text: &str) -> Look {
+    pub fn event(&self, time_ns: u64, kind: v1::ReplayEventKind, text: &str) -> FoxgloveMessage {
         event::event(&self.topics.log, time_ns, kind, text)
     }
 
-    fn transforms(&self, frame: &v1::WatchResponse) -> Option<Look> {
+    fn transforms(&self, frame: &v1::WatchResponse) -> Option<FoxgloveMessage> {
         let at = time(frame.time_ns);
         let robots = self.robots.iter().zip(&frame.robots).flat_map(|(robot, truth)| robot.frames(truth, at));
         let things = self.things.iter().zip(&frame.things).filter_map(|(child, thing)| {
@@ -153,11 +153,11 @@ impl Looks {
         });
         let transforms: Vec<_> = robots.chain(things).collect();
         let message = (!transforms.is_empty()).then_some(FrameTransforms { transforms });
-        message.map(|message| Look::new(&self.topics.tf, frame.time_ns, &message))
+        message.map(|message| FoxgloveMessage::new(&self.topics.tf, frame.time_ns, &message))
     }
 
     /// Each says of all, and is said when it is no longer the same that have one.
-    fn ghosts(&mut self, time_ns: u64) -> Option<Look> {
+    fn ghosts(&mut self, time_ns: u64) -> Option<FoxgloveMessage> {
         let robots = self.robots.iter().enumerate();
         let begun: Vec<_> = robots.filter(|(_, robot)| robot.has_ghost()).map(|(place, _)| place).collect();
         if begun == self.ghosts {
@@ -166,11 +166,11 @@ impl Looks {
         let described = begun.iter().map(|&place| &self.described.robots[place]);
         let scene = bodies::ghosts(described, &self.heights, time_ns);
         self.ghosts = begun;
-        Some(Look::new(&self.topics.odometry, time_ns, &scene))
+        Some(FoxgloveMessage::new(&self.topics.odometry, time_ns, &scene))
     }
 
     /// Rays are replaced by name; when it is no longer those of the same robots, all of before go.
-    fn rays(&mut self, frame: &v1::WatchResponse) -> Option<Look> {
+    fn rays(&mut self, frame: &v1::WatchResponse) -> Option<FoxgloveMessage> {
         let fans = frame
             .details
             .iter()
@@ -186,6 +186,6 @@ impl Looks {
             self.rays = fans.iter().map(|fan| fan.id.clone()).collect();
             parts::scene_anew(frame.time_ns, fans)
         };
-        Some(Look::new(&self.topics.rays, frame.time_ns, &scene))
+        Some(FoxgloveMessage::new(&self.topics.rays, frame.time_ns, &scene))
     }
 }

@@ -19,7 +19,7 @@ use super::parts::sound_pose;
 
 /// Follows a robot's wheels from a true pose on.
 #[derive(Clone, Debug)]
-pub(super) struct Ghost {
+pub(super) struct DeadReckoning {
     source: Source,
     /// The sensor's place in the data sheet.
     sensor: usize,
@@ -49,7 +49,7 @@ struct Wheels {
 /// True poses that are kept.
 const POSES: usize = 256;
 
-impl Ghost {
+impl DeadReckoning {
     /// By the best sensor for it that a robot has, if any: an odometer, or else encoders.
     pub(super) fn of(robot: &v1::RobotDescription) -> Option<Self> {
         let odometer = robot.sensors.iter().position(|sensor| sensor.kind() == SensorKind::Odometer);
@@ -189,18 +189,18 @@ mod tests {
 
     #[test]
     fn encoders_roll_on_from_where_the_robot_was_when_the_first_reading_was_taken() {
-        let mut ghost = Ghost::of(&robot(SensorKind::Encoders)).unwrap();
-        ghost.note(0, Pose::new(1.0, 2.0, FRAC_PI_2));
-        ghost.note(100, Pose::new(9.0, 9.0, 0.0));
-        ghost.take(&reading(&[], None));
-        ghost.take(&reading(&[f64::NAN, 0.0], Some(10)));
-        assert_eq!(ghost.pose(), None);
-        ghost.take(&reading(&[250.0, 250.0], Some(50)));
-        assert_eq!(ghost.pose(), Some(Pose::new(1.0, 2.0, FRAC_PI_2)));
+        let mut dead_reckoning = DeadReckoning::of(&robot(SensorKind::Encoders)).unwrap();
+        dead_reckoning.note(0, Pose::new(1.0, 2.0, FRAC_PI_2));
+        dead_reckoning.note(100, Pose::new(9.0, 9.0, 0.0));
+        dead_reckoning.take(&reading(&[], None));
+        dead_reckoning.take(&reading(&[f64::NAN, 0.0], Some(10)));
+        assert_eq!(dead_reckoning.pose(), None);
+        dead_reckoning.take(&reading(&[250.0, 250.0], Some(50)));
+        assert_eq!(dead_reckoning.pose(), Some(Pose::new(1.0, 2.0, FRAC_PI_2)));
         // Half a turn of both wheels, over the counter's end at 256, is half a metre straight on.
-        ghost.take(&reading(&[44.0, 44.0], Some(150)));
-        ghost.take(&reading(&[77.0, 77.0], Some(150)));
-        let pose = ghost.pose().unwrap();
+        dead_reckoning.take(&reading(&[44.0, 44.0], Some(150)));
+        dead_reckoning.take(&reading(&[77.0, 77.0], Some(150)));
+        let pose = dead_reckoning.pose().unwrap();
         assert!((pose.position.y - 2.5).abs() < 1e-12 && (pose.position.x - 1.0).abs() < 1e-12, "{pose:?}");
     }
 
@@ -216,30 +216,30 @@ mod tests {
 
     #[test]
     fn a_jump_to_nowhere_is_no_way() {
-        let mut ghost = Ghost::of(&robot(SensorKind::Encoders)).unwrap();
-        ghost.note(0, Pose::new(0.0, 0.0, 0.0));
-        ghost.take(&reading(&[0.0, 0.0], Some(0)));
-        ghost.take(&reading(&[f64::MAX, -f64::MAX], Some(1)));
-        ghost.take(&reading(&[100.0, 100.0], Some(2)));
-        let pose = ghost.pose().unwrap();
+        let mut dead_reckoning = DeadReckoning::of(&robot(SensorKind::Encoders)).unwrap();
+        dead_reckoning.note(0, Pose::new(0.0, 0.0, 0.0));
+        dead_reckoning.take(&reading(&[0.0, 0.0], Some(0)));
+        dead_reckoning.take(&reading(&[f64::MAX, -f64::MAX], Some(1)));
+        dead_reckoning.take(&reading(&[100.0, 100.0], Some(2)));
+        let pose = dead_reckoning.pose().unwrap();
         assert!(pose.position.coords.norm().is_finite() && pose.heading.is_finite(), "{pose:?}");
     }
 
     #[test]
     fn an_odometer_is_believed_and_a_reset_forgets() {
-        let mut ghost = Ghost::of(&robot(SensorKind::Odometer)).unwrap();
-        ghost.take(&reading(&[1.0, 2.0, PI], None));
-        assert_eq!(ghost.pose(), Some(Pose::new(1.0, 2.0, PI)));
-        ghost.take(&reading(&[f64::NAN, 2.0, PI], None));
-        assert_eq!(ghost.pose(), Some(Pose::new(1.0, 2.0, PI)));
-        ghost.forget();
-        assert_eq!(ghost.pose(), None);
+        let mut dead_reckoning = DeadReckoning::of(&robot(SensorKind::Odometer)).unwrap();
+        dead_reckoning.take(&reading(&[1.0, 2.0, PI], None));
+        assert_eq!(dead_reckoning.pose(), Some(Pose::new(1.0, 2.0, PI)));
+        dead_reckoning.take(&reading(&[f64::NAN, 2.0, PI], None));
+        assert_eq!(dead_reckoning.pose(), Some(Pose::new(1.0, 2.0, PI)));
+        dead_reckoning.forget();
+        assert_eq!(dead_reckoning.pose(), None);
     }
 
     #[test]
     fn a_robot_whose_sensors_tell_nothing_of_wheels_has_no_ghost() {
-        assert!(Ghost::of(&robot(SensorKind::Compass)).is_none());
+        assert!(DeadReckoning::of(&robot(SensorKind::Compass)).is_none());
         let broken = v1::RobotDescription { half_track_m: 0.0, ..robot(SensorKind::Encoders) };
-        assert!(Ghost::of(&broken).is_none());
+        assert!(DeadReckoning::of(&broken).is_none());
     }
 }

@@ -7,8 +7,8 @@ use foxglove::messages::{FrameTransform, SceneEntity, Timestamp};
 use super::belief::Believer;
 use super::footprint::Heights;
 use super::frames::{self, Mounted};
-use super::look::Look;
-use super::odometry::Ghost;
+use super::message::FoxgloveMessage;
+use super::odometry::DeadReckoning;
 use super::parts::{WORLD, sound_pose};
 use super::rays;
 use super::scan::Scanner;
@@ -22,7 +22,7 @@ pub(super) struct Robot {
     sensors: Vec<Sensor>,
     /// Sensors on turrets, whose frames move.
     turned: Vec<Mounted>,
-    ghost: Option<Ghost>,
+    dead_reckoning: Option<DeadReckoning>,
     pub(super) believer: Believer,
     /// Height at which its rays are drawn.
     rays_m: f64,
@@ -49,7 +49,7 @@ impl Robot {
             sensors: described
                 .map_or_else(Vec::new, |described| described.sensors.iter().map(sensor).collect()),
             turned: Mounted::all(robot).into_iter().filter(Mounted::is_turned).collect(),
-            ghost: described.and_then(Ghost::of),
+            dead_reckoning: described.and_then(DeadReckoning::of),
             believer: Believer::new(robot, heights.above()),
             rays_m: 0.5 * heights.of_robot(robot),
         }
@@ -57,39 +57,40 @@ impl Robot {
 
     /// The run begins anew.
     pub(super) fn forget(&mut self) {
-        self.ghost.iter_mut().for_each(Ghost::forget);
+        self.dead_reckoning.iter_mut().for_each(DeadReckoning::forget);
         self.sensors.iter_mut().filter_map(|sensor| sensor.scanner.as_mut()).for_each(Scanner::forget);
     }
 
     /// Where it truly is.
     pub(super) fn note(&mut self, truth: &v1::RobotTruth, time_ns: u64) {
         let pose = sound_pose(truth.x_m, truth.y_m, truth.heading_rad);
-        if let (Some(ghost), Some(pose)) = (&mut self.ghost, pose) {
-            ghost.note(time_ns, pose);
+        if let (Some(dead_reckoning), Some(pose)) = (&mut self.dead_reckoning, pose) {
+            dead_reckoning.note(time_ns, pose);
         }
     }
 
     /// What has reached its brain; the scans in that.
-    pub(super) fn take(&mut self, detail: &v1::RobotDetail, time_ns: u64) -> Vec<Look> {
-        if let Some(ghost) = &mut self.ghost {
-            ghost.take(&detail.sensors);
+    pub(super) fn take(&mut self, detail: &v1::RobotDetail, time_ns: u64) -> Vec<FoxgloveMessage> {
+        if let Some(dead_reckoning) = &mut self.dead_reckoning {
+            dead_reckoning.take(&detail.sensors);
         }
         let sensors = self.sensors.iter_mut().zip(&detail.sensors);
-        sensors.filter_map(|(sensor, detail)| sensor.scanner.as_mut()?.look(detail, time_ns)).collect()
+        sensors.filter_map(|(sensor, detail)| sensor.scanner.as_mut()?.message(detail, time_ns)).collect()
     }
 
     /// Frames that have moved.
     pub(super) fn frames(&self, truth: &v1::RobotTruth, at: Timestamp) -> Vec<FrameTransform> {
         let body = frames::in_world(at, &self.frame, [truth.x_m, truth.y_m, truth.heading_rad]);
         let turned = self.turned.iter().filter_map(|sensor| sensor.turned(at, &self.frame, &truth.actuators));
-        let ghost = self.ghost.as_ref().and_then(Ghost::pose);
-        let ghost = ghost.map(|pose| frames::transform(at, WORLD, &self.odometry_frame, &pose));
-        body.into_iter().chain(turned).chain(ghost).collect()
+        let dead_reckoning = self.dead_reckoning.as_ref().and_then(DeadReckoning::pose);
+        let dead_reckoning =
+            dead_reckoning.map(|pose| frames::transform(at, WORLD, &self.odometry_frame, &pose));
+        body.into_iter().chain(turned).chain(dead_reckoning).collect()
     }
 
     /// Whether it is known where its odometry has it.
     pub(super) fn has_ghost(&self) -> bool {
-        self.ghost.as_ref().is_some_and(|ghost| ghost.pose().is_some())
+        self.dead_reckoning.as_ref().is_some_and(|dead_reckoning| dead_reckoning.pose().is_some())
     }
 
     /// What its sensors look along, except those that scan.

@@ -7,7 +7,7 @@ use baudbot_proto::v1::SensorKind;
 use foxglove::messages::LaserScan;
 
 use super::frames;
-use super::look::Look;
+use super::message::FoxgloveMessage;
 use super::parts::{part, pose_at, time};
 
 /// A sensor whose readings are distances along a fan of rays.
@@ -54,7 +54,7 @@ impl Scanner {
 
     /// The scan that the brain has, if it is another than before. It was taken where the robot was then, so that is its
     /// time; `time_ns` is the frame's.
-    pub(super) fn look(&mut self, detail: &v1::SensorDetail, time_ns: u64) -> Option<Look> {
+    pub(super) fn message(&mut self, detail: &v1::SensorDetail, time_ns: u64) -> Option<FoxgloveMessage> {
         let is_known = match self.shown {
             Some(Some(_)) => self.shown == Some(detail.sampled_at_ns),
             Some(None) => detail.sampled_at_ns.is_none() && !detail.readable,
@@ -76,7 +76,7 @@ impl Scanner {
             ranges: distances_m.iter().map(|&distance_m| range(distance_m)).collect(),
             intensities: Vec::new(),
         };
-        Some(Look::new(&self.topic, time_ns, &scan))
+        Some(FoxgloveMessage::new(&self.topic, time_ns, &scan))
     }
 }
 
@@ -111,18 +111,18 @@ mod tests {
         v1::SensorDetail { values: values.to_vec(), sampled_at_ns, rays, ..v1::SensorDetail::default() }
     }
 
-    fn scan(look: &Look) -> LaserScan {
-        assert_eq!(look.schema.name, "foxglove.LaserScan");
-        LaserScan::decode(&look.data[..]).unwrap()
+    fn scan(message: &FoxgloveMessage) -> LaserScan {
+        assert_eq!(message.schema.name, "foxglove.LaserScan");
+        LaserScan::decode(&message.data[..]).unwrap()
     }
 
     #[test]
     fn a_lasers_scan_goes_from_right_to_left_and_is_of_the_time_at_which_it_was_taken() {
         let mut laser = Scanner::of("alice", &sensor(SensorKind::Laser, &[("", 4)])).unwrap();
-        let look =
-            laser.look(&detail(&[1.0, -1.0, f64::NAN, 2.5], Some(1_500_000_000)), 2_000_000_000).unwrap();
-        assert_eq!((&*look.topic, look.time_ns), ("/scan/alice/eye", 2_000_000_000));
-        let scan = scan(&look);
+        let message =
+            laser.message(&detail(&[1.0, -1.0, f64::NAN, 2.5], Some(1_500_000_000)), 2_000_000_000).unwrap();
+        assert_eq!((&*message.topic, message.time_ns), ("/scan/alice/eye", 2_000_000_000));
+        let scan = scan(&message);
         assert_eq!((scan.start_angle, scan.end_angle), (-1.0, 1.0));
         assert_eq!(scan.ranges, [1.0, f64::INFINITY, f64::INFINITY, 2.5]);
         assert_eq!(scan.frame_id, "robot/alice/eye");
@@ -135,7 +135,7 @@ mod tests {
         let sweep = Some(v1::Sweep { duration_ns: 100_000_000, clockwise: true });
         let sensor = v1::SensorDescription { sweep, ..sensor(SensorKind::Laser, &[("", 2)]) };
         let mut laser = Scanner::of("alice", &sensor).unwrap();
-        let scan = scan(&laser.look(&detail(&[3.0, 4.0], None), 0).unwrap());
+        let scan = scan(&laser.message(&detail(&[3.0, 4.0], None), 0).unwrap());
         assert_eq!((scan.start_angle, scan.end_angle, &*scan.ranges), (1.0, -1.0, &[3.0, 4.0][..]));
     }
 
@@ -143,8 +143,8 @@ mod tests {
     fn a_line_cameras_depths_go_from_left_to_right() {
         let camera = sensor(SensorKind::LineCamera, &[("red", 2), ("green", 2), ("blue", 2), ("depth_m", 2)]);
         let mut camera = Scanner::of("alice", &camera).unwrap();
-        let look = camera.look(&detail(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 3.0, 4.0], None), 0).unwrap();
-        let scan = scan(&look);
+        let message = camera.message(&detail(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 3.0, 4.0], None), 0).unwrap();
+        let scan = scan(&message);
         assert_eq!((scan.start_angle, scan.end_angle), (1.0, -1.0));
         assert_eq!(scan.ranges, [3.0, 4.0]);
     }
@@ -152,18 +152,18 @@ mod tests {
     #[test]
     fn each_scan_is_shown_once_and_a_short_reading_never() {
         let mut laser = Scanner::of("alice", &sensor(SensorKind::Laser, &[("", 2)])).unwrap();
-        assert!(laser.look(&detail(&[], None), 0).is_none(), "nothing has come yet");
-        assert!(laser.look(&detail(&[1.0], Some(1)), 5).is_none());
-        assert!(laser.look(&v1::SensorDetail { rays: None, ..detail(&[1.0, 2.0], Some(1)) }, 5).is_none());
-        assert!(laser.look(&detail(&[1.0, 2.0], Some(1)), 5).is_some());
-        assert!(laser.look(&detail(&[1.0, 2.0], Some(1)), 6).is_none());
-        assert!(laser.look(&detail(&[1.0, 2.0], Some(6)), 6).is_some());
+        assert!(laser.message(&detail(&[], None), 0).is_none(), "nothing has come yet");
+        assert!(laser.message(&detail(&[1.0], Some(1)), 5).is_none());
+        assert!(laser.message(&v1::SensorDetail { rays: None, ..detail(&[1.0, 2.0], Some(1)) }, 5).is_none());
+        assert!(laser.message(&detail(&[1.0, 2.0], Some(1)), 5).is_some());
+        assert!(laser.message(&detail(&[1.0, 2.0], Some(1)), 6).is_none());
+        assert!(laser.message(&detail(&[1.0, 2.0], Some(6)), 6).is_some());
         let unknown = detail(&[1.0, 2.0], None);
-        assert!(laser.look(&unknown, 7).is_some());
-        assert!(laser.look(&unknown, 8).is_none());
-        assert!(laser.look(&v1::SensorDetail { readable: true, ..unknown.clone() }, 9).is_some());
+        assert!(laser.message(&unknown, 7).is_some());
+        assert!(laser.message(&unknown, 8).is_none());
+        assert!(laser.message(&v1::SensorDetail { readable: true, ..unknown.clone() }, 9).is_some());
         laser.forget();
-        assert!(laser.look(&unknown, 0).is_some());
+        assert!(laser.message(&unknown, 0).is_some());
     }
 
     #[test]

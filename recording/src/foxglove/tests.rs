@@ -80,9 +80,9 @@ fn frame(time_ns: u64, details: Vec<v1::RobotDetail>) -> v1::WatchResponse {
 }
 
 /// A message in words, decoded by what it says that it is; it must have no number that is none.
-fn words(look: &Look) -> String {
-    let data = &look.data[..];
-    let words = match look.schema.name.as_str() {
+fn words(message: &FoxgloveMessage) -> String {
+    let data = &message.data[..];
+    let words = match message.schema.name.as_str() {
         "foxglove.SceneUpdate" => format!("{:?}", SceneUpdate::decode(data).unwrap()),
         "foxglove.FrameTransforms" => format!("{:?}", FrameTransforms::decode(data).unwrap()),
         "foxglove.LaserScan" => format!("{:?}", LaserScan::decode(data).unwrap()),
@@ -91,21 +91,21 @@ fn words(look: &Look) -> String {
         other => panic!("{other}"),
     };
     for none in ["NaN", ": inf", ": -inf"] {
-        assert!(!words.contains(none), "{} at {} ns: {words}", look.topic, look.time_ns);
+        assert!(!words.contains(none), "{} at {} ns: {words}", message.topic, message.time_ns);
     }
     words
 }
 
-fn on<'a>(looks: &'a [Look], topic: &str) -> Option<&'a Look> {
-    looks.iter().find(|look| &*look.topic == topic)
+fn on<'a>(messages: &'a [FoxgloveMessage], topic: &str) -> Option<&'a FoxgloveMessage> {
+    messages.iter().find(|message| &*message.topic == topic)
 }
 
 /// Of a frame: each child's parent, place and heading.
-fn frames_of(looks: &[Look]) -> BTreeMap<String, (String, [f64; 2], f64)> {
-    let Some(look) = on(looks, "/tf") else { return BTreeMap::new() };
-    let transforms = FrameTransforms::decode(&look.data[..]).unwrap().transforms;
+fn frames_of(messages: &[FoxgloveMessage]) -> BTreeMap<String, (String, [f64; 2], f64)> {
+    let Some(message) = on(messages, "/tf") else { return BTreeMap::new() };
+    let transforms = FrameTransforms::decode(&message.data[..]).unwrap().transforms;
     let entry = |t: foxglove::messages::FrameTransform| {
-        assert_eq!(t.timestamp, Some(time(look.time_ns)));
+        assert_eq!(t.timestamp, Some(time(message.time_ns)));
         let (place, turn) = (t.translation.unwrap(), t.rotation.unwrap());
         (t.child_frame_id, (t.parent_frame_id, [place.x, place.y], 2.0 * turn.z.atan2(turn.w)))
     };
@@ -114,18 +114,18 @@ fn frames_of(looks: &[Look]) -> BTreeMap<String, (String, [f64; 2], f64)> {
 
 #[test]
 fn an_opening_says_all_that_does_not_change() {
-    let looks = Looks::new(&world()).opening(SECOND_NS);
-    let topics: Vec<_> = looks.iter().map(|look| &*look.topic).collect();
+    let messages = FoxgloveEncoder::new(&world()).opening(SECOND_NS);
+    let topics: Vec<_> = messages.iter().map(|message| &*message.topic).collect();
     assert_eq!(topics, ["/scene/arena", "/scene/robots", "/scene/things", "/tf_static"]);
-    assert!(looks.iter().all(|look| look.time_ns == SECOND_NS));
-    assert!(words(&looks[3]).contains("robot/alice/ir"));
-    assert!(!words(&looks[3]).contains("robot/alice/urg"), "a turret turns it");
+    assert!(messages.iter().all(|message| message.time_ns == SECOND_NS));
+    assert!(words(&messages[3]).contains("robot/alice/ir"));
+    assert!(!words(&messages[3]).contains("robot/alice/urg"), "a turret turns it");
 }
 
 #[test]
 fn frames_move_robots_things_turrets_and_ghosts() {
-    let mut looks = Looks::new(&world());
-    let first = looks.frame(&frame(SECOND_NS, vec![]));
+    let mut messages = FoxgloveEncoder::new(&world());
+    let first = messages.frame(&frame(SECOND_NS, vec![]));
     let frames = frames_of(&first);
     let names: Vec<_> = frames.keys().map(String::as_str).collect();
     assert_eq!(names, ["robot/alice", "robot/alice/urg", "robot/bob", "thing/door"]);
@@ -137,32 +137,35 @@ fn frames_move_robots_things_turrets_and_ghosts() {
     assert!(place[0].abs() < 1e-12 && (place[1] - 0.1).abs() < 1e-12, "{place:?}");
     assert_eq!(frames["thing/door"].1, [3.0, 0.0]);
     // The ghost begins where the robot was when its wheels were read, and goes a wheel's turn ahead.
-    let ghosts = |looks: &[Look]| {
-        let scene = on(looks, "/scene/odometry").map(|look| SceneUpdate::decode(&look.data[..]).unwrap());
+    let ghosts = |messages: &[FoxgloveMessage]| {
+        let scene =
+            on(messages, "/scene/odometry").map(|message| SceneUpdate::decode(&message.data[..]).unwrap());
         scene.map(|scene| scene.entities.into_iter().map(|entity| entity.frame_id).collect::<Vec<_>>())
     };
-    let begun = looks.frame(&frame(2 * SECOND_NS, vec![detail(SECOND_NS, 0.0)]));
+    let begun = messages.frame(&frame(2 * SECOND_NS, vec![detail(SECOND_NS, 0.0)]));
     assert_eq!(ghosts(&begun), Some(vec!["odometry/alice".to_owned()]));
-    let rolled = looks.frame(&frame(3 * SECOND_NS, vec![detail(3 * SECOND_NS, 100.0)]));
+    let rolled = messages.frame(&frame(3 * SECOND_NS, vec![detail(3 * SECOND_NS, 100.0)]));
     assert_eq!(ghosts(&rolled), None, "it was said");
     let frames = frames_of(&rolled);
     let [x_m, y_m] = frames["odometry/alice"].1;
     assert!((x_m - 1.0).abs() < 1e-12 && (y_m - 0.1 * std::f64::consts::PI).abs() < 1e-12, "{x_m}, {y_m}");
     // Time goes back: the ghost is gone until there is news of wheels.
-    let anew = looks.frame(&frame(0, vec![]));
+    let anew = messages.frame(&frame(0, vec![]));
     assert!(!frames_of(&anew).contains_key("odometry/alice"));
     assert_eq!(ghosts(&anew), Some(vec![]));
 }
 
 #[test]
 fn scans_and_rays_are_those_of_robots_with_details() {
-    let mut looks = Looks::new(&world());
-    let first = looks.frame(&frame(SECOND_NS, vec![]));
+    let mut messages = FoxgloveEncoder::new(&world());
+    let first = messages.frame(&frame(SECOND_NS, vec![]));
     assert!(on(&first, "/scene/rays").is_none() && on(&first, "/scan/alice/urg").is_none());
     let mut rays = |time_ns, details: Vec<_>| {
-        let looks = looks.frame(&frame(time_ns, details));
-        let scene = on(&looks, "/scene/rays").map(|look| SceneUpdate::decode(&look.data[..]).unwrap());
-        let scan = on(&looks, "/scan/alice/urg").map(|look| LaserScan::decode(&look.data[..]).unwrap());
+        let messages = messages.frame(&frame(time_ns, details));
+        let scene =
+            on(&messages, "/scene/rays").map(|message| SceneUpdate::decode(&message.data[..]).unwrap());
+        let scan =
+            on(&messages, "/scan/alice/urg").map(|message| LaserScan::decode(&message.data[..]).unwrap());
         (scene, scan)
     };
     let (scene, scan) = rays(2 * SECOND_NS, vec![detail(SECOND_NS, 0.0)]);
@@ -182,7 +185,7 @@ fn scans_and_rays_are_those_of_robots_with_details() {
 
 #[test]
 fn what_is_no_number_or_belongs_to_nobody_is_left_out() {
-    let mut looks = Looks::new(&world());
+    let mut messages = FoxgloveEncoder::new(&world());
     let mut broken = detail(0, f64::NAN);
     broken.sensors[1].values[0] = f64::NAN;
     broken.sensors[0].rays.as_mut().unwrap().lengths_m[1] = f32::NAN;
@@ -194,39 +197,40 @@ fn what_is_no_number_or_belongs_to_nobody_is_left_out() {
     frame.things[0].y_m = f64::NAN;
     let belief = |robot| v1::Annotation { robot, belief: Some(v1::Belief::default()) };
     frame.annotations = vec![belief(1), belief(9), v1::Annotation { robot: 0, belief: None }];
-    let shown = looks.frame(&frame);
-    shown.iter().for_each(|look| _ = words(look));
-    let topics: Vec<_> = shown.iter().map(|look| &*look.topic).collect();
+    let shown = messages.frame(&frame);
+    shown.iter().for_each(|message| _ = words(message));
+    let topics: Vec<_> = shown.iter().map(|message| &*message.topic).collect();
     assert_eq!(topics, ["/scan/alice/urg", "/tf", "/scene/rays", "/belief/bob"]);
     let frames = frames_of(&shown);
     assert_eq!(frames.keys().collect::<Vec<_>>(), ["robot/alice/urg"], "the turret alone is somewhere");
     // The ghost of one who was nowhere does not begin.
-    assert!(looks.robots[0].frames(&truth(0.0), time(0)).len() == 2);
+    assert!(messages.robots[0].frames(&truth(0.0), time(0)).len() == 2);
 }
 
 #[test]
 fn an_empty_world_has_nothing_to_show() {
-    let mut looks = Looks::new(&v1::DescribeWorldResponse::default());
-    assert!(looks.opening(0).is_empty());
-    assert!(looks.frame(&v1::WatchResponse::default()).is_empty());
-    assert!(looks.frame(&frame(u64::MAX, vec![detail(u64::MAX, 1.0)])).is_empty());
-    assert_eq!(&*looks.event(0, v1::ReplayEventKind::Ending, "over").topic, "/log");
+    let mut messages = FoxgloveEncoder::new(&v1::DescribeWorldResponse::default());
+    assert!(messages.opening(0).is_empty());
+    assert!(messages.frame(&v1::WatchResponse::default()).is_empty());
+    assert!(messages.frame(&frame(u64::MAX, vec![detail(u64::MAX, 1.0)])).is_empty());
+    assert_eq!(&*messages.event(0, v1::ReplayEventKind::Ending, "over").topic, "/log");
 }
 
 #[test]
 fn each_topic_has_messages_of_one_schema() {
-    let mut looks = Looks::new(&world());
+    let mut messages = FoxgloveEncoder::new(&world());
     let mut last = frame(SECOND_NS, vec![detail(0, 0.0)]);
     let map = Some(v1::GridMap { cell_m: 1.0, columns: 1, cells: vec![0], ..v1::GridMap::default() });
     let belief = Some(v1::Belief { map, ..v1::Belief::default() });
     last.annotations = vec![v1::Annotation { robot: 0, belief }];
-    let mut shown = looks.opening(0);
-    shown.extend(looks.frame(&last));
-    shown.push(looks.event(0, v1::ReplayEventKind::Brain, "alice has a brain"));
-    let topics: BTreeSet<_> = shown.iter().map(|look| &*look.topic).collect();
-    let pairs: BTreeSet<_> = shown.iter().map(|look| (&*look.topic, look.schema.name.as_str())).collect();
+    let mut shown = messages.opening(0);
+    shown.extend(messages.frame(&last));
+    shown.push(messages.event(0, v1::ReplayEventKind::Brain, "alice has a brain"));
+    let topics: BTreeSet<_> = shown.iter().map(|message| &*message.topic).collect();
+    let pairs: BTreeSet<_> =
+        shown.iter().map(|message| (&*message.topic, message.schema.name.as_str())).collect();
     assert_eq!((topics.len(), pairs.len()), (11, 11), "{pairs:?}");
-    assert!(shown.iter().all(|look| !words(look).is_empty() && look.topic.starts_with('/')));
+    assert!(shown.iter().all(|message| !words(message).is_empty() && message.topic.starts_with('/')));
 }
 
 /// The layout in docs/ names topics that there are, and panels that it has.
@@ -241,8 +245,8 @@ fn the_layout_is_one_for_these_topics() {
     let kinds: BTreeSet<_> = shown.iter().filter_map(|panel| panel.split('!').next()).collect();
     assert_eq!(kinds, BTreeSet::from(["3D", "Plot", "RawMessages", "RosOut"]));
     let topics = panels["3D!scene"]["topics"].as_object().unwrap();
-    let opening = Looks::new(&world()).opening(0);
-    let scenes = opening.iter().map(|look| &*look.topic).filter(|topic| topic.starts_with("/scene"));
+    let opening = FoxgloveEncoder::new(&world()).opening(0);
+    let scenes = opening.iter().map(|message| &*message.topic).filter(|topic| topic.starts_with("/scene"));
     for topic in scenes.chain(["/scene/rays", "/scene/odometry"]) {
         assert_eq!(topics[topic]["visible"], true, "{topic}");
     }

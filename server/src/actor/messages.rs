@@ -24,7 +24,7 @@ impl WorldActor {
         match message {
             Message::Request(request, reply) => self.handle_request(request, reply),
             Message::Describe(reply) => drop(reply.send(Arc::clone(self.world.scenario()))),
-            Message::DescribeReplay(reply) => drop(reply.send(self.tape())),
+            Message::DescribeReplay(reply) => drop(reply.send(self.recorded())),
             Message::Measure(reply) => drop(reply.send(self.measure())),
             Message::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world))),
             Message::Watch(watch) => self.observers.add(watch, view!(self)),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use baudbot_recording::{RecordingError, Replay, Tape};
+use baudbot_recording::{RecordedRun, RecordingError, Replay};
 use tonic::Status;
 
 use super::ports::senders;
@@ -37,11 +37,11 @@ impl Replaying {
     }
 
     pub(super) fn report(&self) -> ReplayReport {
-        let tape = self.replay.tape();
+        let recorded = self.replay.recorded();
         let differs = self.replay.difference().map(ToString::to_string);
         ReplayReport {
-            first_tick: tape.first_tick(),
-            last_tick: tape.last_tick(),
+            first_tick: recorded.first_tick(),
+            last_tick: recorded.last_tick(),
             differs: self.problem.clone().or(differs),
         }
     }
@@ -49,8 +49,8 @@ impl Replaying {
 
 impl WorldActor {
     /// The recording that is being replayed, if any is.
-    pub(super) fn tape(&self) -> Option<Arc<Tape>> {
-        self.replaying.as_ref().map(|replaying| Arc::clone(replaying.replay.tape()))
+    pub(super) fn recorded(&self) -> Option<Arc<RecordedRun>> {
+        self.replaying.as_ref().map(|replaying| Arc::clone(replaying.replay.recorded()))
     }
 
     /// Checks that what is requested can be requested of a live world, or of a replay.
@@ -182,8 +182,8 @@ impl WorldActor {
             drop(former.reply.send(Ok(report)));
         }
         self.pacer.clock = None;
-        let tape = replaying.replay.tape();
-        let tick = tape.nearest(tick);
+        let recorded = replaying.replay.recorded();
+        let tick = recorded.nearest(tick);
         match replaying.replay.approach(&mut self.world, tick) {
             Ok(jumped) => {
                 replaying.seek = Some(Seek { tick, jumped: jumped || had_jumped, reply });

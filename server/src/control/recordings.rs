@@ -4,7 +4,7 @@ use std::io::BufReader;
 use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_recording::{RecordingError, Replay, Tape, saved};
+use baudbot_recording::{RecordedRun, RecordingError, Replay, saved};
 use baudbot_sim::World;
 use tokio::sync::oneshot;
 use tonic::Status;
@@ -80,7 +80,7 @@ impl Control {
         let (name, file) = (recording.clone(), format!("recording: `{recording}`"));
         let opened = blocking(move || {
             let opened = BufReader::with_capacity(1 << 20, folder.open(&name)?);
-            replay(Tape::read(opened))
+            replay(RecordedRun::read(opened))
                 .map_err(|problem| Status::failed_precondition(format!("{file} {problem}")))
         });
         let (replay, made) = opened.await??;
@@ -92,9 +92,9 @@ impl Control {
     }
 
     pub(super) async fn describe(&self, world: &str) -> Result<v1::DescribeReplayResponse, Status> {
-        let tape = self.registry.find("world", world)?.ask(Message::DescribeReplay).await?;
+        let recorded = self.registry.find("world", world)?.ask(Message::DescribeReplay).await?;
         let live = || Status::failed_precondition(format!("world: `{}` is live, not a replay", brief(world)));
-        Ok(convert::replay(&*tape.ok_or_else(live)?))
+        Ok(convert::replay(&*recorded.ok_or_else(live)?))
     }
 
     pub(super) async fn fork(
@@ -121,23 +121,23 @@ pub(crate) async fn stop_recording(
 /// A world from the state in a response of SaveWorld, and the name that it had.
 pub(super) fn from_saved(bytes: &[u8]) -> Result<(String, World), Status> {
     let invalid = |problem: String| Status::invalid_argument(format!("saved_mcap: {problem}"));
-    let tape = Tape::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
-    if let Some(problem) = tape.problem() {
+    let recorded = RecordedRun::read_at_most(bytes, MAX_STATE).map_err(|error| invalid(error.to_string()))?;
+    if let Some(problem) = recorded.problem() {
         return Err(invalid(format!("is not a complete state: {problem}")));
     }
-    if tape.last_tick() != tape.first_tick() {
-        let ticks = tape.last_tick() - tape.first_tick();
+    if recorded.last_tick() != recorded.first_tick() {
+        let ticks = recorded.last_tick() - recorded.first_tick();
         return Err(invalid(format!(
             "is a recording of {ticks} ticks, and not a single state; use OpenRecording"
         )));
     }
-    let world = tape.first_state().map_err(|error| invalid(error.to_string()))?;
-    Ok((tape.header().world.clone(), world))
+    let world = recorded.first_state().map_err(|error| invalid(error.to_string()))?;
+    Ok((recorded.header().world.clone(), world))
 }
 
 /// A world that replays a recording, at its beginning.
-fn replay(tape: Result<Tape, RecordingError>) -> Result<(Replay, World), RecordingError> {
-    Replay::start(Arc::new(tape?))
+fn replay(recorded: Result<RecordedRun, RecordingError>) -> Result<(Replay, World), RecordingError> {
+    Replay::start(Arc::new(recorded?))
 }
 
 /// Most frames a simulated second.

@@ -1,6 +1,6 @@
 //! Budgets: the cost of a robot's control cycle.
 
-use baudbot_budget::{Age, Chip, Cost, Load, Mend, Part, Rate, RobotBudget, Row, Span, Verdict};
+use baudbot_budget::{Age, Chip, Cost, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Verdict};
 use baudbot_proto::v1;
 
 /// A robot's budget.
@@ -16,7 +16,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         chip,
         verdict,
         bottleneck,
-        mends,
+        remedies,
         left_out,
     } = robot;
     v1::RobotBudget {
@@ -32,7 +32,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         chip: Some(chip_of(chip)),
         verdict: verdict_of(verdict).into(),
         bottleneck,
-        mends: mends.into_iter().map(mend).collect(),
+        remedies: remedies.into_iter().map(remedy).collect(),
         left_out: left_out.unwrap_or_default(),
     }
 }
@@ -78,8 +78,8 @@ fn verdict_of(verdict: Verdict) -> v1::BudgetVerdict {
     }
 }
 
-fn mend(mend: Mend) -> v1::BudgetMend {
-    let cost = match mend.cost {
+fn remedy(remedy: Remedy) -> v1::BudgetRemedy {
+    let cost = match remedy.cost {
         Cost::Setting => v1::BudgetCost::Setting,
         Cost::BothEnds => v1::BudgetCost::BothEnds,
         Cost::Firmware => v1::BudgetCost::Firmware,
@@ -89,12 +89,12 @@ fn mend(mend: Mend) -> v1::BudgetMend {
         Cost::Layout => v1::BudgetCost::Layout,
         Cost::Loss => v1::BudgetCost::Loss,
     };
-    v1::BudgetMend {
-        what: mend.what,
+    v1::BudgetRemedy {
+        what: remedy.what,
         cost: cost.into(),
-        overrides: mend.overrides,
-        step_ns: mend.step_ns,
-        total: Some(span(mend.total)),
-        verdict: verdict_of(mend.verdict).into(),
+        overrides: remedy.overrides,
+        step_ns: remedy.step_ns,
+        total: Some(span(remedy.total)),
+        verdict: verdict_of(remedy.verdict).into(),
     }
 }

@@ -6,7 +6,7 @@ use baudbot_proto::v1;
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::robot::Cycles;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::{Freshness, Histogram, RobotView, SensorView, World};
+use baudbot_sim::{Ending, Freshness, Histogram, RobotView, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
@@ -34,6 +34,7 @@ pub(crate) fn status(report: &Report) -> v1::WorldStatus {
         running_wall_ns: nanos(report.running),
         state_hash: world.hash(),
         ending: world.ending().map(ToString::to_string).unwrap_or_default(),
+        ending_kind: world.ending().map(ending_kind).unwrap_or_default().into(),
         robots: robots(report),
         pacing: Some(pace_status(&report.pacing)),
         score: Score::of(world).map(score),
@@ -161,5 +162,19 @@ fn sensor_status(sensor: &SensorView<'_>, spec: &Sensor, port: Option<&LineCount
         readable: *readable,
         ages: durations(ages),
         port: port.map(line_status),
+    }
+}
+
+fn ending_kind(ending: &Ending) -> v1::EndingKind {
+    match ending {
+        Ending::TimeIsOver => v1::EndingKind::TimeIsOver,
+        Ending::Collision(_) => v1::EndingKind::Collision,
+        Ending::Collisions(_) => v1::EndingKind::Collisions,
+        Ending::GoalReached(_) => v1::EndingKind::GoalReached,
+        Ending::AllGoals => v1::EndingKind::AllGoals,
+        Ending::Covered => v1::EndingKind::Covered,
+        Ending::Sensed => v1::EndingKind::Sensed,
+        Ending::BatteryEmpty(_) => v1::EndingKind::BatteryEmpty,
+        Ending::DeadlineMissed(_) => v1::EndingKind::DeadlineMissed,
     }
 }

@@ -6,7 +6,7 @@ mod request;
 
 use std::sync::Arc;
 
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::Scenario;
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 use tonic::Status;
@@ -28,7 +28,7 @@ pub(crate) enum Message {
     Request(Request, Reply<Report>),
     Describe(oneshot::Sender<Arc<Scenario>>),
     /// Asks which recording is being replayed, if any is.
-    DescribeReplay(oneshot::Sender<Option<Arc<Tape>>>),
+    DescribeReplay(oneshot::Sender<Option<Arc<RecordedRun>>>),
     Measure(oneshot::Sender<Measures>),
     Cover(oneshot::Sender<CoverageReport>),
     Watch(Watch),

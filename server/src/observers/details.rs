@@ -1,7 +1,7 @@
 //! Details of the robots for which an observer has asked.
 
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::sight::{Glance, Onlooker};
+use baudbot_sim::raycast::{CastRay, RayCaster};
 use baudbot_sim::{RobotView, SensorView, SimTime, World};
 
 use crate::frame::{RayFan, RobotDetail, SensorDetail};
@@ -38,12 +38,7 @@ impl Detailed {
     }
 
     /// The details now.
-    pub(super) fn tell(
-        &mut self,
-        world: &World,
-        sessions: &Sessions,
-        onlooker: &Onlooker<'_>,
-    ) -> RobotDetail {
+    pub(super) fn tell(&mut self, world: &World, sessions: &Sessions, caster: &RayCaster<'_>) -> RobotDetail {
         let view = world.robot(self.robot);
         let spec = view.spec();
         let (missed_events, events) = view.timeline().since(self.events);
@@ -52,7 +47,7 @@ impl Detailed {
         let events = events.copied().collect();
         self.events = view.timeline().total();
         let sensors = view.sensors().enumerate();
-        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), onlooker)).collect();
+        let sensors = sensors.map(|(i, sensor)| self.sensor(&view, (i, &sensor), caster)).collect();
         RobotDetail {
             robot: self.robot,
             sensors,
@@ -73,7 +68,7 @@ impl Detailed {
         &self,
         view: &RobotView<'_>,
         (i, sensor): (usize, &SensorView<'_>),
-        onlooker: &Onlooker<'_>,
+        caster: &RayCaster<'_>,
     ) -> SensorDetail {
         let (reading, spec) = (&view.readings()[i], view.spec());
         SensorDetail {
@@ -83,22 +78,22 @@ impl Detailed {
             samples: sensor.samples,
             missed: sensor.missed,
             readable_steps: sensor.freshness.readable,
-            rays: self.rays(spec, i, onlooker),
+            rays: self.rays(spec, i, caster),
             port: view.port(i).copied(),
         }
     }
 
-    fn rays(&self, spec: &RobotSpec, i: usize, onlooker: &Onlooker<'_>) -> Option<RayFan> {
+    fn rays(&self, spec: &RobotSpec, i: usize, caster: &RayCaster<'_>) -> Option<RayFan> {
         let sensor = &spec.sensors[i];
         let mount = sensor.device.mount()?;
-        let glances = onlooker.sees(self.robot, sensor);
-        if glances.is_empty() {
+        let casts = caster.sees(self.robot, sensor);
+        if casts.is_empty() {
             return None;
         }
         let range_m = sensor.device.range_m().unwrap_or(f64::INFINITY);
         let opening_rad = sensor.device.fan().map_or(0.0, |fan| fan.opening_rad());
-        let length = |glance: &Glance| glance.distance_m.unwrap_or(range_m) as f32;
-        let lengths_m = glances.iter().map(length).collect();
-        Some(RayFan { world_from_sensor: onlooker.place(self.robot, mount), opening_rad, lengths_m })
+        let length = |cast: &CastRay| cast.distance_m.unwrap_or(range_m) as f32;
+        let lengths_m = casts.iter().map(length).collect();
+        Some(RayFan { world_from_sensor: caster.place(self.robot, mount), opening_rad, lengths_m })
     }
 }

@@ -3,7 +3,7 @@
 mod details;
 
 use baudbot_sim::collision::Collision;
-use baudbot_sim::sight::Onlooker;
+use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::{RobotView, ThingView, World};
 use tokio::sync::mpsc;
 
@@ -197,9 +197,9 @@ impl Eye {
         if self.detailed.is_empty() {
             return Vec::new();
         }
-        let onlooker = Onlooker::new(view.world);
+        let caster = RayCaster::new(view.world);
         let detailed = self.detailed.iter_mut();
-        detailed.map(|detailed| detailed.tell(view.world, view.sessions, &onlooker)).collect()
+        detailed.map(|detailed| detailed.tell(view.world, view.sessions, &caster)).collect()
     }
 }
 

@@ -20,39 +20,40 @@ impl Line {
     pub fn claim_wire(&mut self, link: &Link, now: SimTime, other: &mut Self) {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
         other.settle_asked(link, now);
-        if let Some(detour) = &mut self.detour {
-            detour.blocked_until = other.burst.over(turnaround_ns);
+        if let Some(transport_path) = &mut self.transport_path {
+            transport_path.blocked_until = other.transmission.over(turnaround_ns);
         }
     }
 
     /// The microcontroller has put its bytes on the wire: `self` is the laptop's line, `other` its own.
     pub fn leave_wire_to(&mut self, link: &Link, other: &Self) {
         let Some(turnaround_ns) = link.turnaround_ns() else { return };
-        if let Some(detour) = &mut self.detour {
-            detour.blocked_until = other.burst.over(turnaround_ns);
+        if let Some(transport_path) = &mut self.transport_path {
+            transport_path.blocked_until = other.transmission.over(turnaround_ns);
         }
     }
 
     /// Puts those of the laptop's bytes on the wire that asked for it before `now`: they come before those of a side that
     /// asks now, even if they have to wait for what is on the wire.
     fn settle_asked(&mut self, link: &Link, now: SimTime) {
-        let Some(detour) = &mut self.detour else { return };
-        while let Some((ready, byte)) = detour.asking.pop_front_if(|(ready, _)| *ready < now) {
-            self.in_flight.push_back((self.burst.put(link, ready.max(detour.blocked_until)), byte));
+        let Some(transport_path) = &mut self.transport_path else { return };
+        while let Some((ready, byte)) = transport_path.asking.pop_front_if(|(ready, _)| *ready < now) {
+            self.in_flight
+                .push_back((self.transmission.put(link, ready.max(transport_path.blocked_until)), byte));
         }
     }
 
     /// Puts those of the laptop's bytes on the wire that have got it before `now`.
     pub(super) fn settle(&mut self, link: &Link, now: SimTime) {
-        let Some(detour) = &mut self.detour else { return };
-        while let Some((ready, byte)) = detour.asking.front() {
-            let begin = (*ready).max(detour.blocked_until);
-            let goes_on = begin <= self.burst.end();
+        let Some(transport_path) = &mut self.transport_path else { return };
+        while let Some((ready, byte)) = transport_path.asking.front() {
+            let begin = (*ready).max(transport_path.blocked_until);
+            let goes_on = begin <= self.transmission.end();
             if *ready >= now || (begin >= now && !goes_on) {
                 return;
             }
-            self.in_flight.push_back((self.burst.put(link, begin), *byte));
-            detour.asking.pop_front();
+            self.in_flight.push_back((self.transmission.put(link, begin), *byte));
+            transport_path.asking.pop_front();
         }
     }
 }

@@ -4,9 +4,9 @@ use alloc::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::burst::Burst;
-use super::detour::{Detour, Direction, SOON_NS};
 use super::messages::{Message, Messages};
+use super::transmission::Transmission;
+use super::transport_path::{Direction, SOON_NS, TransportPath};
 use super::{LineCounters, Link};
 use crate::random::Stream;
 use crate::time::SimTime;
@@ -19,10 +19,10 @@ pub struct Line {
     messages: Messages,
     /// Bytes put on the line so far that stay in `in_flight` until they are over.
     pub(super) sent: u64,
-    pub(super) burst: Burst,
+    pub(super) transmission: Transmission,
     errors: Stream,
     /// What the bytes pass besides the wire; nothing on a plain cable.
-    pub(super) detour: Option<Detour>,
+    pub(super) transport_path: Option<TransportPath>,
     pub(crate) counters: LineCounters,
 }
 
@@ -42,9 +42,9 @@ impl Line {
             in_flight: VecDeque::new(),
             messages: Messages::default(),
             sent: 0,
-            burst: Burst::default(),
+            transmission: Transmission::default(),
             errors: Stream::new(seed, name),
-            detour: link.has_detour().then(|| Detour::new(link, seed, name, direction)),
+            transport_path: link.has_detour().then(|| TransportPath::new(link, seed, name, direction)),
             counters: LineCounters::default(),
         }
     }
@@ -53,51 +53,53 @@ impl Line {
     /// bytes come one behind the other and are over some day, and their number is right.
     pub(crate) fn is_sound(&self, link: &Link, at: (Direction, SimTime), sensors: usize) -> bool {
         let (direction, now) = at;
-        let detour = match &self.detour {
-            Some(detour) => link.has_detour() && detour.is_sound(link, at, self.in_flight.len()),
+        let transport_path = match &self.transport_path {
+            Some(transport_path) => {
+                link.has_detour() && transport_path.is_sound(link, at, self.in_flight.len())
+            }
             None => !link.has_detour(),
         };
         let mut instants = self.in_flight.iter().map(|(at, _)| *at);
-        let is_soon = direction == Direction::Down || self.burst.end() <= now + SOON_NS;
-        detour
+        let is_soon = direction == Direction::Down || self.transmission.end() <= now + SOON_NS;
+        transport_path
             && is_soon
             && instants.clone().is_sorted()
-            && instants.next_back().is_none_or(|last| last <= self.burst.end())
+            && instants.next_back().is_none_or(|last| last <= self.transmission.end())
             && crate::sound::count(self.sent)
             && self.under_way() <= self.sent
             && self.messages.are_sound(self.sent, sensors)
-            && self.burst.is_sound(link)
+            && self.transmission.is_sound(link)
             && self.errors.is_sound()
             && self.counters.is_sound()
     }
 
     /// From now on the cable can be out.
     pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str, direction: Direction) {
-        if link.has_detour() && self.detour.is_none() {
-            self.detour = Some(Detour::new(link, seed, name, direction));
+        if link.has_detour() && self.transport_path.is_none() {
+            self.transport_path = Some(TransportPath::new(link, seed, name, direction));
         }
     }
 
     /// What is sent from now on begins a burst, behind what is on the wire.
     pub(crate) fn begin_burst(&mut self) {
-        self.burst.begin();
+        self.transmission.begin();
     }
 
     /// Puts bytes on the line at `now`, behind those that wait.
     pub fn send(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
-        if self.detour.is_some() {
+        if self.transport_path.is_some() {
             self.send_by_detour(link, now, bytes);
             return;
         }
         if matches!(link, Link::Ideal | Link::Onboard) && !bytes.is_empty() {
-            let arrival = self.burst.put_at_once(now, bytes.len() as u64);
+            let arrival = self.transmission.put_at_once(now, bytes.len() as u64);
             self.in_flight.extend(bytes.iter().map(|&byte| (arrival, byte)));
             self.sent += bytes.len() as u64;
             return;
         }
         for &byte in bytes {
             let byte = self.disturb(link, now, byte);
-            self.in_flight.push_back((self.burst.put(link, now), byte));
+            self.in_flight.push_back((self.transmission.put(link, now), byte));
         }
         self.sent += bytes.len() as u64;
     }
@@ -143,20 +145,20 @@ impl Line {
 
     /// Bytes that wait for the wire or are on it.
     pub(crate) fn under_way(&self) -> u64 {
-        let asking = self.detour.as_ref().map_or(0, |detour| detour.asking.len());
+        let asking = self.transport_path.as_ref().map_or(0, |transport_path| transport_path.asking.len());
         (self.in_flight.len() + asking) as u64
     }
 
     /// From when on the wire is free for more, as far as can be told now.
     fn free_at(&self, link: &Link) -> SimTime {
-        let Some(detour) = &self.detour else { return self.burst.end() };
-        let asking = self.forecast(link, detour).last();
-        asking.unwrap_or_else(|| self.burst.end().max(detour.blocked_until))
+        let Some(transport_path) = &self.transport_path else { return self.transmission.end() };
+        let asking = self.forecast(link, transport_path).last();
+        asking.unwrap_or_else(|| self.transmission.end().max(transport_path.blocked_until))
     }
 
     /// The microcontroller's receiver loses what arrived by `now` beyond what it can hold.
     pub fn overrun(&mut self, link: &Link, now: SimTime) {
-        if self.detour.is_some() {
+        if self.transport_path.is_some() {
             self.settle(link, now);
             self.lose_all(link, now);
         }
@@ -176,16 +178,16 @@ impl Line {
     /// and never to an instant that is over.
     #[inline]
     pub fn arrival(&self, link: &Link) -> SimTime {
-        match &self.detour {
+        match &self.transport_path {
             None => self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at),
-            Some(detour) => self.arrival_by_detour(link, detour),
+            Some(transport_path) => self.arrival_by_detour(link, transport_path),
         }
     }
 
     /// Takes the next byte with the instant of its delivery, if that is not after `now`.
     #[inline]
     pub fn take(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
-        if self.detour.is_some() {
+        if self.transport_path.is_some() {
             return self.take_by_detour(link, now);
         }
         if self.arrival(link) > now {
@@ -202,15 +204,15 @@ impl Line {
             return self.in_flight.iter().filter(|(at, _)| *at > now || !link.is_out(*at)).count();
         }
         let asking = self
-            .detour
+            .transport_path
             .as_ref()
-            .map_or(0, |detour| self.forecast(link, detour).filter(|at| *at > now).count());
+            .map_or(0, |transport_path| self.forecast(link, transport_path).filter(|at| *at > now).count());
         asking + self.in_flight.len() - self.in_flight.partition_point(|(at, _)| *at <= now)
     }
 
     /// When the microcontroller's transmitter has taken all that was sent.
     pub fn drained(&self, link: &Link) -> SimTime {
-        self.burst.drained_to(link, link.transmit_depth())
+        self.transmission.drained_to(link, link.transmit_depth())
     }
 
     pub(super) fn disturb(&mut self, link: &Link, now: SimTime, byte: u8) -> u8 {

@@ -11,10 +11,12 @@ impl Line {
     pub(crate) fn reach(&self, link: &Link, at: SimTime) -> Option<SimTime> {
         match link {
             Link::Ideal | Link::Onboard => None,
-            Link::Uart(_) | Link::Usb(_) if self.detour.is_some() || !self.in_flight.is_empty() => None,
+            Link::Uart(_) | Link::Usb(_) if self.transport_path.is_some() || !self.in_flight.is_empty() => {
+                None
+            }
             Link::Uart(_) | Link::Usb(_) => {
-                let mut burst = self.burst;
-                Some(burst.put(link, at))
+                let mut transmission = self.transmission;
+                Some(transmission.put(link, at))
             }
         }
     }

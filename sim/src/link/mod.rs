@@ -5,10 +5,10 @@
 //! | link | up, to the laptop | down, to the microcontroller |
 //! |---|---|---|
 //! | ideal | nothing: no time, no loss | the same |
-//! | UART | the wire (`burst`) | the same |
+//! | UART | the wire (`transmission`) | the same |
 //! | UART with an adapter | the wire, then the adapter (`adapter`, `radio`) | the adapter, then the wire |
 //! | half duplex | a wire that both lines share (`duplex`) | the same |
-//! | USB | frames (`burst`) | the same |
+//! | USB | frames (`transmission`) | the same |
 //! | onboard | nothing: the brain is the microcontroller's program | the same |
 //!
 //! A UART sends characters of so many bits, back to back. The notes count 8 bits a character (§3.2.1); a start
@@ -16,15 +16,15 @@
 //! the effect of the cable from that of the rest, carries any number of bytes in no time and loses none.
 
 mod adapter;
-mod burst;
 mod counters;
-mod detour;
 mod duplex;
 mod line;
 mod lookahead;
 mod messages;
 mod outage;
 mod radio;
+mod transmission;
+mod transport_path;
 
 #[cfg(test)]
 mod properties;
@@ -33,11 +33,11 @@ use alloc::vec::Vec;
 
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
-pub(crate) use detour::Direction;
 pub use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;
 pub use radio::Bluetooth;
+pub(crate) use transport_path::Direction;
 
 use crate::fault::When;
 use crate::time::{SECOND_NS, SimTime};
@@ -85,7 +85,7 @@ pub struct Uart {
     pub error_bursts: Vec<(When, f64)>,
 }
 
-/// A full-speed USB cable. It has neither byte errors, which USB finds and mends itself, nor overruns at the
+/// A full-speed USB cable. It has neither byte errors, which USB finds and corrects itself, nor overruns at the
 /// microcontroller, which makes the laptop wait.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Usb {
@@ -167,8 +167,8 @@ impl Link {
         match self {
             Self::Ideal | Self::Onboard | Self::Usb(_) => 0.0,
             Self::Uart(uart) => {
-                let bursts = uart.error_bursts.iter().filter(|(when, _)| when.until(at).is_some());
-                bursts.fold(uart.byte_error_rate, |rate, (_, burst)| rate.max(*burst))
+                let transmissions = uart.error_bursts.iter().filter(|(when, _)| when.until(at).is_some());
+                transmissions.fold(uart.byte_error_rate, |rate, (_, transmission)| rate.max(*transmission))
             }
         }
     }

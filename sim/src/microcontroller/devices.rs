@@ -17,8 +17,8 @@ impl Microcontroller {
         let sensor = &spec.sensors[i];
         let Channel { running, memory, noise, stream, .. } = &mut self.channels[i];
         let (Some(running), Some(clock)) = (running, &sensor.own_clock) else { return };
-        let amiss = spec.amiss(i, at.now);
-        running.measure(sensor, clock, at, Parts { memory, noise, stream }, amiss);
+        let effect = spec.fault_effect(i, at.now);
+        running.measure(sensor, clock, at, Parts { memory, noise, stream }, effect);
     }
 
     /// When the measurement of sensor `i` began that comes to its output next.

@@ -19,7 +19,7 @@ use request::Request;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::{Motion, Wheels};
-use crate::fault::Amiss;
+use crate::fault::FaultEffect;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
@@ -152,14 +152,14 @@ impl Microcontroller {
         let sensor = &spec.sensors[i];
         let channel = &mut self.channels[i];
         channel.due.serve(&sensor.schedule, at.now);
-        let amiss = spec.amiss(i, at.now);
-        let sticks = channel.samples > 0 && amiss == Some(Amiss::Sticks);
+        let fault = spec.fault_effect(i, at.now);
+        let sticks = channel.samples > 0 && fault == Some(FaultEffect::Sticks);
         let stuck = sticks.then(|| (channel.values.clone(), channel.measured_at));
         let effect = channel.read(sensor, at);
         if let Some((values, measured_at)) = stuck {
             (channel.values, channel.measured_at) = (values, measured_at);
         }
-        if amiss == Some(Amiss::Lost) {
+        if fault == Some(FaultEffect::Lost) {
             channel.values.fill(0.0);
         }
         channel.sampled_at = at.now;

@@ -11,7 +11,7 @@
 //! 3. bytes at the laptop, so that over an ideal link a reading arrives at the instant at which it is sent;
 //! 4. the brain's step, which has thus seen all that happened at its instant.
 
-use super::{Moment, Robot};
+use super::{Robot, Tick};
 use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
@@ -41,24 +41,24 @@ impl Robot {
 
     /// Runs the cable from the start of the tick up to the brain's step, and says when that is. In a run that has
     /// `ended` the sensors are read a last time, and no brain steps.
-    pub(crate) fn listen(&mut self, spec: &RobotSpec, moment: &Moment<'_>, ended: bool) -> Option<SimTime> {
-        let (now, end) = (moment.start, moment.end);
+    pub(crate) fn listen(&mut self, spec: &RobotSpec, tick: &Tick<'_>, ended: bool) -> Option<SimTime> {
+        let (now, end) = (tick.start, tick.end);
         self.note_faults(spec, now, end);
         let mut earliest = self.laptop.busy_until.max(now);
         if ended {
-            self.advance(spec, moment, now + 1, None);
+            self.advance(spec, tick, now + 1, None);
             return None;
         }
         // The brain steps when a message has come, in the first stretch of time in which it does not stall.
         let step = loop {
             earliest = spec.awake_from(earliest, end);
             if earliest >= end {
-                self.advance(spec, moment, now + 1, None);
+                self.advance(spec, tick, now + 1, None);
                 return None;
             }
             let stall = spec.stalls().filter_map(|when| when.begins_within(earliest, end + 1)).min();
             let until = stall.map_or(end, |(from, _)| from);
-            match (self.advance(spec, moment, until.min(end), Some(earliest)), stall) {
+            match (self.advance(spec, tick, until.min(end), Some(earliest)), stall) {
                 (Some(at), _) => break at,
                 (None, None) => break end,
                 (None, Some((_, until))) => earliest = until,
@@ -74,7 +74,7 @@ impl Robot {
     pub(crate) fn advance(
         &mut self,
         spec: &RobotSpec,
-        moment: &Moment<'_>,
+        tick: &Tick<'_>,
         until: SimTime,
         earliest: Option<SimTime>,
     ) -> Option<SimTime> {
@@ -93,10 +93,10 @@ impl Robot {
                 let (now, next) = on_robot;
                 let soon = match next {
                     Next::Device(i, event) => {
-                        self.run_device(spec, moment, now, (i, event));
+                        self.run_device(spec, tick, now, (i, event));
                         None
                     }
-                    Next::Task(task) => self.run(spec, moment, now, task),
+                    Next::Task(task) => self.run(spec, tick, now, task),
                 };
                 on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
@@ -141,12 +141,12 @@ impl Robot {
     fn run(
         &mut self,
         spec: &RobotSpec,
-        moment: &Moment<'_>,
+        tick: &Tick<'_>,
         now: SimTime,
         task: Task,
     ) -> Option<(SimTime, Task)> {
         match task {
-            Task::Acquire(i) => return self.acquire(spec, moment, now, i),
+            Task::Acquire(i) => return self.acquire(spec, tick, now, i),
             Task::SendReadings => self.send_readings(spec, now),
             Task::Receive => self.receive(spec, now),
         }
@@ -156,13 +156,13 @@ impl Robot {
     fn acquire(
         &mut self,
         spec: &RobotSpec,
-        moment: &Moment<'_>,
+        tick: &Tick<'_>,
         now: SimTime,
         i: usize,
     ) -> Option<(SimTime, Task)> {
         let Self { microcontroller, motion, actuators, battery, .. } = self;
         let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
-        let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+        let at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
         let ping = microcontroller.acquire(spec, i, &at);
         self.pings[0] = ping.or(self.pings[0]);
         let (sensor, until) = (i as u16, microcontroller.free_at());
@@ -215,18 +215,12 @@ impl Robot {
         self.recorder.note(sent.on_wire.0, sent.on_wire.1, What::Up { bytes });
     }
 
-    fn run_device(
-        &mut self,
-        spec: &RobotSpec,
-        moment: &Moment<'_>,
-        now: SimTime,
-        (i, event): (usize, Event),
-    ) {
+    fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
         let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {
                 let Self { microcontroller, motion, actuators, battery, .. } = self;
-                let at = measurement(spec, moment, now, (motion, actuators, battery.as_ref()));
+                let at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
                 microcontroller.measure(spec, i, &at);
             }
             Event::Output => {
@@ -379,19 +373,19 @@ impl Robot {
 
 fn measurement<'a>(
     spec: &'a RobotSpec,
-    moment: &Moment<'a>,
+    tick: &Tick<'a>,
     now: SimTime,
     (motion, actuators, battery): (&'a Motion, &'a [ActuatorState], Option<&'a BatteryState>),
 ) -> Measurement<'a> {
     Measurement {
-        scene: moment.scene,
+        scene: tick.scene,
         drive: &spec.drive,
         motion,
         actuators,
         battery: spec.battery.as_ref().zip(battery),
-        noise: moment.noise,
+        noise: tick.noise,
         now,
-        tick_start: moment.start,
-        tick_end: moment.end,
+        tick_start: tick.start,
+        tick_end: tick.end,
     }
 }

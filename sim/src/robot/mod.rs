@@ -64,7 +64,7 @@ pub(crate) struct Robot {
 
 /// The tick in which a robot is advanced, with the scene as it is at its start.
 #[derive(Clone, Copy)]
-pub(crate) struct Moment<'a> {
+pub(crate) struct Tick<'a> {
     pub(crate) scene: &'a Scene<'a>,
     /// Whether sensors are noisy.
     pub(crate) noise: bool,
@@ -77,7 +77,7 @@ pub(crate) struct Moment<'a> {
 pub struct RobotCounters {
     /// Times that it ran into something.
     pub collisions: u64,
-    /// Way of its centre, in metres, forwards and backwards added.
+    /// Distance that its centre has travelled, in metres, forwards and backwards added.
     pub distance_m: f64,
     /// Steps that its brain could take.
     pub turns: u64,

@@ -1,6 +1,6 @@
 //! The scene that sensors look at: the arena and all that moves in it, frozen at the start of the tick.
 
-mod vicinity;
+mod neighbors;
 
 use alloc::vec::Vec;
 use core::cell::OnceCell;
@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::arena::{Arena, Height, Look};
 use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
-pub(crate) use vicinity::Reach;
-use vicinity::Vicinity;
+use neighbors::Neighbors;
+pub(crate) use neighbors::Reach;
 
 /// A body in the scene: a robot, or a thing that moves.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ pub(crate) struct Scene<'a> {
     /// How far around it is collected what its sensors may meet, if that pays.
     reach: Option<Reach>,
     /// What is near it, once somebody asks; `None` if there is too much.
-    vicinity: OnceCell<Option<Vicinity>>,
+    neighbors: OnceCell<Option<Neighbors>>,
     facing: OnceCell<Direction>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Scene<'a> {
         own: usize,
         reach: Option<Reach>,
     ) -> Self {
-        Self { arena, surroundings, frozen, own, reach, vicinity: OnceCell::new(), facing: OnceCell::new() }
+        Self { arena, surroundings, frozen, own, reach, neighbors: OnceCell::new(), facing: OnceCell::new() }
     }
 
     /// The robot's heading, at `pose`, as a direction. It has the same pose all the time that the scene is frozen.
@@ -88,22 +88,22 @@ impl<'a> Scene<'a> {
     }
 
     /// What is near the robot, if all within this disc is.
-    fn vicinity(&self, disc: &Circle, layer: usize) -> Option<&Vicinity> {
+    fn neighbors(&self, disc: &Circle, layer: usize) -> Option<&Neighbors> {
         let reach = self.reach.filter(|reach| reach.layer == layer && reach.radius_m >= disc.radius)?;
-        let collect = || Vicinity::of(reach, self.own, self.arena.seen(layer), self.frozen);
-        let vicinity = self.vicinity.get_or_init(collect).as_ref();
-        vicinity.filter(|vicinity| vicinity.covers(disc, layer))
+        let collect = || Neighbors::of(reach, self.own, self.arena.seen(layer), self.frozen);
+        let neighbors = self.neighbors.get_or_init(collect).as_ref();
+        neighbors.filter(|neighbors| neighbors.covers(disc, layer))
     }
 
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.
-    pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Eye<'_> {
+    pub(crate) fn look(&self, from: Point, height: Height, range_m: f64) -> Viewpoint<'_> {
         let around = Circle { center: from, radius: range_m };
-        Eye { index: self.arena.seen(height.layer), scene: self, height, around }
+        Viewpoint { index: self.arena.seen(height.layer), scene: self, height, around }
     }
 }
 
 /// A look from one point.
-pub(crate) struct Eye<'a> {
+pub(crate) struct Viewpoint<'a> {
     scene: &'a Scene<'a>,
     index: &'a Index,
     height: Height,
@@ -113,7 +113,7 @@ pub(crate) struct Eye<'a> {
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct RayHit {
     pub(crate) distance_m: f64,
     pub(crate) what: What,
 }
@@ -126,17 +126,17 @@ pub(crate) enum What {
     Figure(usize),
 }
 
-impl Eye<'_> {
+impl Viewpoint<'_> {
     /// Distance to the nearest thing along `ray`, if within range.
     pub(crate) fn cast(&self, ray: &Ray) -> Option<f64> {
-        self.see(ray).map(|sight| sight.distance_m)
+        self.see(ray).map(|hit| hit.distance_m)
     }
 
     /// The nearest thing along `ray`, if within range.
-    pub(crate) fn see(&self, ray: &Ray) -> Option<Sight> {
+    pub(crate) fn see(&self, ray: &Ray) -> Option<RayHit> {
         let range_m = self.around.radius;
         let hit = self.index.cast(ray, range_m);
-        let fixed = hit.map(|hit| Sight { distance_m: hit.distance, what: What::Fixed(hit.shape) });
+        let fixed = hit.map(|hit| RayHit { distance_m: hit.distance, what: What::Fixed(hit.shape) });
         let mut body: Option<(f64, usize)> = None;
         self.bodies(|i, figure| {
             if let Some(distance_m) = figure.hit(ray)
@@ -148,7 +148,7 @@ impl Eye<'_> {
         });
         match (fixed, body) {
             (Some(fixed), Some((distance_m, _))) if fixed.distance_m <= distance_m => Some(fixed),
-            (_, Some((distance_m, i))) => Some(Sight { distance_m, what: What::Figure(i) }),
+            (_, Some((distance_m, i))) => Some(RayHit { distance_m, what: What::Figure(i) }),
             (fixed, None) => fixed,
         }
     }
@@ -179,10 +179,10 @@ impl Eye<'_> {
                 sweep.other(&figure.disc, |ray| figure.hit(ray));
             }
         };
-        match self.scene.vicinity(&self.around, self.height.layer) {
-            Some(vicinity) => {
-                vicinity.sweep(self.index, &mut sweep);
-                let bodies = vicinity.bodies.iter().map(|&i| &self.scene.frozen.bodies[i as usize]);
+        match self.scene.neighbors(&self.around, self.height.layer) {
+            Some(neighbors) => {
+                neighbors.sweep(self.index, &mut sweep);
+                let bodies = neighbors.bodies.iter().map(|&i| &self.scene.frozen.bodies[i as usize]);
                 bodies.filter(|figure| self.sees(figure)).for_each(|figure| add(&mut sweep, figure));
             }
             None => {
@@ -195,8 +195,8 @@ impl Eye<'_> {
 
     /// Visits all rays of a fan in their order, each with how far it runs.
     pub(crate) fn each(&self, pose: &Pose, fan: &Fan, mut visit: impl FnMut(usize, f64)) {
-        let vicinity = self.scene.vicinity(&self.around, self.height.layer);
-        if vicinity.is_some_and(Vicinity::is_empty) {
+        let neighbors = self.scene.neighbors(&self.around, self.height.layer);
+        if neighbors.is_some_and(Neighbors::is_empty) {
             return (0..fan.len()).for_each(|i| visit(i, f64::INFINITY));
         }
         let mut distances_m = [0.0; 16];
@@ -218,17 +218,17 @@ impl Eye<'_> {
     }
 
     /// Its colour and height.
-    pub(crate) fn look_of(&self, sight: &Sight) -> Look {
-        match sight.what {
+    pub(crate) fn look_of(&self, hit: &RayHit) -> Look {
+        match hit.what {
             What::Fixed(shape) => self.scene.arena.look_of(self.height.layer, shape),
             What::Figure(i) => self.scene.frozen.bodies[i].look,
         }
     }
 
     /// The angle between the ray and the surface's normal where they meet, in [0, π/2].
-    pub(crate) fn incidence_rad(&self, ray: &Ray, sight: &Sight) -> f64 {
-        let at = ray.at(sight.distance_m);
-        let normal = match sight.what {
+    pub(crate) fn incidence_rad(&self, ray: &Ray, hit: &RayHit) -> f64 {
+        let at = ray.at(hit.distance_m);
+        let normal = match hit.what {
             What::Fixed(baudbot_geometry::Shape::Segment(i)) => normal_of(&self.index.segments()[i]),
             What::Fixed(baudbot_geometry::Shape::Circle(i)) => at - self.index.circles()[i].center,
             What::Figure(i) => self.scene.frozen.bodies[i].normal_at(at),

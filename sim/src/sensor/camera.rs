@@ -100,15 +100,15 @@ impl Sense for LineCamera {
     fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let n = self.columns();
         let pose = self.mount.world_from_sensor(at);
-        let eye = self.mount.look(at, &pose, self.range_m);
+        let viewpoint = self.mount.look(at, &pose, self.range_m);
         for (i, ray) in self.fan.rays(pose.position, pose.direction()).enumerate() {
             let column = n - 1 - i;
-            let sight = eye.see(&ray);
-            let color = sight.map_or(self.background, |sight| eye.look_of(&sight).color);
+            let hit = viewpoint.see(&ray);
+            let color = hit.map_or(self.background, |hit| viewpoint.look_of(&hit).color);
             for (channel, &level) in color.iter().enumerate() {
                 values[channel * n + column] = f64::from(level) / 255.0;
             }
-            values[3 * n + column] = sight.map_or(NOTHING, |sight| sight.distance_m);
+            values[3 * n + column] = hit.map_or(NOTHING, |hit| hit.distance_m);
         }
         Effect::NONE
     }

@@ -137,7 +137,7 @@ fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
 impl Infrared {
     fn reflected(&self, at: &Measurement<'_>, c1_m2: f64, c2: f64) -> f64 {
         let pose = self.mount.world_from_sensor(at);
-        let eye = self.mount.look(at, &pose, self.range_m);
+        let viewpoint = self.mount.look(at, &pose, self.range_m);
         let reading = |d: f64, cos_kappa: f64| {
             if d >= self.range_m {
                 return 0.0;
@@ -147,7 +147,7 @@ impl Infrared {
             (cos_kappa * (c1_m2 / (d * d) + c2)).min(1.0)
         };
         let mut sum = 0.0;
-        eye.each(&pose, &self.fan, |i, d| sum += reading(d, self.fan.cos_kappa(i)));
+        viewpoint.each(&pose, &self.fan, |i, d| sum += reading(d, self.fan.cos_kappa(i)));
         sum / self.fan.len() as f64
     }
 
@@ -155,12 +155,14 @@ impl Infrared {
     /// one of the samples at the largest distance.
     fn sampled(&self, at: &Measurement<'_>, lookup: &Lookup, stream: &mut Stream) -> f64 {
         let pose = self.mount.world_from_sensor(at);
-        let eye = self.mount.look(at, &pose, self.range_m);
-        let seen =
-            self.fan.rays(pose.position, pose.direction()).filter_map(|ray| Some((ray, eye.see(&ray)?)));
+        let viewpoint = self.mount.look(at, &pose, self.range_m);
+        let seen = self
+            .fan
+            .rays(pose.position, pose.direction())
+            .filter_map(|ray| Some((ray, viewpoint.see(&ray)?)));
         let nearest = seen.reduce(|a, b| if b.1.distance_m < a.1.distance_m { b } else { a });
         let (distance_m, angle_rad) = nearest
-            .map_or((f64::INFINITY, 0.0), |(ray, sight)| (sight.distance_m, eye.incidence_rad(&ray, &sight)));
+            .map_or((f64::INFINITY, 0.0), |(ray, hit)| (hit.distance_m, viewpoint.incidence_rad(&ray, &hit)));
         lookup.read(distance_m, angle_rad, at.noise.then_some(stream))
     }
 }

@@ -137,8 +137,8 @@ impl Laser {
             let robot = carried_on(at, self.instant(start, i));
             let pose = self.mount.place(&robot, at.actuators);
             let direction = pose.direction().rotate(self.fan.relative()[self.places(i..i + 1).start]);
-            let eye = self.mount.look(at, &pose, self.range_m);
-            let distance = eye.cast(&Ray { origin: pose.position, direction });
+            let viewpoint = self.mount.look(at, &pose, self.range_m);
+            let distance = viewpoint.cast(&Ray { origin: pose.position, direction });
             values[i] = distance.unwrap_or(NOTHING);
         }
     }
@@ -146,9 +146,9 @@ impl Laser {
     /// A laser that stands still, or sweeps in no time, takes all rays from one place.
     fn read_at_once(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
         let pose = self.mount.place(&carried_on(at, self.instant(start, which.start)), at.actuators);
-        let eye = self.mount.look(at, &pose, self.range_m);
+        let viewpoint = self.mount.look(at, &pose, self.range_m);
         let values = &mut values[which.clone()];
-        eye.sweep(&pose, &self.fan, self.places(which), values);
+        viewpoint.sweep(&pose, &self.fan, self.places(which), values);
         if self.clockwise {
             values.reverse();
         }

@@ -99,7 +99,7 @@ pub(super) fn illuminance(at: &Measurement<'_>, mount: &Mount, opening_rad: f64)
             let hit = mount.look(at, &pose, along).see(&ray);
             // A robot's body does not shade its own lamp.
             let carrier = lamp.robot.map(crate::scene::What::Figure);
-            hit.is_some_and(|sight| Some(sight.what) != carrier && sight.distance_m < along)
+            hit.is_some_and(|hit| Some(hit.what) != carrier && hit.distance_m < along)
         };
         if !shaded {
             let distance2 = (along * along + up * up).max(NEAREST_M * NEAREST_M);

@@ -5,7 +5,7 @@ use baudbot_geometry::Pose;
 use super::Measurement;
 use crate::actuator::ActuatorState;
 use crate::arena::Height;
-use crate::scene::Eye;
+use crate::scene::Viewpoint;
 
 /// Where a sensor sits and which way it looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Mount {
     }
 
     /// A look from there as far as `range_m`.
-    pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Eye<'a> {
+    pub(crate) fn look<'a>(&self, at: &Measurement<'a>, from: &Pose, range_m: f64) -> Viewpoint<'a> {
         at.scene.look(from.position, self.height, range_m)
     }
 }

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Device, Measurement, Memory, Sensor, noise};
-use crate::fault::Amiss;
+use crate::fault::FaultEffect;
 use crate::random::Stream;
 use crate::sound;
 use crate::time::SimTime;
@@ -132,7 +132,7 @@ impl Running {
         clock: &OwnClock,
         at: &Measurement<'_>,
         parts: Parts<'_>,
-        amiss: Option<Amiss>,
+        effect: Option<FaultEffect>,
     ) {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
@@ -153,7 +153,7 @@ impl Running {
             at.now
         };
         sensor.disturb(at.noise, noise, self.begins, &mut self.scan, stream);
-        self.finish(end + clock.latency_ns, amiss);
+        self.finish(end + clock.latency_ns, effect);
         self.due = self.due + self.period_ns;
         let late =
             if clock.jitter_ns == 0 || !at.noise { 0.0 } else { stream.uniform() * clock.jitter_ns as f64 };
@@ -162,13 +162,13 @@ impl Running {
     }
 
     /// What has been measured will be at the output at `ready_at`.
-    fn finish(&mut self, ready_at: SimTime, amiss: Option<Amiss>) {
+    fn finish(&mut self, ready_at: SimTime, effect: Option<FaultEffect>) {
         let mut values = core::mem::take(&mut self.scan);
-        if amiss == Some(Amiss::Lost) {
+        if effect == Some(FaultEffect::Lost) {
             values.fill(0.0);
         }
         let last = self.pending.as_ref().or(self.held.as_ref());
-        self.pending = Some(match last.filter(|_| amiss == Some(Amiss::Sticks)) {
+        self.pending = Some(match last.filter(|_| effect == Some(FaultEffect::Sticks)) {
             Some(last) => Held { measured_at: self.begins, ready_at, ..last.clone() },
             None => Held { values, measured_at: self.begins, truly_at: self.begins, ready_at },
         });
@@ -229,7 +229,7 @@ mod tests {
         let mut running = begins(10);
         running.finish(at_ms(12), None);
         running = Running { pending: running.pending, ..begins(20) };
-        running.finish(at_ms(22), Some(Amiss::Sticks));
+        running.finish(at_ms(22), Some(FaultEffect::Sticks));
         let [began, ready] = [at_ms(20), at_ms(22)];
         let stuck = Held { values: vec![10.0], measured_at: began, truly_at: at_ms(10), ready_at: ready };
         assert_eq!(running.pending, Some(stuck));

@@ -47,7 +47,7 @@ pub(crate) struct PortState {
 
 /// What a byte completed at the laptop's end.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Heard {
+pub(crate) enum Received {
     Nothing,
     /// A message that made no sense.
     Bad,
@@ -99,23 +99,23 @@ impl PortState {
     }
 
     /// A byte arrives at the laptop's end.
-    pub(crate) fn receive(&mut self, port: &Port, device: &Device, (at, byte): (SimTime, u8)) -> Heard {
+    pub(crate) fn receive(&mut self, port: &Port, device: &Device, (at, byte): (SimTime, u8)) -> Received {
         if self.unread.len() >= UNREAD_MAX {
             self.line.counters.overrun_bytes += 1;
             self.message.clear();
-            return Heard::Nothing;
+            return Received::Nothing;
         }
         self.unread.push(byte);
         self.message.push(byte);
         let mut heard = port.format.hear(device, &mut self.message, at);
         if self.message.len() > port.format.longest(device) {
             self.message.clear();
-            heard = Heard::Bad;
+            heard = Received::Bad;
         }
         match heard {
-            Heard::Nothing => {}
-            Heard::Bad => self.line.counters.bad_frames += 1,
-            Heard::Reading(..) => self.line.counters.messages += 1,
+            Received::Nothing => {}
+            Received::Bad => self.line.counters.bad_frames += 1,
+            Received::Reading(..) => self.line.counters.messages += 1,
         }
         heard
     }
@@ -177,7 +177,7 @@ impl Format {
     }
 
     /// Takes a message out of what has come so far, if one ends there.
-    fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Heard {
+    fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
         let format = match self {
             Self::Scip(_) => port::Format::Scip,
             Self::LineImage => port::Format::LineImage { message_len: self.message_len(device) },
@@ -187,21 +187,21 @@ impl Format {
             port::Found::Message { skip } => skip,
             port::Found::Beginning { skip } => {
                 received.drain(..skip);
-                return Heard::Nothing;
+                return Received::Nothing;
             }
             port::Found::Junk => {
                 received.clear();
-                return Heard::Bad;
+                return Received::Bad;
             }
         };
         let message = core::mem::take(received);
         let mut values = vec![0.0; device.values()];
         match format.read(&message[skip..], at.as_ns(), &mut values) {
             Ok(port::Message::Reading { sampled_at_ns }) => {
-                Heard::Reading(values, sampled_at_ns.map(SimTime::from_ns))
+                Received::Reading(values, sampled_at_ns.map(SimTime::from_ns))
             }
-            Ok(port::Message::Other) => Heard::Nothing,
-            Err(_) => Heard::Bad,
+            Ok(port::Message::Other) => Received::Nothing,
+            Err(_) => Received::Bad,
         }
     }
 }

@@ -125,8 +125,8 @@ impl Sense for Sonar {
     fn read(&self, at: &Measurement<'_>, _: &mut (), stream: &mut Stream, values: &mut [f64]) -> Effect {
         let heard = !at.noise || self.detection >= 1.0 || stream.uniform() < self.detection;
         let pose = self.mount.world_from_sensor(at);
-        let eye = self.mount.look(at, &pose, self.max_m);
-        let mut nearest = eye.nearest(&pose, &self.fan).filter(|_| heard);
+        let viewpoint = self.mount.look(at, &pose, self.max_m);
+        let mut nearest = viewpoint.nearest(&pose, &self.fan).filter(|_| heard);
         let ping = (self.cross_talk == CrossTalk::On).then(|| {
             let strange = self.strange_echo(at, &pose, nearest.unwrap_or(self.max_m));
             nearest = strange.or(nearest);

@@ -172,8 +172,8 @@ impl Sense for Bumper {
     ) -> Effect {
         let pose = self.mount.world_from_sensor(at);
         let reach = at.drive.radius_m + self.travel_m;
-        let eye = self.mount.look(at, &pose, reach);
-        let pressed = eye.nearest(&pose, &self.fan).is_some();
+        let viewpoint = self.mount.look(at, &pose, reach);
+        let pressed = viewpoint.nearest(&pose, &self.fan).is_some();
         values[0] = self.switch.read(pressed, at, contact, stream);
         Effect::NONE
     }

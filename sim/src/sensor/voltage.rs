@@ -85,8 +85,8 @@ impl Sense for VoltageRanger {
     /// The voltage, in volts.
     fn read(&self, at: &Measurement<'_>, _: &mut (), _: &mut Stream, values: &mut [f64]) -> Effect {
         let pose = self.mount.world_from_sensor(at);
-        let eye = self.mount.look(at, &pose, self.range_m);
-        let nearest = eye.nearest(&pose, &self.fan);
+        let viewpoint = self.mount.look(at, &pose, self.range_m);
+        let nearest = viewpoint.nearest(&pose, &self.fan);
         values[0] = nearest.map_or(self.idle_v, |distance_m| self.voltage_at(distance_m));
         Effect::NONE
     }

@@ -2,7 +2,7 @@
 
 mod ending;
 mod frozen;
-mod given;
+mod inputs_by_robot;
 mod intervention;
 mod lookahead;
 mod motion;
@@ -19,13 +19,13 @@ use crate::hash;
 use crate::movable::MovableState;
 use crate::mover::MoverState;
 use crate::parallel;
-use crate::robot::{Moment, Recorder, Robot};
+use crate::robot::{Recorder, Robot, Tick};
 use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
 pub use ending::Ending;
-use given::Given;
+use inputs_by_robot::InputsByRobot;
 use intervention::Altered;
 pub use intervention::{Intervention, InterventionError};
 use lookahead::Ahead;
@@ -77,7 +77,7 @@ struct Spare {
     lists: Lists,
     /// When each robot's brain steps in the tick, if it does.
     steps: Vec<Option<SimTime>>,
-    given: Given,
+    inputs_by_robot: InputsByRobot,
 }
 
 impl Spare {
@@ -191,8 +191,8 @@ impl World {
             let scenario = &*self.scenario;
             parallel::each(self.is_parallel, &mut self.state.robots, &mut steps, |own, robot, step| {
                 let scene = scenario.scene(&frozen, own);
-                let moment = Moment { scene: &scene, noise: scenario.noise, start: now, end };
-                *step = robot.listen(&scenario.robots[own], &moment, ended);
+                let tick = Tick { scene: &scene, noise: scenario.noise, start: now, end };
+                *step = robot.listen(&scenario.robots[own], &tick, ended);
             });
             let turns = steps.iter().enumerate().filter_map(|(robot, at)| Some(Turn { robot, at: (*at)? }));
             self.state.turns.extend(turns);
@@ -214,22 +214,22 @@ impl World {
         let Self { scenario, state, spare, ahead, is_parallel, .. } = self;
         let scenario = &**scenario;
         spare.note_steps(&state.turns, state.robots.len());
-        spare.given.note(inputs, state.robots.len());
+        spare.inputs_by_robot.note(inputs, state.robots.len());
         let tick = state.tick;
         // All of a robot's at once: it is seldom that a crowd is in the processor's near memory.
-        let Spare { given, steps, .. } = spare;
+        let Spare { inputs_by_robot, steps, .. } = spare;
         parallel::each(*is_parallel, &mut state.robots, steps, |own, robot, step| {
             let spec = &scenario.robots[own];
             if let Some(at) = *step {
                 robot.hand_over(tick, at);
             }
-            given.of(own).for_each(|i| robot.answer(spec, inputs[i].at, inputs[i].bytes));
+            inputs_by_robot.of(own).for_each(|i| robot.answer(spec, inputs[i].at, inputs[i].bytes));
             if let Some(at) = step.filter(|&at| !ahead.holds(&Turn { robot: own, at })) {
                 robot.step_over(spec, at);
             }
             let scene = scenario.scene(&frozen, own);
-            let moment = Moment { scene: &scene, noise: scenario.noise, start, end };
-            robot.advance(spec, &moment, end, None);
+            let tick = Tick { scene: &scene, noise: scenario.noise, start, end };
+            robot.advance(spec, &tick, end, None);
             robot.look_for_losses(end);
             robot.start_moving(spec, scenario.noise);
         });

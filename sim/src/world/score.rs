@@ -119,9 +119,9 @@ impl World {
             };
             let robot = self.robot(own);
             let pose = mount.place(&robot.motion().pose, robot.actuators());
-            let eye = Scene::look(&scene, pose.position, mount.height, range_m);
+            let viewpoint = Scene::look(&scene, pose.position, mount.height, range_m);
             let forward = pose.direction();
-            eye.each(&pose, fan, |i, distance_m| {
+            viewpoint.each(&pose, fan, |i, distance_m| {
                 let ray = Ray { origin: pose.position, direction: forward.rotate(fan.relative()[i]) };
                 coverage.sense_ray(floor, pose.position, ray.at(distance_m.min(range_m)));
             });

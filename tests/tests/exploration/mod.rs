@@ -10,7 +10,7 @@ use baudbot_brains::Chance;
 use baudbot_brains::exploration::generated::Plan;
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
-use baudbot_tests::Pair;
+use baudbot_tests::InProcess;
 
 use super::localization::witnessed;
 
@@ -41,16 +41,16 @@ const ERRING: &str = "robots.robot.sensors.odometer.sigma_m=0.001";
 
 /// Lets the brain explore until all that the scenario wants is sensed, or its time is over.
 fn explore((number, scenario): (u64, Scenario), brain: &str) -> Explored {
-    let mut pair = Pair::new(scenario, brain).unwrap();
-    pair.run(u64::MAX);
-    let (robot, rules) = (pair.world.robot(0), &pair.world.scenario().rules);
+    let mut local = InProcess::new(scenario, brain).unwrap();
+    local.run(u64::MAX);
+    let (robot, rules) = (local.world.robot(0), &local.world.scenario().rules);
     let at = robot.motion().pose.position;
     let odometer = robot.sensors().nth(1).expect("encoders, and then the odometer").sample;
     Explored {
         number,
-        sensed: pair.world.score().sensed(rules).unwrap(),
+        sensed: local.world.score().sensed(rules).unwrap(),
         distance_m: robot.counters().distance_m,
-        seconds: pair.world.time().as_ns() as f64 * 1e-9,
+        seconds: local.world.time().as_ns() as f64 * 1e-9,
         collisions: robot.counters().collisions,
         drift_m: (at.x - odometer[0]).hypot(at.y - odometer[1]),
     }
@@ -161,10 +161,10 @@ kind = "slam"
 /// How far it believes to be from where it is, in metres, when it has seen the office that way.
 fn off_after_exploring_by(brain: &str) -> f64 {
     let (_, scenario) = starts(OFFICE, &[ERRING], [12.0, 9.0], 7, 1).remove(0);
-    let (mut pair, believed_m) = witnessed(scenario, brain);
-    pair.run(u64::MAX);
-    let (robot, rules) = (pair.world.robot(0), &pair.world.scenario().rules);
-    let sensed = pair.world.score().sensed(rules).unwrap();
+    let (mut local, believed_m) = witnessed(scenario, brain);
+    local.run(u64::MAX);
+    let (robot, rules) = (local.world.robot(0), &local.world.scenario().rules);
+    let sensed = local.world.score().sensed(rules).unwrap();
     assert!(sensed >= 0.99 && robot.counters().collisions == 0, "{sensed}");
     let (at, [x, y]) = (robot.motion().pose.position, believed_m.lock().unwrap().expect("a belief"));
     (at.x - x).hypot(at.y - y)

@@ -4,7 +4,7 @@
 //! `experiments/explore-passages.toml` has more widths, and ten starts of each.
 
 use baudbot_brains::exploration::generated::{Course, Plan};
-use baudbot_tests::Pair;
+use baudbot_tests::InProcess;
 
 use super::truth::Truth;
 use super::{FRONTIERS, NODES, started, toml_of};
@@ -18,15 +18,15 @@ const START: [f64; 3] = [1.0, 0.45, 0.3];
 fn explore(plan: &Plan, brain: &str) -> String {
     // What is sensed does not end the run.
     let toml = toml_of(plan).replace("sensed = 0.995\n", "");
-    let mut pair = Pair::new(started(&toml, &[], START).expect("a start"), brain).unwrap();
+    let mut local = InProcess::new(started(&toml, &[], START).expect("a start"), brain).unwrap();
     let mut said = String::new();
-    while pair.world.ending().is_none() && !said.starts_with("has seen") && !said.starts_with("gave up") {
-        pair.run(100);
-        said = pair.belief(0).expect("a belief").state;
+    while local.world.ending().is_none() && !said.starts_with("has seen") && !said.starts_with("gave up") {
+        local.run(100);
+        said = local.belief(0).expect("a belief").state;
     }
-    let share = Truth::new(plan, RADIUS_M).share_sensed(&pair.world, [START[0], START[1]], RANGE_M);
-    let counters = pair.world.robot(0).counters();
-    let seconds = pair.world.time().as_ns() as f64 * 1e-9;
+    let share = Truth::new(plan, RADIUS_M).share_sensed(&local.world, [START[0], START[1]], RANGE_M);
+    let counters = local.world.robot(0).counters();
+    let seconds = local.world.time().as_ns() as f64 * 1e-9;
     println!("{brain}: {share:.4} on {:.1} m in {seconds:.0} s, {said}", counters.distance_m);
     assert!(
         share >= 0.995 && counters.collisions == 0,

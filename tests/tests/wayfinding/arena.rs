@@ -85,7 +85,7 @@ impl Arena {
             let [x, y] = self.size_m.map(|m| m * chance.uniform());
             let is_reached = |[u, v]: [f64; 2]| {
                 let far = (x - u).hypot(y - v) > 0.4 * self.size_m[0];
-                far && floor.way([x, y].into(), [u, v].into()).is_ok()
+                far && floor.path([x, y].into(), [u, v].into()).is_ok()
             };
             if floor.is_free([x, y].into()) && to.is_none_or(is_reached) {
                 return [x, y];

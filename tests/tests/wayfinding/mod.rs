@@ -10,7 +10,7 @@ use baudbot_brains::description::Description;
 use baudbot_brains::registry::Registry;
 use baudbot_client::Body;
 use baudbot_sim::Scenario;
-use baudbot_tests::{Pair, scenario};
+use baudbot_tests::{InProcess, scenario};
 
 use arena::Arena;
 
@@ -30,38 +30,38 @@ struct Run {
     at_m: [f64; 2],
 }
 
-fn of(pair: &Pair) -> Run {
-    let robot = pair.world.robot(0);
+fn of(local: &InProcess) -> Run {
+    let robot = local.world.robot(0);
     let at = robot.motion().pose.position;
     Run {
         driven_m: robot.counters().distance_m,
-        seconds: pair.world.time().as_ns() as f64 * 1e-9,
+        seconds: local.world.time().as_ns() as f64 * 1e-9,
         collisions: robot.counters().collisions,
         at_m: [at.x, at.y],
     }
 }
 
 /// The scenario with a brain that a text describes.
-fn described(scenario: Scenario, brain: &str) -> Pair {
+fn described(scenario: Scenario, brain: &str) -> InProcess {
     let description = Description::parse(brain).unwrap_or_else(|error| panic!("{error}\n{brain}"));
     let brain = description.brain(scenario.seed, &Body::from(&scenario.robots[0]), &Registry::standard());
-    Pair::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}"))).unwrap()
+    InProcess::with_brain(scenario, brain.unwrap_or_else(|error| panic!("{error}"))).unwrap()
 }
 
 /// Lets it drive until it is within 0.2 m of the goal, for so many seconds at most; says whether it got there.
-fn reaches(pair: &mut Pair, goal: [f64; 2], seconds: u64) -> bool {
+fn reaches(local: &mut InProcess, goal: [f64; 2], seconds: u64) -> bool {
     (0..seconds * 100).any(|_| {
-        pair.tick(|_| {});
-        let [x, y] = of(pair).at_m;
+        local.tick(|_| {});
+        let [x, y] = of(local).at_m;
         (x - goal[0]).hypot(y - goal[1]) < 0.2
     })
 }
 
 fn all_goals_are_reached(toml: &str, brain: &str, seeds: std::ops::RangeInclusive<u64>, most_m: f64) {
     for seed in seeds {
-        let mut pair = Pair::new(scenario(toml, &[&format!("seed={seed}")]), brain).unwrap();
-        pair.run(u64::MAX);
-        let (run, ending) = (of(&pair), pair.world.ending().map(ToString::to_string).unwrap_or_default());
+        let mut local = InProcess::new(scenario(toml, &[&format!("seed={seed}")]), brain).unwrap();
+        local.run(u64::MAX);
+        let (run, ending) = (of(&local), local.world.ending().map(ToString::to_string).unwrap_or_default());
         println!("{brain}, seed {seed}: {run:?}");
         assert!(ending.contains("goals") && run.collisions == 0, "{brain}, seed {seed}: {ending} {run:?}");
         assert!(run.driven_m < most_m, "{brain}, seed {seed}: {run:?}");
@@ -99,9 +99,9 @@ fn planned_ways_hold(seeds: std::ops::Range<u64>) {
              method = \"{method}\"\n{STEERING}\n[cognitive.odometry]\nkind = \"odometry\"",
             arena.walls
         );
-        let mut pair = described(arena.scenario(start, seed, ""), &brain);
-        let reached = reaches(&mut pair, goal, 120);
-        let run = of(&pair);
+        let mut local = described(arena.scenario(start, seed, ""), &brain);
+        let reached = reaches(&mut local, goal, 120);
+        let run = of(&local);
         assert!(
             reached && run.collisions == 0,
             "seed {seed}, {start:?} to {goal:?}: {run:?}\n{:?}",
@@ -140,19 +140,19 @@ fn room_with_a_table() -> (Scenario, String) {
     (scenario, format!("{:?}", edges.collect::<Vec<_>>()))
 }
 
-fn covered(pair: &Pair) -> f64 {
-    pair.world.score().covered(&pair.world.scenario().rules).expect("it is counted")
+fn covered(local: &InProcess) -> f64 {
+    local.world.score().covered(&local.world.scenario().rules).expect("it is counted")
 }
 
 /// Runs for so many seconds, or until that share is covered, whichever is first; the share.
-fn covers(pair: &mut Pair, share: f64, seconds: u64) -> f64 {
+fn covers(local: &mut InProcess, share: f64, seconds: u64) -> f64 {
     for _ in 0..seconds {
-        pair.run(100);
-        if covered(pair) >= share || pair.world.ending().is_some() {
+        local.run(100);
+        if covered(local) >= share || local.world.ending().is_some() {
             break;
         }
     }
-    covered(pair)
+    covered(local)
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn rows_cover_a_room_with_a_table_on_a_third_of_the_way_of_random_sweeping() {
     let mut rows = described(scenario.clone(), &rows);
     let share = covers(&mut rows, 0.95, 900);
     let in_rows = of(&rows);
-    let mut at_random = Pair::new(scenario, "avoid").unwrap();
+    let mut at_random = InProcess::new(scenario, "avoid").unwrap();
     let random_share = covers(&mut at_random, 0.95, 3600);
     let random = of(&at_random);
     println!("in rows {share} {in_rows:?}; at random {random_share} {random:?}");
@@ -177,9 +177,9 @@ fn rows_cover_a_room_with_a_table_on_a_third_of_the_way_of_random_sweeping() {
 #[ignore = "half a minute in release; a room with a table always"]
 fn rows_cover_an_office_with_a_laser_against_an_odometer_that_errs() {
     for seed in 1..=3 {
-        let mut pair = Pair::new(scenario(MOWER, &[&format!("seed={seed}")]), "mower").unwrap();
-        let share = covers(&mut pair, 1.0, 2000);
-        let run = of(&pair);
+        let mut local = InProcess::new(scenario(MOWER, &[&format!("seed={seed}")]), "mower").unwrap();
+        let share = covers(&mut local, 1.0, 2000);
+        let run = of(&local);
         println!("seed {seed}: {share} {run:?}");
         assert!(share >= 0.95 && run.collisions == 0 && run.driven_m < 450.0, "{seed}: {share} {run:?}");
     }
@@ -189,14 +189,14 @@ fn rows_cover_an_office_with_a_laser_against_an_odometer_that_errs() {
 fn an_ant_comes_home_by_its_odometry_and_searches_where_that_errs() {
     let mut searched = 0;
     for seed in 1..=6 {
-        let mut pair = Pair::new(scenario(FORAGER, &[&format!("seed={seed}")]), "forager").unwrap();
-        pair.run(60_000);
-        let run = of(&pair);
+        let mut local = InProcess::new(scenario(FORAGER, &[&format!("seed={seed}")]), "forager").unwrap();
+        local.run(60_000);
+        let run = of(&local);
         let from_nest_m = run.at_m[0].hypot(run.at_m[1]);
         println!("seed {seed}: {run:?}");
         // The nose smells the nest from 0.25 m, and it takes some way to stop.
         assert!(from_nest_m < 0.35 && run.driven_m > 30.0, "seed {seed}: {run:?}");
-        let odometer = pair.world.robot(0).sensors().nth(1).unwrap().sample;
+        let odometer = local.world.robot(0).sensors().nth(1).unwrap().sample;
         searched += u32::from(odometer[0].hypot(odometer[1]) > 0.35);
     }
     assert!(searched >= 1, "the odometry has led all of them straight to the nest");
@@ -208,9 +208,9 @@ fn an_ant_comes_home_by_its_odometry_and_searches_where_that_errs() {
 fn the_vector_home_errs_as_path_integration_without_a_compass_does() {
     let sigma_m = 0.0005;
     let squares = (1..=20).map(|seed| {
-        let mut pair = Pair::new(scenario(FORAGER, &[&format!("seed={seed}")]), STRAIGHT_OUT).unwrap();
-        pair.run(3000);
-        let (run, odometer) = (of(&pair), pair.world.robot(0).sensors().nth(1).unwrap().sample);
+        let mut local = InProcess::new(scenario(FORAGER, &[&format!("seed={seed}")]), STRAIGHT_OUT).unwrap();
+        local.run(3000);
+        let (run, odometer) = (of(&local), local.world.robot(0).sensors().nth(1).unwrap().sample);
         // The believed way is along x, so what is off to the side is in y.
         let aside_m = run.at_m[1] - odometer[1];
         (aside_m * aside_m, run.driven_m)

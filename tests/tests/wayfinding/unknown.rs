@@ -23,9 +23,9 @@ fn lost_among_obstacles(seeds: std::ops::Range<u64>) -> [usize; 2] {
              {STEERING}\n[cognitive.odometry]\nkind = \"odometry\""
         );
         let person = if is_room { PERSON } else { "" };
-        let mut pair = described(arena.scenario(start, seed, person), &brain);
-        let reached = reaches(&mut pair, goal, 120);
-        let run = of(&pair);
+        let mut local = described(arena.scenario(start, seed, person), &brain);
+        let reached = reaches(&mut local, goal, 120);
+        let run = of(&local);
         if !reached || run.collisions > 0 {
             println!("seed {seed}: there: {reached}, {run:?}");
         }
@@ -56,10 +56,10 @@ fn to_and_fro(seed: u64, more: &str) -> (usize, Run) {
         "[motor.go]\nkind = \"vfh\"\n[motor.go.parameters]\ngoals_m = [{goal:?}, {start:?}]\nagain = true\n{STEERING}\n\
          [cognitive.odometry]\nkind = \"odometry\"\nparameters = {{ variance_m2_per_m = 1e-3 }}\n{more}"
     );
-    let mut pair = described(arena.scenario_of(&robot, start, seed, ""), &brain);
+    let mut local = described(arena.scenario_of(&robot, start, seed, ""), &brain);
     let reached =
-        [goal, start, goal, start].iter().take_while(|goal| reaches(&mut pair, **goal, 120)).count();
-    (reached, of(&pair))
+        [goal, start, goal, start].iter().take_while(|goal| reaches(&mut local, **goal, 120)).count();
+    (reached, of(&local))
 }
 
 /// The map that it makes keeps the robot where it believes to be, and what it avoids where it was seen.
@@ -84,9 +84,9 @@ fn pillars_are_passed(robot: &str, more: &str) {
             "[motor.go]\nkind = \"vfh\"\n[motor.go.parameters]\ngoals_m = [{goal:?}]\n{more}\n\
              [cognitive.odometry]\nkind = \"odometry\""
         );
-        let mut pair = described(arena.scenario_of(robot, start, seed, ""), &brain);
-        let reached = reaches(&mut pair, goal, 120);
-        let run = of(&pair);
+        let mut local = described(arena.scenario_of(robot, start, seed, ""), &brain);
+        let reached = reaches(&mut local, goal, 120);
+        let run = of(&local);
         println!("seed {seed}: {run:?}");
         assert!(reached && run.collisions == 0, "seed {seed}: {run:?} {:?}", arena.pillars);
     }

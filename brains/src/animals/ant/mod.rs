@@ -22,7 +22,7 @@ pub use spiral::Spiral;
 
 use baudbot_geometry::{Vector, angle, math};
 
-use super::legs::Motion;
+use super::wheel_commands::Motion;
 use crate::Chance;
 
 /// What an ant is like.
@@ -144,9 +144,9 @@ impl Ant {
             Phase::Forage => self.meander(dt_s),
             Phase::Return => self.towards(self.home()),
             Phase::Search => {
-                let way = landmarks.map(|(seen, remembered)| seen.way_to(&remembered));
-                let way = way.unwrap_or_else(|| self.search());
-                self.towards(way)
+                let displacement = landmarks.map(|(seen, remembered)| seen.displacement_to(&remembered));
+                let displacement = displacement.unwrap_or_else(|| self.search());
+                self.towards(displacement)
             }
             Phase::Home => Motion::default(),
         }
@@ -163,17 +163,17 @@ impl Ant {
     fn search(&mut self) -> Vector {
         let ahead_m = 0.5 * self.parameters.pitch_m;
         loop {
-            let way = self.path.home() + self.spiral.place();
-            if way.norm() >= ahead_m {
-                return way;
+            let displacement = self.path.home() + self.spiral.place();
+            if displacement.norm() >= ahead_m {
+                return displacement;
             }
             self.spiral.advance(0.1 * ahead_m);
         }
     }
 
-    fn towards(&self, way: Vector) -> Motion {
+    fn towards(&self, displacement: Vector) -> Motion {
         let p = self.parameters;
-        let aside = angle::difference(math::atan2(way.y, way.x), self.path.heading_rad());
+        let aside = angle::difference(math::atan2(displacement.y, displacement.x), self.path.heading_rad());
         Motion {
             speed_m_s: p.speed_m_s * math::cos(aside).max(0.0),
             turn_rate_rad_s: (p.steering_hz * aside).clamp(-p.turn_rad_s, p.turn_rad_s),

@@ -24,13 +24,13 @@ impl Snapshot {
 
     /// About the way from where this view was taken to where the other one was. Its length says how different the
     /// views are, and not how far the way is.
-    pub fn way_to(&self, other: &Self) -> Vector {
+    pub fn displacement_to(&self, other: &Self) -> Vector {
         self.average - other.average
     }
 
     /// How different two views are, from 0 to 2.
     pub fn mismatch(&self, other: &Self) -> f64 {
-        self.way_to(other).norm()
+        self.displacement_to(other).norm()
     }
 }
 
@@ -54,7 +54,7 @@ mod tests {
         for _ in 0..2000 {
             let seen = Snapshot::take(0.0, &bearings(place, landmarks));
             if seen.mismatch(&home) > 1e-3 {
-                place += seen.way_to(&home).normalize() * 0.005;
+                place += seen.displacement_to(&home).normalize() * 0.005;
             }
         }
         place

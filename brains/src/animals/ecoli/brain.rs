@@ -7,8 +7,8 @@
 use baudbot_brain::{Action, Body, Brain, SensorKind, Signals, Turn};
 
 use super::{Behaviour, EColi, Parameters as CellParameters};
-use crate::animals::legs::Legs;
 use crate::animals::sense::Sense;
+use crate::animals::wheel_commands::WheelCommands;
 use crate::chance::Chance;
 use crate::parameter::{Parameter, SIGNAL};
 
@@ -89,10 +89,10 @@ pub struct EColiBrain {
     parameters: Parameters,
     chance: Chance,
     sense: Sense,
-    legs: Legs,
+    wheels: WheelCommands,
     cell: Option<EColi>,
     felt_ns: u64,
-    wish: Behaviour,
+    wanted: Behaviour,
     state: State,
 }
 
@@ -109,10 +109,10 @@ impl EColiBrain {
             parameters,
             chance,
             sense: Sense::new(body, &[SensorKind::Field, SensorKind::Light, SensorKind::Photoresistor])?,
-            legs: Legs::new(body, 1.0),
+            wheels: WheelCommands::new(body, 1.0),
             cell: None,
             felt_ns: 0,
-            wish: Behaviour::Swim,
+            wanted: Behaviour::Swim,
             // Which is over at once, so that it begins with a run.
             state: State::Tumble { until_ns: 0, signals: Signals::default() },
         })
@@ -125,7 +125,7 @@ impl EColiBrain {
         let cell = self.cell.get_or_insert(fresh);
         // After a longer pause than that the memory has settled.
         let dt_s = (at_ns.saturating_sub(self.felt_ns) as f64 * 1e-9).min(1.0 / decay_hz);
-        self.wish = cell.step(self.sense.mean(), dt_s);
+        self.wanted = cell.step(self.sense.mean(), dt_s);
         self.felt_ns = at_ns;
     }
 
@@ -134,7 +134,7 @@ impl EColiBrain {
         let later_ns = |seconds: f64| at_ns.saturating_add((seconds * 1e9) as u64);
         match self.state {
             State::Run { at_least_until_ns }
-                if self.wish == Behaviour::Tumble && at_ns >= at_least_until_ns =>
+                if self.wanted == Behaviour::Tumble && at_ns >= at_least_until_ns =>
             {
                 let until_ns = later_ns(p.tumble_s * self.chance.uniform());
                 let left = if self.chance.happens(0.5) { p.turn } else { -p.turn };
@@ -154,14 +154,14 @@ impl Brain for EColiBrain {
             self.feel(turn.at_ns);
         }
         if self.sense.is_numb(turn.at_ns) {
-            return self.legs.send(Signals::default(), turn);
+            return self.wheels.send(Signals::default(), turn);
         }
         self.decide(turn.at_ns);
         let signals = match self.state {
             State::Run { .. } => Signals { left: self.parameters.forward, right: self.parameters.forward },
             State::Tumble { signals, .. } => signals,
         };
-        self.legs.send(signals, turn)
+        self.wheels.send(signals, turn)
     }
 }
 

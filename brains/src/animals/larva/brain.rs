@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
 use super::{Larva, Parameters as LarvaParameters};
-use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
+use crate::animals::wheel_commands::{Motion, WheelCommands, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 
@@ -86,7 +86,7 @@ pub struct LarvaBrain {
     chance: Chance,
     eyes: Sense,
     touch: Option<Sense>,
-    legs: Legs,
+    wheels: WheelCommands,
     larva: Larva,
     turn_rad_s: f64,
     /// Until when it turns about.
@@ -100,7 +100,7 @@ impl LarvaBrain {
             chance,
             eyes: Sense::new(body, &[SensorKind::Light, SensorKind::Photoresistor, SensorKind::Field])?,
             touch: Sense::new(body, &[SensorKind::Bumper, SensorKind::Whisker]),
-            legs: Legs::new(body, parameters.full_speed_m_s),
+            wheels: WheelCommands::new(body, parameters.full_speed_m_s),
             larva: Larva::new(parameters.larva),
             turn_rad_s: parameters.larva.turn_rad_s,
             about_until_ns: 0,
@@ -130,7 +130,7 @@ impl LarvaBrain {
 
 impl Brain for LarvaBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = self.legs.seconds_since_last(turn);
+        let dt_s = self.wheels.seconds_since_last(turn);
         self.eyes.look(turn);
         self.feel(turn);
         let motion = if self.eyes.is_numb(turn.at_ns) {
@@ -140,7 +140,7 @@ impl Brain for LarvaBrain {
         } else {
             self.crawl(dt_s)
         };
-        self.legs.walk(motion, turn)
+        self.wheels.walk(motion, turn)
     }
 }
 

@@ -24,8 +24,8 @@ mod swing;
 
 pub use brain::{LarvaBrain, Parameters as BrainParameters};
 
-use super::legs::Motion;
 use super::sense::Sides;
+use super::wheel_commands::Motion;
 use swing::Swing;
 
 /// What a larva is like.
@@ -150,8 +150,8 @@ mod tests {
     }
 
     fn moved(pose: &Pose, motion: Motion) -> Pose {
-        let way = Vector::new(motion.speed_m_s * DT_S, 0.0);
-        pose.compose(&Pose { position: Point::from(way), heading: motion.turn_rate_rad_s * DT_S })
+        let displacement = Vector::new(motion.speed_m_s * DT_S, 0.0);
+        pose.compose(&Pose { position: Point::from(displacement), heading: motion.turn_rate_rad_s * DT_S })
     }
 
     #[test]

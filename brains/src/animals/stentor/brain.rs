@@ -10,8 +10,8 @@
 use baudbot_brain::{Action, Belief, Body, Brain, SensorKind, Turn, Utility};
 
 use super::{Behaviour, Parameters as CellParameters, Stentor};
-use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
+use crate::animals::wheel_commands::{Motion, WheelCommands, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 
@@ -109,7 +109,7 @@ pub struct StentorBrain {
     parameters: Parameters,
     chance: Chance,
     sense: Sense,
-    legs: Legs,
+    wheels: WheelCommands,
     cell: Stentor,
     behaviour: Behaviour,
     /// To the left if positive.
@@ -124,7 +124,7 @@ impl StentorBrain {
             parameters,
             chance,
             sense: Sense::new(body, &FELT)?,
-            legs: Legs::new(body, parameters.full_speed_m_s),
+            wheels: WheelCommands::new(body, parameters.full_speed_m_s),
             cell: Stentor::new(parameters.cell),
             behaviour: Behaviour::Feed,
             turn_rad_s: parameters.turn_rad_s,
@@ -168,13 +168,13 @@ impl StentorBrain {
 
 impl Brain for StentorBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = self.legs.seconds_since_last(turn);
+        let dt_s = self.wheels.seconds_since_last(turn);
         self.sense.look(turn);
         if self.sense.is_numb(turn.at_ns) {
-            return self.legs.walk(Motion::default(), turn);
+            return self.wheels.walk(Motion::default(), turn);
         }
         self.feel(dt_s);
-        self.legs.walk(self.motion(), turn)
+        self.wheels.walk(self.motion(), turn)
     }
 
     fn belief(&mut self) -> Option<Belief> {

@@ -3,8 +3,8 @@
 use baudbot_brain::{Action, Body, Brain, SensorKind, Turn};
 
 use super::{Parameters as LouseParameters, Woodlouse};
-use crate::animals::legs::{Legs, Motion, full_speed};
 use crate::animals::sense::Sense;
+use crate::animals::wheel_commands::{Motion, WheelCommands, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 
@@ -68,7 +68,7 @@ pub(crate) const PARAMETERS: &[Parameter<Parameters>] = &[
 pub struct WoodlouseBrain {
     chance: Chance,
     sense: Sense,
-    legs: Legs,
+    wheels: WheelCommands,
     louse: Woodlouse,
 }
 
@@ -78,7 +78,7 @@ impl WoodlouseBrain {
         Some(Self {
             chance,
             sense: Sense::new(body, &[SensorKind::Field, SensorKind::Light, SensorKind::Photoresistor])?,
-            legs: Legs::new(body, parameters.full_speed_m_s),
+            wheels: WheelCommands::new(body, parameters.full_speed_m_s),
             louse: Woodlouse::new(parameters.louse),
         })
     }
@@ -87,13 +87,13 @@ impl WoodlouseBrain {
 impl Brain for WoodlouseBrain {
     fn step(&mut self, turn: &Turn) -> Action {
         self.sense.look(turn);
-        let dt_s = self.legs.seconds_since_last(turn);
+        let dt_s = self.wheels.seconds_since_last(turn);
         let motion = if self.sense.is_numb(turn.at_ns) {
             Motion::default()
         } else {
             self.louse.step(self.sense.mean(), dt_s, &mut self.chance)
         };
-        self.legs.walk(motion, turn)
+        self.wheels.walk(motion, turn)
     }
 }
 

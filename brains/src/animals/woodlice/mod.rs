@@ -12,7 +12,7 @@ pub(crate) mod brain;
 
 pub use brain::{Parameters as BrainParameters, WoodlouseBrain};
 
-use super::legs::Motion;
+use super::wheel_commands::Motion;
 use crate::Chance;
 
 /// What a louse is like. The unit of humidity is that of the sensor; by default it is a part of 1.

@@ -1,8 +1,8 @@
-//! Path following: to goals in a known map, on a planned way that keeps clear of the walls, by pure pursuit.
+//! Path following: to goals in a known map, on a planned path that keeps clear of the walls, by pure pursuit.
 //!
-//! The ways from goal to goal are known from the beginning. The robot plans one to its first goal, and anew if it has strayed:
+//! The paths from goal to goal are known from the beginning. The robot plans one to its first goal, and anew if it has strayed:
 //! because something pushed it, or because localization has found out that it is elsewhere. It stands while it does so, since
-//! a way through a large map takes longer than a step may. In the notes a way of §6.2.1 is followed from cell to cell; what is
+//! a path through a large map takes longer than a step may. In the notes a path of §6.2.1 is followed from cell to cell; what is
 //! between planning and wheels is ours.
 
 use std::task::{Poll, ready};
@@ -12,10 +12,10 @@ use baudbot_geometry::{Point, Pose};
 use serde::Deserialize;
 
 use super::steering::{Helm, Steering, braking};
-use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Pursuit, Way};
+use crate::navigation::{CELLS_A_STEP, Floor, Goals, Method, Path, Pursuit};
 use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::planning::ThetaStar;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// Where it goes, and between which walls.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Parameters {
     /// Side of the map's cells, in metres.
     #[serde(default = "cell_m")]
     pub cell_m: f64,
-    /// How a way is found.
+    /// How a path is found.
     #[serde(default)]
     pub method: Method,
     /// How far ahead on its way it looks, in metres.
@@ -40,7 +40,7 @@ pub struct Parameters {
     /// A goal is reached within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// It plans anew if it is farther from its way than this, in metres.
+    /// It plans anew if it is farther from its path than this, in metres.
     #[serde(default = "stray_m")]
     pub stray_m: f64,
     /// After the last goal comes the first again.
@@ -71,23 +71,23 @@ fn stray_m() -> f64 {
     0.3
 }
 
-/// A behaviour that follows planned ways.
+/// A behaviour that follows planned paths.
 #[derive(Clone, Debug)]
 pub struct FollowPath {
     floor: Floor,
     goals: Goals,
-    /// To each goal the way from the one before it; to the first one that from the last, if it goes round.
-    ways: Vec<Option<Vec<Point>>>,
+    /// To each goal the path from the one before it; to the first one that from the last, if it goes round.
+    paths: Vec<Option<Vec<Point>>>,
     helm: Helm,
     half_track_m: f64,
     look_ahead_m: f64,
     stray_m: f64,
     /// To which goal, by its place, and the way there.
     pursuit: Option<(usize, Pursuit)>,
-    /// A way that is being planned: to which goal, and from where.
+    /// A path that is being planned: to which goal, and from where.
     planned: Option<(usize, Point)>,
     search: ThetaStar,
-    /// It has found no way to this goal, and tries again at this instant.
+    /// It has found no path to this goal, and tries again at this instant.
     retry: Option<(usize, u64)>,
 }
 
@@ -104,7 +104,7 @@ impl FollowPath {
         let goals = Goals::new("goals_m", &p.goals_m, p.reached_m, p.again)?;
         let floor = Floor::new(&p.walls_m, p.cell_m, body.radius_m + p.clearance_m, p.method)?;
         Ok(Self {
-            ways: ways(&floor, goals.points(), p.again)?,
+            paths: paths(&floor, goals.points(), p.again)?,
             floor,
             goals,
             helm: Helm::new(p.steering),
@@ -123,7 +123,7 @@ impl FollowPath {
         self.goals.has_arrived()
     }
 
-    /// Makes sure that there is a way to the goal. Pending until there is one; an error if there is none.
+    /// Makes sure that there is a path to the goal. Pending until there is one; an error if there is none.
     fn plan(&mut self, here: Point, goal: Point, at_ns: u64) -> Poll<Result<(), NoWay>> {
         let place = self.goals.next();
         let is_followed = match &mut self.pursuit {
@@ -139,27 +139,27 @@ impl FollowPath {
         }
         let from = self.planned.filter(|(to, _)| *to == place).map_or(here, |(_, from)| from);
         self.planned = Some((place, from));
-        let way = ready!(self.floor.seek(&mut self.search, from, goal, &mut { CELLS_A_STEP }));
+        let path = ready!(self.floor.seek(&mut self.search, from, goal, &mut { CELLS_A_STEP }));
         self.planned = None;
-        self.retry = way.is_err().then_some((place, at_ns.saturating_add(RETRY_NS)));
-        self.follow(place, way.map_err(|_| NoWay { goal: place, from })?);
+        self.retry = path.is_err().then_some((place, at_ns.saturating_add(RETRY_NS)));
+        self.follow(place, path.map_err(|_| NoWay { goal: place, from })?);
         Poll::Ready(Ok(()))
     }
 
-    /// Takes the way that is known from one goal to the next, if the robot is at the former and nothing is between.
+    /// Takes the path that is known from one goal to the next, if the robot is at the former and nothing is between.
     fn go_on(&mut self, place: usize, here: Point) -> bool {
-        let Some(way) = &self.ways[place] else { return false };
-        let is_there = way.first().is_some_and(|first| (first - here).norm() <= self.goals.reached_m());
-        // Straight to where the way first turns, if it can.
-        let first = (0..way.len().min(2)).rev().find(|&i| self.floor.is_clear(here, way[i]));
+        let Some(path) = &self.paths[place] else { return false };
+        let is_there = path.first().is_some_and(|first| (first - here).norm() <= self.goals.reached_m());
+        // Straight to where the path first turns, if it can.
+        let first = (0..path.len().min(2)).rev().find(|&i| self.floor.is_clear(here, path[i]));
         let Some(first) = first.filter(|_| is_there) else { return false };
-        let way = [here].into_iter().chain(way[first..].iter().copied()).collect();
-        self.follow(place, way);
+        let path = [here].into_iter().chain(path[first..].iter().copied()).collect();
+        self.follow(place, path);
         true
     }
 
-    fn follow(&mut self, place: usize, way: Vec<Point>) {
-        self.pursuit = Some((place, Pursuit::new(Way::new(way), self.look_ahead_m)));
+    fn follow(&mut self, place: usize, path: Vec<Point>) {
+        self.pursuit = Some((place, Pursuit::new(Path::new(path), self.look_ahead_m)));
     }
 
     /// Signals on the way.
@@ -182,8 +182,8 @@ struct NoWay {
     from: Point,
 }
 
-/// The ways from goal to goal: what can be known of them before it is known where the robot is.
-fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, ParameterError> {
+/// The paths from goal to goal: what can be known of them before it is known where the robot is.
+fn paths(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Point>>>, ParameterError> {
     let place = |point: &Point| format!("({} m, {} m)", point.x, point.y);
     if let Some(i) = goals.iter().position(|goal| !floor.is_free(*goal)) {
         let why = "is outside the map, or closer to a wall than the body's radius and `clearance_m` allow";
@@ -193,47 +193,47 @@ fn ways(floor: &Floor, goals: &[Point], again: bool) -> Result<Vec<Option<Vec<Po
         ));
     }
     let before = |i: usize| i.checked_sub(1).or_else(|| again.then_some(goals.len() - 1));
-    let way = |i: usize| {
+    let path = |i: usize| {
         let Some(before) = before(i) else { return Ok(None) };
         let (from, to) = (&goals[before], &goals[i]);
-        floor.way(*from, *to).map(Some).map_err(|_| {
+        floor.path(*from, *to).map(Some).map_err(|_| {
             let why = "with the body's radius and `clearance_m` on both sides";
             let problem = format_args!("no path leads to {} from {}, {why}", place(to), place(from));
             ParameterError::value(format_args!("goals_m[{i}]"), problem)
         })
     };
-    (0..goals.len()).map(way).collect()
+    (0..goals.len()).map(path).collect()
 }
 
 impl MotorBehavior for FollowPath {
-    /// It begins with the first goal again if it had arrived; a tour that was interrupted goes on, on a new way.
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    /// It begins with the first goal again if it had arrived; a tour that was interrupted goes on, on a new path.
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.goals.begin();
         (self.pursuit, self.planned, self.retry) = (None, None, None);
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        let Some(estimate) = context.beliefs.pose else { return Some(Signals::default()) };
         let world_from_robot = estimate.world_from_robot;
         let here = world_from_robot.position;
-        moment.beliefs.path.clear();
-        moment.beliefs.intention.clear();
+        context.beliefs.path.clear();
+        context.beliefs.intention.clear();
         let Some(goal) = self.goals.from(here) else {
-            moment.beliefs.intention =
+            context.beliefs.intention =
                 if self.has_arrived() { "has arrived".to_owned() } else { String::new() };
             return Some(Signals::default());
         };
-        let wait = match self.plan(here, goal, moment.turn.at_ns) {
+        let wait = match self.plan(here, goal, context.turn.at_ns) {
             Poll::Ready(Ok(())) => None,
             Poll::Ready(Err(no_way)) => Some(no_way.to_string()),
             Poll::Pending => Some("plans its path".to_owned()),
         };
         if let Some(why) = wait {
-            moment.beliefs.intention = why;
+            context.beliefs.intention = why;
             return Some(Signals::default());
         }
         if let Some((_, pursuit)) = &self.pursuit {
-            moment.beliefs.path = pursuit.rest().collect();
+            context.beliefs.path = pursuit.rest().collect();
         }
         Some(self.drive(&world_from_robot))
     }
@@ -243,7 +243,7 @@ impl MotorBehavior for FollowPath {
     }
 }
 
-/// So long it waits before it looks for a way again, in nanoseconds.
+/// So long it waits before it looks for a path again, in nanoseconds.
 const RETRY_NS: u64 = 1_000_000_000;
 
 #[cfg(test)]

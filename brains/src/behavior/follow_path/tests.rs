@@ -20,9 +20,9 @@ fn step(follow: &mut FollowPath, pose: Pose, at_ns: u64) -> ([f64; 2], Beliefs) 
     let mut beliefs = Beliefs { pose: Some(Estimate::exact(pose)), ..Beliefs::default() };
     let turn = turn(&body(&[]), at_ns, &[]);
     let (mut gammas, state) = (Vec::new(), []);
-    let mut moment =
-        Moment { turn: &turn, dt_s: DT_S, state: &state, beliefs: &mut beliefs, gammas: &mut gammas };
-    let Signals { left, right } = follow.step(&mut moment).expect("signals");
+    let mut context =
+        StepContext { turn: &turn, dt_s: DT_S, state: &state, beliefs: &mut beliefs, gammas: &mut gammas };
+    let Signals { left, right } = follow.step(&mut context).expect("signals");
     ([left * 0.5, right * 0.5], beliefs)
 }
 

@@ -13,7 +13,7 @@ use super::scout::{self, Scout};
 use crate::mapping::PlacedScan;
 use crate::odometry::Odometry;
 use crate::parameter::ParameterError;
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 use crate::scanner::Scanner;
 
 /// A behaviour that explores.
@@ -67,10 +67,10 @@ impl ExploreFloor {
     }
 
     /// Takes in what has come.
-    fn look(&mut self, moment: &Moment<'_>) {
-        self.scout.feel(moment.turn);
-        self.scanner.hear(moment.turn);
-        let Some(odometry) = &moment.beliefs.odometry else { return };
+    fn look(&mut self, context: &StepContext<'_>) {
+        self.scout.feel(context.turn);
+        self.scanner.hear(context.turn);
+        let Some(odometry) = &context.beliefs.odometry else { return };
         while let Some((at_ns, scan)) = self.scanner.take(odometry) {
             if let Some(estimate) = odometry.at(at_ns) {
                 self.scan = Some(PlacedScan { world_from_robot: estimate.world_from_robot, scan });
@@ -80,16 +80,16 @@ impl ExploreFloor {
 }
 
 impl MotorBehavior for ExploreFloor {
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.scanner.forget();
         self.scout.interrupt();
         (self.scan, self.is_new) = (None, true);
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        self.look(moment);
-        let at_ns = moment.turn.at_ns;
-        let beliefs = &mut *moment.beliefs;
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        self.look(context);
+        let at_ns = context.turn.at_ns;
+        let beliefs = &mut *context.beliefs;
         let known_ns = beliefs.odometry.as_ref().map(Odometry::at_ns);
         let has_news =
             known_ns.is_some_and(|known_ns| self.heard_ns.is_none_or(|(old_ns, _)| known_ns > old_ns));

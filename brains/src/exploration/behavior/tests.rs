@@ -38,9 +38,9 @@ fn step(
     let mut beliefs = Beliefs { odometry, ..Beliefs::default() };
     let rays = is_seen.then_some([0.9; RAYS]);
     let turn = turn(&robot(), at_ns, &[None, rays.as_ref().map(<[f64; RAYS]>::as_slice)]);
-    let mut moment =
-        Moment { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
-    let signals = explore.step(&mut moment);
+    let mut context =
+        StepContext { turn: &turn, dt_s: 0.1, state: &[], beliefs: &mut beliefs, gammas: &mut Vec::new() };
+    let signals = explore.step(&mut context);
     (signals, beliefs)
 }
 

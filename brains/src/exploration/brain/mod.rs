@@ -6,7 +6,7 @@
 //! *Deviations.*
 //!
 //! - A scan goes with the pose that the odometer says for the end of its sweep; what the robot's motion has bent is
-//!   [mended](crate::localization::deskew).
+//!   [corrected](crate::localization::deskew).
 //! - Lasers on a turret are not understood.
 
 use baudbot_brain::{Action, Belief, Body, Brain, Point, Signals, Turn};

@@ -1,6 +1,6 @@
 //! Exploration by frontiers: B. Yamauchi, *A frontier-based approach for autonomous exploration*, CIRA 1997.
 //!
-//! The robot keeps an occupancy grid of all scans. It goes to the nearest place, by the length of the way, from which a
+//! The robot keeps an occupancy grid of all scans. It goes to the nearest place, by the length of the path, from which a
 //! cell at the edge of the [dark](crate::mapping::frontier) is in sight within `view_m`, and faces it. As soon as that is dark no
 //! more it chooses another. When there is none, it looks from farther away: through what is too narrow for it one sees more
 //! than a metre. It is done when there is none that it can see from where it can get to, and says
@@ -39,7 +39,7 @@ pub struct Parameters {
     pub cell_m: f64,
     /// The robot's radius, in metres.
     pub radius_m: f64,
-    /// Half the width that a way must have, in metres: the robot's radius and a little more.
+    /// Half the width that a path must have, in metres: the robot's radius and a little more.
     pub half_width_m: f64,
     /// A point on the way is reached within this distance, in metres.
     pub reach_m: f64,
@@ -102,7 +102,7 @@ enum State {
     Ended(Command),
 }
 
-/// A way to a place from which a cell of the edge can be seen.
+/// A path to a place from which a cell of the edge can be seen.
 #[derive(Clone, Debug, PartialEq)]
 struct Plan {
     /// Points that are left, the last one first.
@@ -160,7 +160,7 @@ impl Frontiers {
         self.ended
     }
 
-    /// The end of the straight way on which it is.
+    /// The end of the straight path on which it is.
     pub(super) const fn leg(&self) -> Option<Point> {
         match &self.state {
             State::Go { approach, .. } => Some(approach.to),
@@ -233,7 +233,7 @@ impl Frontiers {
             let known = reached.iter().copied().find_map(seen);
             let mut on = search.by_ref().inspect(|cell| reached.push(*cell));
             let Some((place, look_at)) = known.or_else(|| on.find_map(seen)) else { continue };
-            let mut turns = floor.straighten(here.position, &search.way(place));
+            let mut turns = floor.straighten(here.position, &search.path(place));
             turns.reverse();
             let approach = Approach::new(turns.pop().unwrap_or(here.position));
             return State::Go { plan: Plan { turns, look_at }, approach };
@@ -294,8 +294,8 @@ impl Frontiers {
         let radius_m = self.parameters.half_width_m - NOISE_M;
         let mut from = here.position;
         let mut is_open = |to: Point| {
-            let way = (std::mem::replace(&mut from, to), to);
-            is_clear(&self.grid, way, radius_m, &self.bumps)
+            let path = (std::mem::replace(&mut from, to), to);
+            is_clear(&self.grid, path, radius_m, &self.bumps)
         };
         is_open(approach.to) && plan.turns.iter().rev().all(|turn| is_open(*turn))
     }
@@ -326,7 +326,7 @@ pub(super) const ROOM_M: f64 = 0.025;
 /// Of a cell, in cells, and a little more.
 const HALF_DIAGONAL: f64 = 0.71;
 
-/// By so much less room a way is not closed that was open, in metres.
+/// By so much less room a path is not closed that was open, in metres.
 const NOISE_M: f64 = 0.01;
 
 /// What is given up with a cell is so near to it, in metres.

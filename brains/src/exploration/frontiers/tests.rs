@@ -44,7 +44,7 @@ fn an_office_is_seen_from_30_random_starts() {
     assert!(most < 65.0, "mean {mean} m, most {most} m");
 }
 
-/// A low box bars the way to a frontier. What proximity finds goes into no scan, and is still remembered.
+/// A low box bars the path to a frontier. What proximity finds goes into no scan, and is still remembered.
 #[test]
 fn what_only_proximity_sees_is_gone_around() {
     let mut explorer = Frontiers::new(Parameters::default());
@@ -59,15 +59,15 @@ fn what_only_proximity_sees_is_gone_around() {
         },
     };
     let mut step = |pose, near| explorer.step(&Input { world_from_robot: pose, scan: Some(&scan), near });
-    let way = |command| match command {
+    let path = |command| match command {
         Command::Turn { heading_rad } => heading_rad,
         Command::Drive { to } => heading_to(&here, to),
         other => panic!("{other:?}"),
     };
-    let first = way(step(here, false));
+    let first = path(step(here, false));
     let facing = Pose { heading: first, ..here };
     assert!(matches!(step(facing, false), Command::Drive { .. }));
-    let second = way(step(facing, true));
+    let second = path(step(facing, true));
     assert!(baudbot_geometry::angle::difference(second, first).abs() > 0.5, "{first} and then {second}");
 }
 

@@ -30,7 +30,7 @@ impl Nodes {
         (!has_looked).then_some(command)
     }
 
-    /// It is here, on a straight way from the active node: at a node that is here, or a new one.
+    /// It is here, on a straight path from the active node: at a node that is here, or a new one.
     fn pass(&mut self, here: &Pose) {
         let is_here = |node: &usize| self.distance(here, *node) <= self.parameters.reach_m;
         let known = self.graph.having(Status::Completed).find(is_here);

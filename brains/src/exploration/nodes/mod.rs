@@ -5,7 +5,7 @@
 //! when no node is pending. Since nodes that are not unreachable are at least d apart, that is at some time the case in
 //! any arena with walls.
 //!
-//! Between nodes it goes along the ways on which they were placed, but directly to a target within L if a scan shows
+//! Between nodes it goes along the paths on which they were placed, but directly to a target within L if a scan shows
 //! that nothing is in the way.
 //!
 //! *Deviations.*
@@ -13,20 +13,20 @@
 //! - At the start the robot places nodes, makes half a turn, and places nodes again. Otherwise one that looks at a wall
 //!   at the start is done at once.
 //! - The notes set the active node to one that was found unreachable. Here it stays the node from which the robot came,
-//!   since that is where the ways are.
+//!   since that is where the paths are.
 //! - The notes do not say how they avoid the deadlock of Fig. 6.3. Here a robot that is stopped between two nodes takes
-//!   the way to be blocked in this direction only. It goes straight to that completed node in sight from which the
+//!   the path to be blocked in this direction only. It goes straight to that completed node in sight from which the
 //!   path to the target is the shortest, or back.
 //! - `γ_min` is as wide as the robot needs to pass at the distance D; the notes give no number. An interval that is wide enough
 //!   in a room is not in a narrow corridor: there, and beside a table or a door's post, no node is placed though the robot fits.
 //!   Nor does an unreachable node get another chance. So the robot keeps a map, too. When no node is pending, it goes by that to where
 //!   it can see something [dark](super::frontiers), and places nodes there. It is done when there is no such place. Where it
 //!   turned on the way, and where it looked, are completed nodes, however near to others.
-//! - A robot between two nodes that can go to none from which there is a way to its target goes back to where it came from.
-//!   There it looks all round, places nodes, and joins the node with all to which a way is clear. Where the pose is not
+//! - A robot between two nodes that can go to none from which there is a path to its target goes back to where it came from.
+//!   There it looks all round, places nodes, and joins the node with all to which a path is clear. Where the pose is not
 //!   true, places of nodes are wrong by as much as the map has moved since, and ways of the past are no longer open.
 //! - Where something else has driven the robot in between, a node is placed, however near to others, and the robot looks all
-//!   round. If it sees none of the old ones the way is taken to be straight, until that proves wrong.
+//!   round. If it sees none of the old ones the path is taken to be straight, until that proves wrong.
 
 use std::f64::consts::PI;
 
@@ -88,7 +88,7 @@ pub struct Nodes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Start,
-    /// At the active node, to place others around it and to see which can be gone to, once it faces this way; and then the
+    /// At the active node, to place others around it and to see which can be gone to, once it faces this path; and then the
     /// same of what is behind it, if there is `more`.
     LookRound {
         heading_rad: f64,
@@ -102,7 +102,7 @@ enum State {
     Look {
         node: usize,
     },
-    /// Goes by the map, after it has looked so often, to the end of a straight way.
+    /// Goes by the map, after it has looked so often, to the end of a straight path.
     Led {
         ended: usize,
         leg: Option<Point>,
@@ -113,7 +113,7 @@ enum State {
     Ended(Command),
 }
 
-/// A straight way.
+/// A straight path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Leg {
     approach: Approach,
@@ -121,7 +121,7 @@ struct Leg {
     node: Option<usize>,
     /// The node where it began; `None` if it began elsewhere.
     from: Option<usize>,
-    /// Along a way of the graph.
+    /// Along a path of the graph.
     is_edge: bool,
 }
 
@@ -204,7 +204,7 @@ impl Nodes {
     }
 
     /// Goes on from here: from a node, or from a new one, from which it looks all round. The robot has come there from where it
-    /// was, so there is a way, if not a straight one.
+    /// was, so there is a path, if not a straight one.
     fn resume(&mut self, here: &Pose) -> State {
         if self.graph.nodes().is_empty() {
             return State::Start;
@@ -250,7 +250,7 @@ impl Nodes {
         None
     }
 
-    /// As [`place`](Self::place), and joins the active node with those to which a way is seen to be clear.
+    /// As [`place`](Self::place), and joins the active node with those to which a path is seen to be clear.
     fn look_round(&mut self, input: &Input<'_>, heading_rad: f64, more: bool) -> Option<Command> {
         if let Some(turn) = self.place(input, heading_rad) {
             return Some(turn);

@@ -4,22 +4,22 @@ use baudbot_geometry::{Pose, angle};
 
 use super::{Leg, Nodes, State};
 use crate::exploration::approach::{Approach, heading_to};
-use crate::exploration::graph::{Status, Ways};
+use crate::exploration::graph::{Paths, Status};
 
 impl Nodes {
     /// Where to go next.
     pub(super) fn decide(&mut self, here: &Pose) -> State {
         loop {
             let Some(target) = self.choose(here) else { return self.lead(here) };
-            let ways = self.graph.ways_to(target);
+            let paths = self.graph.paths_to(target);
             if self.distance(here, self.active) > self.parameters.reach_m {
-                if let Some(state) = self.rejoin(here, target, &ways) {
+                if let Some(state) = self.rejoin(here, target, &paths) {
                     return state;
                 }
                 self.graph.give_up(target);
                 return self.lead(here);
             }
-            if let Some(state) = self.leave(here, target, &ways) {
+            if let Some(state) = self.leave(here, target, &paths) {
                 return state;
             }
             if !self.looked_round.contains(&self.active) {
@@ -42,9 +42,9 @@ impl Nodes {
     }
 
     fn nearest(&self, here: &Pose) -> Option<usize> {
-        let ways = self.graph.ways_from(self.active);
+        let paths = self.graph.paths_from(self.active);
         let length = |node: &usize| {
-            let way_m = ways.length(*node);
+            let way_m = paths.length(*node);
             let turn_rad = angle::difference(heading_to(here, self.graph.place(*node)), here.heading);
             way_m + TURN_COSTS_M * turn_rad.abs()
         };
@@ -52,9 +52,9 @@ impl Nodes {
         pending.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, node)| node)
     }
 
-    /// From the active node on; `None` if there is no way to the target.
-    fn leave(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
-        let next = ways.next(self.active);
+    /// From the active node on; `None` if there is no path to the target.
+    fn leave(&self, here: &Pose, target: usize, paths: &Paths) -> Option<State> {
+        let next = paths.next(self.active);
         let is_near = self.distance(here, target) <= self.parameters.sight_m;
         if next != Some(target) && is_near && !self.not_directly_from.contains(&self.active) {
             return Some(State::Look { node: target });
@@ -66,15 +66,15 @@ impl Nodes {
         Some(State::Go(leg))
     }
 
-    /// From between two nodes on: to a node in sight from which there is a way to the target, or else back, since there
+    /// From between two nodes on: to a node in sight from which there is a path to the target, or else back, since there
     /// may be more to be seen; `None` if it can do neither.
-    fn rejoin(&self, here: &Pose, target: usize, ways: &Ways) -> Option<State> {
+    fn rejoin(&self, here: &Pose, target: usize, paths: &Paths) -> Option<State> {
         let in_sight = |node: &usize| self.distance(here, *node) <= self.parameters.sight_m;
         let nodes = self.graph.having(Status::Completed).chain([target]);
         let nodes = nodes.filter(|node| *node == self.active || in_sight(node));
         let untried = nodes.filter(|node| !self.tried.contains(node));
-        let ways = untried.map(|node| (self.distance(here, node) + ways.length(node), node));
-        let best = ways.filter(|(length, _)| length.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
+        let paths = untried.map(|node| (self.distance(here, node) + paths.length(node), node));
+        let best = paths.filter(|(length, _)| length.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
         match best {
             Some((_, node)) if node != self.active => Some(State::Look { node }),
             _ if !self.tried.contains(&self.active) => Some(State::Go(self.back())),
@@ -92,6 +92,6 @@ impl Nodes {
     }
 }
 
-/// How much longer a way may be that spares a turn of 1 rad, in metres: so little that it decides only between nodes
+/// How much longer a path may be that spares a turn of 1 rad, in metres: so little that it decides only between nodes
 /// at the same distance.
 const TURN_COSTS_M: f64 = 0.05;

@@ -149,12 +149,12 @@ fn a_robot_that_can_go_nowhere_is_done() {
 }
 
 /// A robot that knows some nodes, and what a scan in each direction would show.
-fn knowing(nodes: &[(f64, f64)], ways: &[(usize, usize)]) -> Nodes {
+fn knowing(nodes: &[(f64, f64)], paths: &[(usize, usize)]) -> Nodes {
     let mut explorer = Nodes::new(Parameters::default());
     for &(x, y) in nodes {
         explorer.graph.add(Point::new(x, y), Status::Pending);
     }
-    for &(a, b) in ways {
+    for &(a, b) in paths {
         explorer.graph.join(a, b);
     }
     explorer
@@ -201,10 +201,10 @@ fn who_was_carried_away_looks_round_there_and_drives_on_from_a_node() {
     assert_eq!(near.graph.nodes().len(), 3);
     let (_, active, seeing) = carried_to(Pose::new(0.0, -1.2, 0.3), 3.0);
     assert_eq!((active, seeing.graph.place(3)), (3, Point::new(0.0, -1.2)), "it is at none");
-    assert!((seeing.graph.ways_from(3).length(2) - 1.2_f64.hypot(2.0)).abs() < 1e-12, "it sees some");
+    assert!((seeing.graph.paths_from(3).length(2) - 1.2_f64.hypot(2.0)).abs() < 1e-12, "it sees some");
     let (_, active, lost) = carried_to(Pose::new(8.0, 6.0, 0.3), 1.0);
     assert_eq!(lost.graph.place(active), Point::new(8.0, 6.0));
-    assert!(lost.graph.ways_from(active).length(0).is_finite(), "it came from somewhere");
+    assert!(lost.graph.paths_from(active).length(0).is_finite(), "it came from somewhere");
     // What is over stays so, but for who was stuck.
     let done = State::Ended(Command::Done(LeftOut::default()));
     explorer.state = done;

@@ -16,9 +16,9 @@ use baudbot_geometry::{Point, Pose, angle, math};
 use super::brain::Parameters;
 use super::placement::{self, Placement};
 use super::{Command, Explorer, Frontiers, Input, Nodes, approach, frontiers, nodes};
-use crate::courier::within;
-use crate::feelers::{Echo, Feelers, Near, is_in_way};
 use crate::mapping::PlacedScan;
+use crate::proximity_sensors::{Echo, Near, ProximitySensors, is_in_way};
+use crate::throttle::within;
 
 /// An explorer with a body.
 pub(super) struct Scout {
@@ -28,7 +28,7 @@ pub(super) struct Scout {
     radius_m: f64,
     /// A greater signal is refused.
     signal_limit: Option<f64>,
-    feelers: Feelers,
+    proximity: ProximitySensors,
     /// Since when, and where, the robot ought to have been driving.
     driving_since: Option<(u64, Point)>,
     /// Since when something has been near.
@@ -45,7 +45,7 @@ impl Scout {
             half_track_m: body.half_track_m,
             radius_m: body.radius_m,
             signal_limit: body.signal_limit,
-            feelers: Feelers::new(body, near),
+            proximity: ProximitySensors::new(body, near),
             driving_since: None,
             near_since: None,
             command: Command::Wait,
@@ -55,7 +55,7 @@ impl Scout {
 
     /// Takes in what is near.
     pub(super) fn feel(&mut self, turn: &Turn) {
-        self.feelers.feel(turn);
+        self.proximity.feel(turn);
     }
 
     /// One step from here, with the last scan. Signals are such that the motors take them; the robot will have a part of them,
@@ -63,7 +63,8 @@ impl Scout {
     pub(super) fn step(&mut self, at_ns: u64, here: &Pose, scan: Option<&PlacedScan>, haste: f64) -> Signals {
         let is_stalled = self.is_stalled(at_ns, here.position, haste);
         let is_known = |echo: &Echo| scan.is_some_and(|scan| shows(scan, here, echo));
-        let near = self.feelers.is_near_but(is_known) || scan.is_some_and(|scan| self.sees_near(here, scan));
+        let near =
+            self.proximity.is_near_but(is_known) || scan.is_some_and(|scan| self.sees_near(here, scan));
         let since_ns = near.then(|| *self.near_since.get_or_insert(at_ns));
         self.near_since = since_ns;
         let is_sure = since_ns.is_some_and(|since_ns| at_ns.saturating_sub(since_ns) >= SURE_NS);
@@ -83,7 +84,7 @@ impl Scout {
     /// Something else may have driven it.
     pub(super) fn interrupt(&mut self) {
         self.pause();
-        self.feelers.forget();
+        self.proximity.forget();
         self.explorer.interrupt();
     }
 
@@ -166,9 +167,9 @@ impl Scout {
 fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
     let world_from_sonar = here.compose(&echo.robot_from_sensor);
     scan.ends().any(|(end, met)| {
-        let way = end - world_from_sonar.position;
-        let aside = angle::difference(math::atan2(way.y, way.x), world_from_sonar.heading);
-        let is_there = (way.norm() - echo.distance_m).abs() <= SAME_M;
+        let offset = end - world_from_sonar.position;
+        let aside = angle::difference(math::atan2(offset.y, offset.x), world_from_sonar.heading);
+        let is_there = (offset.norm() - echo.distance_m).abs() <= SAME_M;
         met && is_there && aside.abs() <= echo.half_rad + SAME_RAD
     })
 }

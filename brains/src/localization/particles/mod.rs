@@ -143,17 +143,18 @@ impl Particles {
 
     /// Moves them all as the odometry says that the robot moved since the last time: its new frame in its old one.
     pub fn advance(&mut self, then_from_now: &Pose) {
-        let [first, way, second] = turn_way_turn(then_from_now);
+        let [first, displacement, second] = turn_way_turn(then_from_now);
         let [a1, a2, a3, a4] = self.parameters.alphas;
-        let sd_of_turn = |turn: f64| math::sqrt(a1 * turn * turn + a2 * way * way);
+        let sd_of_turn = |turn: f64| math::sqrt(a1 * turn * turn + a2 * displacement * displacement);
         let (sd_first, sd_second) = (sd_of_turn(first), sd_of_turn(second));
-        let sd_way = math::sqrt(a3 * way * way + a4 * (first * first + second * second));
+        let sd_displacement =
+            math::sqrt(a3 * displacement * displacement + a4 * (first * first + second * second));
         for particle in &mut self.particles {
             let first = first + sd_first * self.chance.normal();
-            let way = way + sd_way * self.chance.normal();
+            let displacement = displacement + sd_displacement * self.chance.normal();
             let second = second + sd_second * self.chance.normal();
             let (sin, cos) = math::sin_cos(first);
-            let moved = Pose::new(way * cos, way * sin, first + second);
+            let moved = Pose::new(displacement * cos, displacement * sin, first + second);
             particle.world_from_robot = particle.world_from_robot.compose(&moved);
         }
     }
@@ -258,13 +259,13 @@ impl Particles {
 /// A motion as a turn, a way and another turn. Where there is hardly a way its direction means nothing.
 fn turn_way_turn(then_from_now: &Pose) -> [f64; 3] {
     let Pose { position, heading } = then_from_now;
-    let way = math::hypot(position.x, position.y);
-    if way < 1e-3 {
-        return [0.0, way, *heading];
+    let displacement = math::hypot(position.x, position.y);
+    if displacement < 1e-3 {
+        return [0.0, displacement, *heading];
     }
     let forwards = if position.x < 0.0 { -1.0 } else { 1.0 };
     let first = math::atan2(forwards * position.y, forwards * position.x);
-    [first, forwards * way, angle::difference(*heading, first)]
+    [first, forwards * displacement, angle::difference(*heading, first)]
 }
 
 /// Any pose in the box around a map; the origin if the map is empty.

@@ -2,8 +2,8 @@
 //!
 //! The notes show such a grid and cite an algorithm for it, which they leave out as too complex. Here the free
 //! cells of a fine [`Grid`] are merged into rectangles. Two of them are neighbours if they share a part of a side:
-//! a door. Dijkstra's algorithm finds a way from cell to cell, and within these cells the way is pulled tight,
-//! which is the notes' last step: changes of direction within cells, so that the way becomes as short as its cells
+//! a door. Dijkstra's algorithm finds a path from cell to cell, and within these cells the path is pulled tight,
+//! which is the notes' last step: changes of direction within cells, so that the path becomes as short as its cells
 //! allow.
 //!
 //! Deviations: a slanted wall has stairs of small cells along it, as all cells are rectangles along the axes. The
@@ -38,16 +38,16 @@ pub struct Door {
     pub side: Segment,
 }
 
-/// A way through a [`CellGrid`].
+/// A path through a [`CellGrid`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
     /// The cells that it runs through, by their places in [`CellGrid::cells`].
     pub cells: Vec<usize>,
     /// A plain way through these cells: by their centres and the middles of the doors between them.
     pub by_centers: Vec<Point>,
-    /// The shortest way from start to target within the cells: where it bends, and its ends.
+    /// The shortest path from start to target within the cells: where it bends, and its ends.
     pub points: Vec<Point>,
-    /// Length of the shortest way, in metres.
+    /// Length of the shortest path, in metres.
     pub length_m: f64,
 }
 
@@ -101,18 +101,18 @@ impl CellGrid {
     }
 
     fn by_centers(&self, start: Point, cells: &[usize], doors: &[Segment], target: Point) -> Vec<Point> {
-        let mut way = vec![start];
+        let mut path = vec![start];
         for (i, door) in doors.iter().enumerate() {
-            way.push(middle(door));
+            path.push(middle(door));
             if i + 1 < doors.len() {
-                way.push(self.cells[cells[i + 1]].center());
+                path.push(self.cells[cells[i + 1]].center());
             }
         }
-        way.push(target);
-        way
+        path.push(target);
+        path
     }
 
-    /// The fine cell and the cell that an end of a way lies in.
+    /// The fine cell and the cell that an end of a path lies in.
     fn end(&self, end: End, point: Point) -> Result<(Cell, usize), PlanError> {
         let cell = self.grid.cell_at(point).ok_or(PlanError::OffMap { end, point })?;
         let owner = self.owners[self.grid.number(cell)];

@@ -10,7 +10,7 @@ fn length(points: &[Point]) -> f64 {
     points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
 
-/// Points every centimetre or less along a way.
+/// Points every centimetre or less along a path.
 fn along(points: &[Point]) -> impl Iterator<Item = Point> {
     points.windows(2).flat_map(|pair| {
         let steps = ((pair[1] - pair[0]).norm() / 0.01).ceil().max(1.0);
@@ -20,9 +20,9 @@ fn along(points: &[Point]) -> impl Iterator<Item = Point> {
 
 /// What is true of every route.
 fn check(cells: &CellGrid, route: &Route, start: Point, target: Point) {
-    for way in [&route.points, &route.by_centers] {
-        assert_eq!((way[0], way[way.len() - 1]), (start, target));
-        for point in along(way) {
+    for path in [&route.points, &route.by_centers] {
+        assert_eq!((path[0], path[path.len() - 1]), (start, target));
+        for point in along(path) {
             let nearest = route.cells.iter().map(|&cell| cells.cells()[cell].distance(point));
             assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9, "{point} is not free");
         }
@@ -140,7 +140,7 @@ fn ends_that_are_blocked_outside_or_apart_are_errors() {
     assert_eq!(route(0.5, 2.5), "no path leads from cell (0, 0) to cell (2, 0)");
 }
 
-/// The length of the shortest way through these doors in order, by trying all their ends as corners.
+/// The length of the shortest path through these doors in order, by trying all their ends as corners.
 fn shortest(start: Point, doors: &[Segment], target: Point) -> f64 {
     let mut corners = vec![(0, start, 0.0_f64)];
     for (i, door) in doors.iter().chain([&Segment { start: target, end: target }]).enumerate() {

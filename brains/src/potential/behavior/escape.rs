@@ -13,8 +13,8 @@ impl PotentialField {
         self.begun = (pose.position, self.begun.1.saturating_add(1));
         self.thought_ns = at_ns;
         let terrain = self.terrain(pose.position);
-        let way = terrain.and_then(|terrain| terrain.way(pose.position, self.target()));
-        self.detour = way.map(|way| Detour::new(way, self.radius_m));
+        let path = terrain.and_then(|terrain| terrain.path(pose.position, self.target()));
+        self.detour = path.map(|path| Detour::new(path, self.radius_m));
         (Signals::default(), "")
     }
 
@@ -29,11 +29,11 @@ impl PotentialField {
         if detour.is_forced() {
             return (self.look_for_a_way(), "knows no way");
         }
-        let way = detour.next(at) - at;
-        (self.steer(pose, math::atan2(way.y, way.x), at_ns), "goes round")
+        let offset = detour.next(at) - at;
+        (self.steer(pose, math::atan2(offset.y, offset.x), at_ns), "goes round")
     }
 
-    /// Whether the way is still the best one, and whether the field leads on.
+    /// Whether the path is still the best one, and whether the field leads on.
     fn think(&mut self, pose: &Pose) {
         let at = pose.position;
         let Some(terrain) = self.terrain(at) else { return };
@@ -49,11 +49,11 @@ impl PotentialField {
         if !(has_news || is_lost) {
             return;
         }
-        match terrain.way(at, self.target()) {
-            Some(way) if is_lost => self.detour = Some(Detour::new(way, self.radius_m)),
-            Some(way) => {
+        match terrain.path(at, self.target()) {
+            Some(path) if is_lost => self.detour = Some(Detour::new(path, self.radius_m)),
+            Some(path) => {
                 if let Some(detour) = &mut self.detour {
-                    detour.reconsider(way, &terrain);
+                    detour.reconsider(path, &terrain);
                 }
             }
             None => {}
@@ -72,7 +72,7 @@ impl PotentialField {
         Signals { left: -signal, right: signal }
     }
 
-    /// Whether a point that follows the field from here comes to the target, with room for the body on all its way.
+    /// Whether a point that follows the field from here comes to the target, with room for the body on all its path.
     fn leads_on(&self, pose: &Pose, terrain: &Terrain) -> bool {
         let (begun, detours) = self.begun;
         // Each detour goes twice as far as the one before, so that field and detour do not lead to and fro for ever.
@@ -109,13 +109,13 @@ impl PotentialField {
 
 /// The field is followed again with so much room in its direction, in radii of the body.
 const CLEAR: f64 = 1.75;
-/// A robot that is so far beside its way plans another one, in radii of the body.
+/// A robot that is so far beside its path plans another one, in radii of the body.
 const STRAY: f64 = 2.0;
 /// The field is followed in steps of so many radii of the body ...
 const ROLL: f64 = 0.2;
-/// ... for so many times the way straight on.
+/// ... for so many times the path straight on.
 const MOST_ROLL: f64 = 4.0;
-/// So often the way of a detour is doubled at most.
+/// So often the path of a detour is doubled at most.
 const MOST_DOUBLED: u32 = 16;
-/// It thinks its way over so often, in nanoseconds.
+/// It thinks its path over so often, in nanoseconds.
 const THINK_NS: u64 = 500_000_000;

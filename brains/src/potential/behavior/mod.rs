@@ -3,7 +3,7 @@
 //! The direction is that of (6.3), the wheels' speeds are those of (6.4) to (6.7). Waypoints attract one after the other:
 //! each goes once the robot has been within L of it.
 //!
-//! *Beyond the notes*: a robot that gets no lower for a while though it is not at its goal is locked. It then plans a way on the
+//! *Beyond the notes*: a robot that gets no lower for a while though it is not at its goal is locked. It then plans a path on the
 //! ground (`terrain`), round the hills of its field and round what it has felt (`felt`), and follows that until the field
 //! leads from where it is to the goal; then it goes down the field again. What it feels in its way stops it, and begins such a
 //! detour at once. With `escape_after_s = 0` there is no detour: it stays locked, as in Fig. 6.13.
@@ -23,7 +23,7 @@ use super::lock::Lock;
 use crate::behavior::Steering;
 use crate::behavior::steering::Helm;
 use crate::parameter::{ParameterError, check_positive};
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 use crate::vfh::sight;
 
 /// The field, and how it is followed.
@@ -217,18 +217,18 @@ impl PotentialField {
 }
 
 impl MotorBehavior for PotentialField {
-    fn enter(&mut self, _: &mut Moment<'_>) {
+    fn enter(&mut self, _: &mut StepContext<'_>) {
         self.begin();
     }
 
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        self.felt.feel(moment.turn, moment.beliefs);
-        let Some(estimate) = moment.beliefs.pose else { return Some(Signals::default()) };
-        let (signals, intention) = self.drive(&estimate.world_from_robot, moment.turn.at_ns);
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        self.felt.feel(context.turn, context.beliefs);
+        let Some(estimate) = context.beliefs.pose else { return Some(Signals::default()) };
+        let (signals, intention) = self.drive(&estimate.world_from_robot, context.turn.at_ns);
         let waypoints = self.waypoints.iter().map(Potential::center);
         let round = self.detour.iter().flat_map(|detour| detour.left()).copied();
-        moment.beliefs.path = round.chain(waypoints).chain([self.parameters.goal.center()]).collect();
-        intention.clone_into(&mut moment.beliefs.intention);
+        context.beliefs.path = round.chain(waypoints).chain([self.parameters.goal.center()]).collect();
+        intention.clone_into(&mut context.beliefs.intention);
         Some(signals)
     }
 

@@ -107,8 +107,8 @@ impl Felt {
             let ray = math::round(part * (RAYS - 1) as f64) as usize;
             if is_new[ray] {
                 let bearing_rad = world_from_sensor.heading + eye.opening_rad * (part - 0.5);
-                let way = Direction::from_angle(bearing_rad).vector() * distance_m;
-                self.put(world_from_sensor.position + way);
+                let path = Direction::from_angle(bearing_rad).vector() * distance_m;
+                self.put(world_from_sensor.position + path);
             }
         }
     }

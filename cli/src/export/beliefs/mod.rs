@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 use anyhow::Context;
 use baudbot_proto::v1::Belief;
-use baudbot_recording::{Frames, Tape};
+use baudbot_recording::{Frames, RecordedRun};
 use baudbot_server::sensor_columns;
 use baudbot_sim::model::RobotSpec;
 
@@ -53,11 +53,11 @@ struct Said {
 
 impl Beliefs {
     /// Those of a recording's window, if an output needs them.
-    pub(super) fn wanted(args: &ExportArgs, tape: &Tape, window: &Window) -> anyhow::Result<Self> {
+    pub(super) fn wanted(args: &ExportArgs, recorded: &RecordedRun, window: &Window) -> anyhow::Result<Self> {
         let mut beliefs = Self::default();
         let Some(option) = option(args) else { return Ok(beliefs) };
         let name = |robot: &RobotSpec| Robot { name: robot.name.clone(), said: Vec::new() };
-        beliefs.robots = tape.scenario().robots.iter().map(name).collect();
+        beliefs.robots = recorded.scenario().robots.iter().map(name).collect();
         let file = args.file.display();
         let reading = || format!("cannot read {file}");
         for frame in Frames::open(&args.file).with_context(reading)? {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use baudbot_plot::chart::over_time::{self, Chart, Line, Panel, Strip};
-use baudbot_recording::Tape;
+use baudbot_recording::RecordedRun;
 use baudbot_sim::{RobotView, World};
 
 use super::super::Out;
@@ -28,14 +28,19 @@ pub(in super::super) struct Picture {
 }
 
 impl Picture {
-    pub(in super::super) fn new(out: Out, tape: &Tape, beliefs: &Beliefs, columns: &[Column]) -> Self {
-        let scenario = &tape.scenario().name;
-        let name = if scenario.is_empty() { &tape.header().world } else { scenario };
+    pub(in super::super) fn new(
+        out: Out,
+        recorded: &RecordedRun,
+        beliefs: &Beliefs,
+        columns: &[Column],
+    ) -> Self {
+        let scenario = &recorded.scenario().name;
+        let name = if scenario.is_empty() { &recorded.header().world } else { scenario };
         let readings = vec![vec![Vec::new(); columns.len()]; beliefs.robots.len()];
         Self {
             out,
             name: name.to_owned(),
-            ran: Ran::of(tape),
+            ran: Ran::of(recorded),
             beliefs: beliefs.clone(),
             columns: columns.to_vec(),
             readings,

@@ -16,7 +16,7 @@ use baudbot_geometry::{Direction, Vector, angle, math};
 
 use super::landmarks::{self, Landmark};
 use super::{Ant, Parameters as AntParameters, Phase, Sensed};
-use crate::animals::legs::{Legs, Motion, full_speed};
+use crate::animals::wheel_commands::{Motion, WheelCommands, full_speed};
 use crate::chance::Chance;
 use crate::parameter::Parameter;
 
@@ -98,7 +98,7 @@ pub struct AntBrain {
     parameters: Parameters,
     radius_m: f64,
     ant: Ant,
-    legs: Legs,
+    wheels: WheelCommands,
     places: Places,
     /// x and y of the odometer's last reading, in metres, and its heading.
     odometer: Option<(Vector, f64)>,
@@ -147,7 +147,7 @@ impl AntBrain {
             parameters,
             radius_m: body.radius_m,
             ant: Ant::new(parameters.ant, chance),
-            legs: Legs::new(body, parameters.full_speed_m_s),
+            wheels: WheelCommands::new(body, parameters.full_speed_m_s),
             places,
             odometer: None,
             nest: None,
@@ -270,10 +270,10 @@ impl AntBrain {
 
 impl Brain for AntBrain {
     fn step(&mut self, turn: &Turn) -> Action {
-        let dt_s = self.legs.seconds_since_last(turn);
+        let dt_s = self.wheels.seconds_since_last(turn);
         let distance_m = self.look(turn);
         let motion = self.walk(turn, distance_m, dt_s).unwrap_or_default();
-        self.legs.walk(motion, turn)
+        self.wheels.walk(motion, turn)
     }
 
     fn belief(&mut self) -> Option<Belief> {

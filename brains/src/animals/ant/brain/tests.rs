@@ -46,8 +46,8 @@ fn run(seed: u64, drift_rad: f64, seconds: u64) -> (Option<Pose>, Pose, AntBrain
         signals = brain.step(&turn(&body, step * STEP_NS, &readings)).signals.unwrap_or(signals);
         let baudbot_brain::Signals { left, right } = signals;
         let (left, right) = (left * 0.5, right * 0.5);
-        let way = Place::new(0.5 * (left + right) * dt_s, 0.0);
-        pose = pose.compose(&Pose { position: way, heading: (right - left) / 0.4 * dt_s });
+        let displacement = Place::new(0.5 * (left + right) * dt_s, 0.0);
+        pose = pose.compose(&Pose { position: displacement, heading: (right - left) / 0.4 * dt_s });
         if brain.phase() == Phase::Search {
             search.get_or_insert(pose);
         }

@@ -1,4 +1,4 @@
-//! What would mend a robot that does not keep its step: each change is made, and the budget computed again, as long as
+//! What would fix a robot that does not keep its step: each change is made, and the budget computed again, as long as
 //! the [`Allowance`] lasts.
 
 use alloc::string::{String, ToString};
@@ -6,20 +6,20 @@ use alloc::vec::Vec;
 
 use super::change::{Change, Robot};
 use super::plan::Plan;
-use super::report::{Cost, Mend, RobotBudget, Verdict};
+use super::report::{Cost, Remedy, RobotBudget, Verdict};
 use super::{Allowance, BRIEF, FULL};
 use baudbot_sim::Scenario;
 
-/// Adds the changes that mend it alone; if there is none, as many of the cheapest as it takes together.
+/// Adds the changes that fix it alone; if there is none, as many of the cheapest as it takes together.
 pub(super) fn add(scenario: &Scenario, plan: &Plan<'_>, budget: &mut RobotBudget, allowance: &mut Allowance) {
     if budget.verdict != Verdict::Misses {
         return;
     }
     let robot = Robot { spec: plan.spec.clone(), step_ns: plan.step_ns, substeps: scenario.substeps };
-    let mut search = Search { plan, allowance, tries: MOST_TRIES, mends: Vec::new() };
+    let mut search = Search { plan, allowance, tries: MOST_TRIES, remedies: Vec::new() };
     let is_done = search.look(&robot).is_ok();
-    search.mends.sort_by_key(|mend| mend.cost);
-    budget.mends = search.mends;
+    search.remedies.sort_by_key(|remedy| remedy.cost);
+    budget.remedies = search.remedies;
     budget.left_out = (!is_done).then(|| NOT_ALL.to_string());
 }
 
@@ -37,7 +37,7 @@ struct Search<'a> {
     plan: &'a Plan<'a>,
     allowance: &'a mut Allowance,
     tries: usize,
-    mends: Vec<Mend>,
+    remedies: Vec<Remedy>,
 }
 
 impl Search<'_> {
@@ -45,7 +45,7 @@ impl Search<'_> {
         for changes in robot.changes() {
             self.alone(robot, &changes)?;
         }
-        if self.mends.iter().all(|mend| mend.cost >= Cost::LongerStep) {
+        if self.remedies.iter().all(|remedy| remedy.cost >= Cost::LongerStep) {
             self.together(robot)?;
         }
         Ok(())
@@ -133,7 +133,7 @@ impl Search<'_> {
             now = now.with(change);
         }
         let budget = RobotBudget::computed(&self.changed(&now), FULL, self.allowance);
-        self.mends.extend((budget.verdict != Verdict::Misses).then(|| Mend {
+        self.remedies.extend((budget.verdict != Verdict::Misses).then(|| Remedy {
             what: phrases.join(" and "),
             cost: changes.iter().map(|change| change.cost()).max().unwrap_or(Cost::Setting),
             overrides: overrides.unwrap_or_default(),

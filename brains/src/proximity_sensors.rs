@@ -6,8 +6,8 @@ use baudbot_geometry::{Direction, Point, Pose};
 
 /// The infra-red sensors and sonars of a robot that sit on its body and look ahead.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Feelers {
-    feelers: Vec<Feeler>,
+pub(crate) struct ProximitySensors {
+    proximity: Vec<Feeler>,
     radius_m: f64,
     near: Near,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Echo {
     pub(crate) distance_m: f64,
 }
 
-impl Feelers {
+impl ProximitySensors {
     /// Those of a robot with this body; there may be none.
     pub(crate) fn new(body: &Body, near: Near) -> Self {
         let feeler = |(sensor, described): (usize, &Sensor)| Feeler {
@@ -56,23 +56,23 @@ impl Feelers {
             value: 0.0,
         };
         let sensors = body.sensors.iter().enumerate();
-        let feelers = sensors
+        let proximity = sensors
             .filter(|(_, sensor)| {
                 is_fixed(sensor) && matches!(sensor.kind, SensorKind::Infrared | SensorKind::Sonar)
             })
             .map(feeler);
-        let feelers = feelers.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect();
-        Self { feelers, radius_m: body.radius_m, near }
+        let proximity = proximity.filter(|feeler| looks_ahead(&feeler.robot_from_sensor)).collect();
+        Self { proximity, radius_m: body.radius_m, near }
     }
 
     /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.feelers.is_empty()
+        self.proximity.is_empty()
     }
 
     /// Takes in what a turn brought.
     pub(crate) fn feel(&mut self, turn: &Turn) {
-        for feeler in &mut self.feelers {
+        for feeler in &mut self.proximity {
             let reading = turn.readings.get(feeler.sensor).and_then(Option::as_ref);
             let value = reading.filter(|reading| reading.readable).and_then(|new| new.values.first());
             if let Some(&value) = value {
@@ -84,7 +84,7 @@ impl Feelers {
 
     /// What it felt does not count any more.
     pub(crate) fn forget(&mut self) {
-        self.feelers.iter_mut().for_each(|feeler| feeler.is_near = false);
+        self.proximity.iter_mut().for_each(|feeler| feeler.is_near = false);
     }
 
     /// Whether something is near, by the newest readings.
@@ -98,7 +98,7 @@ impl Feelers {
             let Feeler { robot_from_sensor, half_rad, value: distance_m, .. } = *feeler;
             feeler.is_sonar && is_known(&Echo { robot_from_sensor, half_rad, distance_m })
         };
-        self.feelers.iter().any(|feeler| feeler.is_near && !is_known(feeler))
+        self.proximity.iter().any(|feeler| feeler.is_near && !is_known(feeler))
     }
 }
 

@@ -3,8 +3,8 @@
 use baudbot_brain::{Action, Body, Signals, Turn};
 use baudbot_geometry::Twist;
 
-use crate::courier::Courier;
 use crate::parameter::Parameter;
+use crate::throttle::CommandThrottle;
 
 /// How an animal moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,19 +21,24 @@ pub(super) const fn full_speed<P>(field: fn(&mut P) -> &mut f64) -> Parameter<P>
     Parameter { name: "full_speed_m_s", meaning, range: 0.01..=100.0, field }
 }
 
-/// A robot's wheels as an animal's legs.
+/// Wheel commands for an animal's gait.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Legs {
+pub(super) struct WheelCommands {
     half_track_m: f64,
     full_speed_m_s: f64,
-    courier: Courier,
+    throttle: CommandThrottle,
     stepped_ns: u64,
 }
 
-impl Legs {
-    /// Legs of a robot that does `full_speed_m_s` with the signal 1.
+impl WheelCommands {
+    /// Commands for the wheels of a robot that does `full_speed_m_s` with the signal 1.
     pub(super) fn new(body: &Body, full_speed_m_s: f64) -> Self {
-        Self { half_track_m: body.half_track_m, full_speed_m_s, courier: Courier::new(body), stepped_ns: 0 }
+        Self {
+            half_track_m: body.half_track_m,
+            full_speed_m_s,
+            throttle: CommandThrottle::new(body),
+            stepped_ns: 0,
+        }
     }
 
     /// Seconds since the step before; in the first one since the start of the run.
@@ -53,7 +58,7 @@ impl Legs {
 
     /// Sends signals, if it is time to.
     pub(super) fn send(&mut self, signals: Signals, turn: &Turn) -> Action {
-        self.courier.send(turn, signals)
+        self.throttle.send(turn, signals)
     }
 }
 
@@ -65,12 +70,12 @@ mod tests {
     #[test]
     fn wheels_turn_as_the_motion_says() {
         let body = body(&[]);
-        let mut legs = Legs::new(&body, 0.5);
+        let mut wheels = WheelCommands::new(&body, 0.5);
         let arc = Motion { speed_m_s: 0.1, turn_rate_rad_s: 0.5 };
         // 0.2 m beside the centre the ground moves by 0.1 m/s more or less.
-        assert_eq!(legs.walk(arc, &turn(&body, 0, &[])), Action::drive(0.0, 0.4));
+        assert_eq!(wheels.walk(arc, &turn(&body, 0, &[])), Action::drive(0.0, 0.4));
         let fast = Motion { speed_m_s: 1.0, turn_rate_rad_s: 5.0 };
         let later = turn(&body, 100_000_000, &[]);
-        assert_eq!(legs.walk(fast, &later), Action::drive(0.0, 1.0), "no faster, and the same way");
+        assert_eq!(wheels.walk(fast, &later), Action::drive(0.0, 1.0), "no faster, and the same way");
     }
 }

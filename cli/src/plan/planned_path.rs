@@ -1,4 +1,4 @@
-//! A way, by any of the methods, and what was looked at to find it.
+//! A path, by any of the methods, and what was looked at to find it.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use crate::args::{Method, PlanArgs};
 
 /// What a method found.
 #[derive(Debug)]
-pub(super) struct Way {
+pub(super) struct PlannedPath {
     /// Where it bends, and its ends; of a walker that got stuck, the last is where it stands.
     pub(super) points: Vec<Point>,
     pub(super) length_m: f64,
@@ -23,7 +23,7 @@ pub(super) struct Way {
     pub(super) is_stuck: bool,
 }
 
-impl Way {
+impl PlannedPath {
     /// Finds one between two points.
     pub(super) fn find(grid: &Grid, args: &PlanArgs, from: Point, to: Point) -> Result<Self, PlanError> {
         if args.method == Method::Cells {

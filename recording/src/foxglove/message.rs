@@ -11,12 +11,12 @@ use crate::{schema, topic};
 
 /// One message for an MCAP file, or for whoever shows it.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct FoxgloveMessage {
     /// Where it belongs; a topic has messages of one schema.
     pub topic: Arc<str>,
     /// What it is: name, encoding and description, as a file and a connection want them. The message's own encoding
     /// is the schema's, `protobuf`.
-    pub schema: &'static LookSchema,
+    pub schema: &'static MessageSchema,
     /// Simulated time, at which it was there to be seen. All times within the message are by the same clock.
     pub time_ns: u64,
     /// The message, encoded.
@@ -24,18 +24,18 @@ pub struct Look {
 }
 
 /// What a message is: its name, the encoding of its description, and that description.
-pub type LookSchema = Schema;
+pub type MessageSchema = Schema;
 
 /// Messages of Foxglove's that are made here.
 pub(super) trait Shown: Encode {
-    fn schema() -> &'static LookSchema;
+    fn schema() -> &'static MessageSchema;
 }
 
-impl Look {
+impl FoxgloveMessage {
     /// A frame itself, as it is recorded: what Foxglove's plots and tables take their values from.
     pub fn of_frame(frame: &v1::WatchResponse) -> Self {
         static TOPIC: LazyLock<Arc<str>> = LazyLock::new(|| topic::FRAMES.into());
-        static SCHEMA: LazyLock<LookSchema> = LazyLock::new(|| {
+        static SCHEMA: LazyLock<MessageSchema> = LazyLock::new(|| {
             let name = format!("{}.WatchResponse", schema::PACKAGE);
             Schema::new(name, "protobuf", schema::of("WatchResponse"))
         });
@@ -53,8 +53,8 @@ impl Look {
 macro_rules! shown {
     ($($message:ident),*) => {
         $(impl Shown for $message {
-            fn schema() -> &'static LookSchema {
-                static SCHEMA: LazyLock<LookSchema> = LazyLock::new(|| {
+            fn schema() -> &'static MessageSchema {
+                static SCHEMA: LazyLock<MessageSchema> = LazyLock::new(|| {
                     <$message as Encode>::get_schema().expect("Foxglove's own messages have schemas")
                 });
                 &SCHEMA

@@ -8,7 +8,7 @@ use crate::beat::Beat;
 /// the cable: one that waits behind others comes too late. What a message changed while the cable was taken waits for the
 /// [next message](crate::beat), if that is due soon. A firmware that answers only when asked is asked once for each answer.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Courier {
+pub(crate) struct CommandThrottle {
     /// Time that a command takes on the cable.
     command_ns: u64,
     /// Whether it is commands that bring the readings.
@@ -22,7 +22,7 @@ pub(crate) struct Courier {
     is_out_of_step: bool,
 }
 
-impl Courier {
+impl CommandThrottle {
     pub(crate) fn new(body: &Body) -> Self {
         let (asks, limit) = (body.firmware.period_ns.is_none(), body.signal_limit);
         let beat = Beat::new(body);
@@ -89,12 +89,12 @@ mod tests {
     fn a_command_waits_for_the_cable_and_is_repeated_now_and_then() {
         let body = body(&[("front", "ir", 0.0)]);
         assert!(body.command_ns() > 5 * MS && body.command_ns() < 20 * MS, "{}", body.command_ns());
-        let mut courier = Courier::new(&body);
+        let mut throttle = CommandThrottle::new(&body);
         let mut sent = Vec::new();
         for step in 0..30 {
             let signals = if step < 2 { Signals::default() } else { Signals { left: 0.5, right: 0.5 } };
             let turn = turn(&body, step * 10 * MS, &[None]);
-            if courier.send(&turn, signals).signals.is_some() {
+            if throttle.send(&turn, signals).signals.is_some() {
                 sent.push(step);
             }
         }
@@ -106,7 +106,7 @@ mod tests {
         let body = body(&[]);
         let sent = |left, right| {
             let turn = turn(&body, 0, &[]);
-            Courier::new(&body).send(&turn, Signals { left, right }).signals.unwrap()
+            CommandThrottle::new(&body).send(&turn, Signals { left, right }).signals.unwrap()
         };
         assert_eq!(sent(2.0, -1.0), Signals { left: 1.0, right: -0.5 });
         assert_eq!(sent(0.5, f64::NAN), Signals::default());
@@ -116,10 +116,10 @@ mod tests {
     fn a_firmware_that_answers_when_asked_is_asked_once_for_each_answer() {
         let mut body = body(&[("front", "ir", 0.0)]);
         body.firmware.period_ns = None;
-        let mut courier = Courier::new(&body);
+        let mut throttle = CommandThrottle::new(&body);
         let mut asked = |at_ms: u64, news: bool| {
             let turn = turn(&body, at_ms * MS, &[news.then_some(&[0.1][..])]);
-            courier.send(&turn, Signals::default()).signals.is_some()
+            throttle.send(&turn, Signals::default()).signals.is_some()
         };
         assert!(asked(0, false));
         assert!(!asked(40, false) && asked(50, true) && !asked(52, true) && asked(80, false));
@@ -129,7 +129,7 @@ mod tests {
     fn signals_that_change_with_each_message_soon_go_out_with_it_whenever_the_first_was_sent() {
         let body = body(&[("front", "ir", 0.0)]);
         for first in 0..2 {
-            let mut courier = Courier::new(&body);
+            let mut throttle = CommandThrottle::new(&body);
             let mut in_step = 0;
             for i in first..200 {
                 // 20.487 ms, 40 ms, 40.487 ms, 60 ms: a message, and the end of a tick without one.
@@ -138,7 +138,7 @@ mod tests {
                 let messages = i.div_ceil(2);
                 let signals = Signals { left: 1e-3 * f64::from(messages as u32), right: 0.0 };
                 let turn = turn(&body, at_ns, &[is_message.then_some(&[0.1][..])]);
-                let is_sent = courier.send(&turn, signals).signals.is_some();
+                let is_sent = throttle.send(&turn, signals).signals.is_some();
                 assert!(is_message || !is_sent || i < 4, "{i}: between two messages");
                 in_step += u32::from(is_message && is_sent);
             }

@@ -3,13 +3,13 @@
 use baudbot_brain::{Action, Belief, Body, Brain, Turn};
 
 /// A brain, and how it is made. Whoever remembers when it last did something would otherwise wait until then comes again.
-pub(crate) struct Anew<B, F> {
+pub(crate) struct Restarting<B, F> {
     make: F,
     brain: B,
     last_ns: u64,
 }
 
-impl<B, E, F: FnMut(&Body) -> Result<B, E>> Anew<B, F> {
+impl<B, E, F: FnMut(&Body) -> Result<B, E>> Restarting<B, F> {
     /// The brain for a robot with this body.
     ///
     /// # Errors
@@ -19,7 +19,7 @@ impl<B, E, F: FnMut(&Body) -> Result<B, E>> Anew<B, F> {
     }
 }
 
-impl<B: Brain, E, F: FnMut(&Body) -> Result<B, E>> Brain for Anew<B, F> {
+impl<B: Brain, E, F: FnMut(&Body) -> Result<B, E>> Brain for Restarting<B, F> {
     fn step(&mut self, turn: &Turn) -> Action {
         // The same has been made before, for the same body.
         if turn.at_ns < self.last_ns
@@ -62,7 +62,7 @@ mod tests {
                     [cognitive.where]\nkind = \"odometry\"";
         let description = Description::parse(toml).unwrap();
         let make = |body: &Body| description.brain(1, body, &Registry::standard());
-        let mut brain = Anew::new(make, &body).unwrap();
+        let mut brain = Restarting::new(make, &body).unwrap();
         let mut at = |seconds: u64, x_m: f64| {
             let action = brain.step(&turn(&body, seconds * 1_000_000_000, &[Some(&[x_m, 0.0, 0.0])]));
             action.signals.map(|signals| signals.left > 0.0)

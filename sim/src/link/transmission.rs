@@ -17,14 +17,14 @@ use crate::time::SimTime;
 
 /// The last burst on a wire.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Burst {
+pub(super) struct Transmission {
     start: SimTime,
     characters: u64,
     /// When its last character has arrived.
     end: SimTime,
 }
 
-impl Burst {
+impl Transmission {
     /// Puts a character on the wire, behind those that are on it, and not before `ready`. Says when it has
     /// arrived.
     pub(super) fn put(&mut self, link: &Link, ready: SimTime) -> SimTime {
@@ -88,27 +88,30 @@ mod tests {
 
     #[test]
     fn an_hour_of_characters_does_not_drift() {
-        let (link, mut burst) = (uart(115_200, 10), Burst::default());
+        let (link, mut transmission) = (uart(115_200, 10), Transmission::default());
         for _ in 0..3600 * 11_520 {
-            burst.put(&link, SimTime::ZERO);
+            transmission.put(&link, SimTime::ZERO);
         }
-        assert_eq!(burst.end, SimTime::from_ns(3600 * SECOND_NS));
+        assert_eq!(transmission.end, SimTime::from_ns(3600 * SECOND_NS));
     }
 
     #[test]
     fn a_burst_that_is_begun_anew_leaves_what_is_on_the_wire_there() {
-        let (slow, fast, mut burst) = (uart(1000, 10), uart(100_000, 10), Burst::default());
+        let (slow, fast, mut transmission) = (uart(1000, 10), uart(100_000, 10), Transmission::default());
         let ms = |ms: u64| SimTime::from_ns(ms * 1_000_000);
-        assert_eq!((burst.put(&slow, SimTime::ZERO), burst.put(&slow, SimTime::ZERO)), (ms(10), ms(20)));
-        burst.begin();
+        assert_eq!(
+            (transmission.put(&slow, SimTime::ZERO), transmission.put(&slow, SimTime::ZERO)),
+            (ms(10), ms(20))
+        );
+        transmission.begin();
         // The other side of a shared wire still has to wait for it.
-        assert_eq!(burst.over(1_000_000), ms(21));
-        assert_eq!(burst.put(&fast, ms(1)), SimTime::from_ns(20_100_000));
+        assert_eq!(transmission.over(1_000_000), ms(21));
+        assert_eq!(transmission.put(&fast, ms(1)), SimTime::from_ns(20_100_000));
     }
 
     #[test]
     fn at_once_is_one_by_one_where_it_takes_no_time() {
-        let (mut alone, mut together) = (Burst::default(), Burst::default());
+        let (mut alone, mut together) = (Transmission::default(), Transmission::default());
         for (us, n) in [(0, 3), (0, 1), (5, 2), (4, 4), (9, 1)] {
             let ready = SimTime::from_ns(us * 1000);
             let last = (0..n).map(|_| alone.put(&Link::Ideal, ready)).last();
@@ -119,8 +122,8 @@ mod tests {
 
     #[test]
     fn usb_carries_so_many_bytes_a_frame_from_the_next_boundary_on() {
-        let (link, mut burst) = (usb(3), Burst::default());
-        let mut put = |us: u64| burst.put(&link, SimTime::from_ns(us * 1000)).as_ns() / 1000;
+        let (link, mut transmission) = (usb(3), Transmission::default());
+        let mut put = |us: u64| transmission.put(&link, SimTime::from_ns(us * 1000)).as_ns() / 1000;
         // On a boundary, and just behind it.
         assert_eq!(put(0), 1000);
         let arrivals: Vec<u64> = (0..5).map(|_| put(2001)).collect();
@@ -133,12 +136,12 @@ mod tests {
 
     #[test]
     fn a_transmitter_has_room_again_when_all_but_its_depth_is_over() {
-        let (link, mut burst) = (uart(10_000, 10), Burst::default());
+        let (link, mut transmission) = (uart(10_000, 10), Transmission::default());
         for _ in 0..5 {
-            burst.put(&link, SimTime::from_ns(500));
+            transmission.put(&link, SimTime::from_ns(500));
         }
-        assert_eq!(burst.drained_to(&link, 2), SimTime::from_ns(3_000_500));
-        assert_eq!(burst.drained_to(&link, 5), SimTime::ZERO);
-        assert_eq!(burst.drained_to(&link, usize::MAX), SimTime::ZERO);
+        assert_eq!(transmission.drained_to(&link, 2), SimTime::from_ns(3_000_500));
+        assert_eq!(transmission.drained_to(&link, 5), SimTime::ZERO);
+        assert_eq!(transmission.drained_to(&link, usize::MAX), SimTime::ZERO);
     }
 }

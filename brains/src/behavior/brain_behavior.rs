@@ -2,26 +2,26 @@
 
 use baudbot_brain::{Brain, Signals};
 
-use crate::process::{Moment, MotorBehavior};
+use crate::process::{MotorBehavior, StepContext};
 
 /// A brain that is a part of another. Each time that it is activated it goes on where it was. What it sends to lamps, turrets
 /// and speakers is not passed on.
-pub struct Whole<B> {
+pub struct BrainBehavior<B> {
     brain: B,
     /// What it wanted last: it need not say it again when it is activated again.
     signals: Option<Signals>,
 }
 
-impl<B> Whole<B> {
+impl<B> BrainBehavior<B> {
     /// Of this brain.
     pub fn new(brain: B) -> Self {
         Self { brain, signals: None }
     }
 }
 
-impl<B: Brain + Send> MotorBehavior for Whole<B> {
-    fn step(&mut self, moment: &mut Moment<'_>) -> Option<Signals> {
-        self.signals = self.brain.step(moment.turn).signals.or(self.signals);
+impl<B: Brain + Send> MotorBehavior for BrainBehavior<B> {
+    fn step(&mut self, context: &mut StepContext<'_>) -> Option<Signals> {
+        self.signals = self.brain.step(context.turn).signals.or(self.signals);
         self.signals
     }
 }

@@ -2,16 +2,16 @@
 
 use baudbot_geometry::{Point, Segment, angle, math};
 
-/// A way, on which a place is known by its distance from the beginning along the way, in metres.
+/// A path, on which a place is known by its distance from the beginning along the path, in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Way {
+pub struct Path {
     points: Vec<Point>,
     /// Of each point, how far it is from the first.
     along_m: Vec<f64>,
 }
 
-impl Way {
-    /// The way from point to point. Points that are the same as the one before are left out.
+impl Path {
+    /// The path from point to point. Points that are the same as the one before are left out.
     pub fn new(mut points: Vec<Point>) -> Self {
         points.dedup();
         let mut along_m: Vec<f64> = Vec::with_capacity(points.len());
@@ -32,7 +32,7 @@ impl Way {
         self.along_m.last().copied().unwrap_or(0.0)
     }
 
-    /// The place so far along; beyond an end that end, `None` if the way has no point.
+    /// The place so far along; beyond an end that end, `None` if the path has no point.
     pub fn at(&self, along_m: f64) -> Option<Point> {
         let after = self.along_m.partition_point(|m| *m <= along_m);
         let before = after.saturating_sub(1);
@@ -70,20 +70,20 @@ impl Way {
         self.at(from_m).into_iter().chain(self.points.iter().skip(after).copied())
     }
 
-    /// The same in parts, each of which ends where the way turns by more than so many radians.
-    pub fn legs(&self, turn_rad: f64) -> Vec<Self> {
+    /// The same in parts, each of which ends where the path turns by more than so many radians.
+    pub fn wheels(&self, turn_rad: f64) -> Vec<Self> {
         let heading = |from: Point, to: Point| math::atan2(to.y - from.y, to.x - from.x);
-        let mut legs = Vec::new();
+        let mut wheels = Vec::new();
         let mut leg: Vec<Point> = self.points.iter().take(2).copied().collect();
         for ends in self.points.windows(3) {
             let turn = angle::difference(heading(ends[1], ends[2]), heading(ends[0], ends[1]));
             if turn.abs() > turn_rad {
-                legs.push(Self::new(std::mem::replace(&mut leg, vec![ends[1]])));
+                wheels.push(Self::new(std::mem::replace(&mut leg, vec![ends[1]])));
             }
             leg.push(ends[2]);
         }
-        legs.push(Self::new(leg));
-        legs
+        wheels.push(Self::new(leg));
+        wheels
     }
 }
 
@@ -91,8 +91,8 @@ impl Way {
 mod tests {
     use super::*;
 
-    fn way() -> Way {
-        Way::new([(0.0, 0.0), (2.0, 0.0), (2.0, 0.0), (2.0, 1.0), (3.0, 2.0)].map(Point::from_xy).to_vec())
+    fn path() -> Path {
+        Path::new([(0.0, 0.0), (2.0, 0.0), (2.0, 0.0), (2.0, 1.0), (3.0, 2.0)].map(Point::from_xy).to_vec())
     }
 
     trait FromXy {
@@ -107,33 +107,33 @@ mod tests {
 
     #[test]
     fn places_are_known_by_their_distance_along_it() {
-        let way = way();
-        assert!((way.length_m() - (3.0 + 2.0_f64.sqrt())).abs() < 1e-12);
+        let path = path();
+        assert!((path.length_m() - (3.0 + 2.0_f64.sqrt())).abs() < 1e-12);
         for (along_m, place) in
             [(-1.0, (0.0, 0.0)), (0.5, (0.5, 0.0)), (2.25, (2.0, 0.25)), (9.0, (3.0, 2.0))]
         {
-            assert_eq!(way.at(along_m), Some(Point::from_xy(place)), "{along_m}");
+            assert_eq!(path.at(along_m), Some(Point::from_xy(place)), "{along_m}");
         }
-        assert_eq!(Way::new(Vec::new()).at(0.0), None);
-        let rest: Vec<_> = way.rest(2.25).collect();
+        assert_eq!(Path::new(Vec::new()).at(0.0), None);
+        let rest: Vec<_> = path.rest(2.25).collect();
         assert_eq!(rest, [(2.0, 0.25), (2.0, 1.0), (3.0, 2.0)].map(Point::from_xy));
     }
 
     #[test]
     fn the_nearest_place_is_sought_within_bounds() {
-        let way = way();
-        assert_eq!(way.nearest(Point::new(1.0, 0.5), 0.0, 9.0), (1.0, 0.5));
-        assert_eq!(way.nearest(Point::new(1.0, 0.5), 1.5, 9.0).0, 1.5);
-        assert_eq!(way.nearest(Point::new(3.0, 2.0), 0.0, 1.0).0, 1.0);
-        assert_eq!(way.nearest(Point::new(2.0, 3.0), 9.0, 10.0).0, 9.0);
+        let path = path();
+        assert_eq!(path.nearest(Point::new(1.0, 0.5), 0.0, 9.0), (1.0, 0.5));
+        assert_eq!(path.nearest(Point::new(1.0, 0.5), 1.5, 9.0).0, 1.5);
+        assert_eq!(path.nearest(Point::new(3.0, 2.0), 0.0, 1.0).0, 1.0);
+        assert_eq!(path.nearest(Point::new(2.0, 3.0), 9.0, 10.0).0, 9.0);
     }
 
     #[test]
     fn legs_end_at_sharp_bends() {
-        let legs = way().legs(1.0);
-        assert_eq!(legs.iter().map(|leg| leg.points().len()).collect::<Vec<_>>(), [2, 3]);
-        assert_eq!(legs[0].points()[1], legs[1].points()[0]);
-        assert_eq!(way().legs(2.0), [way()]);
-        assert_eq!(way().legs(0.1).len(), 3);
+        let wheels = path().wheels(1.0);
+        assert_eq!(wheels.iter().map(|leg| leg.points().len()).collect::<Vec<_>>(), [2, 3]);
+        assert_eq!(wheels[0].points()[1], wheels[1].points()[0]);
+        assert_eq!(path().wheels(2.0), [path()]);
+        assert_eq!(path().wheels(0.1).len(), 3);
     }
 }

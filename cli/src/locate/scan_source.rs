@@ -17,7 +17,7 @@ use crate::error::Refused;
 
 /// Who looks, and with what.
 #[derive(Clone, Copy)]
-pub(super) struct Looker<'a> {
+pub(super) struct ScanSource<'a> {
     /// The robot's place among all.
     place: usize,
     pub(super) robot: &'a RobotSpec,
@@ -26,7 +26,7 @@ pub(super) struct Looker<'a> {
     laser: &'a Laser,
 }
 
-impl<'a> Looker<'a> {
+impl<'a> ScanSource<'a> {
     /// Those that are named, or the first that there are.
     pub(super) fn find(args: &LocateArgs, robots: &'a [RobotSpec]) -> anyhow::Result<Self> {
         let named = |(_, robot): &(usize, &RobotSpec)| match &args.robot {

@@ -11,7 +11,7 @@ use crate::error::Refused;
 
 /// How a search went.
 #[derive(Debug)]
-pub(super) struct Hunt {
+pub(super) struct SearchResult {
     /// Where it ended.
     pub(super) found: Pose,
     /// All poses in the order in which they were tried, the guess first.
@@ -37,7 +37,7 @@ enum Plan {
     Refine { parameters: refine::Parameters, sd_m: f64, sd_rad: f64 },
 }
 
-impl Hunt {
+impl SearchResult {
     /// Searches from the guess of the command line.
     pub(super) fn new(args: &LocateArgs, map: &Map, scan: &Scan, seed: u64) -> anyhow::Result<Self> {
         let plan = Plan::new(args).map_err(Refused::error)?;

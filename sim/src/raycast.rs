@@ -13,21 +13,21 @@ use crate::world::World;
 
 /// Looks at a world with the eyes of its sensors. What moves is frozen when it is made.
 #[derive(Debug)]
-pub struct Onlooker<'a> {
+pub struct RayCaster<'a> {
     world: &'a World,
     frozen: Frozen,
 }
 
 /// A ray, and how far it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glance {
+pub struct CastRay {
     /// From the sensor, in the world.
     pub ray: Ray,
     /// Distance to what it meets, in metres; none if there is nothing within the range.
     pub distance_m: Option<f64>,
 }
 
-impl<'a> Onlooker<'a> {
+impl<'a> RayCaster<'a> {
     /// Looks at the world as it is now.
     pub fn new(world: &'a World) -> Self {
         Self { world, frozen: world.frozen() }
@@ -46,7 +46,7 @@ impl<'a> Onlooker<'a> {
     ///
     /// # Panics
     /// If there is no robot of this index.
-    pub fn sees(&self, robot: usize, sensor: &Sensor) -> Vec<Glance> {
+    pub fn sees(&self, robot: usize, sensor: &Sensor) -> Vec<CastRay> {
         let Some(mount) = sensor.device.mount() else { return Vec::new() };
         match (&sensor.device, sensor.device.fan(), sensor.device.range_m()) {
             (Device::Whisker(whisker), ..) => self.along(robot, mount, &Fan::new(0.0, 1), whisker.length_m),
@@ -63,16 +63,16 @@ impl<'a> Onlooker<'a> {
     ///
     /// # Panics
     /// If there is no robot of this index.
-    pub fn along(&self, robot: usize, mount: &Mount, fan: &Fan, range_m: f64) -> Vec<Glance> {
+    pub fn along(&self, robot: usize, mount: &Mount, fan: &Fan, range_m: f64) -> Vec<CastRay> {
         let pose = self.place(robot, mount);
         let scene = self.world.scenario().scene(&self.frozen, robot);
         let eye = scene.look(pose.position, mount.height, range_m);
         let mut distances_m = alloc::vec![0.0; fan.len()];
         eye.sweep(&pose, fan, 0..fan.len(), &mut distances_m);
-        let glance = |(ray, distance_m): (Ray, f64)| Glance {
+        let cast = |(ray, distance_m): (Ray, f64)| CastRay {
             ray,
             distance_m: Some(distance_m).filter(|distance_m| distance_m.is_finite()),
         };
-        fan.rays(pose.position, pose.direction()).zip(distances_m).map(glance).collect()
+        fan.rays(pose.position, pose.direction()).zip(distances_m).map(cast).collect()
     }
 }

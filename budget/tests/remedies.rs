@@ -1,6 +1,6 @@
-//! What would mend a robot: the scenario with a mend's overrides has the budget that the mend foretells.
+//! What would fix a robot: the scenario with a remedy's overrides has the budget that the remedy foretells.
 
-use baudbot_budget::{Budget, Cost, Mend, RobotBudget, Verdict};
+use baudbot_budget::{Budget, Cost, Remedy, RobotBudget, Verdict};
 use baudbot_scenario::Override;
 use baudbot_sim::Scenario;
 use proptest::prelude::*;
@@ -20,37 +20,37 @@ fn budget(toml: &str, changes: &[&str]) -> RobotBudget {
     Budget::of(&scenario(toml, &changes)).robots.remove(0)
 }
 
-/// Makes the changes that a mend asks for; what the budget is then.
-fn mended(toml: &str, changes: &[&str], mend: &Mend) -> RobotBudget {
-    let all: Vec<_> = changes.iter().map(|&text| text.to_owned()).chain(mend.overrides.clone()).collect();
+/// Makes the changes that a remedy asks for; what the budget is then.
+fn mended(toml: &str, changes: &[&str], remedy: &Remedy) -> RobotBudget {
+    let all: Vec<_> = changes.iter().map(|&text| text.to_owned()).chain(remedy.overrides.clone()).collect();
     let scenario = scenario(toml, &all);
-    RobotBudget::without_mends(&scenario, &scenario.robots[0])
+    RobotBudget::without_remedies(&scenario, &scenario.robots[0])
 }
 
-/// Checks each mend that can be said as overrides; says what they are.
+/// Checks each remedy that can be said as overrides; says what they are.
 fn check(toml: &str, changes: &[&str]) -> Vec<String> {
     let robot = budget(toml, changes);
-    assert_eq!(robot.verdict == Verdict::Misses, !robot.mends.is_empty(), "{robot:?}");
-    assert!(robot.mends.is_sorted_by_key(|mend| mend.cost), "{:?}", robot.mends);
-    for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
-        let after = mended(toml, changes, mend);
+    assert_eq!(robot.verdict == Verdict::Misses, !robot.remedies.is_empty(), "{robot:?}");
+    assert!(robot.remedies.is_sorted_by_key(|remedy| remedy.cost), "{:?}", robot.remedies);
+    for remedy in robot.remedies.iter().filter(|remedy| !remedy.overrides.is_empty()) {
+        let after = mended(toml, changes, remedy);
         let found = (after.step_ns, after.cycle.total, after.verdict);
-        assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{toml}");
-        assert!(mend.verdict != Verdict::Misses);
+        assert_eq!(found, (remedy.step_ns, remedy.total, remedy.verdict), "{remedy:?}\n{toml}");
+        assert!(remedy.verdict != Verdict::Misses);
     }
-    robot.mends.into_iter().map(|mend| mend.what).collect()
+    robot.remedies.into_iter().map(|remedy| remedy.what).collect()
 }
 
-fn has(mends: &[String], what: &str) {
-    assert!(mends.iter().any(|mend| mend == what), "no `{what}` in {mends:?}");
+fn has(remedies: &[String], what: &str) {
+    assert!(remedies.iter().any(|remedy| remedy == what), "no `{what}` in {remedies:?}");
 }
 
 #[test]
 fn a_faster_cable_mends_wander() {
-    let mends = check(WANDER, &[]);
-    has(&mends, "38400 baud");
+    let remedies = check(WANDER, &[]);
+    has(&remedies, "38400 baud");
     // With 30 ms every second message would wait for the next step.
-    has(&mends, "a step of 50 ms");
+    has(&remedies, "a step of 50 ms");
 }
 
 #[test]
@@ -63,12 +63,12 @@ fn a_chip_that_waits_is_told_not_to() {
              [robots.sensors.c]\nkind = \"compass\"\nbits = 32\n"
         )
     };
-    let mends = check(&polled(115_200), &[]);
-    assert_eq!(mends[0], "a latency timer of 1 ms");
-    has(&mends, "an adapter without a latency timer");
+    let remedies = check(&polled(115_200), &[]);
+    assert_eq!(remedies[0], "a latency timer of 1 ms");
+    has(&remedies, "an adapter without a latency timer");
     // At 1200 baud that is not enough.
-    let mends = check(&polled(1200), &[]);
-    assert_eq!(mends[0], "a latency timer of 1 ms and 9600 baud");
+    let remedies = check(&polled(1200), &[]);
+    assert_eq!(remedies[0], "a latency timer of 1 ms and 9600 baud");
 }
 
 #[test]
@@ -85,12 +85,12 @@ fn a_laser_is_given_a_faster_port() {
 fn a_brain_on_board_gets_another_chip_or_a_laptop() {
     let toml = include_str!("../../scenarios/devices/onboard.toml");
     let dc = ["robots.robot.motors={ kind = \"dc\", signal_bits = 8 }", "substeps=1000"];
-    let mends = check(toml, &dc);
-    has(&mends, "the processor basicx");
-    has(&mends, "a laptop on the robot, at 115200 baud");
+    let remedies = check(toml, &dc);
+    has(&remedies, "the processor basicx");
+    has(&remedies, "a laptop on the robot, at 115200 baud");
 }
 
-/// What makes a robot slow, so that there is something to mend.
+/// What makes a robot slow, so that there is something to fix.
 const SQUEEZES: [&str; 7] = [
     "link={ kind = \"uart\", baud = 1200 }",
     "link={ kind = \"uart\", baud = 9600, adapter = { kind = \"ftdi\" } }",
@@ -101,19 +101,23 @@ const SQUEEZES: [&str; 7] = [
     "firmware={ protocol = \"bare\", mode = \"poll\", gap_ms = 15.0 }",
 ];
 
-/// Checks the mends of each robot, with changes that the scenario may refuse; says what they are.
+/// Checks the remedies of each robot, with changes that the scenario may refuse; says what they are.
 fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
     let parsed: Vec<_> = changes.iter().map(|text| Override::parse(text).unwrap()).collect();
     let Ok(scenario) = baudbot_scenario::parse_with(toml, &parsed) else { return Vec::new() };
     let mut names = Vec::new();
     for (i, robot) in Budget::of(&scenario).robots.into_iter().enumerate() {
-        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
-            let all = [changes, &mend.overrides].concat();
+        for remedy in robot.remedies.iter().filter(|remedy| !remedy.overrides.is_empty()) {
+            let all = [changes, &remedy.overrides].concat();
             let scenario = self::scenario(toml, &all);
-            let after = RobotBudget::without_mends(&scenario, &scenario.robots[i]);
+            let after = RobotBudget::without_remedies(&scenario, &scenario.robots[i]);
             let found = (after.step_ns, after.cycle.total, after.verdict);
-            assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{mend:?}\n{changes:?}\n{toml}");
-            names.push(mend.what.clone());
+            assert_eq!(
+                found,
+                (remedy.step_ns, remedy.total, remedy.verdict),
+                "{remedy:?}\n{changes:?}\n{toml}"
+            );
+            names.push(remedy.what.clone());
         }
     }
     names
@@ -122,7 +126,7 @@ fn check_if_sound(toml: &str, changes: &[String]) -> Vec<String> {
 #[test]
 fn what_is_promised_of_each_device_is_what_comes_of_it() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/devices");
-    let mut mends = Vec::new();
+    let mut remedies = Vec::new();
     for file in std::fs::read_dir(folder).unwrap() {
         let toml = std::fs::read_to_string(file.unwrap().path()).unwrap();
         let Some(robot) =
@@ -131,17 +135,17 @@ fn what_is_promised_of_each_device_is_what_comes_of_it() {
             continue;
         };
         let at = |squeeze: &&str| format!("robots.{robot}.{squeeze}");
-        mends.extend(check_if_sound(&toml, &[]));
+        remedies.extend(check_if_sound(&toml, &[]));
         for squeeze in &SQUEEZES {
-            mends.extend(check_if_sound(&toml, &[at(squeeze)]));
-            mends.extend(check_if_sound(&toml, &[at(squeeze), at(&SQUEEZES[0])]));
+            remedies.extend(check_if_sound(&toml, &[at(squeeze)]));
+            remedies.extend(check_if_sound(&toml, &[at(squeeze), at(&SQUEEZES[0])]));
         }
     }
-    mends.sort_unstable();
-    mends.dedup();
+    remedies.sort_unstable();
+    remedies.dedup();
     for kind in ["baud", "latency", "8 bits", "bare", "without polls", "step of", "USB", "without a latency"]
     {
-        assert!(mends.iter().any(|mend| mend.contains(kind)), "no mend was `{kind}`: {mends:?}");
+        assert!(remedies.iter().any(|remedy| remedy.contains(kind)), "no mend was `{kind}`: {remedies:?}");
     }
 }
 
@@ -155,25 +159,25 @@ fn a_khepera_speaks_only_when_asked_and_is_never_told_to_stream() {
     for i in 0..8 {
         plain += &format!("[robots.sensors.s{i}]\nkind = \"compass\"\nbits = 10\nperiod_ms = 20.0\n");
     }
-    let mut mends = Vec::new();
+    let mut remedies = Vec::new();
     for (toml, step_ms) in [(device, 1), (device, 10), (device, 40), (&plain, 10), (&plain, 20), (&plain, 40)]
     {
         for baud in [4800, 9600, 19_200] {
             let changes = [format!("step_ms={step_ms}"), format!("robots.khepera.link.baud={baud}")];
-            mends.extend(check_if_sound(toml, &changes));
+            remedies.extend(check_if_sound(toml, &changes));
         }
     }
-    assert!(mends.iter().all(|mend| !mend.contains("without polls")), "{mends:?}");
-    has(&mends, "38400 baud");
+    assert!(remedies.iter().all(|remedy| !remedy.contains("without polls")), "{remedies:?}");
+    has(&remedies, "38400 baud");
 }
 
 #[test]
 fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
     let toml = include_str!("../../scenarios/wander.toml");
     let fault = "[{ kind = \"byte-errors\", from_s = 1.0, for_s = 1.0, byte_error_rate = 0.1 }]";
-    let mends = check(toml, &[&format!("robots.robot.faults={fault}")]);
-    assert!(mends.iter().all(|mend| !mend.contains("USB")), "{mends:?}");
-    has(&mends, "38400 baud");
+    let remedies = check(toml, &[&format!("robots.robot.faults={fault}")]);
+    assert!(remedies.iter().all(|remedy| !remedy.contains("USB")), "{remedies:?}");
+    has(&remedies, "38400 baud");
     has(&check(toml, &[]), "a microcontroller with USB");
 }
 
@@ -181,8 +185,8 @@ fn a_cable_with_byte_errors_is_not_told_to_be_usb() {
 fn a_deadline_stays_when_the_brain_moves_to_a_laptop() {
     let toml = include_str!("../../scenarios/devices/onboard.toml");
     let changes = ["robots.robot.brain.deadline_ms=25", "robots.robot.brain.on_late=\"stop\""];
-    let mends = check_if_sound(toml, &changes.map(str::to_owned));
-    has(&mends, "a laptop on the robot, at 115200 baud");
+    let remedies = check_if_sound(toml, &changes.map(str::to_owned));
+    has(&remedies, "a laptop on the robot, at 115200 baud");
 }
 
 #[test]
@@ -195,14 +199,14 @@ fn slow_ports_are_made_faster_together() {
              port = {{ link = {{ kind = \"uart\", baud = {baud} }} }}\n"
         );
     }
-    let mends = check(&toml, &[]);
-    assert_eq!(mends[0], "230400 baud on the ports of a, b");
+    let remedies = check(&toml, &[]);
+    assert_eq!(remedies[0], "230400 baud on the ports of a, b");
 }
 
 #[test]
 fn what_costs_less_comes_first() {
     let robot = budget(WANDER, &[]);
-    let costs: Vec<_> = robot.mends.iter().map(|mend| mend.cost).collect();
+    let costs: Vec<_> = robot.remedies.iter().map(|remedy| remedy.cost).collect();
     assert_eq!(costs.first(), Some(&Cost::BothEnds), "{costs:?}");
     assert!(costs.contains(&Cost::LongerStep), "{costs:?}");
 }
@@ -218,10 +222,10 @@ proptest! {
     #[test]
     fn a_scenario_that_is_mended_has_the_budget_that_was_foretold(toml in scenarios()) {
         let robot = budget(&toml, &[]);
-        for mend in robot.mends.iter().filter(|mend| !mend.overrides.is_empty()) {
-            let after = mended(&toml, &[], mend);
+        for remedy in robot.remedies.iter().filter(|remedy| !remedy.overrides.is_empty()) {
+            let after = mended(&toml, &[], remedy);
             let found = (after.step_ns, after.cycle.total, after.verdict);
-            prop_assert_eq!(found, (mend.step_ns, mend.total, mend.verdict), "{:?}\n{}", mend, toml);
+            prop_assert_eq!(found, (remedy.step_ns, remedy.total, remedy.verdict), "{:?}\n{}", remedy, toml);
         }
     }
 }

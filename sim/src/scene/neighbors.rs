@@ -16,7 +16,7 @@ pub(crate) struct Reach {
 
 /// What is near one robot, in one layer.
 #[derive(Debug)]
-pub(crate) struct Vicinity {
+pub(crate) struct Neighbors {
     around: Circle,
     layer: usize,
     /// By their places in the layer's index.
@@ -32,7 +32,7 @@ impl Reach {
     }
 }
 
-impl Vicinity {
+impl Neighbors {
     /// What is near robot `own`; `None` if that is more than can be told in short.
     pub(super) fn of(reach: Reach, own: usize, index: &Index, frozen: &Frozen) -> Option<Self> {
         let around = Circle { center: frozen.bodies[own].disc.center, radius: reach.radius_m };

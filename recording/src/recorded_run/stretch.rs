@@ -1,6 +1,6 @@
 //! The parts of a recording that can be done again: all of it, or what is left between places that are damaged.
 
-use super::{Result, Tape};
+use super::{RecordedRun, Result};
 use crate::error::RecordingError;
 
 /// Ticks in a row: the state at the first is there, and all that entered the world until the last.
@@ -23,7 +23,7 @@ impl Stretch {
 /// Each state that cannot be used costs a world. A file in which so many are is none that was damaged by chance.
 const MOST_UNUSABLE: usize = 1000;
 
-impl Tape {
+impl RecordedRun {
     /// What is behind the last mark of a part may not be all that there was; what is before its first state belongs to
     /// a world that is not known.
     pub(super) fn put_in_order(mut self) -> Result<Self> {

@@ -26,7 +26,7 @@ pub(crate) enum Direction {
 
 /// What such a line remembers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Detour {
+pub(super) struct TransportPath {
     direction: Direction,
     /// Of the last packet. Up: when its chip was free for the next; down: when it was closed.
     since: SimTime,
@@ -41,7 +41,7 @@ pub(super) struct Detour {
     pub(super) asking: VecDeque<(SimTime, u8)>,
 }
 
-impl Detour {
+impl TransportPath {
     pub(super) fn new(link: &Link, seed: u64, name: &str, direction: Direction) -> Self {
         let latencies = match link.adapter() {
             Adapter::Bluetooth(radio) => {
@@ -117,15 +117,15 @@ impl Line {
         self.lose_first(link, now);
         for &byte in bytes {
             let byte = self.disturb(link, now, byte);
-            let Some(detour) = &mut self.detour else { return };
-            let ready = detour.ready(link, now);
-            if detour.direction == Direction::Down && link.turnaround_ns().is_some() {
-                detour.asking.push_back((ready, byte));
+            let Some(transport_path) = &mut self.transport_path else { return };
+            let ready = transport_path.ready(link, now);
+            if transport_path.direction == Direction::Down && link.turnaround_ns().is_some() {
+                transport_path.asking.push_back((ready, byte));
                 self.sent += 1;
                 continue;
             }
-            let at = self.burst.put(link, ready.max(detour.blocked_until));
-            if detour.is_full(link, self.in_flight.len()) {
+            let at = self.transmission.put(link, ready.max(transport_path.blocked_until));
+            if transport_path.is_full(link, self.in_flight.len()) {
                 self.counters.bytes += 1;
                 self.counters.overrun_bytes += 1;
                 continue;
@@ -136,28 +136,32 @@ impl Line {
     }
 
     /// When the bytes that ask for the wire will be at its end, if nobody else asks.
-    pub(super) fn forecast(&self, link: &Link, detour: &Detour) -> impl Iterator<Item = SimTime> {
-        let mut burst = self.burst;
-        let asking = detour.asking.iter();
-        asking.map(move |(ready, _)| burst.put(link, (*ready).max(detour.blocked_until)))
+    pub(super) fn forecast(
+        &self,
+        link: &Link,
+        transport_path: &TransportPath,
+    ) -> impl Iterator<Item = SimTime> {
+        let mut transmission = self.transmission;
+        let asking = transport_path.asking.iter();
+        asking.map(move |(ready, _)| transmission.put(link, (*ready).max(transport_path.blocked_until)))
     }
 
     /// When bytes that are not lost will be at the end of the wire.
-    fn landings(&self, link: &Link, detour: &Detour) -> impl Iterator<Item = SimTime> {
+    fn landings(&self, link: &Link, transport_path: &TransportPath) -> impl Iterator<Item = SimTime> {
         let on_the_wire = self.in_flight.iter().map(|(at, _)| *at);
-        on_the_wire.chain(self.forecast(link, detour)).filter(|at| !link.is_out(*at))
+        on_the_wire.chain(self.forecast(link, transport_path)).filter(|at| !link.is_out(*at))
     }
 
-    pub(super) fn arrival_by_detour(&self, link: &Link, detour: &Detour) -> SimTime {
-        let mut landings = self.landings(link, detour);
-        if detour.direction == Direction::Down {
+    pub(super) fn arrival_by_detour(&self, link: &Link, transport_path: &TransportPath) -> SimTime {
+        let mut landings = self.landings(link, transport_path);
+        if transport_path.direction == Direction::Down {
             return landings.next().unwrap_or(SimTime::NEVER);
         }
-        if detour.packet_left > 0 {
-            return detour.packet_at;
+        if transport_path.packet_left > 0 {
+            return transport_path.packet_at;
         }
-        let radio_ns = detour.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
-        let packet = link.adapter().packet(detour.since, radio_ns, landings);
+        let radio_ns = transport_path.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
+        let packet = link.adapter().packet(transport_path.since, radio_ns, landings);
         packet.map_or(SimTime::NEVER, |packet| packet.at)
     }
 
@@ -175,30 +179,34 @@ impl Line {
 
     /// The packet of the next byte is there, and the byte is taken from it.
     fn open_packet(&mut self, link: &Link) {
-        let Some(detour) = &self.detour else { return };
-        if detour.direction == Direction::Down {
+        let Some(transport_path) = &self.transport_path else { return };
+        if transport_path.direction == Direction::Down {
             return;
         }
         let mut opened = None;
-        if detour.packet_left == 0 {
-            let radio_ns = detour.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
+        if transport_path.packet_left == 0 {
+            let radio_ns = transport_path.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
             let adapter = link.adapter();
-            opened = adapter.packet(detour.since, radio_ns, self.landings(link, detour)).map(|packet| {
-                let inside = self.landings(link, detour).take_while(|at| *at <= packet.closed);
-                (packet, inside.take(adapter.packet_bytes() as usize).count() as u32)
-            });
+            opened = adapter.packet(transport_path.since, radio_ns, self.landings(link, transport_path)).map(
+                |packet| {
+                    let inside = self.landings(link, transport_path).take_while(|at| *at <= packet.closed);
+                    (packet, inside.take(adapter.packet_bytes() as usize).count() as u32)
+                },
+            );
         }
-        let Some(detour) = &mut self.detour else { return };
+        let Some(transport_path) = &mut self.transport_path else { return };
         if let Some((packet, bytes)) = opened {
-            detour.since = packet.closed;
-            detour.packet_at = packet.at;
-            detour.packet_left = bytes;
-            if let (Adapter::Bluetooth(radio), Some(latencies)) = (link.adapter(), &mut detour.latencies) {
-                detour.since = packet.at;
+            transport_path.since = packet.closed;
+            transport_path.packet_at = packet.at;
+            transport_path.packet_left = bytes;
+            if let (Adapter::Bluetooth(radio), Some(latencies)) =
+                (link.adapter(), &mut transport_path.latencies)
+            {
+                transport_path.since = packet.at;
                 latencies.take(radio);
             }
         }
-        detour.packet_left = detour.packet_left.saturating_sub(1);
+        transport_path.packet_left = transport_path.packet_left.saturating_sub(1);
     }
 
     /// Of the oldest bytes, those that were lost in an outage by `now` are gone.

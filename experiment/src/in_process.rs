@@ -7,10 +7,10 @@ use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
 
-use crate::crew::Job;
+use crate::assignment::Assignment;
 
 /// A world and a brain for each of its robots, or for some of them.
-pub struct Pair {
+pub struct InProcess {
     /// The world.
     pub world: World,
     brains: Vec<Option<Driver>>,
@@ -18,7 +18,7 @@ pub struct Pair {
 
 /// Why there is no brain for a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PairError {
+pub enum InProcessError {
     /// The catalogue has no such brain for it.
     #[error(transparent)]
     Brain(#[from] CatalogueError),
@@ -38,46 +38,47 @@ struct Driver {
 ///
 /// # Errors
 /// If the catalogue has no such brain for a robot.
-pub fn run(scenario: Scenario, jobs: &[Job]) -> Result<World, PairError> {
-    let mut pair = Pair::with_jobs(scenario, jobs)?;
-    pair.world.keep_timeline(0);
-    pair.run(u64::MAX);
-    pair.world.begin();
-    Ok(pair.world)
+pub fn run(scenario: Scenario, assignments: &[Assignment]) -> Result<World, InProcessError> {
+    let mut local = InProcess::with_assignments(scenario, assignments)?;
+    local.world.keep_timeline(0);
+    local.run(u64::MAX);
+    local.world.begin();
+    Ok(local.world)
 }
 
 impl Driver {
     fn new(
         spec: &RobotSpec,
-        brain: impl FnOnce(&Body) -> Result<Box<dyn Brain + Send>, PairError>,
-    ) -> Result<Self, PairError> {
+        brain: impl FnOnce(&Body) -> Result<Box<dyn Brain + Send>, InProcessError>,
+    ) -> Result<Self, InProcessError> {
         let body = Arc::new(Body::from(spec));
         let commands = RawCommands::new(&body).expect("a scenario is read only if its messages fit the wire");
         Ok(Self { brain: brain(&body)?, body, commands })
     }
 }
 
-impl Pair {
+impl InProcess {
     /// All robots get the brain that `brain` describes, seeded with the scenario's seed.
     ///
     /// # Errors
     /// If the catalogue has no such brain for a robot.
-    pub fn new(scenario: Scenario, brain: &str) -> Result<Self, PairError> {
+    pub fn new(scenario: Scenario, brain: &str) -> Result<Self, InProcessError> {
         let robots = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
-        Self::with_jobs(scenario, &[Job { brain: brain.to_owned(), robots }])
+        Self::with_assignments(scenario, &[Assignment { brain: brain.to_owned(), robots }])
     }
 
-    /// Each robot gets the brain of the job that names it, seeded with the scenario's seed; a robot that none names
+    /// Each robot gets the brain of the assignment that names it, seeded with the scenario's seed; a robot that none names
     /// gets none.
     ///
     /// # Errors
     /// If the catalogue has no such brain for a robot.
-    pub fn with_jobs(scenario: Scenario, jobs: &[Job]) -> Result<Self, PairError> {
+    pub fn with_assignments(scenario: Scenario, assignments: &[Assignment]) -> Result<Self, InProcessError> {
         let driver = |spec: &RobotSpec| {
-            let job = jobs.iter().find(|job| job.robots.contains(&spec.name));
-            let make =
-                |job: &Job| Driver::new(spec, |body| Ok(catalogue::brain(&job.brain, scenario.seed, body)?));
-            job.map(make).transpose()
+            let assignment = assignments.iter().find(|assignment| assignment.robots.contains(&spec.name));
+            let make = |assignment: &Assignment| {
+                Driver::new(spec, |body| Ok(catalogue::brain(&assignment.brain, scenario.seed, body)?))
+            };
+            assignment.map(make).transpose()
         };
         let brains = scenario.robots.iter().map(driver).collect::<Result<_, _>>()?;
         Ok(Self { world: World::new(scenario.into()), brains })
@@ -87,8 +88,13 @@ impl Pair {
     ///
     /// # Errors
     /// If there is not one robot.
-    pub fn with_brain(scenario: Scenario, brain: impl Brain + Send + 'static) -> Result<Self, PairError> {
-        let [spec] = scenario.robots.as_slice() else { return Err(PairError::Robots(scenario.robots.len())) };
+    pub fn with_brain(
+        scenario: Scenario,
+        brain: impl Brain + Send + 'static,
+    ) -> Result<Self, InProcessError> {
+        let [spec] = scenario.robots.as_slice() else {
+            return Err(InProcessError::Robots(scenario.robots.len()));
+        };
         let brains = vec![Some(Driver::new(spec, |_| Ok(Box::new(brain)))?)];
         Ok(Self { world: World::new(scenario.into()), brains })
     }

@@ -14,7 +14,7 @@ use crate::alter::altered;
 use crate::chance::Chance;
 use crate::targets::Target;
 
-pub(crate) struct Hunt {
+pub(crate) struct Fuzzer {
     target: Target,
     chance: Chance,
     folder: PathBuf,
@@ -35,7 +35,7 @@ struct Watch {
     since_ms: AtomicU64,
 }
 
-impl Hunt {
+impl Fuzzer {
     pub(crate) fn new(target: Target, seed: u64) -> anyhow::Result<Self> {
         let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target.name);
         let mut files: Vec<_> = match fs::read_dir(&folder) {

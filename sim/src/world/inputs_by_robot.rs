@@ -6,13 +6,13 @@ use super::Input;
 
 /// The places of a tick's inputs, robot by robot. Its memory serves all ticks.
 #[derive(Debug, Default)]
-pub(super) struct Given {
+pub(super) struct InputsByRobot {
     /// Where each robot's begin in `places`; one more at the end.
     starts: Vec<u32>,
     places: Vec<u32>,
 }
 
-impl Given {
+impl InputsByRobot {
     /// Takes the inputs of so many robots; an index that no robot has is left out.
     pub(super) fn note(&mut self, inputs: &[Input<'_>], robots: usize) {
         self.starts.clear();
@@ -49,13 +49,13 @@ mod tests {
     #[test]
     fn each_robot_has_its_own_in_their_order() {
         let inputs = [2, 0, 9, 2, 0, 2].map(|robot| Input { robot, at: SimTime::ZERO, bytes: &[] });
-        let mut given = Given::default();
+        let mut inputs_by_robot = InputsByRobot::default();
         for _ in 0..2 {
-            given.note(&inputs, 3);
-            let found: Vec<Vec<_>> = (0..3).map(|robot| given.of(robot).collect()).collect();
+            inputs_by_robot.note(&inputs, 3);
+            let found: Vec<Vec<_>> = (0..3).map(|robot| inputs_by_robot.of(robot).collect()).collect();
             assert_eq!(found, [alloc::vec![1, 4], alloc::vec![], alloc::vec![0, 3, 5]]);
         }
-        given.note(&[], 1);
-        assert_eq!(given.of(0).count(), 0);
+        inputs_by_robot.note(&[], 1);
+        assert_eq!(inputs_by_robot.of(0).count(), 0);
     }
 }

@@ -9,7 +9,7 @@ use baudbot_sim::sensor::Device;
 
 /// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Job {
+pub struct Assignment {
     /// As in the catalogue: `NAME[:K=V,…]`.
     pub brain: String,
     /// Their names.
@@ -18,7 +18,7 @@ pub struct Job {
 
 /// Why robots have not got their brains, or lost them.
 #[derive(Debug, thiserror::Error)]
-pub enum CrewError {
+pub enum AssignmentError {
     /// A brain is for a robot that is not there.
     #[error("there is no robot `{robot}`; there are: {}", known.join(", "))]
     Robot {
@@ -56,37 +56,40 @@ pub enum CrewError {
 ///
 /// # Errors
 /// If a robot is not there, has two brains, or cannot see and is given none.
-pub fn share_out(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Job>, CrewError> {
+pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Assignment>, AssignmentError> {
     let brains = parse(brains)?;
     for robot in brains.keys().flatten() {
         if !robots.iter().any(|spec| spec.name == *robot || spec.table_name() == *robot) {
             let known = robots.iter().map(|spec| spec.name.clone()).collect();
-            return Err(CrewError::Robot { robot: (*robot).to_owned(), known });
+            return Err(AssignmentError::Robot { robot: (*robot).to_owned(), known });
         }
     }
-    let mut jobs: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    let mut assignments: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for spec in robots {
         let whose = [Some(spec.name.as_str()), Some(spec.table_name()), None];
         let brain = match whose.iter().find_map(|whose| brains.get(whose)) {
             Some(brain) => brain,
             None if has_infrared(spec) => DEFAULT,
-            None => return Err(CrewError::Blind { robot: spec.name.clone() }),
+            None => return Err(AssignmentError::Blind { robot: spec.name.clone() }),
         };
         if brain != NONE {
-            jobs.entry(brain).or_default().push(spec.name.clone());
+            assignments.entry(brain).or_default().push(spec.name.clone());
         }
     }
-    Ok(jobs.into_iter().map(|(brain, robots)| Job { brain: brain.to_owned(), robots }).collect())
+    Ok(assignments
+        .into_iter()
+        .map(|(brain, robots)| Assignment { brain: brain.to_owned(), robots })
+        .collect())
 }
 
 /// Brains by robot; `None` is every robot that is not named.
-fn parse(brains: &[String]) -> Result<BTreeMap<Option<&str>, &str>, CrewError> {
+fn parse(brains: &[String]) -> Result<BTreeMap<Option<&str>, &str>, AssignmentError> {
     let mut all = BTreeMap::new();
     for text in brains {
         let (robot, brain) = split(text);
         if all.insert(robot, brain).is_some() {
             let whom = robot.map_or_else(|| "all robots".to_owned(), |robot| format!("robot `{robot}`"));
-            return Err(CrewError::Twice { whom });
+            return Err(AssignmentError::Twice { whom });
         }
     }
     Ok(all)
@@ -111,29 +114,34 @@ fn has_infrared(spec: &RobotSpec) -> bool {
     spec.sensors.iter().any(|sensor| matches!(sensor.device, Device::Infrared(_)))
 }
 
-/// A job that is being done.
-pub struct Crew {
+/// An assignment that is being carried out.
+pub struct AttachedBrains {
     brain: String,
     fleet: Fleet,
     brains: Vec<Box<dyn Brain + Send>>,
 }
 
-impl Crew {
+impl AttachedBrains {
     /// Takes hold of the robots and makes their brains.
     ///
     /// # Errors
     /// If the server refuses, or the catalogue has no such brain for a robot.
-    pub async fn attach(client: Client, world: &str, job: Job, seed: u64) -> Result<Self, CrewError> {
-        let robots: Vec<_> = job.robots.iter().map(String::as_str).collect();
+    pub async fn attach(
+        client: Client,
+        world: &str,
+        assignment: Assignment,
+        seed: u64,
+    ) -> Result<Self, AssignmentError> {
+        let robots: Vec<_> = assignment.robots.iter().map(String::as_str).collect();
         // No brain of the catalogue says how long it thought.
         let fleet = client
-            .brain(catalogue::shown_name(&job.brain))
+            .brain(catalogue::shown_name(&assignment.brain))
             .thinks_as_scenario()
             .attach_many(world, &robots)
             .await?;
-        let make = |body| catalogue::brain(&job.brain, seed, body);
+        let make = |body| catalogue::brain(&assignment.brain, seed, body);
         let brains = fleet.bodies().iter().map(|body| make(body)).collect::<Result<_, _>>()?;
-        Ok(Self { brain: job.brain, fleet, brains })
+        Ok(Self { brain: assignment.brain, fleet, brains })
     }
 
     /// Drives the robots until the run is over or the server closes the stream.
@@ -144,7 +152,7 @@ impl Crew {
         run_fleet(&mut self.fleet, &mut self.brains).await
     }
 
-    /// The brain, as the job describes it.
+    /// The brain, as the assignment describes it.
     pub fn brain(&self) -> &str {
         &self.brain
     }
@@ -166,7 +174,7 @@ mod tests {
 
     use super::*;
 
-    fn jobs(arguments: &[&str]) -> Result<Vec<(String, Vec<String>)>, String> {
+    fn assignments(arguments: &[&str]) -> Result<Vec<(String, Vec<String>)>, String> {
         let robot = |name: &str, x: f64, sensors: &str| {
             format!(
                 "[[robots]]\nname = \"{name}\"\nstart.x_m = {x:?}\n{sensors}\n\
@@ -177,23 +185,26 @@ mod tests {
         let toml = robot("alice", 0.0, ir) + &robot("bob", 1.0, "") + &robot("carol", 2.0, ir);
         let scenario = baudbot_scenario::parse(&toml).map_err(|error| error.to_string())?;
         let arguments: Vec<_> = arguments.iter().map(|&argument| argument.to_owned()).collect();
-        let jobs = share_out(&arguments, &scenario.robots).map_err(|error| error.to_string())?;
-        Ok(jobs.into_iter().map(|job| (job.brain, job.robots)).collect())
+        let assignments = assign(&arguments, &scenario.robots).map_err(|error| error.to_string())?;
+        Ok(assignments.into_iter().map(|assignment| (assignment.brain, assignment.robots)).collect())
     }
 
-    fn job(brain: &str, robots: &[&str]) -> (String, Vec<String>) {
+    fn assignment(brain: &str, robots: &[&str]) -> (String, Vec<String>) {
         (brain.to_owned(), robots.iter().map(|&robot| robot.to_owned()).collect())
     }
 
     #[test]
     fn robots_are_shared_out() {
         let all = ["alice", "bob", "carol"];
-        assert_eq!(jobs(&["constant:left=0.5"]), Ok(vec![job("constant:left=0.5", &all)]));
-        assert_eq!(jobs(&["bob=none"]), Ok(vec![job("avoid", &["alice", "carol"])]));
-        let mixed = jobs(&["bob=constant:left=0.1,right=0.2", "wander"]);
-        let expected = vec![job("constant:left=0.1,right=0.2", &["bob"]), job("wander", &["alice", "carol"])];
+        assert_eq!(assignments(&["constant:left=0.5"]), Ok(vec![assignment("constant:left=0.5", &all)]));
+        assert_eq!(assignments(&["bob=none"]), Ok(vec![assignment("avoid", &["alice", "carol"])]));
+        let mixed = assignments(&["bob=constant:left=0.1,right=0.2", "wander"]);
+        let expected = vec![
+            assignment("constant:left=0.1,right=0.2", &["bob"]),
+            assignment("wander", &["alice", "carol"]),
+        ];
         assert_eq!(mixed, Ok(expected));
-        assert_eq!(jobs(&["none"]), Ok(vec![]));
+        assert_eq!(assignments(&["none"]), Ok(vec![]));
     }
 
     #[test]
@@ -202,15 +213,22 @@ mod tests {
                     body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }\n";
         let scenario = baudbot_scenario::parse(toml).unwrap();
         let arguments = ["constant", "ant=wander", "queen=none"].map(str::to_owned);
-        let jobs = share_out(&arguments, &scenario.robots).unwrap();
-        assert_eq!(jobs, [Job { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]);
+        let assignments = assign(&arguments, &scenario.robots).unwrap();
+        assert_eq!(
+            assignments,
+            [Assignment { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]
+        );
     }
 
     #[test]
     fn what_cannot_be_is_refused() {
-        assert!(jobs(&[]).unwrap_err().contains("robot `bob` has no IR sensors"));
-        assert!(jobs(&["dave=avoid"]).unwrap_err().ends_with("there are: alice, bob, carol"));
-        assert!(jobs(&["avoid", "wander"]).unwrap_err().contains("all robots can have only one brain"));
-        assert!(jobs(&["bob=avoid", "bob=none"]).unwrap_err().contains("robot `bob` can have only one"));
+        assert!(assignments(&[]).unwrap_err().contains("robot `bob` has no IR sensors"));
+        assert!(assignments(&["dave=avoid"]).unwrap_err().ends_with("there are: alice, bob, carol"));
+        assert!(
+            assignments(&["avoid", "wander"]).unwrap_err().contains("all robots can have only one brain")
+        );
+        assert!(
+            assignments(&["bob=avoid", "bob=none"]).unwrap_err().contains("robot `bob` can have only one")
+        );
     }
 }

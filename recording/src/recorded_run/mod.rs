@@ -24,7 +24,7 @@ type Result<T> = std::result::Result<T, RecordingError>;
 
 /// A recording. Inputs and states stay encoded, so that it takes no more memory than they do in the file.
 #[derive(Debug)]
-pub struct Tape {
+pub struct RecordedRun {
     header: v1::RecordingHeader,
     scenario: Arc<Scenario>,
     bytes: Vec<u8>,
@@ -51,7 +51,7 @@ struct Kept {
     place: Range<usize>,
 }
 
-impl Tape {
+impl RecordedRun {
     /// Reads a file.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl Tape {
             let (found, step_ns) = (header.step_ns, scenario.step_ns);
             return Err(RecordingError::Step { found, step_ns });
         }
-        let mut tape = Self {
+        let mut recorded = Self {
             header,
             scenario: scenario.into(),
             bytes: Vec::new(),
@@ -101,12 +101,12 @@ impl Tape {
         };
         while let Some(item) = reader.next(|topic| WANTED.contains(&topic))? {
             match item {
-                Item::Message(message) => tape.take(&message.topic, &message.data)?,
-                Item::Damage => tape.part += 1,
+                Item::Message(message) => recorded.take(&message.topic, &message.data)?,
+                Item::Damage => recorded.part += 1,
             }
         }
-        tape.condition = reader.condition();
-        tape.put_in_order()
+        recorded.condition = reader.condition();
+        recorded.put_in_order()
     }
 
     fn take(&mut self, topic: &str, data: &[u8]) -> Result<()> {
