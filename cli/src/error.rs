@@ -48,7 +48,7 @@ pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
     let refused = match &error {
         ServerError::NotLoopback { .. } => true,
         ServerError::World(status) => matches!(status.code(), Code::AlreadyExists | Code::InvalidArgument),
-        _ => false,
+        ServerError::Bind { .. } | ServerError::Reflection(_) | ServerError::Pipe(_) => false,
     };
     if refused { Refused::error(error.to_string()) } else { error.into() }
 }

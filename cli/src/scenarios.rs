@@ -123,12 +123,12 @@ fn inline(path: &str, text: &str) -> anyhow::Result<String> {
 
 fn unreadable(path: &str, error: &io::Error) -> String {
     let names: Vec<_> = EMBEDDED.iter().map(|(name, _)| *name).collect();
-    match error.kind() {
-        io::ErrorKind::NotFound => {
-            format!("{path}: there is no such file; built-in scenarios: {}", names.join(", "))
-        }
-        io::ErrorKind::InvalidData => format!("{path}: is not text in UTF-8"),
-        _ => format!("{path}: {error}"),
+    if error.kind() == io::ErrorKind::NotFound {
+        format!("{path}: there is no such file; built-in scenarios: {}", names.join(", "))
+    } else if error.kind() == io::ErrorKind::InvalidData {
+        format!("{path}: is not text in UTF-8")
+    } else {
+        format!("{path}: {error}")
     }
 }
 

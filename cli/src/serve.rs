@@ -80,9 +80,13 @@ fn make_folder(folder: &Path) -> anyhow::Result<()> {
         return Ok(());
     }
     let refused = |why: &str| Refused::error(format!("--recordings {}: {why}", folder.display()));
-    std::fs::create_dir(folder).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => refused("is a file, not a folder; choose another"),
-        ErrorKind::NotFound => refused("its parent folder does not exist; create it with mkdir -p"),
-        _ => refused(&format!("cannot be created: {error}")),
+    std::fs::create_dir(folder).map_err(|error| {
+        if error.kind() == ErrorKind::AlreadyExists {
+            refused("is a file, not a folder; choose another")
+        } else if error.kind() == ErrorKind::NotFound {
+            refused("its parent folder does not exist; create it with mkdir -p")
+        } else {
+            refused(&format!("cannot be created: {error}"))
+        }
     })
 }

@@ -248,9 +248,9 @@ fn range_of(path: &str, raw: &raw::Field) -> Result<Choice, Error> {
 }
 
 fn setting(target: &str, value: &Value) -> Setting {
-    match value {
-        Value::String(text) if target == BRAIN => Setting::Brain(text.clone()),
-        value => written(target, &value.to_string()),
+    match value.as_str() {
+        Some(text) if target == BRAIN => Setting::Brain(text.to_owned()),
+        _ => written(target, &value.to_string()),
     }
 }
 
@@ -264,19 +264,14 @@ fn written(target: &str, value: &str) -> Setting {
 
 /// A value as tables have it: text without quotes.
 fn name(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Float(number) => number.to_string(),
-        value => value.to_string(),
-    }
+    let text = value.as_str().map(str::to_owned);
+    text.or_else(|| value.as_float().map(|number| number.to_string())).unwrap_or_else(|| value.to_string())
 }
 
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Integer(number) => Some(*number as f64),
-        Value::Float(number) => Some(*number).filter(|number| number.is_finite()),
-        _ => None,
-    }
+/// A finite number.
+pub(crate) fn number(value: &Value) -> Option<f64> {
+    let whole = value.as_integer().map(|number| number as f64);
+    whole.or_else(|| value.as_float().filter(|number| number.is_finite()))
 }
 
 /// The word for the brain itself in the place of a field.

@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::error::Error;
+use crate::factor::number;
 use crate::figures::{Figure, Figures};
 
 /// A sum of figures with weights, which is to be made large.
@@ -19,12 +20,8 @@ impl Goal {
         for (name, weight) in table {
             let at = format!("tune.maximize.{name}");
             let figure = Figure::named(name).map_err(|problem| Error::field(&at, problem))?;
-            let weight = match weight {
-                Value::Integer(weight) => *weight as f64,
-                Value::Float(weight) if weight.is_finite() => *weight,
-                other => {
-                    return Err(Error::field(at, format!("must be a number, its weight, is {other}")));
-                }
+            let Some(weight) = number(weight) else {
+                return Err(Error::field(at, format!("must be a number, its weight, is {weight}")));
             };
             weights.push((figure, weight));
         }

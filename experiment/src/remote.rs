@@ -145,13 +145,14 @@ impl Failure {
     }
 
     fn said(code: Code, message: &str) -> Self {
-        match code {
-            Code::InvalidArgument => Self::Run(message.to_owned()),
-            Code::ResourceExhausted => Self::Server(Error::Server(format!(
-                "the server is full: {message}; continue when there is room, or on another server"
-            ))),
-            code => Self::Server(Error::Server(format!("the server says: {message} ({code:?})"))),
+        if code == Code::InvalidArgument {
+            return Self::Run(message.to_owned());
         }
+        Self::Server(Error::Server(if code == Code::ResourceExhausted {
+            format!("the server is full: {message}; continue when there is room, or on another server")
+        } else {
+            format!("the server says: {message} ({code:?})")
+        }))
     }
 
     /// A brain that is too much for its robot is the run's own fault, too.

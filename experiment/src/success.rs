@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::error::Error;
+use crate::factor::number;
 use crate::figures::{Figure, Figures};
 
 /// Conditions, of which there is at least one.
@@ -40,10 +41,8 @@ impl Success {
                 return Err(Error::field(at, problem));
             };
             let figure = Figure::named(name).map_err(|problem| Error::field(&at, problem))?;
-            let limit = match value {
-                Value::Integer(limit) => *limit as f64,
-                Value::Float(limit) if limit.is_finite() => *limit,
-                other => return Err(Error::field(at, format!("must be a number, is {other}"))),
+            let Some(limit) = number(value) else {
+                return Err(Error::field(at, format!("must be a number, is {value}")));
             };
             conditions.push(Condition { figure, limit, at_least });
         }

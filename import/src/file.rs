@@ -8,9 +8,11 @@ use crate::error::FileError;
 
 /// The bytes of a file. What is not a plain file is refused: a pipe may have no end, or never begin.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    let unreadable = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => FileError::new(path, "there is no such file"),
-        _ => FileError::new(path, format!("cannot be read: {error}")),
+    let unreadable = |error: io::Error| {
+        if error.kind() == io::ErrorKind::NotFound {
+            return FileError::new(path, "there is no such file");
+        }
+        FileError::new(path, format!("cannot be read: {error}"))
     };
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {

@@ -180,13 +180,14 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
+#[expect(clippy::wildcard_enum_match_arm, reason = "the enum is not exhaustive")]
 fn problem(text: &[u8], error: &csv::Error) -> String {
     match error.kind() {
         ErrorKind::UnequalLengths { pos, expected_len, len } => {
             format!("{}: has {len} columns, the header has {expected_len}", line(text, pos.as_ref()))
         }
         ErrorKind::Utf8 { pos, .. } => format!("{}: is not text in UTF-8", line(text, pos.as_ref())),
-        _ => error.to_string(), // the enum is not exhaustive
+        _ => error.to_string(),
     }
 }
 

@@ -26,8 +26,8 @@ pub enum RecordingError {
     #[error("cannot be replayed: {0}, and the header with the scenario is missing")]
     Headless(String),
     /// It is packed in a way that is not read here.
-    #[error("is packed with `zstd`; repack it with `lz4` (mcap compress --compression lz4)")]
-    Packed,
+    #[error("is packed with {0}")]
+    Packed(Packing),
     /// It is of a version to come.
     #[error(
         "is of format {found}, which a newer version of baudbot wrote ({program}); this one reads format {}",
@@ -103,4 +103,15 @@ impl WriteError {
         // What the system says is more than that there was an error.
         if let mcap::McapError::Io(error) = &self.0 { error.to_string() } else { self.0.to_string() }
     }
+}
+
+/// How a file is packed that cannot be read here, and what to do about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Packing {
+    /// By Zstandard.
+    #[error("`zstd`; repack it with `lz4` (mcap compress --compression lz4)")]
+    Zstd,
+    /// By LZ4, in a build without it.
+    #[error("`lz4`, and this program was built without the feature `lz4`; unpack it (mcap decompress)")]
+    Lz4,
 }

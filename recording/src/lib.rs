@@ -21,7 +21,7 @@ mod writer;
 
 pub use change::{change, intervention};
 pub use digest::Digests;
-pub use error::{RecordingError, WriteError};
+pub use error::{Packing, RecordingError, WriteError};
 pub use file::RecordingFile;
 pub use frames::Frames;
 pub use recorded_run::{RecordedRun, Stretch};

@@ -38,6 +38,11 @@ struct Channels {
     events: u16,
 }
 
+#[cfg(feature = "lz4")]
+const COMPRESSION: Option<Compression> = Some(Compression::Lz4);
+#[cfg(not(feature = "lz4"))]
+const COMPRESSION: Option<Compression> = None;
+
 /// What other programs look at.
 struct Shown {
     encoder: FoxgloveEncoder,
@@ -51,7 +56,7 @@ impl<W: Write + Seek> Writer<W> {
     /// If that cannot be written.
     pub fn new(out: W, header: &v1::RecordingHeader) -> Result<Self> {
         let options = WriteOptions::new()
-            .compression(Some(Compression::Lz4))
+            .compression(COMPRESSION)
             // A chunk is written at once, when it is whole.
             .disable_seeking(true)
             .chunk_size(Some(CHUNK))

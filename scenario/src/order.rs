@@ -59,11 +59,7 @@ fn of_robots(document: &DeTable<'_>) -> Vec<Names> {
     let Some(DeValue::Array(robots)) = document.get("robots").map(|robots| robots.get_ref()) else {
         return Vec::new();
     };
-    let names = |robot: &DeValue<'_>| match robot {
-        DeValue::Table(robot) => Names::of(robot),
-        _ => Names::default(),
-    };
-    robots.iter().map(|robot| names(robot.get_ref())).collect()
+    robots.iter().map(|robot| robot.get_ref().as_table().map(Names::of).unwrap_or_default()).collect()
 }
 
 /// Of a robot's preset.

@@ -74,19 +74,17 @@ impl Override {
         while let Some((depth, part)) = parts.next() {
             let path = || self.path[..=depth].join(".");
             let child = here.entry(part.as_str()).or_insert_with(|| Value::Table(Table::new()));
-            here = match child {
-                Value::Table(table) => table,
-                Value::Array(list) => {
-                    let (_, key) = parts.next().ok_or_else(|| {
-                        FieldError::new(path(), "is a list; name an element and a field of it")
-                    })?;
-                    element(list, key, &path())?
-                }
-                other => {
-                    let problem =
-                        format!("is a {}, it has no field `{}`", other.type_str(), self.path[depth + 1]);
-                    return Err(FieldError::new(path(), problem));
-                }
+            let kind = child.type_str();
+            here = if let Value::Array(list) = child {
+                let (_, key) = parts
+                    .next()
+                    .ok_or_else(|| FieldError::new(path(), "is a list; name an element and a field of it"))?;
+                element(list, key, &path())?
+            } else {
+                child.as_table_mut().ok_or_else(|| {
+                    let problem = format!("is a {kind}, it has no field `{}`", self.path[depth + 1]);
+                    FieldError::new(path(), problem)
+                })?
             };
         }
         here.insert(last.clone(), self.value.clone());

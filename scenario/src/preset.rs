@@ -54,10 +54,10 @@ pub(super) fn expand(table: &mut Table) -> Result<Vec<Chain>> {
         return Err(path.error(format!("there are {}, the limit is {MAX_ROBOTS}", robots.len())));
     }
     let mut expander = Expander::default();
-    let expand = |(i, robot): (usize, &mut Value)| match robot {
-        Value::Table(robot) => expander.robot(&path.index(i), robot),
+    let expand = |(i, robot): (usize, &mut Value)| match robot.as_table_mut() {
+        Some(robot) => expander.robot(&path.index(i), robot),
         // Not a robot, which deserialising will say.
-        _ => Ok(Chain::new()),
+        None => Ok(Chain::new()),
     };
     robots.iter_mut().enumerate().map(expand).collect()
 }
@@ -164,13 +164,10 @@ fn unknown(name: &str, kind: PresetKind) -> String {
 fn drop_sensors(path: &Path, robot: &mut Table, base: &mut Table) -> Result<()> {
     let Some(without) = robot.remove("without") else { return Ok(()) };
     let path = path.field("without");
-    let names = match without {
-        Value::Array(names) => names,
-        other => {
-            return Err(
-                path.error(format!("must be a list of sensors' names, is of type {}", other.type_str()))
-            );
-        }
+    let Value::Array(names) = without else {
+        return Err(
+            path.error(format!("must be a list of sensors' names, is of type {}", without.type_str()))
+        );
     };
     let mut none = Table::new();
     let sensors = base.get_mut("sensors").and_then(Value::as_table_mut).unwrap_or(&mut none);

@@ -66,10 +66,8 @@ fn every_robot_stands_alone_in_an_empty_world_in_steps_of_10_ms() {
 #[test]
 fn every_part_fits_a_robot() {
     for preset in presets().filter(|preset| preset.kind != PresetKind::Robot) {
-        let part = match preset.kind {
-            PresetKind::Sensor => "sensors.s",
-            kind => kind.word(),
-        };
+        let is_sensor = preset.kind == PresetKind::Sensor;
+        let part = if is_sensor { "sensors.s" } else { preset.kind.word() };
         // The Pololu's gears make ARSim's body stiff.
         let toml =
             format!("substeps = 100\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));

@@ -104,16 +104,13 @@ impl Description {
 /// TOML knows numbers that are none.
 fn check_finite(path: &str, value: &Value) -> Result<(), DescriptionError> {
     let part = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
-    match value {
-        Value::Float(number) if !number.is_finite() => {
-            Err(DescriptionError::new(path, format!("must be finite, is {number}")))
-        }
-        Value::Array(all) => {
-            all.iter().enumerate().try_for_each(|(i, one)| check_finite(&format!("{path}[{i}]"), one))
-        }
-        Value::Table(all) => all.iter().try_for_each(|(key, one)| check_finite(&part(key), one)),
-        _ => Ok(()),
+    if let Some(number) = value.as_float().filter(|number| !number.is_finite()) {
+        return Err(DescriptionError::new(path, format!("must be finite, is {number}")));
     }
+    let mut elements = value.as_array().into_iter().flatten().enumerate();
+    elements.try_for_each(|(i, one)| check_finite(&format!("{path}[{i}]"), one))?;
+    let mut fields = value.as_table().into_iter().flatten();
+    fields.try_for_each(|(key, one)| check_finite(&part(key), one))
 }
 
 #[cfg(test)]

@@ -124,7 +124,7 @@ pub(crate) fn ray(arena: &Arena, near: Point, aim: &Aim) -> Ray {
             let angle = away.y.atan2(away.x) + (circle.radius / away.norm()).min(1.0).asin();
             Ray { origin, direction: Direction::from_angle(angle) }
         }
-        _ => free,
+        Aim::End(_) | Aim::Along(..) | Aim::Rim(_) => free,
     }
 }
 

@@ -1,15 +1,17 @@
 //! What is in a chunk, unpacked and held against its checksum.
 
+#[cfg(feature = "lz4")]
 use std::io::Read;
 
 use super::record::{Chunk, HEAD, Record, head, parse};
+use crate::error::Packing;
 
 /// Why nothing of a chunk is used.
 pub(super) enum Unusable {
     /// It is not what was written.
     Damaged,
     /// It is packed in a way of MCAP's that is not read here.
-    Packed,
+    Packed(Packing),
 }
 
 /// Unpacks a chunk's records. Memory grows with what comes out, whatever the chunk says of itself.
@@ -19,7 +21,7 @@ pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusabl
     let most = match chunk.compression {
         b"" => packed,
         b"lz4" => packed.saturating_mul(MOST_OF_A_BYTE),
-        b"zstd" => return Err(Unusable::Packed),
+        b"zstd" => return Err(Unusable::Packed(Packing::Zstd)),
         _ => return Err(Unusable::Damaged),
     };
     if chunk.size > most {
@@ -28,14 +30,25 @@ pub(super) fn unpack(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusabl
     if chunk.compression.is_empty() {
         out.extend(chunk.data);
     } else {
-        // One frame: of frames in which nothing is, a file could have one every few bytes, and each costs a decoder.
-        let frame = lz4::Decoder::new(chunk.data).map_err(|_| Unusable::Damaged)?;
-        frame.take(chunk.size).read_to_end(out).map_err(|_| Unusable::Damaged)?;
+        unpack_lz4(chunk, out)?;
     }
     let is_it = out.len() as u64 == chunk.size
         && (chunk.checksum == 0 || chunk.checksum == crc32fast::hash(out))
         && is_sound(out);
     if is_it { Ok(()) } else { Err(Unusable::Damaged) }
+}
+
+#[cfg(feature = "lz4")]
+fn unpack_lz4(chunk: &Chunk<'_>, out: &mut Vec<u8>) -> Result<(), Unusable> {
+    // One frame: of frames in which nothing is, a file could have one every few bytes, and each costs a decoder.
+    let frame = lz4::Decoder::new(chunk.data).map_err(|_| Unusable::Damaged)?;
+    frame.take(chunk.size).read_to_end(out).map_err(|_| Unusable::Damaged)?;
+    Ok(())
+}
+
+#[cfg(not(feature = "lz4"))]
+fn unpack_lz4(_: &Chunk<'_>, _: &mut Vec<u8>) -> Result<(), Unusable> {
+    Err(Unusable::Packed(Packing::Lz4))
 }
 
 /// The record that begins at this place of a chunk, and where the next one does.

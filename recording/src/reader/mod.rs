@@ -266,7 +266,7 @@ impl Seen {
                 self.chunks += 1;
                 Ok(Next::Nothing)
             }
-            Err(Unusable::Packed) => Err(RecordingError::Packed),
+            Err(Unusable::Packed(packing)) => Err(RecordingError::Packed(packing)),
             Err(Unusable::Damaged) => {
                 // What was looked at, and what came of it.
                 self.wasted += packed.data.len() + chunk.len();

@@ -82,7 +82,9 @@ fn refused(error: &InterventionError) -> Status {
             "{text}: a state was restored that was kept within one; it can be changed after a step"
         )),
         InterventionError::Place { .. } | InterventionError::Baud { .. } => Status::invalid_argument(text),
-        // The enum is another crate's, and not exhaustive.
-        _ => Status::failed_precondition(text),
+        InterventionError::Ended
+        | InterventionError::NoRoom { .. }
+        | InterventionError::NoCable { .. }
+        | InterventionError::TooOften { .. } => Status::failed_precondition(text),
     }
 }

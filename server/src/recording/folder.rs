@@ -89,12 +89,12 @@ impl Folder {
 }
 
 fn unreadable(name: &str, error: &io::Error) -> Status {
-    match error.kind() {
-        io::ErrorKind::NotFound => {
-            Status::not_found(format!("recording: `{name}`: there is no such file in the server's folder"))
-        }
-        _ => Status::failed_precondition(format!("recording: `{name}` cannot be read: {error}")),
+    if error.kind() == io::ErrorKind::NotFound {
+        return Status::not_found(format!(
+            "recording: `{name}`: there is no such file in the server's folder"
+        ));
     }
+    Status::failed_precondition(format!("recording: `{name}` cannot be read: {error}"))
 }
 
 #[cfg(test)]

@@ -329,13 +329,11 @@ fn described(intervention: &Intervention) -> String {
 /// The status for a file that cannot be written.
 fn cannot_write(path: &Path, error: &std::io::Error) -> Status {
     let text = format!("recording: cannot write {}: {error}", path.display());
-    match error.kind() {
-        std::io::ErrorKind::AlreadyExists => {
-            let path = path.display();
-            Status::already_exists(format!(
-                "recording: {path} already exists, and no file is overwritten; choose another name, or delete it"
-            ))
-        }
-        _ => Status::failed_precondition(text),
+    if error.kind() == std::io::ErrorKind::AlreadyExists {
+        let path = path.display();
+        return Status::already_exists(format!(
+            "recording: {path} already exists, and no file is overwritten; choose another name, or delete it"
+        ));
     }
+    Status::failed_precondition(text)
 }

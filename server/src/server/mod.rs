@@ -40,7 +40,6 @@ const KEEPALIVE: Duration = Duration::from_secs(20);
 
 /// Why a server did not start.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ServerError {
     /// An address could not be listened on.
     #[error("cannot listen on {address}")]

@@ -54,7 +54,6 @@ pub enum Intervention {
 
 /// Why a change was not made. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
 pub enum InterventionError {
     /// The tick has begun; changes are made before that.
     #[error("the world is within a tick")]
