@@ -374,6 +374,7 @@ fn chunks(file: &[u8]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// What a chunk is packed with is outside of its checksum.
+#[cfg(feature = "lz4")]
 #[test]
 fn a_chunk_whose_packing_is_damaged_costs_that_chunk() {
     let (file, _) = record(300);

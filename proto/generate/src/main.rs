@@ -64,7 +64,13 @@ impl Contract {
         if self.made.contains(&DESCRIPTORS) {
             fs::write(folder.join(DESCRIPTORS), descriptors.encode_to_vec())?;
         }
-        tonic_prost_build::configure().out_dir(folder).compile_fds(descriptors).context(self.protos)
+        let services = r#"#[cfg(feature = "services")]"#;
+        tonic_prost_build::configure()
+            .client_mod_attribute("baudbot.v1", services)
+            .server_mod_attribute("baudbot.v1", services)
+            .out_dir(folder)
+            .compile_fds(descriptors)
+            .context(self.protos)
     }
 }
 

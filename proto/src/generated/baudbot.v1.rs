@@ -1334,6 +1334,7 @@ impl ReplayEventKind {
     }
 }
 /// Generated client implementations.
+#[cfg(feature = "services")]
 pub mod control_service_client {
     #![allow(
         unused_variables,
@@ -1981,6 +1982,7 @@ pub mod control_service_client {
     }
 }
 /// Generated server implementations.
+#[cfg(feature = "services")]
 pub mod control_service_server {
     #![allow(
         unused_variables,
@@ -4155,6 +4157,7 @@ impl PortFormat {
     }
 }
 /// Generated client implementations.
+#[cfg(feature = "services")]
 pub mod brain_link_service_client {
     #![allow(
         unused_variables,
@@ -4292,6 +4295,7 @@ pub mod brain_link_service_client {
     }
 }
 /// Generated server implementations.
+#[cfg(feature = "services")]
 pub mod brain_link_service_server {
     #![allow(
         unused_variables,
@@ -5101,6 +5105,7 @@ impl TimelineKind {
     }
 }
 /// Generated client implementations.
+#[cfg(feature = "services")]
 pub mod observe_service_client {
     #![allow(
         unused_variables,
@@ -5271,6 +5276,7 @@ pub mod observe_service_client {
     }
 }
 /// Generated server implementations.
+#[cfg(feature = "services")]
 pub mod observe_service_server {
     #![allow(
         unused_variables,
