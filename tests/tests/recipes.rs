@@ -1,4 +1,5 @@
 //! The recipes of CONTRIBUTING.md are true of their examples: what they name is there, and they name all that the example took.
+//! Source files that the other documents name are there, too.
 
 use std::fs;
 use std::path::Path;
@@ -131,4 +132,25 @@ fn a_name_has_its_forms() {
     let expected = ["optical_flow", "optical-flow", "OpticalFlow", "opticalFlow"];
     assert_eq!(forms("optical_flow"), expected);
     assert_eq!(forms("OpticalFlow"), expected);
+}
+
+#[test]
+fn source_files_that_documents_name_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut found = Vec::new();
+    texts(&root, &root, &mut found);
+    let is_document = |path: &str| {
+        path == "ARCHITECTURE.md" || path == "README.md" || (path.starts_with("docs/") && path.ends_with(".md"))
+    };
+    let mut named = 0;
+    for (document, text) in found.iter().filter(|(path, _)| is_document(path)) {
+        let quoted = text.split('`').skip(1).step_by(2);
+        for name in quoted.filter(|quoted| quoted.ends_with(".rs") && !quoted.contains(char::is_whitespace)) {
+            named += 1;
+            let below = format!("/{name}");
+            let is_there = found.iter().any(|(path, _)| path == name || path.ends_with(&below));
+            assert!(is_there, "{document} names {name}, and there is no such file");
+        }
+    }
+    assert!(named > 200, "{named}");
 }
