@@ -140,7 +140,9 @@ fn source_files_that_documents_name_are_there() {
     let mut found = Vec::new();
     texts(&root, &root, &mut found);
     let is_document = |path: &str| {
-        path == "ARCHITECTURE.md" || path == "README.md" || (path.starts_with("docs/") && path.ends_with(".md"))
+        path == "ARCHITECTURE.md"
+            || path == "README.md"
+            || (path.starts_with("docs/") && path.ends_with(".md"))
     };
     let mut named = 0;
     for (document, text) in found.iter().filter(|(path, _)| is_document(path)) {
