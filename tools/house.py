@@ -14,6 +14,7 @@ generated code is not counted.
 import argparse
 import io
 import json
+import os
 import re
 import subprocess
 import sys
@@ -79,7 +80,8 @@ def sources(rev):
     """Rust files by path, as git has them."""
     if rev is None:
         listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.rs"], check=True, capture_output=True, text=True)
-        return {path: open(path, encoding="utf-8").read() for path in listed.stdout.split()}
+        there = filter(os.path.exists, listed.stdout.split())  # without those that were just deleted
+        return {path: open(path, encoding="utf-8").read() for path in there}
     archive = subprocess.run(["git", "archive", rev], check=True, capture_output=True).stdout
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         return {file.name: tar.extractfile(file).read().decode() for file in tar if file.name.endswith(".rs")}

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use baudbot_brain::{
     Actuator, ActuatorKind, Body, Component, Firmware, MotorKind, Mount, Port, PortFormat, Protocol, Sensor,
-    SensorKind, Sweep,
+    Sweep,
 };
 
 use crate::link::Link;
@@ -86,7 +86,7 @@ fn sensor(spec: &sensor::Sensor) -> Sensor {
     };
     Sensor {
         name: spec.name.clone(),
-        kind: sensor_kind(&spec.device),
+        kind: spec.device.sensor_kind().for_brains(),
         components: components(spec),
         period_ns,
         phase_ns,
@@ -109,32 +109,6 @@ fn sensor(spec: &sensor::Sensor) -> Sensor {
         } else {
             None
         },
-    }
-}
-
-fn sensor_kind(device: &Device) -> SensorKind {
-    match device {
-        Device::Infrared(_) => SensorKind::Infrared,
-        Device::VoltageRanger(_) => SensorKind::VoltageRanger,
-        Device::Sonar(_) => SensorKind::Sonar,
-        Device::Laser(_) => SensorKind::Laser,
-        Device::LineCamera(_) => SensorKind::LineCamera,
-        Device::Encoders(_) => SensorKind::Encoders,
-        Device::StepCounter(_) => SensorKind::StepCounter,
-        Device::Odometer(_) => SensorKind::Odometer,
-        Device::OpticalFlow(_) => SensorKind::OpticalFlow,
-        Device::Compass(_) => SensorKind::Compass,
-        Device::Accelerometer(_) => SensorKind::Accelerometer,
-        Device::Gyroscope(_) => SensorKind::Gyroscope,
-        Device::Gps(_) => SensorKind::Gps,
-        Device::Whisker(_) => SensorKind::Whisker,
-        Device::Bumper(_) => SensorKind::Bumper,
-        Device::Photoresistor(_) => SensorKind::Photoresistor,
-        Device::Light(_) => SensorKind::Light,
-        Device::Field(_) => SensorKind::Field,
-        Device::Microphone(_) => SensorKind::Microphone,
-        Device::Floor(_) => SensorKind::Floor,
-        Device::Battery(_) => SensorKind::Battery,
     }
 }
 

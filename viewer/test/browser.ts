@@ -54,6 +54,10 @@ test("a world is paused, stepped and run", options, async () => {
 });
 
 test("a robot is carried elsewhere, but not into a wall", options, async () => {
+  // The others stand where they began: none of them drives into the hand.
+  const world = mock().worlds.get("arena")!;
+  world.reset();
+  world.bodies.forEach((body) => (body.brain = ""));
   const page = await open("#world=arena&robot=carol");
   await page.getByTestId("move").click();
   const [x, y] = await pixels(page);
@@ -68,6 +72,7 @@ test("a robot is carried elsewhere, but not into a wall", options, async () => {
   await page.waitForFunction(() => window.baudbotViewer.lastError.includes("touch a wall"));
   assert.ok(Math.abs((await pixels(page))[0] - x - 40) < 2, "it is where it was");
   await page.close();
+  world.reset();
 });
 
 test("a robot is driven, and stands when it is let go", options, async () => {

@@ -2,7 +2,7 @@
 
 use baudbot_sim::Scenario;
 use baudbot_sim::arena::Arena;
-use baudbot_sim::sensor::{Device, Sensor};
+use baudbot_sim::sensor::{Device, Sensor, SensorKind};
 
 use super::block::{Block, WIDTH};
 use super::ground::candela;
@@ -170,8 +170,9 @@ fn has_low_walls(arena: &Arena) -> bool {
 
 fn ray() -> Element {
     let dot = Element::new("circle").set("cx", "13").set("cy", "4").set("r", "2");
-    let group =
-        Element::group().set("fill", palette::SENSORS[0].color).set("stroke", palette::SENSORS[0].color);
+    let group = Element::group()
+        .set("fill", SensorKind::Infrared.style().color)
+        .set("stroke", SensorKind::Infrared.style().color);
     group.with(drawn("M0 8L13 4")).with(dot.set("stroke", "none"))
 }
 
@@ -197,7 +198,7 @@ fn sensor_row(canvas: &mut Canvas, y: f64, kind: &Kind<'_>, sensors: &[&Sensor])
     let first = sensors[0];
     let titles: Vec<_> = sensors.iter().take(16).map(|sensor| senses::title(kind.robot, sensor)).collect();
     canvas.open(Element::group().titled(&titles.join("; ")));
-    let color = palette::sensor(&first.device).color;
+    let color = first.device.sensor_kind().style().color;
     // What looks somewhere has a wedge, all else a dot.
     canvas.put(match first.device.fan() {
         Some(_) => drawn(&format!("M1 {}L14 {}V{}Z", y - 4.0, y - 9.5, y + 1.5)).set("fill", color),

@@ -74,7 +74,7 @@ pub(super) fn label_sensors(labels: &mut Labels, view: &View, caster: &RayCaster
     for sensor in kind.robot.sensors.iter() {
         let Some(place) = senses::place(view, caster, robot, sensor) else { continue };
         // Dark enough for text on its fan.
-        let color = palette::darker(palette::rgb(palette::sensor(&sensor.device).color), 0.62);
+        let color = palette::darker(palette::rgb(sensor.device.sensor_kind().style().color), 0.62);
         let style = Style { size: 10.5, color: &color, bold: false };
         let off: Place = (place.0 - middle.0, middle.1 - place.1);
         let far = math::hypot(off.0, off.1);

@@ -3,11 +3,11 @@
 use baudbot_geometry::{Fan, Point, Pose};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::raycast::{CastRay, RayCaster};
-use baudbot_sim::sensor::{Device, Mount, Sensor};
+use baudbot_sim::sensor::{Mount, Sensor, Style, Symbol};
 
 use super::extent::of_disc;
 use super::view::{View, arc};
-use crate::palette::{self, SensorStyle, Symbol, WHITE};
+use crate::palette::WHITE;
 use crate::quantity::{count, duration, length};
 use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified};
 
@@ -15,7 +15,7 @@ use crate::svg::{Canvas, Element, Place, drawn, path, px, rectangle, simplified}
 pub(super) fn fans(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec)) {
     for sensor in robot.1.sensors.iter() {
         let area = area(view, caster, robot, sensor);
-        let color = palette::sensor(&sensor.device).color;
+        let color = sensor.device.sensor_kind().style().color;
         let outer = Element::group().set("fill", color).set("stroke", color).titled(&title(robot.1, sensor));
         if !area.is_empty() {
             canvas.open(outer);
@@ -29,32 +29,12 @@ pub(super) fn fans(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, rob
 fn area(view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec), sensor: &Sensor) -> Canvas {
     let mut area = Canvas::default();
     let Some(mount) = sensor.device.mount() else { return area };
-    match &sensor.device {
-        Device::Light(light) => {
-            area.put(facing(view, caster, robot, (mount, light.opening_rad)));
+    match (sensor.device.acceptance_rad(), sensor.device.sensor_kind().style().symbol) {
+        (Some(opening_rad), _) => area.put(facing(view, caster, robot, (mount, opening_rad))),
+        (None, Symbol::Line | Symbol::Arc) => {}
+        (None, Symbol::Dot | Symbol::Square | Symbol::Ring) => {
+            fan(&mut area, view, caster, (robot.0, sensor, mount))
         }
-        Device::Photoresistor(resistor) => {
-            area.put(facing(view, caster, robot, (mount, resistor.light.opening_rad)));
-        }
-        Device::Infrared(_)
-        | Device::VoltageRanger(_)
-        | Device::Sonar(_)
-        | Device::Laser(_)
-        | Device::LineCamera(_) => fan(&mut area, view, caster, (robot.0, sensor, mount)),
-        Device::Whisker(_)
-        | Device::Bumper(_)
-        | Device::Encoders(_)
-        | Device::StepCounter(_)
-        | Device::Odometer(_)
-        | Device::OpticalFlow(_)
-        | Device::Compass(_)
-        | Device::Accelerometer(_)
-        | Device::Gyroscope(_)
-        | Device::Gps(_)
-        | Device::Field(_)
-        | Device::Microphone(_)
-        | Device::Floor(_)
-        | Device::Battery(_) => {}
     }
     area
 }
@@ -87,7 +67,7 @@ pub(super) fn brief_fans(
             continue;
         };
         let wedge = wedge(view, caster, robot.0, (mount, fan, range_m));
-        let color = palette::sensor(device).color;
+        let color = device.sensor_kind().style().color;
         match shapes.iter_mut().find(|(other, _)| *other == color) {
             Some((_, data)) => *data += &wedge,
             None => shapes.push((color, wedge)),
@@ -104,7 +84,7 @@ pub(super) fn mounts(canvas: &mut Canvas, view: &View, caster: &RayCaster<'_>, r
     let radius = view.length(spec.drive.radius_m);
     let dot = (0.06 * radius).clamp(1.2, 4.5);
     for sensor in spec.sensors.iter() {
-        let SensorStyle { color, symbol, .. } = palette::sensor(&sensor.device);
+        let Style { color, symbol } = sensor.device.sensor_kind().style();
         let Some(place) = place(view, caster, robot, sensor) else { continue };
         canvas.open(Element::group().set("fill", color).set("stroke", color).titled(&title(spec, sensor)));
         let circle =
@@ -143,7 +123,7 @@ pub(super) fn place(
     (i, robot): (usize, &RobotSpec),
     sensor: &Sensor,
 ) -> Option<Place> {
-    match palette::sensor(&sensor.device).symbol {
+    match sensor.device.sensor_kind().style().symbol {
         Symbol::Arc => rim_arc(caster, (i, robot), sensor, 0.6).next().map(|point| view.at(point)),
         Symbol::Ring => {
             Some(view.at(robot.start.pose.transform(Point::new(-0.35 * robot.drive.radius_m, 0.0))))

@@ -4,15 +4,14 @@
 //! SVG pictures and Foxglove's scenes take their colours from here. The page has themes, so that its palette
 //! (`viewer/src/arena/palette.ts`) is its own; a test here compares what both have.
 
-mod sensors;
 #[cfg(test)]
 mod tests;
 mod zones;
 
-pub use sensors::{SENSORS, SensorStyle, Symbol, sensor, sensor_kind};
 pub use zones::ZoneUses;
 
 use baudbot_sim::arena::Look;
+use baudbot_sim::sensor::Style;
 
 /// Levels of red, green and blue.
 pub type Rgb = [u8; 3];
@@ -45,7 +44,7 @@ pub const LAMP: &str = "#f2b01e";
 /// The rim of a lamp.
 pub const LAMP_RIM: &str = "#8a6100";
 /// Sensors of the robot itself, not of its environment, and its turrets.
-pub const INNER: &str = "#5b6678";
+pub const INNER: &str = Style::INNER.color;
 /// Fields, in turn.
 pub const FIELDS: [&str; 4] = ["#cc3311", "#009988", "#aa4499", "#999933"];
 /// A negative bell of a field.

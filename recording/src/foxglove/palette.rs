@@ -2,6 +2,7 @@
 
 use baudbot_plot::palette::{self, Rgb, rgb};
 use baudbot_proto::v1::{self, SensorKind};
+use baudbot_sim::sensor;
 
 pub(super) const WALL: Rgb = rgb(palette::WALL);
 pub(super) const ROBOT: Rgb = rgb(palette::ROBOT);
@@ -32,7 +33,9 @@ pub(super) fn on(surface: Rgb) -> Rgb {
 
 /// The colour of a kind of sensor. A server of another version may have kinds that are unknown here.
 pub(super) fn sensor(kind: SensorKind) -> Rgb {
-    rgb(palette::sensor_kind(&kind.scenario_name()).map_or(palette::INNER, |style| style.color))
+    let name = kind.scenario_name();
+    let known = sensor::SensorKind::ALL.into_iter().find(|known| known.name() == name);
+    rgb(known.map_or(palette::INNER, |known| known.style().color))
 }
 
 #[cfg(test)]

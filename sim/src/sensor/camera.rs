@@ -10,6 +10,7 @@ use baudbot_geometry::Fan;
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
+use super::style::Style;
 use super::{Measurement, Mount, NOTHING};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -59,6 +60,7 @@ impl LineCamera {
 impl Sense for LineCamera {
     const NAME: &str = "line-camera";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#cc79a7");
     type Sheet = Sheet;
     type Memory = ();
 

@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels, maximum};
+use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -33,6 +34,7 @@ pub(crate) struct FieldSheet {
 impl Sense for FieldSensor {
     const NAME: &str = "field";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#44aa99");
     type Sheet = FieldSheet;
     type Memory = ();
 
@@ -82,6 +84,7 @@ pub(crate) struct MicrophoneSheet {
 impl Sense for Microphone {
     const NAME: &str = "microphone";
     const PLACE: Place = Place::Inside;
+    const STYLE: Style = Style { color: "#aa4499", symbol: Symbol::Ring };
     type Sheet = MicrophoneSheet;
     type Memory = ();
 

@@ -4,6 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, levels};
+use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -18,6 +19,7 @@ pub struct FloorSensor {
 impl Sense for FloorSensor {
     const NAME: &str = "floor";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style { color: "#117733", symbol: Symbol::Square };
     type Sheet = NoFields;
     type Memory = ();
 

@@ -15,6 +15,7 @@ use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::lookup::{Lookup, Sheet as LookupSheet};
+use super::style::Style;
 use super::{Measurement, Mount, light};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -71,6 +72,7 @@ pub(crate) struct Sheet {
 impl Sense for Infrared {
     const NAME: &str = "ir";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#d55e00");
     type Sheet = Sheet;
     type Memory = ();
 

@@ -9,6 +9,7 @@ use baudbot_wire::Encoding;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::style::Style;
 use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, touch};
 use crate::battery::Battery;
 use crate::random::Stream;
@@ -22,6 +23,8 @@ pub(crate) trait Sense: Sized {
     const NAME: &'static str;
     /// Where it sits.
     const PLACE: Place;
+    /// How it is drawn.
+    const STYLE: Style = Style::INNER;
     /// Whether [`Noise`](super::Noise) disturbs its readings. Digital readings are not disturbed: a count is right or lost, a
     /// switch is open or closed.
     const IS_ANALOG: bool = true;
@@ -50,6 +53,11 @@ pub(crate) trait Sense: Sized {
 
     /// The rays that it looks along, if it does.
     fn fan(&self) -> Option<&Fan> {
+        None
+    }
+
+    /// The angle within which it takes light in, whatever shines there, in radians.
+    fn acceptance_rad(&self) -> Option<f64> {
         None
     }
 

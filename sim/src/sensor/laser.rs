@@ -16,6 +16,7 @@ use baudbot_geometry::{Fan, Pose, Ray, Twist, angle, math};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -56,6 +57,7 @@ pub(crate) struct Sheet {
 impl Sense for Laser {
     const NAME: &str = "laser";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#009e73");
     type Sheet = Sheet;
     type Memory = ();
 

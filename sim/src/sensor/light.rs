@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::LowPass;
+use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -47,6 +48,7 @@ pub(super) fn half_turn() -> f64 {
 impl Sense for LightSensor {
     const NAME: &str = "light";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#b58900");
     type Sheet = Sheet;
     type Memory = LowPass;
 
@@ -63,6 +65,10 @@ impl Sense for LightSensor {
 
     fn components(&self) -> Vec<Component> {
         vec![Component::one("", "lx")]
+    }
+
+    fn acceptance_rad(&self) -> Option<f64> {
+        Some(self.opening_rad)
     }
 
     fn mount(&self) -> Option<&Mount> {

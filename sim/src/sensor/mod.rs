@@ -24,6 +24,7 @@ mod photoresistor;
 pub mod port;
 mod set;
 mod sonar;
+mod style;
 mod touch;
 mod voltage;
 
@@ -63,6 +64,7 @@ pub use port::Port;
 pub use set::Sensors;
 pub(crate) use sonar::is_heard;
 pub use sonar::{CrossTalk, Sonar};
+pub use style::{Style, Symbol};
 pub use touch::{Bumper, Switch, Whisker};
 pub use voltage::VoltageRanger;
 
@@ -158,6 +160,21 @@ macro_rules! devices {
                 }
             }
 
+            /// How sensors of this kind are drawn.
+            pub fn style(self) -> Style {
+                match self {
+                    $(Self::$kind => $device::STYLE),*
+                }
+            }
+
+            /// What brains call this kind.
+            #[cfg(feature = "brain")]
+            pub(crate) fn for_brains(self) -> baudbot_brain::SensorKind {
+                match self {
+                    $(Self::$kind => baudbot_brain::SensorKind::$kind),*
+                }
+            }
+
             /// The sensor of this kind whose table stands at `path`.
             ///
             /// # Errors
@@ -202,6 +219,13 @@ macro_rules! devices {
             pub fn fan(&self) -> Option<&Fan> {
                 match self {
                     $(Self::$kind(device) => device.fan()),*
+                }
+            }
+
+            /// The angle within which it takes light in, whatever shines there, in radians; none of what measures no light.
+            pub fn acceptance_rad(&self) -> Option<f64> {
+                match self {
+                    $(Self::$kind(device) => device.acceptance_rad()),*
                 }
             }
 

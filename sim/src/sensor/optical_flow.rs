@@ -23,6 +23,7 @@ use baudbot_geometry::{Pose, math, wheels};
 use serde::{Deserialize, Serialize};
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, counters};
+use super::style::{Style, Symbol};
 use super::{Measurement, Mount, noise};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -77,6 +78,7 @@ pub(crate) struct Sheet {
 impl Sense for OpticalFlow {
     const NAME: &str = "optical-flow";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style { color: "#661100", symbol: Symbol::Square };
     const IS_ANALOG: bool = false;
     const NO_CLOCK: Option<&str> =
         Some("it counts from one read to the next, and what a clock of its own holds would be counted twice");

@@ -14,6 +14,7 @@ use serde::Deserialize;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, levels};
 use super::light::{self, LightSensor};
 use super::lowpass::LowPass;
+use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -63,6 +64,7 @@ fn max_counts() -> u64 {
 impl Sense for Photoresistor {
     const NAME: &str = "photoresistor";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#b58900");
     const NO_CLOCK: Option<&str> = Some(TIMED_BY_PROCESSOR);
     type Sheet = Sheet;
     type Memory = LowPass;
@@ -92,6 +94,10 @@ impl Sense for Photoresistor {
 
     fn components(&self) -> Vec<Component> {
         vec![Component::one("", "count")]
+    }
+
+    fn acceptance_rad(&self) -> Option<f64> {
+        Some(self.light.opening_rad)
     }
 
     fn mount(&self) -> Option<&Mount> {

@@ -14,6 +14,7 @@ use baudbot_geometry::{Direction, Fan, Ray, math};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, fan, levels};
+use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
@@ -83,6 +84,7 @@ fn sound_m_s() -> f64 {
 impl Sense for Sonar {
     const NAME: &str = "sonar";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#0072b2");
     const NO_CLOCK: Option<&str> = Some(TIMED_BY_PROCESSOR);
     type Sheet = Sheet;
     type Memory = ();

@@ -11,6 +11,7 @@ use baudbot_geometry::{Fan, Ray};
 use serde::{Deserialize, Serialize};
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -93,6 +94,7 @@ fn travel_m() -> f64 {
 impl Sense for Whisker {
     const NAME: &str = "whisker";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style { color: "#882255", symbol: Symbol::Line };
     const IS_ANALOG: bool = false;
     type Sheet = WhiskerSheet;
     type Memory = Contact;
@@ -137,6 +139,7 @@ impl Sense for Whisker {
 impl Sense for Bumper {
     const NAME: &str = "bumper";
     const PLACE: Place = Place::Rim;
+    const STYLE: Style = Style { color: "#332288", symbol: Symbol::Arc };
     const IS_ANALOG: bool = false;
     type Sheet = BumperSheet;
     type Memory = Contact;

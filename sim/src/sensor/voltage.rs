@@ -13,6 +13,7 @@ use baudbot_geometry::Fan;
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
+use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::sheet::{FieldError, Path};
@@ -49,6 +50,7 @@ pub(crate) struct Sheet {
 impl Sense for VoltageRanger {
     const NAME: &str = "ir-voltage";
     const PLACE: Place = Place::Mounted;
+    const STYLE: Style = Style::dot("#ee8800");
     type Sheet = Sheet;
     type Memory = ();
 
