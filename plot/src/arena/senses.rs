@@ -33,7 +33,7 @@ fn area(view: &View, caster: &RayCaster<'_>, robot: (usize, &RobotSpec), sensor:
         (Some(opening_rad), _) => area.put(facing(view, caster, robot, (mount, opening_rad))),
         (None, Symbol::Line | Symbol::Arc) => {}
         (None, Symbol::Dot | Symbol::Square | Symbol::Ring) => {
-            fan(&mut area, view, caster, (robot.0, sensor, mount))
+            fan(&mut area, view, caster, (robot.0, sensor, mount));
         }
     }
     area
