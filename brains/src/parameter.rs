@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
+use baudbot_fields::{Cause, Misread};
 use thiserror::Error;
 
 /// One parameter of a brain whose parameters are a `P`.
@@ -42,7 +43,10 @@ pub enum ParameterError {
         /// What is wrong with it, or what would be right.
         problem: String,
     },
-    /// The parameters cannot be read, or the robot has not what they ask for.
+    /// The parameters cannot be read.
+    #[error(transparent)]
+    Misread(#[from] Misread),
+    /// The parameters cannot be used, or the robot has not what they ask for.
     #[error("{0}")]
     Other(String),
 }
@@ -50,6 +54,14 @@ pub enum ParameterError {
 impl ParameterError {
     pub(crate) fn range(parameter: impl Display, allowed: impl Display, found: f64) -> Self {
         Self::Range { parameter: parameter.to_string(), allowed: allowed.to_string(), found }
+    }
+
+    /// The kind of problem.
+    pub(crate) fn cause(&self) -> Cause {
+        match self {
+            Self::Misread(misread) => misread.cause.clone(),
+            Self::Range { .. } | Self::Value { .. } | Self::Other(_) => Cause::Value,
+        }
     }
 
     pub(crate) fn value(parameter: impl Display, problem: impl Display) -> Self {

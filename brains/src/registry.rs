@@ -138,8 +138,5 @@ pub(crate) enum Unmade {
 
 /// Parameters, by name.
 fn read<P: DeserializeOwned>(table: Table) -> Result<P, ParameterError> {
-    serde_path_to_error::deserialize(table).map_err(|error| {
-        let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
-        if path == "." { ParameterError::Other(problem) } else { ParameterError::value(path, problem) }
-    })
+    Ok(baudbot_fields::read(table)?)
 }

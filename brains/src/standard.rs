@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use baudbot_brain::Brain;
+use baudbot_fields::{Cause, Misread};
 
 use crate::behavior::brain_behavior::BrainBehavior;
 use crate::behavior::charge::Charge;
@@ -21,7 +22,7 @@ use crate::cognition::slam::{self, MakeMap};
 use crate::coverage::{self, CoverRows};
 use crate::exploration::behavior::ExploreFloor;
 use crate::exploration::brain as explore;
-use crate::kinds::{KINDS, Kind};
+use crate::kinds::{CatalogueError, KINDS, Kind};
 use crate::parameter::ParameterError;
 use crate::potential::PotentialField;
 use crate::registry::{BuildContext, Registry};
@@ -72,6 +73,16 @@ fn whole(
     context: &BuildContext<'_>,
 ) -> Result<BrainBehavior<Box<dyn Brain + Send>>, ParameterError> {
     let settings: Vec<_> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    let brain = kind.brain(&settings.join(","), context.seed, context.body);
-    Ok(BrainBehavior::new(brain.map_err(|error| ParameterError::Other(error.to_string()))?))
+    let brain = kind.brain(&settings.join(","), context.seed, context.body).map_err(|error| {
+        let problem = error.to_string();
+        let CatalogueError::Parameter { name, known, .. } = error else {
+            return ParameterError::Other(problem);
+        };
+        ParameterError::Misread(Misread {
+            path: String::new(),
+            problem,
+            cause: Cause::UnknownField { name: name.into(), known: known.into() },
+        })
+    })?;
+    Ok(BrainBehavior::new(brain))
 }

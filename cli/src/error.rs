@@ -4,8 +4,8 @@ use std::error::Error;
 use std::fmt;
 use std::process::ExitCode;
 
+use baudbot_fields::printable::Printable;
 use baudbot_server::ServerError;
-use baudbot_sim::printable::Printable;
 use tonic::Code;
 
 /// The command asks for something that cannot be: a scenario or an argument has to be changed. Exit code 2,

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use baudbot_fields::printable::Printable;
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
-use baudbot_sim::printable::Printable;
 
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use baudbot_experiment::find::{Limit, find};
 use baudbot_experiment::{Experiment, Swept, Workers, table, unique_name};
-use baudbot_sim::printable::Printable;
+use baudbot_fields::printable::Printable;
 use indicatif::ProgressBar;
 
 use crate::args::{SweepArgs, WorkArgs};

@@ -9,9 +9,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::Context;
+use baudbot_fields::printable::{Printable, PrintableLines, is_printable};
 use baudbot_plot::quantity::NOTHING;
 use baudbot_plot::text::columns;
-use baudbot_sim::printable::{Printable, PrintableLines, is_printable};
 use serde::Serialize;
 
 /// Rows of cells as lines, each column as wide as its widest cell: the first to the left, the others to the

@@ -2,6 +2,7 @@
 
 use std::error::Error as StdError;
 
+use baudbot_fields::printable::Printable;
 use baudbot_proto::convert::Breach;
 use baudbot_proto::{REASON, RESTART};
 use thiserror::Error;
@@ -60,12 +61,12 @@ impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
         // A status that the transport makes up says from what; one that the server sent has no source.
         if let Some(source) = status.source() {
-            return Self::Lost { message: printable(&root(source).to_string()) };
+            return Self::Lost { message: Printable(root(source)).to_string() };
         }
         if status.metadata().get(REASON).is_some_and(|reason| reason == RESTART) {
             return Self::Restart;
         }
-        Self::Status { code: status.code(), message: printable(status.message()) }
+        Self::Status { code: status.code(), message: Printable(status.message()).to_string() }
     }
 }
 
@@ -84,22 +85,6 @@ impl Error {
     pub(crate) fn connect(address: &str, error: &tonic::transport::Error) -> Self {
         Self::Connect { address: address.to_owned(), cause: root(error).to_string() }
     }
-}
-
-/// Without characters that a terminal obeys in place of showing them: control characters, and those that turn the direction
-/// of writing around.
-fn printable(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
-                shown.extend(c.escape_default());
-            }
-            c if c.is_control() => shown.extend(c.escape_default()),
-            c => shown.push(c),
-        }
-    }
-    shown
 }
 
 /// The innermost error says what happened ("connection refused"); those around it say only where.

@@ -9,6 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use baudbot_brain::Body;
 use baudbot_brains::catalogue::{self, CatalogueError};
+use baudbot_fields::Cause;
+use baudbot_scenario::ScenarioError;
 use baudbot_sim::Scenario;
 
 use crate::assignment::{self, AssignmentError};
@@ -17,7 +19,7 @@ use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::factor::{Choice, Level, Setting};
 use crate::run_record::Task;
-use crate::setup::{self, Setup};
+use crate::setup::{self, Setup, SetupError};
 use crate::suggest::UnknownName;
 
 /// Refuses an experiment whose scenario, brain or paths are not there, or whose runs would never end.
@@ -124,12 +126,10 @@ fn wrong_path(setup: &Setup) -> Option<String> {
         .iter()
         .flat_map(|assignment| assignment.robots.iter().map(move |robot| (assignment, robot)));
     all.find_map(|(assignment, robot)| match catalogue::brain(&assignment.brain, 1, &body(robot)?) {
-        Err(error @ CatalogueError::Description { .. }) => Some(error.to_string()).filter(|error| {
-            ["unknown field", "missing field", "is no table", "has no parameter"]
-                .iter()
-                .any(|words| error.contains(words))
-        }),
-        _ => None,
+        Err(CatalogueError::Description { brain, error }) if error.cause.is_absence() => {
+            Some(CatalogueError::Description { brain, error }.to_string())
+        }
+        Ok(_) | Err(_) => None,
     })
 }
 
@@ -150,35 +150,44 @@ fn name(setting: &Setting) -> &str {
 
 /// The setting whose place the error says is not there, and what is there.
 fn missing<'a>(
-    error: &str,
+    error: &SetupError,
     mut settings: impl Iterator<Item = (usize, &'a Setting)>,
     base: &Scenario,
 ) -> Option<(usize, &'a Setting, String)> {
     let mut by = |is: &dyn Fn(&Setting) -> bool, words: String| {
         settings.find(|(_, setting)| is(setting)).map(|(i, setting)| (i, setting, words))
     };
-    if let Some(unknown) = UnknownName::field(error) {
-        return by(&|setting| mentions(setting, &unknown.name), unknown.to_string());
+    let (path, problem, cause) = match error {
+        SetupError::Scenario(ScenarioError::Field { path, problem, cause }) => (path, problem, cause),
+        SetupError::Parameter(unknown) => {
+            return by(&|setting| name(setting) == unknown.name, unknown.to_string());
+        }
+        SetupError::Brain(AssignmentError::Brain(error)) => {
+            let CatalogueError::Brain { name: unknown, .. } = error else { return None };
+            return by(&|setting| name(setting) == unknown, error.to_string());
+        }
+        SetupError::Scenario(_) | SetupError::Endless | SetupError::Brain(_) => return None,
+    };
+    let words = || UnknownName::of(cause).map(|unknown| unknown.to_string()).unwrap_or_default();
+    match cause {
+        Cause::UnknownField { name, .. } => by(&|setting| mentions(setting, name), words()),
+        Cause::UnknownElement { name, .. } => {
+            by(&|setting| parts(setting).any(|part| part == &**name), words())
+        }
+        Cause::NoTable => by(&|setting| name(setting).starts_with(path.as_str()), problem.clone()),
+        Cause::MissingField => {
+            // A path made a part that was not there, which lacks what such parts must have.
+            let made = path.rsplit('.').next()?;
+            let known = devices(base);
+            let is_new = !known.contains(&made);
+            let makes = |setting: &Setting| {
+                parts(setting).skip_while(|part| !MAPS.contains(part)).nth(1) == Some(made)
+            };
+            let unknown = UnknownName::new("sensor or actuator", made, &known);
+            by(&|setting| is_new && makes(setting), unknown.to_string())
+        }
+        Cause::Value => None,
     }
-    if let Some(unknown) = UnknownName::element(error) {
-        return by(&|setting| parts(setting).any(|part| part == unknown.name), unknown.to_string());
-    }
-    if error.starts_with("there is no parameter of a brain") || error.starts_with("no brain `") {
-        return by(&|setting| error.contains(&format!("`{}`", name(setting))), error.to_owned());
-    }
-    let of_a_path = [": is a list; ", ", it has no field `", ": is one of several in `"];
-    if of_a_path.iter().any(|words| error.contains(words)) {
-        let (path, problem) = error.split_once(": ")?;
-        return by(&|setting| name(setting).starts_with(path), problem.to_owned());
-    }
-    let (path, problem) = error.split_once(": ")?;
-    let made = path.rsplit('.').next().filter(|_| problem.starts_with("missing field"))?;
-    let known = devices(base);
-    let is_new = !known.contains(&made);
-    by(
-        &|setting| is_new && parts(setting).skip_while(|part| !MAPS.contains(part)).nth(1) == Some(made),
-        UnknownName::new("sensor or actuator", made, &known).to_string(),
-    )
 }
 
 fn parts(setting: &Setting) -> impl Iterator<Item = &str> {

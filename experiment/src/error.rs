@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use baudbot_sim::printable::Printable;
+use baudbot_fields::printable::Printable;
 
 /// Why there is no experiment, or no end of a sweep. The message says where, and how to fix it.
 #[derive(Debug, thiserror::Error)]

@@ -1,7 +1,5 @@
 //! An experiment, as its file describes it.
 
-use toml::Value;
-
 use crate::assignment;
 use crate::design::{Cell, Design};
 use crate::error::Error;
@@ -11,7 +9,7 @@ use crate::raw::{self, ChartKind, Wants};
 use crate::run_record::{self, Row, Task};
 use crate::seeds::Seeds;
 use crate::success::Success;
-use crate::suggest::{UnknownName, reworded};
+use crate::suggest::UnknownName;
 use crate::tuning::Tuning;
 
 /// An experiment. Made by parsing only; whether its paths exist is found by [`check`](crate::check()).
@@ -83,11 +81,13 @@ impl Experiment {
     ) -> Result<Self, Error> {
         let table: toml::Table =
             toml.parse().map_err(|error: toml::de::Error| Error::Syntax(error.to_string()))?;
-        let raw: raw::Experiment =
-            serde_path_to_error::deserialize(Value::Table(table)).map_err(|error| {
-                let (path, message) = (error.path().to_string(), reworded(error.inner().message()));
-                Error::field(if path == "." { "experiment".to_owned() } else { path }, message)
-            })?;
+        let raw: raw::Experiment = baudbot_fields::read(table).map_err(|error| {
+            let path = if error.path.is_empty() { "experiment" } else { &error.path };
+            match UnknownName::of(&error.cause) {
+                Some(unknown) => Error::field(path, unknown),
+                None => Error::field(path, &error.problem),
+            }
+        })?;
         let text = find(&raw.scenario).map_err(|problem| Error::field("scenario", problem))?;
         Self::checked(raw, stem, text)
     }

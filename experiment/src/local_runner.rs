@@ -13,7 +13,8 @@ use crate::setup::Setup;
 /// with others but the experiment, which never changes.
 pub fn run(experiment: &Experiment, task: &Task) -> Row {
     let run = || -> Result<Ran, String> {
-        let Setup { scenario, assignments } = Setup::new(experiment, task)?;
+        let Setup { scenario, assignments } =
+            Setup::new(experiment, task).map_err(|error| error.to_string())?;
         let world = in_process::run(scenario, &assignments).map_err(|error| error.to_string())?;
         Ok(Ran::of(&Counted::of_world(&world)))
     };

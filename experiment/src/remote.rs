@@ -52,7 +52,7 @@ impl Remote {
 
     async fn world(&self, experiment: &Experiment, task: &Task) -> Result<Ran, Failure> {
         // What is wrong with the run is told here, in the same words as for one in this process.
-        let setup = Setup::new(experiment, task).map_err(Failure::Run)?;
+        let setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
         let mut control =
             ControlServiceClient::new(self.client.channel()).max_decoding_message_size(MAX_MESSAGE_BYTES);
         let world = format!("{}-{}", self.name, task.run);

@@ -1,10 +1,10 @@
 //! What a run needs: its scenario, and who drives which robot.
 
 use baudbot_brains::catalogue;
-use baudbot_scenario::Override;
+use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
-use crate::assignment::{self, Assignment};
+use crate::assignment::{self, Assignment, AssignmentError};
 use crate::experiment::Experiment;
 use crate::factor::Setting;
 use crate::run_record::Task;
@@ -16,14 +16,26 @@ pub(crate) struct Setup {
     pub(crate) assignments: Vec<Assignment>,
 }
 
+/// Why a run cannot be done, in a line.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SetupError {
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    #[error("the run has no time limit; set `seconds`, or end.after_s")]
+    Endless,
+    #[error(transparent)]
+    Brain(#[from] AssignmentError),
+    #[error(transparent)]
+    Parameter(#[from] UnknownName),
+}
+
 impl Setup {
-    /// The error says, in a line, why the run cannot be.
-    pub(crate) fn new(experiment: &Experiment, task: &Task) -> Result<Self, String> {
+    pub(crate) fn new(experiment: &Experiment, task: &Task) -> Result<Self, SetupError> {
         let mut overrides = overrides(experiment, settings(task));
         overrides.push(format!("seed={}", task.seed));
         let scenario = parse(experiment, &overrides)?;
         if scenario.end.after.is_none() {
-            return Err("the run has no time limit; set `seconds`, or end.after_s".to_owned());
+            return Err(SetupError::Endless);
         }
         let assignments = assignments(experiment, task, &scenario)?;
         Ok(Self { scenario, assignments })
@@ -44,14 +56,17 @@ pub(crate) fn overrides<'a>(
     seconds.into_iter().chain(settings.filter_map(Setting::as_override)).collect()
 }
 
-pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Scenario, String> {
-    let overrides = overrides.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>();
-    let scenario = overrides.and_then(|overrides| baudbot_scenario::parse_with(&experiment.text, &overrides));
-    scenario.map_err(|error| error.to_string())
+pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Scenario, ScenarioError> {
+    let overrides = overrides.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    baudbot_scenario::parse_with(&experiment.text, &overrides)
 }
 
 /// The experiment's brains with what the task changes of them.
-fn assignments(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Vec<Assignment>, String> {
+fn assignments(
+    experiment: &Experiment,
+    task: &Task,
+    scenario: &Scenario,
+) -> Result<Vec<Assignment>, SetupError> {
     let mut brains = experiment.brains.clone();
     for setting in settings(task) {
         if let Setting::Brain(brain) = setting {
@@ -59,7 +74,7 @@ fn assignments(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Res
             brains.push(brain.clone());
         }
     }
-    let mut assignments = assignment::assign(&brains, &scenario.robots).map_err(|error| error.to_string())?;
+    let mut assignments = assignment::assign(&brains, &scenario.robots)?;
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
             set_parameter(&mut assignments, name, value)?;
@@ -69,7 +84,7 @@ fn assignments(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Res
 }
 
 /// Sets it for all brains that have it.
-fn set_parameter(assignments: &mut [Assignment], name: &str, value: &str) -> Result<(), String> {
+fn set_parameter(assignments: &mut [Assignment], name: &str, value: &str) -> Result<(), UnknownName> {
     let mut known = Vec::new();
     let mut found = false;
     for assignment in assignments {
@@ -80,5 +95,5 @@ fn set_parameter(assignments: &mut [Assignment], name: &str, value: &str) -> Res
         }
         known.extend(catalogue::parameters(&assignment.brain));
     }
-    if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known).to_string()) }
+    if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known)) }
 }

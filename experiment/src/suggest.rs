@@ -3,6 +3,7 @@
 use std::fmt;
 
 use baudbot_brains::catalogue::nearest_first;
+use baudbot_fields::Cause;
 
 /// There is no thing of this name. The message says which there are, the nearest first.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -19,20 +20,15 @@ impl UnknownName {
         Self { kind, name: name.to_owned(), known }
     }
 
-    /// Of a message of serde's: ``unknown field `a`, expected one of `b`, `c` `` and the like.
-    pub(crate) fn field(message: &str) -> Option<Self> {
-        let (_, rest) = message.split_once("unknown field `")?;
-        let (name, rest) = rest.split_once('`')?;
-        // Of text that is cut at its ticks every second piece stood between two of them.
-        let known: Vec<_> = rest.split('`').skip(1).step_by(2).collect();
-        Some(Self::new("field", name, &known))
-    }
-
-    /// Of a scenario's message: `PATH.NAME: there is no such element; there are: a, b`.
-    pub(crate) fn element(message: &str) -> Option<Self> {
-        let (path, known) = message.split_once(": there is no such element; there are: ")?;
-        let known: Vec<_> = known.split(", ").collect();
-        Some(Self::new("element", path.rsplit('.').next()?, &known))
+    /// The name that is not there, if that is what is wrong.
+    pub(crate) fn of(cause: &Cause) -> Option<Self> {
+        match cause {
+            Cause::UnknownField { name, known } => Some(Self::new("field", name, known)),
+            Cause::UnknownElement { name, known } => {
+                Some(Self { kind: "element", name: name.as_ref().into(), known: known.to_vec() })
+            }
+            Cause::Value | Cause::MissingField | Cause::NoTable => None,
+        }
     }
 }
 
@@ -53,11 +49,6 @@ impl fmt::Display for UnknownName {
     }
 }
 
-/// A message of serde's, the names that are known in it the nearest first.
-pub(crate) fn reworded(message: &str) -> String {
-    UnknownName::field(message).map_or_else(|| message.to_owned(), |unknown| unknown.to_string())
-}
-
 /// Most names that are told besides the nearest.
 const MAX_NAMES: usize = 12;
 
@@ -70,12 +61,16 @@ mod tests {
 
     #[test]
     fn the_nearest_name_comes_first() {
-        let message = "unknown field `buad`, expected one of `kind`, `baud`, `adapter`";
-        assert_eq!(reworded(message), "there is no field `buad`; did you mean `baud`? Others: kind, adapter");
-        assert_eq!(reworded("unknown field `a`, expected `b`"), "there is no field `a`; there is only `b`");
-        assert_eq!(reworded("missing field `a`"), "missing field `a`");
-        let element =
-            UnknownName::element("robots.alise: there is no such element; there are: bob, alice").unwrap();
+        let field = |name: &str, known: &[&'static str]| {
+            let cause = Cause::UnknownField { name: name.into(), known: known.into() };
+            UnknownName::of(&cause).unwrap().to_string()
+        };
+        let expected = "there is no field `buad`; did you mean `baud`? Others: kind, adapter";
+        assert_eq!(field("buad", &["kind", "baud", "adapter"]), expected);
+        assert_eq!(field("a", &["b"]), "there is no field `a`; there is only `b`");
+        assert_eq!(UnknownName::of(&Cause::MissingField), None);
+        let known = ["bob", "alice"].map(str::to_owned).into();
+        let element = UnknownName::of(&Cause::UnknownElement { name: "alise".into(), known }).unwrap();
         assert_eq!(element.to_string(), "there is no element `alise`; did you mean `alice`? Others: bob");
     }
 }

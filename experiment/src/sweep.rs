@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use baudbot_sim::printable::PrintableLines;
+use baudbot_fields::printable::PrintableLines;
 
 use crate::check::check;
 use crate::error::Error;

@@ -8,10 +8,10 @@ use core::f64::consts::TAU;
 use toml::Table;
 
 use super::error::Sheet;
+use baudbot_fields::{FieldError, Fields, Path};
 use baudbot_sim::actuator::{Actuator, ActuatorKind};
 use baudbot_sim::battery::Battery;
 use baudbot_sim::motor::PositionalServo;
-use baudbot_sim::sheet::{FieldError, Fields, Path};
 
 #[derive(Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]

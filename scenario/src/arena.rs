@@ -9,8 +9,8 @@ use baudbot_geometry::polygon::is_simple;
 use super::names::Names;
 use super::shapes::{disc, look, outline, point, points};
 use super::things::{RawMovable, RawMover};
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::arena::{Arena, Pillar, Polygon};
-use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::surroundings::{Field, Light, Region, Source, Surroundings, Zone};
 
 #[derive(Debug, serde::Deserialize)]

@@ -7,11 +7,11 @@ use baudbot_wire::{Encoding, Layout, frame, khepera};
 
 use super::build::MIN_PERIOD_MS;
 use super::raw;
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::Link;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::sheet::{FieldError, Path};
 
 type Result<T> = core::result::Result<T, FieldError>;
 

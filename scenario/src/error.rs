@@ -6,12 +6,12 @@ use alloc::string::{String, ToString};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use baudbot_sim::sheet::{FieldError, Fields, Path};
+use baudbot_fields::{Cause, FieldError, Fields, Path};
 
 use super::MAX_BYTES;
 
 /// Why a scenario was refused. The message says where and how to fix it. What it quotes of the text is
-/// [printable](baudbot_sim::printable).
+/// [printable](baudbot_fields::printable).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
@@ -25,6 +25,8 @@ pub enum ScenarioError {
         path: String,
         /// What is wrong.
         problem: String,
+        /// The kind of problem.
+        cause: Cause,
     },
     /// The text is too long to be a scenario.
     #[error("the scenario has {bytes} bytes, the limit is {MAX_BYTES}")]
@@ -35,8 +37,8 @@ pub enum ScenarioError {
 }
 
 impl From<FieldError> for ScenarioError {
-    fn from(FieldError { path, problem }: FieldError) -> Self {
-        Self::Field { path, problem }
+    fn from(FieldError { path, problem, cause }: FieldError) -> Self {
+        Self::Field { path, problem, cause }
     }
 }
 
@@ -57,14 +59,13 @@ impl From<Table> for Sheet {
 
 impl Fields for Sheet {
     fn read<T: DeserializeOwned>(self, path: &Path) -> Result<T, FieldError> {
-        serde_path_to_error::deserialize(self.0).map_err(|error| {
-            let inner = error.path().to_string();
-            let path = match (path.as_str(), inner.as_str()) {
-                (here, ".") => here.to_string(),
-                ("", _) => inner,
-                (here, _) => format!("{here}.{inner}"),
+        baudbot_fields::read(self.0).map_err(|error| {
+            let path = match (path.as_str(), error.path.as_str()) {
+                (here, "") => here.to_string(),
+                ("", _) => error.path,
+                (here, _) => format!("{here}.{}", error.path),
             };
-            FieldError::new(path, error.inner().message())
+            FieldError::new(path, error.problem).because(error.cause)
         })
     }
 }

@@ -4,12 +4,12 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::fault::{Fault, FaultKind, When};
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{Deadline, OnLate};
 use baudbot_sim::random::Stream;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::{SECOND_NS, SimTime};
 
 type Result<T> = core::result::Result<T, FieldError>;

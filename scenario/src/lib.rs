@@ -7,7 +7,7 @@
 //! 3. `preset` expands [presets].
 //! 4. `raw` describes what a file may contain; parts of a file have modules of their own.
 //! 5. `build`, `robots` and the other modules check every value and make the world's own types of it, by the rules for single values of
-//!    [`baudbot_sim::sheet`]. A sensor reads its own data sheet.
+//!    [`baudbot_fields`]. A sensor reads its own data sheet.
 //!
 //! [`warnings`] reports what is allowed and hardly intended. `docs/scenario.md` describes the format to its users.
 //!
@@ -43,10 +43,10 @@ mod warnings;
 
 use alloc::string::{String, ToString};
 
+use baudbot_fields::printable::PrintableLines;
+use baudbot_fields::{Fields, Path};
 use baudbot_sim::Scenario;
-use baudbot_sim::printable::PrintableLines;
 use baudbot_sim::scenario::Source;
-use baudbot_sim::sheet::{Fields, Path};
 use serde::Deserialize;
 use toml::de::DeTable;
 

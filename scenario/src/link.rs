@@ -4,10 +4,10 @@ use alloc::format;
 use alloc::vec::Vec;
 
 use super::raw;
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::link::{
     Adapter, Bluetooth, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
 };
-use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::{SECOND_NS, SimTime};
 
 type Result<T> = core::result::Result<T, FieldError>;

@@ -7,9 +7,9 @@ use baudbot_wire::Encoding;
 use toml::Table;
 
 use super::error::Sheet;
+use baudbot_fields::{FieldError, Fields, Path};
 use baudbot_sim::motor::{DcMotor, MotorNoise, Motors, Servo, Stepper, VelocityMotor};
 use baudbot_sim::sensor::{Device, Sensor};
-use baudbot_sim::sheet::{FieldError, Fields, Path};
 
 type Result<T> = core::result::Result<T, FieldError>;
 

@@ -4,7 +4,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 
-use baudbot_sim::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// Names that were given so far; they must be unique and fit into paths.
 #[derive(Default)]

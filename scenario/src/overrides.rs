@@ -9,7 +9,7 @@ use core::fmt;
 use toml::{Table, Value};
 
 use super::starts::numbered;
-use baudbot_sim::sheet::FieldError;
+use baudbot_fields::{Cause, FieldError};
 
 use crate::ScenarioError;
 
@@ -76,14 +76,15 @@ impl Override {
             let child = here.entry(part.as_str()).or_insert_with(|| Value::Table(Table::new()));
             let kind = child.type_str();
             here = if let Value::Array(list) = child {
-                let (_, key) = parts
-                    .next()
-                    .ok_or_else(|| FieldError::new(path(), "is a list; name an element and a field of it"))?;
+                let (_, key) = parts.next().ok_or_else(|| {
+                    FieldError::new(path(), "is a list; name an element and a field of it")
+                        .because(Cause::NoTable)
+                })?;
                 element(list, key, &path())?
             } else {
                 child.as_table_mut().ok_or_else(|| {
                     let problem = format!("is a {kind}, it has no field `{}`", self.path[depth + 1]);
-                    FieldError::new(path(), problem)
+                    FieldError::new(path(), problem).because(Cause::NoTable)
                 })?
             };
         }
@@ -100,13 +101,17 @@ fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut T
     if index.is_none()
         && let Some((table, i)) = of_several(list, key)
     {
-        return Err(error(format!(
+        let problem = format!(
             "is one of several in `{table}`, which are identical: change {path}.{table}.FIELD for all of them, or \
              {path}.{table}.starts[{i}].FIELD for how this one starts"
-        )));
+        );
+        return Err(error(problem).because(Cause::NoTable));
     }
     let tables = index.map(|i| &mut list[i]).and_then(Value::as_table_mut);
-    tables.ok_or_else(|| error(format!("there is no such element; there are: {}", names.join(", "))))
+    tables.ok_or_else(|| {
+        let problem = format!("there is no such element; there are: {}", names.join(", "));
+        error(problem).because(Cause::UnknownElement { name: key.into(), known: names.into() })
+    })
 }
 
 /// The table with `starts` that a robot of this name comes from, and which of them is its own.

@@ -17,7 +17,7 @@ use toml::{Table, Value};
 
 use super::robots::MAX_ROBOTS;
 use crate::presets::{self, Preset, PresetKind};
-use baudbot_sim::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// Ways to say the same thing: who uses one drops the others.
 const ALTERNATIVES: [&[&[&str]]; 4] = [

@@ -13,6 +13,7 @@ use super::motors::{self, ParsedMotors};
 use super::names::Names;
 use super::starts::{self, Place};
 use super::{actuators, cable, faults, link, raw, sensors, shapes};
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Drive, Wheel, forward_gain, turn_gain};
@@ -21,7 +22,6 @@ use baudbot_sim::link::Link;
 use baudbot_sim::model::{RobotModel, RobotSpec};
 use baudbot_sim::processor::Processor;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::sheet::{FieldError, Path};
 use baudbot_sim::time::SECOND_NS;
 
 /// Most robots of one scenario.

@@ -3,9 +3,9 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use baudbot_fields::{FieldError, Path};
 use baudbot_geometry::{Circle, Point, polygon::is_simple};
 use baudbot_sim::arena::Look;
-use baudbot_sim::sheet::{FieldError, Path};
 
 /// Most corners of one polygon: whether it crosses itself is found by comparing all pairs of sides.
 const MAX_POINTS: usize = 4096;

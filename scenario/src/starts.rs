@@ -9,8 +9,8 @@ use baudbot_geometry::{Circle, Crowd, Pose, angle};
 use super::context::World;
 use super::names::Names;
 use super::{raw, things};
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::model::{RobotSpec, Start};
-use baudbot_sim::sheet::{FieldError, Path};
 
 type Result<T> = core::result::Result<T, FieldError>;
 

@@ -8,9 +8,9 @@ use baudbot_geometry::{Point, Pose, Vector, polygon};
 
 use super::names::Names;
 use super::shapes::{look, outline, points};
+use baudbot_fields::{FieldError, Path};
 use baudbot_sim::movable::{Form, Movable, MovableShape};
 use baudbot_sim::mover::{AfterLast, Mover, Path as Way};
-use baudbot_sim::sheet::{FieldError, Path};
 
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

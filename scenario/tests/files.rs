@@ -215,7 +215,7 @@ fn a_scenarios_name_is_on_one_line_and_no_error_quotes_what_a_terminal_obeys() {
             format!("step_ms = {} 1", hostile.replace("\\u001b", "\u{1b}").replace("\\u202e", "\u{202e}")),
         ] {
             let shown = refusal(&toml);
-            let is_shown = |c: char| baudbot_sim::printable::is_printable(c) || c == '\n';
+            let is_shown = |c: char| baudbot_fields::printable::is_printable(c) || c == '\n';
             assert!(shown.chars().all(is_shown), "{toml}: {shown:?}");
         }
     }

@@ -1,7 +1,7 @@
 //! Checks of what a brain publishes: whether a page can show it. An error names the field that is wrong.
 
+use baudbot_fields::printable::{Printable, is_printable};
 use baudbot_proto::v1;
-use baudbot_sim::printable::{Printable, is_printable};
 use prost::Message as _;
 use tonic::Status;
 

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use baudbot_fields::printable::{Printable, is_printable};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
 use baudbot_proto::v1::brain_link_service_server::BrainLinkService;
-use baudbot_sim::printable::{Printable, is_printable};
 use tokio::sync::{Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};

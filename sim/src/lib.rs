@@ -48,7 +48,6 @@ pub mod motor;
 pub mod movable;
 pub mod mover;
 mod parallel;
-pub mod printable;
 pub mod processor;
 pub mod random;
 pub mod raycast;
@@ -59,7 +58,6 @@ pub mod scenario;
 mod scene;
 pub mod schedule;
 pub mod sensor;
-pub mod sheet;
 mod sound;
 #[cfg(test)]
 #[path = "../tests/common/statistics.rs"]

@@ -72,17 +72,14 @@ impl Text {
         let settings = settings.split(',').map(str::trim).filter(|setting| !setting.is_empty());
         let settings = settings.map(|setting| {
             let (path, number) = setting.split_once('=').ok_or_else(|| {
-                self.error(DescriptionError {
-                    path: setting.to_owned(),
-                    problem: "sets no number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2"
-                        .to_owned(),
-                })
+                let problem = "sets no number; write PATH=NUMBER, such as motor.stroll.utility.bias=0.2";
+                self.error(DescriptionError::new(setting, problem))
             })?;
             let (path, number) = (path.trim().to_owned(), number.trim());
             let value = number.parse().ok().filter(|value: &f64| value.is_finite());
             let value = value.ok_or_else(|| {
                 let problem = format!("must be a number, not `{number}`");
-                self.error(DescriptionError { path: path.clone(), problem })
+                self.error(DescriptionError::new(path.clone(), problem))
             })?;
             Ok((path, value))
         });

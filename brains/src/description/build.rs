@@ -43,7 +43,8 @@ fn problem(table: &str, name: &str, process: &RawProcess, unmade: Unmade) -> Des
             format!("there is no kind `{}`; there are: {}", process.kind, known.join(", ")),
         ),
         Unmade::Parameters(problem) => {
-            DescriptionError::new(format!("{table}.{name}.parameters"), problem.to_string())
+            let error = DescriptionError::new(format!("{table}.{name}.parameters"), problem.to_string());
+            error.because(problem.cause())
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The text of a description with other numbers in it.
 
+use baudbot_fields::Cause;
 use baudbot_geometry::math;
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, value};
 
@@ -24,7 +25,8 @@ fn set(table: &mut dyn TableLike, path: &str, number: f64) -> Result<(), Descrip
     let mut place = table;
     for step in steps.into_iter().flat_map(|steps| steps.split('.')) {
         let next = place.entry(step).or_insert_with(|| value(InlineTable::new()));
-        let no_table = || DescriptionError::new(path, format!("`{step}` is not a table"));
+        let no_table =
+            || DescriptionError::new(path, format!("`{step}` is not a table")).because(Cause::NoTable);
         place = next.as_table_like_mut().ok_or_else(no_table)?;
     }
     match place.get_mut(last).and_then(Item::as_value_mut) {

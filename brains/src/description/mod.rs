@@ -24,6 +24,7 @@ mod edited;
 mod raw;
 
 use baudbot_brain::Body;
+use baudbot_fields::Cause;
 use toml::{Table, Value};
 
 use crate::composed::Composed;
@@ -45,11 +46,17 @@ pub struct DescriptionError {
     pub path: String,
     /// What is wrong with it, and what would be right.
     pub problem: String,
+    /// The kind of problem.
+    pub cause: Cause,
 }
 
 impl DescriptionError {
-    pub(super) fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { path: path.into(), problem: problem.into() }
+    pub(crate) fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { path: path.into(), problem: problem.into(), cause: Cause::Value }
+    }
+
+    pub(super) fn because(self, cause: Cause) -> Self {
+        Self { cause, ..self }
     }
 }
 
@@ -72,11 +79,8 @@ impl Description {
         let table: Result<Table, _> = toml.parse();
         let table = table.map_err(|error| DescriptionError::new("", error.to_string().trim_end()))?;
         check_finite("", &Value::Table(table.clone()))?;
-        let raw: Result<Raw, _> = serde_path_to_error::deserialize(table);
-        let raw = raw.map_err(|error| {
-            let (path, problem) = (error.path().to_string(), error.inner().message().to_owned());
-            DescriptionError::new(if path == "." { "" } else { &path }, problem)
-        })?;
+        let raw: Raw = baudbot_fields::read(table)
+            .map_err(|error| DescriptionError::new(error.path, error.problem).because(error.cause))?;
         raw.check()?;
         Ok(Self { raw })
     }

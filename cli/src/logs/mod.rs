@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use crate::text;
 use crate::text::tell;
-use baudbot_sim::printable::Printable;
+use baudbot_fields::printable::Printable;
 use clap::ValueEnum;
 use tracing_subscriber::field::RecordFields;
 use tracing_subscriber::filter::{FilterExt, LevelFilter, Targets, filter_fn};
@@ -166,7 +166,7 @@ mod tests {
         for log in [text, json] {
             let log = String::from_utf8(log.0.lock().unwrap().clone()).unwrap();
             let (line, rest) = log.split_once('\n').unwrap();
-            assert!(rest.is_empty() && line.chars().all(baudbot_sim::printable::is_printable), "{log:?}");
+            assert!(rest.is_empty() && line.chars().all(baudbot_fields::printable::is_printable), "{log:?}");
             assert!(line.contains("attached"), "{log:?}");
         }
     }

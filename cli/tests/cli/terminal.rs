@@ -9,7 +9,7 @@ const HOSTILE: &str = r"\u001b[2J\u001b]0;owned\u0007\u009b31m\u202egnp\u2066\r\
 
 /// Whether a terminal only shows it.
 fn is_shown(text: &str) -> bool {
-    text.chars().all(|c| c == '\n' || baudbot_sim::printable::is_printable(c))
+    text.chars().all(|c| c == '\n' || baudbot_fields::printable::is_printable(c))
 }
 
 fn scenario(name: &str, toml: &str) -> String {

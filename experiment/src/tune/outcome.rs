@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use baudbot_brains::catalogue;
+use baudbot_fields::printable::PrintableLines;
 use baudbot_plot::chart::progress::{self, Progress};
-use baudbot_sim::printable::PrintableLines;
 use serde_json::{Value, json};
 
 use crate::assignment;

@@ -6,7 +6,7 @@ mod path;
 
 use std::fmt::Write;
 
-use baudbot_sim::printable::is_printable;
+use baudbot_fields::printable::is_printable;
 
 pub use self::path::{Place, arrow_head, drawn, path, rectangle, simplified};
 use crate::palette::{FRAME, PAPER};

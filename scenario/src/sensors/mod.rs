@@ -14,6 +14,7 @@ use toml::Table;
 
 use super::error::Sheet;
 use super::{build::MIN_PERIOD_MS, link};
+use baudbot_fields::{Cause, FieldError, Fields, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::arena::Arena;
 use baudbot_sim::battery::Battery;
@@ -21,7 +22,6 @@ use baudbot_sim::link::Link;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::port::{Format, Port};
 use baudbot_sim::sensor::{Built, Device, Fit, Mount, Noise, OwnClock, Place, Sensor};
-use baudbot_sim::sheet::{FieldError, Fields, Path};
 use baudbot_sim::surroundings::Surroundings;
 use raw::{COMMON, Common};
 
@@ -91,7 +91,7 @@ fn built(path: &Path, common: &Common, mut table: Table, context: &mut Context<'
 
 /// What can stand in the table of any sensor, behind what can stand in that of its kind.
 fn with_common_fields(path: &Path, mut error: FieldError) -> FieldError {
-    if error.problem.starts_with("unknown field") && is_in(path, &error.path) {
+    if matches!(error.cause, Cause::UnknownField { .. }) && is_in(path, &error.path) {
         error.problem += &format!("; all sensors have `{}`", COMMON.join("`, `"));
     }
     error

@@ -10,10 +10,10 @@ use toml::Table;
 use super::raw::{PLACE, Place};
 use super::{Context, Path, Result, take};
 use crate::error::Sheet;
+use baudbot_fields::Fields;
 use baudbot_sim::actuator::ActuatorKind;
 use baudbot_sim::sensor::Height;
 use baudbot_sim::sensor::Mount;
-use baudbot_sim::sheet::Fields;
 
 /// Takes out of a sensor's table what says where it sits: on the rim looking outwards, or anywhere looking any way.
 pub(super) fn mount(path: &Path, table: &mut Table, context: &mut Context<'_>) -> Result<Mount> {

@@ -1,8 +1,8 @@
 use alloc::string::{String, ToString};
 use alloc::vec;
 
+use baudbot_fields::{Fields, Path};
 use baudbot_sim::sensor::{Drift, Dropout, Lookup, LookupSheet, Noise, Spikes};
-use baudbot_sim::sheet::{Fields, Path};
 
 use crate::error::Sheet;
 

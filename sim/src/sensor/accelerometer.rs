@@ -13,7 +13,7 @@ use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::lowpass::{LowPass, time_constant_s};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What an accelerometer is.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, level};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// A gauge on the robot's battery.
 #[derive(Clone, Debug, PartialEq)]

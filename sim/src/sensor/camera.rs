@@ -13,7 +13,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use super::style::Style;
 use super::{Measurement, Mount, NOTHING};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What a line camera is.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What a compass is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -13,8 +13,8 @@ use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, counters};
 use crate::drive::Wheels;
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::sound;
+use baudbot_fields::{FieldError, Path};
 
 /// An encoder on each wheel.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels, maximum};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// A sensor of one of the scenario's fields.
 #[derive(Clone, Debug, PartialEq)]

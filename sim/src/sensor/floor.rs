@@ -7,7 +7,7 @@ use super::kind::{Built, Component, Effect, Fit, NoFields, Place, Sense, levels}
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What a floor sensor is.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::{FieldError, Path};
 
 /// What a receiver is.
 #[derive(Clone, Debug, PartialEq)]

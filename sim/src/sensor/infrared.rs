@@ -18,7 +18,7 @@ use super::lookup::{Lookup, Sheet as LookupSheet};
 use super::style::Style;
 use super::{Measurement, Mount, light};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What an IR sensor is.
 #[derive(Clone, Debug, PartialEq)]

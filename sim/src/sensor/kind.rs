@@ -14,8 +14,8 @@ use super::{Measurement, Mount, encoder, gps, lowpass, odometer, optical_flow, t
 use crate::battery::Battery;
 use crate::random::Stream;
 use crate::scene::Ping;
-use crate::sheet::{FieldError, Path};
 use crate::surroundings::Surroundings;
+use baudbot_fields::{FieldError, Path};
 
 /// A kind of sensor: its data sheet, what it remembers, and how it reads.
 pub(crate) trait Sense: Sized {

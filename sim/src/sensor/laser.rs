@@ -19,8 +19,8 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::{FieldError, Path};
 
 /// What a laser range finder is.
 #[derive(Clone, Debug, PartialEq)]

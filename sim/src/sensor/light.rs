@@ -15,7 +15,7 @@ use super::lowpass::LowPass;
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// A sensor of illuminance.
 #[derive(Clone, Debug, PartialEq)]

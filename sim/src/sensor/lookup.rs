@@ -17,7 +17,7 @@ use core::f64::consts::FRAC_PI_2;
 use serde::Deserialize;
 
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// Samples of a real sensor, taken at several distances and, maybe, angles.
 #[derive(Clone, Debug, PartialEq)]

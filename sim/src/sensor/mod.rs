@@ -75,8 +75,8 @@ use crate::drive::{Drive, Motion};
 use crate::random::Stream;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
-use crate::sheet::{FieldError, Fields, Path};
 use crate::time::SimTime;
+use baudbot_fields::{FieldError, Fields, Path};
 
 /// What a sensor is: a device, when it is read, and how its values cross the wire.
 #[derive(Clone, Debug, PartialEq)]

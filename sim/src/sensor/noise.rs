@@ -28,8 +28,8 @@ use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::{FieldError, Path};
 
 /// Noise of one sensor, applied to each of its readings in the order of the fields. 0 and `None` are off.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]

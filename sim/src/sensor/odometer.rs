@@ -16,8 +16,8 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
 use super::{Measurement, noise};
 use crate::drive::Wheels;
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::sound;
+use baudbot_fields::{FieldError, Path};
 
 /// What an odometer is.
 #[derive(Clone, Debug, PartialEq)]

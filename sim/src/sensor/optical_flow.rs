@@ -26,9 +26,9 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, counters};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount, noise};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::sound;
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::{FieldError, Path};
 
 /// What an optical-flow sensor is.
 #[derive(Clone, Debug, PartialEq)]

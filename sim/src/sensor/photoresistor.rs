@@ -17,7 +17,7 @@ use super::lowpass::LowPass;
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What a photoresistor and its capacitor are.
 #[derive(Clone, Debug, PartialEq)]

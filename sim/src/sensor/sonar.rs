@@ -18,8 +18,8 @@ use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
-use crate::sheet::{FieldError, Path};
 use crate::time::{SECOND_NS, SimTime};
+use baudbot_fields::{FieldError, Path};
 
 /// What a sonar is.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,8 +14,8 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::style::{Style, Symbol};
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
 use crate::time::SimTime;
+use baudbot_fields::{FieldError, Path};
 
 /// A wire that sticks out.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,7 +16,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
 use super::style::Style;
 use super::{Measurement, Mount};
 use crate::random::Stream;
-use crate::sheet::{FieldError, Path};
+use baudbot_fields::{FieldError, Path};
 
 /// What a voltage sensor is.
 #[derive(Clone, Debug, PartialEq)]

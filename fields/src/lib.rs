@@ -1,7 +1,17 @@
-//! Data sheets: how the fields of a file are read and checked, and how errors name them.
+//! Fields of files: how they are read and checked, and how errors name them.
 //!
-//! Each method of [`Path`] that takes a field and its value gives the value back if it is in the range that it must be in,
+//! Scenarios, experiments and descriptions of brains are read with this crate, so that their errors have the same form: the path
+//! of a field, what is wrong with it in words, and a [`Cause`] for programs. Each method of [`Path`] that takes a field and its value gives the value back if it is in the range that it must be in,
 //! and an error with the path of the field if it is not.
+
+#![no_std]
+
+extern crate alloc;
+
+mod cause;
+pub mod printable;
+#[cfg(feature = "toml")]
+mod read;
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -9,7 +19,10 @@ use alloc::string::{String, ToString};
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-use crate::printable::Printable;
+pub use cause::Cause;
+use printable::Printable;
+#[cfg(feature = "toml")]
+pub use read::{Misread, read};
 
 /// What is wrong with a field. Path and problem are [printable](crate::printable), whatever they quote.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -19,6 +32,8 @@ pub struct FieldError {
     pub path: String,
     /// What is wrong, and how to fix it.
     pub problem: String,
+    /// The kind of problem.
+    pub cause: Cause,
 }
 
 impl FieldError {
@@ -26,7 +41,13 @@ impl FieldError {
     pub fn new(path: impl Into<String>, problem: impl Into<String>) -> Self {
         let path = Some(path.into()).filter(|path| !path.is_empty());
         let path = path.unwrap_or_else(|| "scenario".into());
-        Self { path: Printable(path).to_string(), problem: Printable(problem.into()).to_string() }
+        let (path, problem) = (Printable(path).to_string(), Printable(problem.into()).to_string());
+        Self { path, problem, cause: Cause::Value }
+    }
+
+    /// The same error, of this cause.
+    pub fn because(self, cause: Cause) -> Self {
+        Self { cause, ..self }
     }
 }
 
