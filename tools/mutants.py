@@ -128,7 +128,7 @@ def environment():
 
 
 def copy_tree():
-    """What is committed, always in the same place, so that little is built anew."""
+    """What is committed, always in the same place, so that little is rebuilt."""
     TREE.mkdir(parents=True, exist_ok=True)
     archive = subprocess.run(["git", "archive", "HEAD"], check=True, capture_output=True).stdout
     subprocess.run(["tar", "--extract", "--directory", TREE], input=archive, check=True)

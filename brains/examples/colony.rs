@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The attractant has a Gaussian peak in the middle of a square, at whose sides cells are held. A cell moves all
-//! the time: straight on while it swims, and while it tumbles along headings that are drawn anew again and again.
+//! the time: straight on while it swims, and while it tumbles along headings that are drawn again again and again.
 //!
 //! The notes give 100 cells, a = b = 1, T = 0, 10 s and steps of 0.01 s. Speed, width, dish and tumbling are ours,
 //! so the figures that the tests compare with are those of this completion.

@@ -1,4 +1,4 @@
-//! A brain that begins anew when its time does: after a reset of the world, or when that goes back to an earlier state.
+//! A brain that starts over when its time does: after a reset of the world, or when that goes back to an earlier state.
 
 use baudbot_brain::{Action, Belief, Body, Brain, Turn};
 

@@ -145,7 +145,7 @@ fn what_is_promised_of_each_device_is_what_comes_of_it() {
     remedies.dedup();
     for kind in ["baud", "latency", "8 bits", "bare", "without polls", "step of", "USB", "without a latency"]
     {
-        assert!(remedies.iter().any(|remedy| remedy.contains(kind)), "no mend was `{kind}`: {remedies:?}");
+        assert!(remedies.iter().any(|remedy| remedy.contains(kind)), "no remedy was `{kind}`: {remedies:?}");
     }
 }
 

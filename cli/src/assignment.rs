@@ -48,7 +48,7 @@ impl AttachedBrains {
     }
 
     /// Drives the robots until the run is over or the server closes the stream. Brains that the operator restarts are
-    /// made anew, which is told; the summary is of those that were the last.
+    /// made again, which is told; the summary is of those that were the last.
     pub(crate) async fn run(&mut self, tell_restarted: impl Fn()) -> anyhow::Result<Summary> {
         loop {
             match self.brains.run().await {

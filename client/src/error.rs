@@ -33,7 +33,7 @@ pub enum Error {
         /// The server's words. They may quote what other users say, so what a terminal would obey in them is escaped.
         message: String,
     },
-    /// The operator wants the brain to begin anew. A program that can makes its brain afresh and attaches it to the same
+    /// The operator wants the brain to start over. A program that can makes its brain afresh and attaches it to the same
     /// robots, which are free by now; one that cannot ends, as one that was thrown off ([`Status`](Self::Status) with
     /// [`Code::Aborted`]) does.
     #[error("the operator asked this brain to restart, which its program does not support")]

@@ -56,7 +56,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`Error::Status`] if the server ends the stream with an error (the world was deleted, the watchdog
-    /// lost patience, the operator has thrown the brain off), [`Error::Restart`] if the operator wants it to begin anew,
+    /// lost patience, the operator has thrown the brain off), [`Error::Restart`] if the operator wants it to start over,
     /// [`Error::Lost`] if the connection broke, [`Error::Protocol`] if the server breaks the contract.
     pub async fn turn(&mut self) -> Result<Option<Turn>, Error> {
         loop {

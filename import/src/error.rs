@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Why a scenario could not be completed. The message says where, what and how to mend it, on one line.
+/// Why a scenario could not be completed. The message says where, what and how to fix it, on one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {

@@ -147,9 +147,9 @@ fn kind(path: &Path, raw: &RawFault, parts: &Parts<'_>) -> Result<FaultKind> {
 }
 
 /// The sensor of which this is the fault: its place and its name.
-fn sensor(path: &Path, raw: &RawFault, sensors: &[Sensor], amiss: &str) -> Result<(usize, String)> {
+fn sensor(path: &Path, raw: &RawFault, sensors: &[Sensor], effect: &str) -> Result<(usize, String)> {
     let at = path.field("sensor");
-    let missing = || at.error(format!("is missing: the name of the sensor that {amiss}"));
+    let missing = || at.error(format!("is missing: the name of the sensor that {effect}"));
     let name = raw.sensor.clone().ok_or_else(missing)?;
     let found = sensors.iter().position(|sensor| sensor.name == name);
     let sensor = found.ok_or_else(|| {
@@ -169,7 +169,7 @@ fn affect(path: &Path, fault: &Fault, parts: &mut Parts<'_>) -> Result<()> {
         (FaultKind::Cable, Link::Usb(usb)) => usb.cuts.push(fault.when),
         (FaultKind::ByteErrors { rate }, Link::Uart(uart)) => uart.error_bursts.push((fault.when, *rate)),
         (FaultKind::ByteErrors { .. }, Link::Usb(_)) => {
-            return Err(path.field("kind").error("USB finds and mends its errors; only a uart has them"));
+            return Err(path.field("kind").error("USB detects and corrects its errors; only a uart has them"));
         }
         (FaultKind::Cable | FaultKind::ByteErrors { .. }, Link::Ideal | Link::Onboard) => {
             return Err(no_cable());

@@ -55,7 +55,7 @@ pub enum Path {
         /// How long it stays at each end, in nanoseconds.
         pause_ns: u64,
     },
-    /// Straight on in a direction that is drawn anew now and then, and whenever something is in the way.
+    /// Straight on in a direction that is drawn again now and then, and whenever something is in the way.
     Wander {
         /// In m/s.
         speed_m_s: f64,

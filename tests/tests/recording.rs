@@ -305,7 +305,7 @@ async fn a_brain_that_is_given_up_while_the_world_is_ahead_is_replayed() {
     }
 }
 
-/// Drives the robot of world `w`, and begins anew when the operator says so; how often.
+/// Drives the robot of world `w`, and starts over when the operator says so; how often.
 async fn drive_and_restart(client: Client) -> u32 {
     let client = client.thinks_as_scenario();
     for restarts in 0.. {
@@ -323,7 +323,7 @@ async fn drive_and_restart(client: Client) -> u32 {
 }
 
 /// Records and replays a run of 20 s whose brain is restarted some times: how often that was done, and how often the
-/// brain's program has begun anew.
+/// brain's program has started over.
 async fn restarted(folder: &Path, pace: Pace, recording: &str) -> (u32, u32) {
     let slow = ["robots.robot.brain.thinking_us=20000.0", "robots.robot.link.baud=2400"];
     let server =
@@ -359,7 +359,7 @@ async fn a_brain_that_is_restarted_is_replayed() {
     let folder = folder();
     // The world goes ahead of its brain, and waits for another.
     assert_eq!(restarted(&folder, lockstep(), "waits").await, (3, 3));
-    // It goes on alone: it may be over when the brain is there again, which is nothing to begin anew for.
+    // It goes on alone: it may be over when the brain is there again, which is nothing to start over for.
     let (done, begun) = restarted(&folder, watched(10_000, WatchdogPolicy::GoOn), "goes-on").await;
     assert!(begun > 0 && begun <= done, "{begun} of {done}");
 }

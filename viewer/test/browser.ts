@@ -142,7 +142,7 @@ test("a brain is restarted, and thrown off", options, async () => {
   while (body().restarts === 0) await page.waitForTimeout(50);
   assert.equal(body().brain, "avoid");
   await page.getByTestId("detach").click();
-  // Of a robot without a brain there is none to begin anew.
+  // Of a robot without a brain there is none to start over.
   await page.waitForFunction(() => document.querySelector<HTMLButtonElement>("[data-testid=restart]")?.disabled);
   assert.deepEqual([body().restarts, body().brain], [1, ""]);
   body().brain = "avoid";

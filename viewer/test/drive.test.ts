@@ -98,7 +98,7 @@ test("who looks elsewhere wants the robot to stand, whatever was pressed", () =>
   assert.deepEqual([rests, drive.keys.size, drive.state], [1, 0, "driving"]);
 });
 
-test("who is thrown off drives no more, and may begin anew", () => {
+test("who is thrown off drives no more, and may start over", () => {
   const { drive, socket, steps, turn, fail } = driving();
   drive.keys.add("w");
   turn(1);

@@ -23,7 +23,7 @@ interface Body {
   counts: [number, number];
   collided: boolean;
   brain: string;
-  /** How often its brain has begun anew. */
+  /** How often its brain has started over. */
   restarts: number;
   cable: boolean;
 }

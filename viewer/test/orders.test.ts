@@ -36,7 +36,7 @@ test("of steps that are asked for while one is under way none is lost, and none 
   );
   await answer();
   await Promise.all(all);
-  // A world that is asked for no more begins anew.
+  // A world that is asked for no more starts over.
   void orders.step(2);
   await others();
   assert.equal(asked().at(-1)?.ticks, 2n);

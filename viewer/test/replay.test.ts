@@ -195,7 +195,7 @@ test("a replay that goes back keeps what was before, and forgets what was later"
   assert.ok([...Array(trail.length).keys()].every((i) => !trail.isJump(i)));
 });
 
-test("no line goes over a leap forwards, and dead reckoning begins anew", () => {
+test("no line goes over a leap forwards, and dead reckoning starts over", () => {
   const { store, to } = looking(true);
   for (let tick = 5n; tick <= 100n; tick += 5n) to(tick);
   to(600n);
@@ -205,7 +205,7 @@ test("no line goes over a leap forwards, and dead reckoning begins anew", () => 
   assert.ok(ghost && pose && Math.hypot(ghost.x_m - (pose.x_m[0] ?? 0), ghost.y_m - (pose.y_m[0] ?? 0)) < 0.05);
 });
 
-test("a live world that was reset begins anew", () => {
+test("a live world that was reset starts over", () => {
   const { store, to } = looking(false);
   for (let tick = 5n; tick <= 300n; tick += 5n) to(tick);
   const { record } = store;

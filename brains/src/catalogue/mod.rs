@@ -14,7 +14,7 @@ pub(crate) use repertoires::text_of;
 
 /// Makes the brain that `description` describes, such as `wander` or `constant:left=0.5,right=-0.5`, for a
 /// robot with this body. If a parameter is set twice, the last counts. When its time goes back, because the world was
-/// reset, the brain begins anew.
+/// reset, the brain starts over.
 ///
 /// # Errors
 /// Says what is wrong with the description and what would be right, or which sensor the body lacks.

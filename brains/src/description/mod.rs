@@ -96,7 +96,7 @@ impl Description {
     }
 
     /// The brain, for a robot with this body. `seed` chooses its random numbers. It does not notice when its world is reset, as
-    /// those of the [catalogue](crate::catalogue) and of programs (feature `program`) do, which begin anew then.
+    /// those of the [catalogue](crate::catalogue) and of programs (feature `program`) do, which start over then.
     ///
     /// # Errors
     /// If it names sensors or kinds of processes that are not there, or parameters that these do not have.

@@ -193,7 +193,7 @@ impl Kind {
         }
     }
 
-    /// Makes one for a robot with this body, with `PARAMETER=NUMBER,…`. It begins anew when its time goes back.
+    /// Makes one for a robot with this body, with `PARAMETER=NUMBER,…`. It starts over when its time goes back.
     pub(crate) fn brain(
         &'static self,
         settings: &str,

@@ -71,7 +71,7 @@ impl DeadReckoning {
         self.pose
     }
 
-    /// The run begins anew.
+    /// The run starts over.
     pub(super) fn forget(&mut self) {
         (self.pose, self.counts, self.sampled_at_ns) = (None, None, None);
         self.past.clear();

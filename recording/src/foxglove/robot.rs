@@ -55,7 +55,7 @@ impl Robot {
         }
     }
 
-    /// The run begins anew.
+    /// The run starts over.
     pub(super) fn forget(&mut self) {
         self.dead_reckoning.iter_mut().for_each(DeadReckoning::forget);
         self.sensors.iter_mut().filter_map(|sensor| sensor.scanner.as_mut()).for_each(Scanner::forget);

@@ -47,7 +47,7 @@ impl Scanner {
         })
     }
 
-    /// The run begins anew.
+    /// The run starts over.
     pub(super) fn forget(&mut self) {
         self.shown = None;
     }

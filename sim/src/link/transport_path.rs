@@ -1,7 +1,7 @@
 //! Lines on which bytes pass more than a wire: an adapter, another direction that has the wire, outages.
 //!
 //! When a byte that goes through an adapter is delivered depends on those that come after it (a packet fills),
-//! so that is computed anew whenever it is asked for, from what is under way at that moment. That is exact: a
+//! so that is recomputed whenever it is asked for, from what is under way at that moment. That is exact: a
 //! byte is taken only once its instant has come, and then all that could have changed it has been sent.
 
 use alloc::collections::VecDeque;

@@ -1,4 +1,4 @@
-/** Which cells of the floor are covered and sensed: a picture of one pixel a cell, made anew when another map has come. */
+/** Which cells of the floor are covered and sensed: a picture of one pixel a cell, made again when another map has come. */
 import type { GetCoverageResponse } from "../gen/baudbot/v1/observe_pb";
 import { fillRuns } from "../model/coverage";
 import { rgb, type Theme, type Tint } from "./palette";

@@ -79,7 +79,7 @@ export class DeadReckoning {
     return this.pose && { pose: this.pose, counts: this.counts };
   }
 
-  /** Goes on from there; from nothing it begins anew. */
+  /** Goes on from there; from nothing it starts over. */
   goOn(from: Reckoned | undefined): void {
     this.pose = from?.pose;
     this.counts = from?.counts;

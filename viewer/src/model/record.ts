@@ -94,7 +94,7 @@ export class RobotRecord {
     this.sent = [];
   }
 
-  /** It is elsewhere all at once: dead reckoning begins anew where it truly is. */
+  /** It is elsewhere all at once: dead reckoning starts over where it truly is. */
   private leap(): void {
     this.ghost?.goOn(undefined);
     this.ghostSampledAt = undefined;

@@ -162,7 +162,7 @@ export class Store extends Emitter<Events> {
     this.emit("note", { text, kind });
   }
 
-  /** A replay does again what was before; a world that was reset or restored begins anew. */
+  /** A replay does again what was before; a world that was reset or restored starts over. */
   private goBack(frame: Frame): void {
     const isReplay = this.status?.replay !== undefined;
     const [tick, time_ns] = isReplay ? [Number(frame.tick), Number(frame.timeNs)] : [-Infinity, -Infinity];

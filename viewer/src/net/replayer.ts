@@ -65,7 +65,7 @@ export class Replayer extends Emitter<{ changed: void }> {
     this.emit("changed", undefined);
   }
 
-  /** Runs or stops; at its end it begins anew. */
+  /** Runs or stops; at its end it starts over. */
   async toggle(): Promise<void> {
     if (!this.runs && this.tick >= this.range.last) await this.seek(this.range.first);
     await this.orders.toggle();

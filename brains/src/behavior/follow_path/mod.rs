@@ -40,7 +40,7 @@ pub struct Parameters {
     /// A goal is reached within this distance, in metres.
     #[serde(default = "reached_m")]
     pub reached_m: f64,
-    /// It plans anew if it is farther from its path than this, in metres.
+    /// It replans if it is farther from its path than this, in metres.
     #[serde(default = "stray_m")]
     pub stray_m: f64,
     /// After the last goal comes the first again.

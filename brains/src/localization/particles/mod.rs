@@ -53,7 +53,7 @@ pub struct Parameters {
     pub noise_ratio: f64,
     /// z: part of the beams that say nothing about the map, in (0, 1).
     pub outliers: f64,
-    /// Particles are drawn anew when the effective number falls below this part of them.
+    /// Particles are drawn again when the effective number falls below this part of them.
     pub resample_below: f64,
     /// How quickly what scans used to fit is forgotten, in parts a scan. 0: no particle is ever put anywhere.
     pub slow: f64,
@@ -159,7 +159,7 @@ impl Particles {
         }
     }
 
-    /// Weighs them by a scan that was taken where they are now, and draws them anew if that is due.
+    /// Weighs them by a scan that was taken where they are now, and resamples them if that is due.
     ///
     /// # Panics
     /// If the scan has no rays.
