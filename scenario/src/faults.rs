@@ -169,7 +169,9 @@ fn affect(path: &Path, fault: &Fault, parts: &mut Parts<'_>) -> Result<()> {
         (FaultKind::Cable, Link::Usb(usb)) => usb.cuts.push(fault.when),
         (FaultKind::ByteErrors { rate }, Link::Uart(uart)) => uart.error_bursts.push((fault.when, *rate)),
         (FaultKind::ByteErrors { .. }, Link::Usb(_)) => {
-            return Err(path.field("kind").error("USB detects and corrects its errors; only a uart has them"));
+            return Err(path
+                .field("kind")
+                .error("USB detects and corrects its errors; only a uart has them"));
         }
         (FaultKind::Cable | FaultKind::ByteErrors { .. }, Link::Ideal | Link::Onboard) => {
             return Err(no_cable());
