@@ -1,8 +1,8 @@
-//! Presets: robots, sensors and their like as scenarios can name them, each with what its numbers stand on.
+//! Presets: robots, sensors and other parts that scenarios can name, each with the sources of its numbers.
 //!
 //! A preset is a TOML file in `scenario/presets`. It starts with its kind and a description; then comes one table, named
 //! after the kind, with the fields as they stand in a scenario. Each value has a comment that says where it is from:
-//! [`Fact`]. How a scenario uses presets is in `scenario/preset.rs`.
+//! [`Fact`]. `scenario/src/preset.rs` puts presets into a scenario.
 
 mod fact;
 mod nearest;
