@@ -2,8 +2,8 @@
 //! one at a time has the motors, and **cognitive processes**, which use no motors and of which any number is active.
 //!
 //! A process is entered when it is activated, does a step in each turn of the brain while it is active, and is left when it
-//! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
-//! reads that.
+//! is no longer. Processes exchange data in [`Beliefs`]: a process of odometry writes the robot's pose, and one of navigation
+//! reads it.
 
 use baudbot_brain::{Signals, Turn};
 use baudbot_geometry::Point;
@@ -49,7 +49,7 @@ pub struct Beliefs {
     pub near: bool,
     /// Where it means to go next, in metres.
     pub path: Vec<Point>,
-    /// What a behaviour is about, in a few words, for people who look.
+    /// What a behaviour is about, in a few words, for observers.
     pub intention: String,
     /// The sensor that a process waits for in this step, if one does.
     pub awaited: Option<Awaited>,

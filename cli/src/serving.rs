@@ -20,7 +20,7 @@ use crate::{text, viewer};
 pub(crate) enum Viewing {
     /// It is what the server is for: others reach it only if they are told where.
     Always,
-    /// Who keeps a server to a socket's file wants nobody else to reach it.
+    /// Not if the server listens on a socket's file only: others are not to reach it.
     IfOpen,
 }
 

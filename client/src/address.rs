@@ -99,7 +99,7 @@ impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
 /// A connection that tells when the first bytes have come, or its end.
 struct Line {
     pipe: Box<dyn Pipe>,
-    /// Who is to be told.
+    /// The recipient.
     heard: Option<Arc<Notify>>,
 }
 

@@ -1,4 +1,4 @@
-//! Figures of merit: what is said of a run in numbers. A figure that does not apply to a run is missing.
+//! Figures of merit: the results of a run as numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
 //! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.

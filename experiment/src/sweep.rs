@@ -29,7 +29,7 @@ pub struct Options<'a> {
     pub jobs: usize,
     /// A sweep that takes long is wanted all the same.
     pub confirmed: bool,
-    /// Whoever sets it ends the sweep after the present runs.
+    /// Once it is set the sweep ends after the present runs.
     pub stop: &'a AtomicBool,
     /// Is told how many runs of how many are done.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),

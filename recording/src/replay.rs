@@ -1,4 +1,4 @@
-//! The world that does again what was recorded, and is held against the recording.
+//! Replay: a world that repeats a recorded run, and is compared with the recording.
 
 use std::fmt;
 use std::sync::Arc;

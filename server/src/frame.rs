@@ -1,4 +1,4 @@
-//! A frame: what an observer is told of a world at the start of a tick.
+//! A frame: the data of a world that observers get at the start of a tick.
 
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ impl Score {
     }
 }
 
-/// What only those observers are told of a robot that have asked for it.
+/// Details of a robot, for observers that have asked for them.
 pub(crate) struct RobotDetail {
     pub(crate) robot: usize,
     pub(crate) sensors: Vec<SensorDetail>,

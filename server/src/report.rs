@@ -1,4 +1,4 @@
-//! Reports: what an operator is told of a world.
+//! Reports: the data of a world that operators get.
 
 use std::sync::Arc;
 use std::time::Duration;

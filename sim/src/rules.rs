@@ -11,7 +11,7 @@ pub struct Rules {
     pub floor: Option<Floor>,
     /// Which sensor's rays cover the floor: the place of a sensor for each robot that has one of that name.
     pub sensed_by: Vec<Option<usize>>,
-    /// How often those rays are looked at, in nanoseconds.
+    /// The period at which those rays are evaluated, in nanoseconds.
     pub sense_ns: u64,
     /// The run ends with so many collisions.
     pub collisions: Option<u64>,

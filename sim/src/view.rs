@@ -1,4 +1,4 @@
-//! What may be seen of a robot: the truth for observers, and what its brain may have.
+//! Views of a robot: the truth for observers, and the readings that its brain may have.
 
 use baudbot_geometry::{Circle, Point, Pose};
 

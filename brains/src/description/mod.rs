@@ -16,7 +16,7 @@
 //! ```
 //!
 //! A description is read in two steps: [`Description::parse`] needs nothing but the text, [`Description::brain`] a robot's body
-//! and a [`Registry`]. All that is wrong is said with its path: `motor.turn_away.utility.weights.frnt: there is no state
+//! and a [`Registry`]. Each error names its path: `motor.turn_away.utility.weights.frnt: there is no state
 //! variable `frnt`; there are: front`.
 
 mod build;

@@ -1,4 +1,4 @@
-//! What can be wrong with a text that describes a brain.
+//! Errors in a text that describes a brain.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;

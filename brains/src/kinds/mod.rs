@@ -208,7 +208,7 @@ impl Kind {
     }
 }
 
-/// Who makes maps of scans, or finds itself by them, must know where each was taken.
+/// Brains that make maps of scans, or localize themselves by scans, must know where each was taken.
 pub(crate) const PLACED_SCANS: Option<[&str; 2]> = Some(["laser", "odometer"]);
 
 fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {

@@ -139,7 +139,7 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
     }
 }
 
-/// What is told of a cycle, and marked.
+/// The description of a cycle, and its marks.
 fn about(cycle: &cycle::Cycle, late_from_ns: Option<u64>, robot: &RobotSpec) -> (String, Vec<Mark>) {
     let mark = |at_ns, label: &str| Mark { at_ns, label: label.to_owned() };
     let within_ns = robot.deadline.within_ns;

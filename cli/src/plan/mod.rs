@@ -1,4 +1,4 @@
-//! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
+//! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and the cells that the search examined.
 //!
 //! [`map`] makes cells of the arena as a brain would that knows its walls; [`planned_path`] finds a path through them, by
 //! `baudbot_brains::planning`; [`arena`] shows both.

@@ -1,4 +1,4 @@
-//! What came of a tuning: what is told of it, and its files.
+//! The outcome of a tuning: its report, and its files.
 
 use std::fmt::Write;
 use std::path::PathBuf;

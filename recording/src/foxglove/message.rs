@@ -9,7 +9,7 @@ use prost::Message;
 
 use crate::{schema, topic};
 
-/// One message for an MCAP file, or for whoever shows it.
+/// One message for an MCAP file, or for a program that shows it.
 #[derive(Clone, Debug)]
 pub struct FoxgloveMessage {
     /// Where it belongs; a topic has messages of one schema.

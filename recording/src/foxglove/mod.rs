@@ -14,8 +14,8 @@
 //! | `/belief/ROBOT/map` | `Grid` | the map in that |
 //! | `/log` | `Log` | what happened |
 //!
-//! Who jumps to a time in Foxglove gets the last message of each topic, and no other: so each topic's last message says
-//! all that there is to say about it. All times are simulated ones.
+//! After a jump to another time Foxglove shows the last message of each topic, and no other: so each topic's last message is
+//! complete. All times are simulated ones.
 
 mod arena;
 mod belief;

@@ -1,4 +1,4 @@
-//! Brains: they attach, answer and go.
+//! Attached brains: how they attach, answer and detach.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! What a brain is told, and what it says.
+//! Messages to and from a brain.
 
 use baudbot_brain::Body;
 use baudbot_proto::v1;

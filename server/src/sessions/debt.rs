@@ -1,4 +1,4 @@
-//! What a brain owes in lockstep: the answers to the Turns that it was given.
+//! The answers that a brain owes in lockstep: one for each Turn that it was given.
 
 use std::collections::VecDeque;
 use std::mem;

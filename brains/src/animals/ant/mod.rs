@@ -1,8 +1,8 @@
 //! The desert ant (*Cataglyphis*): out on a winding way and straight home. Wahde 2016, §4.4.4, Fig. 4.3.
 //!
 //! - [`PathIntegrator`]: from its steps and its compass the ant always knows the vector home.
-//! - [`Spiral`]: where that vector ends without a nest, it searches in growing loops. The notes do not tell of
-//!   this; Wehner and Srinivasan 1981 do.
+//! - [`Spiral`]: where that vector ends without a nest, it searches in growing loops. The notes do not mention
+//!   this; Wehner and Srinivasan 1981 describe it.
 //! - [`Snapshot`]: when it left, it remembered what it saw about the nest, and compares.
 //!
 //! [`Ant`] puts them together: it forages, returns by the vector, and then searches until what it sees is what it

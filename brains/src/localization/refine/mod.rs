@@ -85,7 +85,7 @@ pub fn refine(
     refine_watched(map, scan, guess, parameters, chance, |_| ())
 }
 
-/// The same search, of which each pose that is looked at is told: first the guess, and where a start goes on with the narrow
+/// The same search, which reports each pose that it tries: first the guess, and where a start goes on with the narrow
 /// loss its pose again.
 ///
 /// # Panics
