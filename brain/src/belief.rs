@@ -4,7 +4,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// What a brain believes and does. It stands for all that was published before.
+/// The beliefs and the activity of a brain. A belief replaces all that were published before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Belief {
     /// The state or behaviour that is active, in a few words: one line without control characters.

@@ -1,4 +1,4 @@
-//! What a brain is.
+//! The trait of all brains.
 
 use alloc::boxed::Box;
 

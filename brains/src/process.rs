@@ -13,16 +13,16 @@ use crate::estimate::Estimate;
 use crate::mapping::Occupancy;
 use crate::odometry::Odometry;
 
-/// What processes know in a step.
+/// The context of a process in a step.
 #[derive(Debug)]
 pub struct StepContext<'a> {
-    /// What has come over the cable.
+    /// The turn: readings that have come over the cable.
     pub turn: &'a Turn,
     /// Since the brain's last step, in seconds.
     pub dt_s: f64,
     /// The state variables z, in the order of their names.
     pub state: &'a [f64],
-    /// What the brain believes. Processes write it for each other.
+    /// The brain's beliefs, which processes write for each other.
     pub beliefs: &'a mut Beliefs,
     /// Gamma parameters that are set in this step: the name of a process, and its Γ.
     pub gammas: &'a mut Vec<(String, f64)>,

@@ -33,7 +33,7 @@ struct Feeler {
     value: f64,
 }
 
-/// What a sonar heard: something is somewhere in its cone.
+/// The echo of a sonar: something is somewhere in its cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Echo {
     /// Where the sonar sits.

@@ -203,7 +203,7 @@ impl Robot {
         costliest.map(|(i, _)| Change::Drop(i)).into_iter().collect()
     }
 
-    /// What a change does, in words.
+    /// The effect of a change, in words.
     pub(super) fn phrase(&self, change: Change) -> String {
         let ms = |ns: u64| format!("{} ms", ns as f64 / 1e6);
         let name = |i: usize| self.spec.sensors[i].name.as_str();

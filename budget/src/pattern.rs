@@ -105,7 +105,7 @@ fn gcd(mut a: u128, mut b: u128) -> u128 {
     a
 }
 
-/// What has been seen so far.
+/// The messages that have been seen so far.
 struct Tally {
     reads_ns: Option<Range>,
     bytes: Option<Range>,

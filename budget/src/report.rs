@@ -54,7 +54,7 @@ impl Part {
         Self::Actuation,
     ];
 
-    /// What people call it.
+    /// Its name for people.
     pub const fn phrase(self) -> &'static str {
         match self {
             Self::Acquisition => "reading the sensors",
@@ -151,7 +151,7 @@ pub enum Verdict {
     Misses,
 }
 
-/// What a remedy costs, the cheapest first.
+/// The cost of a remedy, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cost {
@@ -176,9 +176,9 @@ pub enum Cost {
 /// A change that removes the problem: what the budget is with it was computed again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Remedy {
-    /// What to do, in words.
+    /// The remedy, in words.
     pub what: String,
-    /// What that costs.
+    /// The cost of the remedy.
     pub cost: Cost,
     /// The same as changes of the scenario, `PATH=VALUE`; empty if it cannot be said so.
     pub overrides: Vec<String>,
@@ -190,7 +190,7 @@ pub struct Remedy {
     pub verdict: Verdict,
 }
 
-/// What one robot's control cycle costs.
+/// The cost of one robot's control cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotBudget {
     /// Its name.

@@ -15,7 +15,7 @@ use baudbot_sim::link::{Line, Link};
 use baudbot_sim::schedule::Due;
 use baudbot_sim::time::SimTime;
 
-/// What came of it.
+/// The result of the dry run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     /// The parts of each cycle that was completed, in nanoseconds, and their sum.
@@ -63,7 +63,7 @@ struct Written {
     cycle: Option<Open>,
 }
 
-/// What the microcontroller turns to next.
+/// The next task of the microcontroller.
 enum Task {
     Read(usize),
     Send,

@@ -1,4 +1,4 @@
-//! What is varied: a field, or several together, with its values.
+//! Factors: a field that is varied, or several together, with their values.
 
 use toml::Value;
 
@@ -8,7 +8,7 @@ use crate::raw;
 /// Something that is varied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// What tables and charts call it.
+    /// Its name in tables and charts.
     pub label: String,
     /// The unit of its values; empty if it has none.
     pub unit: String,
@@ -28,11 +28,11 @@ pub enum Choice {
 /// One of the values of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// What tables and charts call it.
+    /// Its name in tables and charts.
     pub name: String,
     /// The value, if it is a number.
     pub number: Option<f64>,
-    /// What it changes.
+    /// The fields that it changes.
     pub settings: Vec<Setting>,
 }
 

@@ -4,7 +4,7 @@ use baudbot_proto::v1::{self, EndingKind};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::{Ending, Histogram, RobotView, World};
 
-/// What figures are made of.
+/// The counts that figures are made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Counted {
     pub(crate) time_ns: u64,

@@ -1,4 +1,4 @@
-//! What a run needs: its scenario, and who drives which robot.
+//! The setup of a run: its scenario, and the brain of each robot.
 
 use baudbot_brains::catalogue;
 use baudbot_scenario::{Override, ScenarioError};

@@ -1,4 +1,4 @@
-//! What counts as success: limits of figures, all of which a run must keep.
+//! Criteria of success: limits of figures, all of which a run must keep.
 
 use std::fmt;
 

@@ -48,7 +48,7 @@ pub struct Swept {
     pub resumed: u64,
     /// All runs.
     pub total: u64,
-    /// What came of them; empty if it was stopped.
+    /// Their results; empty if it was stopped.
     pub summary: Summary,
     /// The files that it wrote.
     pub files: Vec<PathBuf>,

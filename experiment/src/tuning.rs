@@ -9,7 +9,7 @@ use crate::raw::{self, Method};
 pub struct Tuning {
     /// How they are looked for.
     pub method: Method,
-    /// What is made large.
+    /// The quantity to be maximised.
     pub goal: Goal,
     /// Candidates of a generation; `None` is what suits the number of fields.
     pub population: Option<usize>,

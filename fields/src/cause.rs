@@ -1,4 +1,4 @@
-//! What kind of problem an error is about.
+//! The kinds of problems that errors are about.
 
 use alloc::boxed::Box;
 use alloc::string::String;

@@ -16,7 +16,7 @@ use crate::Cause;
 pub struct Misread {
     /// Where in the value, such as `start.x_m`; empty for the value itself.
     pub path: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
     /// The kind of problem.
     pub cause: Cause,

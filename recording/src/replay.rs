@@ -58,7 +58,7 @@ impl Replay {
         Ok((replay, world))
     }
 
-    /// What is replayed.
+    /// The recording that is replayed.
     pub fn recorded(&self) -> &Arc<RecordedRun> {
         &self.recorded
     }

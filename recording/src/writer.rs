@@ -86,7 +86,7 @@ impl<W: Write + Seek> Writer<W> {
         self.write(self.channels.state, state.tick * self.step_ns, state)
     }
 
-    /// What entered the world in a tick.
+    /// Writes the inputs of the world in a tick.
     ///
     /// # Errors
     /// If it cannot be written.

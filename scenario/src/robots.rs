@@ -182,7 +182,7 @@ fn mind(
     Ok(Mind { processor, link, thinking_ns, firmware })
 }
 
-/// What is mounted on a robot.
+/// The parts that are mounted on a robot.
 struct Equipment {
     actuators: Vec<Actuator>,
     battery: Option<Battery>,

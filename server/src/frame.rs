@@ -70,7 +70,7 @@ impl Charge {
     }
 }
 
-/// What the referee has counted.
+/// The referee's counts.
 pub(crate) struct Score {
     /// Share of the floor that robots have driven over.
     pub(crate) covered: Option<f64>,
@@ -79,7 +79,7 @@ pub(crate) struct Score {
     pub(crate) zones: Vec<ZoneScore>,
 }
 
-/// What the referee knows of a zone.
+/// The referee's counts for a zone.
 pub(crate) struct ZoneScore {
     pub(crate) name: String,
     pub(crate) is_goal: bool,

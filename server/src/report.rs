@@ -28,7 +28,7 @@ pub(crate) struct Report {
     pub(crate) recording: Option<RecordingReport>,
 }
 
-/// What a world is doing.
+/// The activity of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
     WaitingForBrains,

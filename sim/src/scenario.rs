@@ -25,7 +25,7 @@ pub struct Scenario {
     pub source: Source,
     /// A short name; empty if the file gives none.
     pub name: String,
-    /// What the scenario is about, for people.
+    /// The scenario's description, for people.
     pub description: String,
     /// Seed of all random streams.
     pub seed: u64,

@@ -65,7 +65,7 @@ pub enum CatalogueError {
         brain: &'static str,
         /// Name of the robot.
         robot: String,
-        /// What it needs.
+        /// The sensors that the brain needs.
         needed: &'static str,
         /// Names of the sensors that there are.
         found: Vec<String>,
@@ -83,7 +83,7 @@ pub enum CatalogueError {
     Description {
         /// The file, or the name of one that is part of the program.
         brain: String,
-        /// What is wrong with it.
+        /// The problem.
         error: DescriptionError,
     },
 }

@@ -61,7 +61,7 @@ pub struct VirtualLaser {
     range_m: f64,
 }
 
-/// What a virtual ray hits.
+/// The hit of a virtual ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
     /// How far away it is, in metres.

@@ -32,7 +32,7 @@ pub(super) trait Graph {
     }
 }
 
-/// What a search has found.
+/// The result of a search.
 pub(super) struct Found {
     /// Nodes from the start to the target.
     pub(super) path: Vec<usize>,

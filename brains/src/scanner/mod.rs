@@ -16,7 +16,7 @@ use crate::odometry::Odometry;
 use crate::parameter::ParameterError;
 use crate::scan::Scan;
 
-/// What takes scans.
+/// A source of scans.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scanner {
     sensor: usize,

@@ -301,7 +301,7 @@ impl Vfh {
     }
 }
 
-/// What makes no sense.
+/// Checks the parameters.
 fn check(p: &Parameters) -> Result<(), ParameterError> {
     check_positive([
         ("window_m", p.window_m),

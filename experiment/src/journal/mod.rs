@@ -37,7 +37,7 @@ pub(crate) struct Journal<M = File> {
     is_synced: bool,
 }
 
-/// What a journal is written to.
+/// The output of a journal.
 pub(crate) trait Medium: Write {
     /// Drops what is beyond so many bytes.
     fn cut(&mut self, len: u64) -> io::Result<()>;

@@ -8,12 +8,12 @@ use super::Header;
 use super::seal::Seal;
 use crate::run_record::{Row, Written};
 
-/// What there is in a journal.
+/// The contents of a journal.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// The sound rows in the order of their runs, each once.
     pub(super) rows: Vec<Entry>,
-    /// What is wrong with a line, and what becomes of it.
+    /// A problem with a line, and its consequence.
     pub(super) damage: Vec<String>,
     /// Bytes of whole lines.
     pub(super) len: u64,

@@ -12,7 +12,7 @@ fn seal() -> Seal {
     header().seal()
 }
 
-/// What came of a run.
+/// The result of a run.
 fn row(run: u64) -> Row {
     let mut figures = Figures::default();
     figures.0[2] = Some(0.1 + run as f64);

@@ -16,11 +16,11 @@ pub struct Candidate {
     pub generation: usize,
     /// The numbers, in the order of the fields; none for the untuned brain.
     pub values: Vec<f64>,
-    /// What came of it.
+    /// Its result.
     pub outcome: Outcome,
 }
 
-/// What came of some runs.
+/// The results of some runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Scores of the runs that had one.

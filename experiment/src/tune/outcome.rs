@@ -81,7 +81,7 @@ impl Tuned {
         Ok(())
     }
 
-    /// What is told about it.
+    /// Its report.
     pub fn text(&self, experiment: &Experiment) -> String {
         let mut text = String::new();
         let Some(tuning) = &experiment.tuning else { return text };

@@ -73,7 +73,7 @@ pub struct Bar {
     pub label: String,
     /// Its tooltip.
     pub title: String,
-    /// What it stands for.
+    /// Its class.
     pub class: Class,
     /// The diagram is about something else: the bar is pale and never red.
     pub is_aside: bool,

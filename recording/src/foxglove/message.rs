@@ -23,7 +23,7 @@ pub struct FoxgloveMessage {
     pub data: Vec<u8>,
 }
 
-/// What a message is: its name, the encoding of its description, and that description.
+/// The schema of a message: its name, the encoding of its description, and that description.
 pub type MessageSchema = Schema;
 
 /// Messages of Foxglove's that are made here.

@@ -140,7 +140,7 @@ impl FoxgloveEncoder {
         messages
     }
 
-    /// What happened, in words.
+    /// An event, in words.
     pub fn event(&self, time_ns: u64, kind: v1::ReplayEventKind, text: &str) -> FoxgloveMessage {
         event::event(&self.topics.log, time_ns, kind, text)
     }

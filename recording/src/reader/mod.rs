@@ -32,7 +32,7 @@ pub(crate) struct Reader<R> {
     is_over: bool,
 }
 
-/// What comes next.
+/// The next part of the file.
 pub(crate) enum Item {
     Message(Message),
     /// Something is damaged between the message before it and the one behind it.
@@ -45,7 +45,7 @@ pub(crate) struct Message {
     pub(crate) data: Vec<u8>,
 }
 
-/// What was found of a file besides its messages.
+/// Information about a file besides its messages.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     /// Messages and chunks that are as they were written.

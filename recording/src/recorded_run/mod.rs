@@ -175,7 +175,7 @@ impl RecordedRun {
         self.stretches[self.stretches.len() - 1].last_tick
     }
 
-    /// What happened, in the order of ticks.
+    /// The events, in the order of ticks.
     pub fn events(&self) -> &[v1::RecordedEvent] {
         &self.events
     }

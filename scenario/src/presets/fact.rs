@@ -1,4 +1,4 @@
-//! What a preset's values stand on: the comments behind them.
+//! The sources of a preset's values: the comments behind them.
 
 use alloc::format;
 use alloc::string::String;

@@ -14,17 +14,17 @@ pub use fact::{Fact, Standing};
 /// A preset that is part of this crate.
 #[derive(Debug)]
 pub struct Preset {
-    /// What scenarios call it.
+    /// Its name in scenarios.
     pub name: &'static str,
-    /// What it is a preset of.
+    /// Its kind: a robot, or the part of one.
     pub kind: PresetKind,
-    /// What it is, in a line.
+    /// Its description, in a line.
     pub description: &'static str,
     /// The file as it is.
     pub text: &'static str,
 }
 
-/// What a preset is a preset of.
+/// The kinds of presets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum PresetKind {

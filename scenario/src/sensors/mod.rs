@@ -27,7 +27,7 @@ use raw::{COMMON, Common};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// What a sensor of a robot may depend on.
+/// The parts of a robot that a sensor may depend on.
 pub(super) struct Context<'a> {
     pub(super) step_ms: f64,
     /// Radius of the body, in metres.

@@ -6,7 +6,7 @@ use baudbot_sim::sensor::{Noise, SensorKind};
 
 use crate::raw::Link;
 
-/// What is the same for every kind of sensor.
+/// The fields that every kind of sensor has.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Common {

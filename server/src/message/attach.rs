@@ -58,7 +58,7 @@ impl Drop for Lease {
     }
 }
 
-/// What a brain is sent.
+/// A delivery to a brain.
 pub(crate) enum Delivery {
     Turn { number: u64, tick: u64, robots: Vec<RobotDelivery> },
     Ended { tick: u64 },

@@ -46,7 +46,7 @@ pub(crate) struct Eye {
     published: u64,
 }
 
-/// What observers can see of a world.
+/// The observers' part of a world.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     /// The world's name.

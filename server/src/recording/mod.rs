@@ -50,7 +50,7 @@ const MAX_COLLISIONS: usize = 100;
 
 /// An entry of a recording.
 pub(crate) enum Entry {
-    /// What brains wrote in a tick.
+    /// The bytes that brains wrote in a tick.
     Inputs(v1::RecordedInputs),
     Mark(v1::RecordedMark),
     State(v1::RecordedState),
@@ -58,7 +58,7 @@ pub(crate) enum Entry {
     Frame(Box<Frame>),
 }
 
-/// What a brain wrote to a robot's port.
+/// The bytes that a brain wrote to a robot's port.
 pub(crate) struct Input {
     pub(crate) robot: usize,
     pub(crate) at: SimTime,

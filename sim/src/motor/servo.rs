@@ -17,7 +17,7 @@ use super::frame;
 use crate::curve;
 use crate::time::SimTime;
 
-/// What a servo for continuous rotation is.
+/// The model of a servo for continuous rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Servo {
     /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between,

@@ -75,7 +75,7 @@ pub enum ParseError {
     Missing {
         /// Which field, the sentence's name being 0.
         index: usize,
-        /// What should be there.
+        /// The expected content.
         name: &'static str,
     },
     /// A field makes no sense.
@@ -83,7 +83,7 @@ pub enum ParseError {
     Field {
         /// Which field, the sentence's name being 0.
         index: usize,
-        /// What should be there.
+        /// The expected content.
         name: &'static str,
     },
 }

@@ -57,9 +57,9 @@ pub enum ParseError {
     Byte {
         /// Which byte, counted from 0.
         at: usize,
-        /// What should be there.
+        /// The expected content.
         expected: &'static str,
-        /// What is there.
+        /// The actual content.
         found: u8,
     },
     /// A line is not the one that was sent.

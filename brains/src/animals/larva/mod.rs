@@ -28,7 +28,7 @@ use super::sense::Sides;
 use super::wheel_commands::Motion;
 use swing::Swing;
 
-/// What a larva is like.
+/// Parameters of a larva.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// v, its speed when it does not turn, in m/s.

@@ -34,7 +34,7 @@ use crate::Chance;
 use crate::estimate::Estimate;
 use crate::scan::Scan;
 
-/// What the laser is like, and how long is searched.
+/// Parameters of the laser and of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Standard deviation of each distance, in metres.
