@@ -32,7 +32,7 @@ pub(super) struct Slot {
     pub(super) bytes: Range,
 }
 
-/// Messages that are looked at; schedules with a longer common period are not looked into.
+/// Messages that are examined; schedules with a longer common period are not.
 const MOST_MESSAGES: u128 = 2048;
 
 impl Pattern {

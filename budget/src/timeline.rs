@@ -1,5 +1,5 @@
-//! The plan of a robot carried out without a world: no scene, no noise, no bytes that mean anything; only tasks that
-//! fall due, bytes that travel and a brain that answers each message. What comes of it is what is typical.
+//! The dry run: the plan of a robot carried out without a world. There is no scene, no noise and no meaningful byte, only
+//! tasks that fall due, bytes that travel and a brain that answers each message. Its results are the typical ones.
 //!
 //! It follows the same rules as `microcontroller`, `laptop` and `robot`, and uses the same lines.
 

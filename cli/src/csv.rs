@@ -76,7 +76,7 @@ impl Table {
         Ok(())
     }
 
-    /// The first failure is told at once, and is the last thing that this table does.
+    /// The first failure is reported at once, and ends the table.
     fn note(&mut self, result: io::Result<()>) {
         if let Err(error) = result
             && let Some(outcome) = self.outcome.take()

@@ -93,7 +93,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     done
 }
 
-/// How long work may go on that nobody waits for.
+/// How long background work may continue at the end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {

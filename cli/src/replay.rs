@@ -1,4 +1,4 @@
-//! `baudbot replay`: a recording is done again, and held against what was recorded.
+//! `baudbot replay`: a recorded run is simulated again, and compared with the recording.
 
 use std::io::{BufReader, IsTerminal};
 use std::path::Path;

@@ -8,7 +8,7 @@ use baudbot_proto::{REASON, RESTART};
 use thiserror::Error;
 use tonic::Code;
 
-/// Why a brain cannot go on.
+/// The reason why a brain cannot continue.
 #[derive(Debug, Error)]
 pub enum Error {
     /// The address is none.

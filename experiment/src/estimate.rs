@@ -21,7 +21,7 @@ impl Estimate {
         Self { runs: missing, time: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX) }
     }
 
-    /// Refuses what is long: somebody must confirm it. `at_most` stands before the number.
+    /// Refuses long work that has not been confirmed. `at_most` stands before the number.
     pub(crate) fn refuse_long(self, at_most: &str) -> Result<(), Error> {
         if self.runs <= MOST_RUNS && self.time <= LONGEST {
             return Ok(());

@@ -62,7 +62,7 @@ impl Success {
         })
     }
 
-    /// The figures that it looks at.
+    /// The figures that it uses.
     pub fn figures(&self) -> impl Iterator<Item = Figure> {
         self.conditions.iter().map(|condition| condition.figure)
     }

@@ -128,8 +128,8 @@ struct Mean {
     plus_minus: Option<f64>,
 }
 
-/// Most combinations that are told.
+/// Most combinations that are listed.
 const MOST_CELLS: usize = 10_000;
 
-/// Most failures that are told.
+/// Most failures that are listed.
 const MOST_FAILURES: usize = 20;

@@ -145,7 +145,7 @@ impl Runner<'_> {
     }
 }
 
-/// The journal in a folder, or a fresh one beside it: what is there is deleted only once nothing can refuse to go on.
+/// The journal in a folder, or a fresh one beside it: old files are deleted only once nothing can refuse the sweep any more.
 pub(crate) fn begin_journal(
     folder: &Folder,
     header: &Header,

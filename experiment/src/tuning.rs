@@ -17,7 +17,7 @@ pub struct Tuning {
     pub generations: usize,
     /// The same seed gives the same candidates.
     pub seed: u64,
-    /// Seeds that have no part in the search, with which its result is held against the untuned.
+    /// Seeds that have no part in the search, with which its result is compared with the untuned values.
     pub check_seeds: u64,
 }
 

@@ -25,7 +25,7 @@ pub enum Cause {
         /// The elements that the list has.
         known: Box<[String]>,
     },
-    /// The path goes on through something that has no fields.
+    /// The path continues through a value that has no fields.
     NoTable,
 }
 

@@ -66,7 +66,7 @@ impl Digests {
     }
 }
 
-/// A mark as it is held against a world.
+/// A mark as it is compared with a world.
 #[derive(Debug)]
 pub(crate) struct Mark {
     pub(crate) tick: u64,

@@ -143,7 +143,7 @@ impl Replay {
         Ok(true)
     }
 
-    /// Changes by hand are made, the tick begins, and all is held against the recording.
+    /// Makes manual changes, begins the tick, and compares it with the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
         if world.is_begun() {
             // They were made before this state was kept.

@@ -20,7 +20,7 @@ pub(super) struct ParsedMotors {
     pub(super) track_factor: f64,
     pub(super) encoding: Encoding,
     pub(super) signal_limit: Option<f64>,
-    /// How long motors go on without a command, in nanoseconds.
+    /// How long motors keep running without a command, in nanoseconds.
     pub(super) timeout_ns: Option<u64>,
 }
 

@@ -134,7 +134,7 @@ pub enum ParseError {
         /// Bytes to be thrown away until the sync bytes come, or might come if more bytes were there; at least 1.
         skip: usize,
     },
-    /// The message is too short or goes on behind its end.
+    /// The message is too short, or continues behind its end.
     #[error("the message has {found} bytes, but its header makes it {expected}")]
     Length {
         /// Bytes that a message with this header has, or, of a cut header, at least has.

@@ -21,7 +21,7 @@ pub(super) struct Events {
     recorded: Vec<RecordedEvent>,
     /// The next of these.
     next: usize,
-    /// Nothing is told that was over before.
+    /// Events that were over before are left out.
     from: SimTime,
     /// How many events of each robot have been told or left out.
     seen: Vec<u64>,

@@ -6,7 +6,7 @@
 //!    recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
-//! 4. [`summary`] is what is told about a recording of which nothing else is wanted.
+//! 4. [`summary`] describes a recording if no output is requested.
 
 mod beliefs;
 mod browser;

@@ -1,4 +1,4 @@
-//! From an observer's frames to whoever has connected, by Foxglove's protocol.
+//! A bridge from an observer's frames to the clients of Foxglove's protocol.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -43,13 +43,13 @@ pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Resul
     }
 }
 
-/// What those who have connected are shown.
+/// The data that clients are shown.
 struct Show {
     context: Arc<foxglove::Context>,
     server: WebSocketServerHandle,
     messages: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, Arc<RawChannel>>,
-    /// Of each topic, for those who come late.
+    /// Of each topic, for clients that connect late.
     last: BTreeMap<Arc<str>, FoxgloveMessage>,
     time_ns: u64,
     has_ended: bool,
@@ -130,7 +130,7 @@ impl Show {
     }
 }
 
-/// Tells who has subscribed to which topic.
+/// Reports which client has subscribed to which topic.
 struct Subscribed(UnboundedSender<(Option<SinkId>, String)>);
 
 impl ServerListener for Subscribed {

@@ -1,4 +1,4 @@
-//! What is told while it happens: a log on stderr, and, if asked for, a collector of traces.
+//! The log on stderr, and, if asked for, the export of traces to a collector.
 
 #[cfg(feature = "otel")]
 mod otel;

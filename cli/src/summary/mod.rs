@@ -1,4 +1,4 @@
-//! What is told about a run: the server's counters, with what the scenario knows about them.
+//! The summary of a run: the server's counters, with data of the scenario.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::pace::Kind;

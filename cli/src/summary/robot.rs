@@ -1,4 +1,4 @@
-//! What is told about a robot.
+//! The summary of a robot.
 
 use baudbot_proto::v1;
 use baudbot_sim::link::Link;
@@ -23,7 +23,7 @@ pub(crate) struct Robot {
     pub(crate) lost_deliveries: u64,
     /// Steps of its brain that were discarded, since there were too many at a time.
     pub(crate) lost_steps: u64,
-    /// What its brain last said of itself in words.
+    /// The last state that its brain has published, in words.
     pub(crate) said: String,
     pub(crate) frames_missed: u64,
     /// `ideal`, `uart` or `usb`.

@@ -34,7 +34,7 @@ pub(super) struct Entry {
     sum: u64,
 }
 
-/// Why a journal is none to go on with.
+/// The reason why a journal cannot be resumed.
 #[derive(Debug)]
 pub(super) enum Refusal {
     /// It is no journal, or one of which nothing is sound.
@@ -121,7 +121,7 @@ impl Found {
         }
     }
 
-    /// Lines that are there twice are one; of those of a run that differ nobody knows which is right.
+    /// Duplicate lines count once; lines of a run that differ are both dropped, since either may be wrong.
     fn keep_each_once(&mut self) {
         self.rows.sort_unstable_by_key(|row| (row.run, row.start));
         let (mut kept, mut told) = (Vec::with_capacity(self.rows.len()), Vec::new());

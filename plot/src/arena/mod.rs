@@ -256,7 +256,7 @@ impl Plan<'_> {
         frame::axes(canvas, view);
     }
 
-    /// Robots at their starts, with what they look at.
+    /// Robots at their starts, with the rays of their sensors.
     fn draw_robots(&self, canvas: &mut Canvas) {
         let (view, caster, robots) = (&self.view, self.caster, &self.world.scenario().robots);
         let is_crowd = robots.len() > CROWD;

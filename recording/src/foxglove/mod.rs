@@ -1,4 +1,4 @@
-//! What an observer sees, as [Foxglove](https://foxglove.dev) shows it: a recording opens there as it is.
+//! The observable world as messages of [Foxglove](https://foxglove.dev): it opens a recording without conversion.
 //!
 //! | topic | message | what |
 //! |---|---|---|
@@ -95,7 +95,7 @@ impl FoxgloveEncoder {
         }
     }
 
-    /// What is said once, before the first frame: what stands still, what bodies look like, and frames that do not move.
+    /// Messages that are sent once, before the first frame: everything that stands still, shapes of bodies, and fixed frames.
     pub fn opening(&self, time_ns: u64) -> Vec<FoxgloveMessage> {
         let (described, heights) = (&self.described, &self.heights);
         let scenes = [

@@ -126,7 +126,7 @@ fn take(table: &mut Table, fields: &[&str]) -> Table {
     fields.iter().filter_map(|&field| table.remove_entry(field)).collect()
 }
 
-/// Lasers and whatever has a port measure at their own pace, also if nothing is said about it.
+/// Lasers and devices with a port measure at their own pace, also if the scenario does not say so.
 fn clock(
     path: &Path,
     raw: Option<raw::Clock>,

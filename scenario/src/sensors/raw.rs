@@ -1,4 +1,4 @@
-//! What the table of any sensor may contain, besides the fields of its kind.
+//! The fields of any sensor's table, besides those of its kind.
 
 use alloc::string::String;
 

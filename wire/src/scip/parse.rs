@@ -44,7 +44,7 @@ impl<'a> Scan<'a> {
 /// Why bytes are not a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ParseError {
-    /// The message is too short or goes on behind its end.
+    /// The message is too short, or continues behind its end.
     #[error("the message has {found} bytes, but its head makes it {expected}")]
     Length {
         /// Bytes that a message with this head has, or, of a cut head, at least has.

@@ -24,7 +24,7 @@ use crate::error::Refused;
 /// What the brains of a run believed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beliefs {
-    /// What their processes are called, in the order in which they were first told of.
+    /// The names of their processes, in the order in which they were first published.
     processes: Vec<String>,
     /// One for each robot of the scenario.
     robots: Vec<Robot>,
