@@ -1,4 +1,4 @@
-//! Beliefs, which a brain publishes for people to see. All coordinates are of the world as the brain believes them to be, and all
+//! Beliefs, which a brain publishes for people. All coordinates are of the world as the brain believes them to be, and all
 //! numbers must be finite.
 
 use alloc::string::String;

@@ -1,4 +1,4 @@
-//! From a value of TOML to a type. The reader of the crate `toml` tells what is wrong in words only; this one keeps the cause.
+//! From a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps the cause.
 
 use alloc::string::{String, ToString};
 use core::fmt::{self, Display};

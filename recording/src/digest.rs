@@ -23,7 +23,7 @@ pub struct Digests {
 }
 
 impl Digests {
-    /// Looks at a world whose tick has begun.
+    /// Adds the digest of a world whose tick has begun.
     pub fn note(&mut self, world: &World) {
         if self.fields.is_empty() {
             self.first_tick = world.tick();

@@ -120,8 +120,8 @@ impl Show {
         self.last.insert(Arc::clone(&message.topic), message);
     }
 
-    /// The last word of a topic, for one who has just subscribed to it: what is said once would otherwise be missed, and
-    /// a world that stands says nothing.
+    /// The last message of a topic, for a client that has just subscribed to it: it would otherwise miss messages that are
+    /// sent once, and a world that stands sends none.
     fn again(&self, who: Option<SinkId>, topic: &str) {
         if let (Some(channel), Some(message)) = (self.channels.get(topic), self.last.get(topic)) {
             let time = PartialMetadata::with_log_time(message.time_ns);

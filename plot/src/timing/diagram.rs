@@ -94,7 +94,7 @@ impl Bar {
         self.end_ns <= self.start_ns
     }
 
-    /// Whether it is red once it is late. What tells of trouble has its own colours.
+    /// Whether it is red once it is late. Events of trouble have their own colours.
     pub(super) fn can_be_late(&self) -> bool {
         !self.is_aside && !self.class.is_trouble()
     }

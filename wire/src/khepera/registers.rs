@@ -1,7 +1,7 @@
 //! The commands of the Khepera other than `N` and `D`: each sets registers of the robot, or asks for some.
 //!
 //! The numbers of a line go into the registers of its command in order, and an answer tells registers in order. Nothing
-//! here knows what a register does; who has the robot binds them.
+//! here knows the effect of a register; the crate that has the robot binds them.
 //!
 //! Sources. The commands, their parameters and units are those of appendix A of K-Team's manual (version 5), as kMatlab
 //! (K-Team, 1999) and RoadNarrows' Khepera package use them. The refusals are in a session of kMatlab's and in KiKS,
