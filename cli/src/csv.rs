@@ -22,7 +22,7 @@ pub(crate) struct Table {
     /// Taken when the first write fails; otherwise told when the table is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
     values: Vec<f64>,
-    /// What stands above the rows; taken with the first.
+    /// The header above the rows; taken with the first.
     header: Option<String>,
 }
 

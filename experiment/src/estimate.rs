@@ -48,7 +48,7 @@ pub fn span(time: Duration) -> String {
 
 /// More runs than these must be confirmed.
 const MOST_RUNS: u64 = 10_000;
-/// What takes longer must be confirmed.
+/// Work that takes longer must be confirmed.
 const LONGEST: Duration = Duration::from_secs(3600);
 
 #[cfg(test)]

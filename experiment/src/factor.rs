@@ -167,7 +167,7 @@ fn target<'a>(path: &str, field: Option<&'a str>) -> Result<&'a str, Error> {
     Ok(field)
 }
 
-/// What all paths that are varied must be.
+/// Checks that a path can be varied.
 fn checked(at: &str, field: &str) -> Result<(), Error> {
     if field.is_empty() || field.contains('=') {
         return Err(Error::field(at, format!("`{field}` is not a path such as robots.robot.link.baud")));

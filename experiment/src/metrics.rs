@@ -66,7 +66,7 @@ impl Ages {
     }
 }
 
-/// What a run was for, if it ended with that.
+/// The goal of a run, if it ended by reaching it.
 #[derive(Clone, Copy, PartialEq)]
 enum Reached {
     /// The one goal of a scenario that has no zones for goals.

@@ -122,5 +122,5 @@ impl From<Error> for Content {
     }
 }
 
-/// What a sweep locks.
+/// The lock of a sweep's folder.
 const LOCK: &str = ".lock";

@@ -42,7 +42,7 @@ impl Setup {
     }
 }
 
-/// All that a task sets.
+/// All fields that a task sets.
 pub(crate) fn settings(task: &Task) -> impl Iterator<Item = &Setting> {
     task.cell.levels.iter().flat_map(|level| &level.settings)
 }

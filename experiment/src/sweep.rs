@@ -21,7 +21,7 @@ use crate::{chart, csv_table, table};
 pub struct Options<'a> {
     /// The folder for its outputs.
     pub out: &'a Path,
-    /// What is there already is deleted, once it is clear that this sweep is done.
+    /// Deletes the old results, once it is clear that this sweep is done.
     pub fresh: bool,
     /// Where runs are done.
     pub place: Place,
@@ -167,7 +167,7 @@ pub(crate) fn keep_journal(folder: &Folder, journal: &mut Journal) -> Result<(),
     journal.move_to(&folder.file(JOURNAL))
 }
 
-/// All that is made of the journal.
+/// All files that are made of the journal.
 fn write(
     experiment: &Experiment,
     folder: &Folder,

@@ -1,4 +1,4 @@
-//! What can be wrong with what a scenario refers to.
+//! Errors in the files that a scenario refers to.
 
 use std::path::Path;
 

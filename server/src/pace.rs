@@ -135,7 +135,7 @@ impl Clock {
         Some(beyond)
     }
 
-    /// What the clock shows.
+    /// The time that the clock shows.
     pub(crate) fn time(&self, now: Instant) -> SimTime {
         let elapsed = now.saturating_duration_since(self.start).as_secs_f64();
         self.origin + (elapsed * self.factor * 1e9) as u64

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use crate::coverage::Floor;
 
-/// What the referee looks at.
+/// The rules that the referee applies.
 #[derive(Clone, Debug, Default)]
 pub struct Rules {
     /// The floor to be covered, if that is counted (§6.1).

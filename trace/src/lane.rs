@@ -12,7 +12,7 @@ use crate::words;
 pub enum Lane {
     /// A sensor: when it measures, and when it is read.
     Sensor(u16),
-    /// What the microcontroller's processor does, one thing at a time.
+    /// The tasks of the microcontroller's processor, one at a time.
     Microcontroller,
     /// The wire to the laptop.
     CableUp,

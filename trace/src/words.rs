@@ -3,7 +3,7 @@
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::What;
 
-/// What happened, in few words; sensors and faults by their names.
+/// The event, in few words; sensors and faults by their names.
 pub fn what(what: What, robot: &RobotSpec) -> String {
     match what {
         What::Acquire { sensor: i } => format!("read {}", sensor(robot, i)),

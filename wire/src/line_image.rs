@@ -25,7 +25,7 @@ use thiserror::Error;
 use crate::error::NoRoom;
 use crate::frame::CRC;
 
-/// What the camera sees in one direction.
+/// The pixel that the camera sees in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Red, green and blue, each 0 to 255.

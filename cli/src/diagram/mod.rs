@@ -49,7 +49,7 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     text::write(path, &picture.draw())
 }
 
-/// What ran: the robot's brain, its link and the seed, and what was changed of the scenario.
+/// The title: the robot's brain, its link and the seed, and the changes of the scenario.
 fn ran(scenario: &Scenario, robot: &RobotSpec, assignments: &[Assignment]) -> Vec<String> {
     let own = assignments.iter().filter(|assignment| assignment.robots.contains(&robot.name));
     let brains: Vec<_> = own.map(|assignment| assignment.brain.clone()).collect();

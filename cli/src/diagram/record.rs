@@ -8,7 +8,7 @@ use baudbot_sim::timeline::Event;
 use super::cycle::{Cycle, is_anchor};
 use crate::error::Refused;
 
-/// What is asked for.
+/// The part of a run that is requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wanted {
     pub(super) place: Place,

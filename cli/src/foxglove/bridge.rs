@@ -74,7 +74,7 @@ impl Show {
         Ok(Self { context, server, messages, channels, last, time_ns: 0, has_ended: false })
     }
 
-    /// What stands still, and what robots look like.
+    /// Everything that stands still, and the shapes of robots.
     fn open(&mut self, time_ns: u64) {
         self.messages.opening(time_ns).into_iter().for_each(|message| self.log(message));
     }

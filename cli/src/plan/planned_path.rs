@@ -7,7 +7,7 @@ use baudbot_geometry::{Bounds, Point};
 
 use crate::args::{Method, PlanArgs};
 
-/// What a method found.
+/// The result of a method.
 #[derive(Debug)]
 pub(super) struct PlannedPath {
     /// Where it bends, and its ends; of a walker that got stuck, the last is where it stands.

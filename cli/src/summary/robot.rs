@@ -10,7 +10,7 @@ use super::seconds;
 use crate::assignment::Assignment;
 use crate::link;
 
-/// What happened to a robot.
+/// The results of a robot.
 #[derive(Debug, Serialize)]
 pub(crate) struct Robot {
     pub(crate) robot: String,
@@ -71,7 +71,7 @@ pub(crate) struct Durations {
     pub(crate) max_ms: f64,
 }
 
-/// What feeds a robot, at the end.
+/// The battery of a robot at the end.
 #[derive(Debug, Serialize)]
 pub(crate) struct Battery {
     pub(crate) charge_percent: f64,

@@ -265,7 +265,7 @@ fn description(experiment: &Experiment, best: &Candidate) -> Option<String> {
     catalogue::described(assignment::split(brain).1).ok().flatten()
 }
 
-/// What a tuning makes of its journal.
+/// The files that a tuning makes of its journal.
 pub(super) const FILES: [&str; 4] = [SUMMARY, TRACE, CANDIDATES, BEST];
 const SUMMARY: &str = "summary.txt";
 const TRACE: &str = "trace.svg";

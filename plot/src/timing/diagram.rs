@@ -16,7 +16,7 @@ pub struct Diagram {
     pub title: String,
     /// The line below it.
     pub subtitle: String,
-    /// What ran, line by line, if it is of a run.
+    /// The description of the run, line by line, if it is of a run.
     pub ran: Vec<String>,
     /// The lanes, from above.
     pub lanes: Vec<Lane>,
@@ -328,9 +328,9 @@ pub(super) const ROW: f64 = 24.0;
 const PAD: f64 = 4.0;
 /// Between two panels, in pixels.
 const GAP: f64 = 6.0;
-/// What Δt takes above the lanes, in pixels.
+/// The height of the labels of Δt above the lanes, in pixels.
 const ABOVE: f64 = 28.0;
-/// What the axis takes, in pixels.
+/// The height of the axis, in pixels.
 const BELOW: f64 = 40.0;
 /// Size of the lanes' names.
 const LABEL: f64 = 12.0;

@@ -44,7 +44,7 @@ pub(super) enum Debt {
     Late(VecDeque<OpenTurn>),
 }
 
-/// What a brain owes no longer that the world had gone ahead of.
+/// The answer of an overtaken brain that is no longer owed.
 #[derive(Default)]
 pub(crate) struct Overtaken {
     /// The steps of the Turn that the world has gone ahead of.

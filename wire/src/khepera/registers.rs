@@ -48,7 +48,7 @@ pub enum Register {
     Position(Side),
     /// Which analog input is asked for.
     InputNumber,
-    /// What the analog input reads, 10 bits.
+    /// The reading of the analog input, 10 bits.
     Input,
     /// Largest speed on the way to a target, in pulses per 10 ms.
     ProfileSpeed(Side),
@@ -58,7 +58,7 @@ pub enum Register {
     Reached(Side),
     /// 0 if the position of the wheel is controlled, 1 if its speed is.
     Mode(Side),
-    /// What is missing to the target in pulses, or to the speed in pulses per 10 ms.
+    /// The error to the target in pulses, or to the speed in pulses per 10 ms.
     Error(Side),
     /// Which LED is meant.
     LedNumber,

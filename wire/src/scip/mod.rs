@@ -65,7 +65,7 @@ impl Characters {
     }
 }
 
-/// What a scan consists of; the echo at the head of each message says it.
+/// The contents of a scan; the echo at the head of each message describes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
     /// Characters of each value.

@@ -12,7 +12,7 @@ use super::{
 pub struct Scan<'a> {
     /// The range finder's clock when the scan began, in milliseconds; wraps after 2^24 ms, which is 4.66 hours.
     pub time_ms: u32,
-    /// What the scan consists of.
+    /// The contents of the scan.
     pub format: Format,
     /// How many scans are left out between two that are sent, 0 to 9.
     pub interval: u8,
