@@ -1,4 +1,4 @@
-//! Attached brains: how they attach, answer and detach.
+//! Brains: they attach, answer and go.
 
 use std::sync::Arc;
 use std::time::Instant;

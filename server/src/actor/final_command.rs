@@ -1,8 +1,8 @@
 //! Final commands: robots that stand when their brain is gone.
 //!
-//! A robot keeps its last command, as a real one would, and a program that is gone gives no other. A person who drives from
-//! a page may close it while the robot moves. So a brain can ask the server, when it attaches, to write a last command as
-//! the brain would have written it (`Hello.stop_when_gone`). The server is then the driver on the laptop that
+//! A robot keeps its last command, as a real one would, and a program that is gone gives no other. A brain that is a
+//! person's hand on a page may go in the midst of driving, so it can ask the server, when it attaches, to write a last
+//! command as the brain would have written it (`Hello.stop_when_gone`). The server is then the driver on the laptop that
 //! outlives the program: the bytes are an input of the world like any other, are recorded, and go over the cable.
 
 use std::time::{Duration, Instant};
