@@ -1,9 +1,9 @@
-//! What a brain gives in one step.
+//! The result of a brain's step.
 
 use alloc::vec::Vec;
 use core::time::Duration;
 
-/// What a brain does in a step.
+/// The action of a brain in a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Action {
     /// Signals for the motors; `None` leaves those in force.

@@ -1,10 +1,10 @@
-//! What a brain publishes for people to see. All coordinates are of the world as the brain believes them to be, and all
+//! Beliefs, which a brain publishes for people. All coordinates are of the world as the brain believes them to be, and all
 //! numbers must be finite.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// What a brain believes and does. It stands for all that was published before.
+/// The beliefs and the activity of a brain. A belief replaces all that were published before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Belief {
     /// The state or behaviour that is active, in a few words: one line without control characters.

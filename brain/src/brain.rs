@@ -1,4 +1,4 @@
-//! What a brain is.
+//! The trait of all brains.
 
 use alloc::boxed::Box;
 
@@ -12,7 +12,7 @@ pub trait Brain {
     /// One step. It is called once a turn, in order.
     fn step(&mut self, turn: &Turn) -> Action;
 
-    /// What it believes and does, for people who look; `None`: nothing. What runs the brain asks for it after a step, some
+    /// What it believes and does, for observers; `None`: nothing. The program that runs the brain asks for it after a step, some
     /// 20 times a simulated second unless told otherwise, and publishes it.
     fn belief(&mut self) -> Option<Belief> {
         None

@@ -1,4 +1,4 @@
-//! What a brain sees and does, without any network. A brain is a function from what has arrived to what is sent: it
+//! The inputs and outputs of a brain, without any network. A brain is a function from what has arrived to what is sent: it
 //! implements [`Brain`], has no clock and does no input or output, and can be tested with turns that are made up.
 //!
 //! 1. [`Body`] is the robot's data sheet: which sensors, where, how often, in which units.

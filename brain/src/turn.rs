@@ -1,4 +1,4 @@
-//! What a brain gets in one step.
+//! The inputs of a brain's step.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! What a brain waits for, said to people who look.
+//! The reasons for which a brain waits, as text for observers.
 
 use std::fmt;
 

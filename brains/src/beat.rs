@@ -1,8 +1,8 @@
-//! When messages come, so that a command is not on the cable when it is wanted for the answer to the next one.
+//! The times of messages, so that the cable is free when a command has to answer the next message.
 //!
 //! A command that is sent between two messages is still on a slow cable when the second comes. Its answer then goes out
 //! late, between that message and the next, and so on for ever: each command answers a message that is nearly a period old.
-//! Who has missed a message so lets the next one come first.
+//! So a brain that has missed a message waits for the next one before it sends.
 
 use baudbot_brain::{Body, Turn};
 

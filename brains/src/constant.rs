@@ -4,7 +4,7 @@ use baudbot_brain::{Action, Brain, Turn};
 
 use crate::parameter::{Parameter, SIGNAL};
 
-/// What is sent.
+/// The signals that are sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// Signal of the left motor; 1 is full voltage forwards.

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// One parameter of a brain whose parameters are a `P`.
 pub(crate) struct Parameter<P> {
     pub(crate) name: &'static str,
-    /// What it means, with its unit.
+    /// Its meaning, with its unit.
     pub(crate) meaning: &'static str,
     /// The values that make sense.
     pub(crate) range: RangeInclusive<f64>,
@@ -30,7 +30,7 @@ pub enum ParameterError {
     Range {
         /// Which parameter.
         parameter: String,
-        /// What it can be.
+        /// The permitted values.
         allowed: String,
         /// The number given.
         found: f64,
@@ -40,7 +40,7 @@ pub enum ParameterError {
     Value {
         /// Which parameter.
         parameter: String,
-        /// What is wrong with it, or what would be right.
+        /// The problem, or the remedy.
         problem: String,
     },
     /// The parameters cannot be read.

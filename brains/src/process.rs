@@ -2,8 +2,8 @@
 //! one at a time has the motors, and **cognitive processes**, which use no motors and of which any number is active.
 //!
 //! A process is entered when it is activated, does a step in each turn of the brain while it is active, and is left when it
-//! is no longer. What processes tell each other is in [`Beliefs`]: one of odometry says where the robot is, one of navigation
-//! reads that.
+//! is no longer. Processes exchange data in [`Beliefs`]: a process of odometry writes the robot's pose, and one of navigation
+//! reads it.
 
 use baudbot_brain::{Signals, Turn};
 use baudbot_geometry::Point;
@@ -13,16 +13,16 @@ use crate::estimate::Estimate;
 use crate::mapping::Occupancy;
 use crate::odometry::Odometry;
 
-/// What processes know in a step.
+/// The context of a process in a step.
 #[derive(Debug)]
 pub struct StepContext<'a> {
-    /// What has come over the cable.
+    /// The turn: readings that have come over the cable.
     pub turn: &'a Turn,
     /// Since the brain's last step, in seconds.
     pub dt_s: f64,
     /// The state variables z, in the order of their names.
     pub state: &'a [f64],
-    /// What the brain believes. Processes write it for each other.
+    /// The brain's beliefs, which processes write for each other.
     pub beliefs: &'a mut Beliefs,
     /// Gamma parameters that are set in this step: the name of a process, and its Γ.
     pub gammas: &'a mut Vec<(String, f64)>,
@@ -49,7 +49,7 @@ pub struct Beliefs {
     pub near: bool,
     /// Where it means to go next, in metres.
     pub path: Vec<Point>,
-    /// What a behaviour is about, in a few words, for people who look.
+    /// What a behaviour is about, in a few words, for observers.
     pub intention: String,
     /// The sensor that a process waits for in this step, if one does.
     pub awaited: Option<Awaited>,

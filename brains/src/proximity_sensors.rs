@@ -1,5 +1,5 @@
-//! What a robot feels close ahead: its infra-red sensors and sonars. They should be mounted lower than the laser, and see what
-//! that looks over.
+//! Detection of obstacles close ahead, by infra-red sensors and sonars. These should be mounted lower than the laser, to
+//! detect obstacles that it looks over.
 
 use baudbot_brain::{Body, Mount, Sensor, SensorKind, Turn};
 use baudbot_geometry::{Direction, Point, Pose};
@@ -33,7 +33,7 @@ struct Feeler {
     value: f64,
 }
 
-/// What a sonar heard: something is somewhere in its cone.
+/// The echo of a sonar: something is somewhere in its cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Echo {
     /// Where the sonar sits.
@@ -92,7 +92,7 @@ impl ProximitySensors {
         self.is_near_but(|_| false)
     }
 
-    /// The same, without what a sonar heard of things that are known, by whoever knows better where they are.
+    /// The same, without echoes of sonars that come from obstacles whose places are known better, by the laser.
     pub(crate) fn is_near_but(&self, is_known: impl Fn(&Echo) -> bool) -> bool {
         let is_known = |feeler: &Feeler| {
             let Feeler { robot_from_sensor, half_rad, value: distance_m, .. } = *feeler;

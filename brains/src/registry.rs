@@ -13,7 +13,7 @@ use crate::chance::Chance;
 use crate::parameter::ParameterError;
 use crate::process::{CognitiveProcess, MotorBehavior};
 
-/// What a process is made from.
+/// The context in which a process is built.
 pub struct BuildContext<'a> {
     /// Its name in the repertoire.
     pub name: &'a str,
@@ -132,7 +132,7 @@ impl Registry {
 pub(crate) enum Unmade {
     /// There is no such kind, but these.
     Kind(Vec<&'static str>),
-    /// What is wrong with its parameters.
+    /// The problem with its parameters.
     Parameters(ParameterError),
 }
 

@@ -1,4 +1,4 @@
-//! What a laser range finder saw: what [`localization`](crate::localization) matches, and what, with a pose, makes
+//! The scan of a laser range finder. [`localization`](crate::localization) matches scans; scans with poses make
 //! [maps](crate::mapping).
 //!
 //! *Deviations.* The notes set a distance to −1 if nothing was within range (§6.3.1). On the wire it is so; here it is

@@ -16,7 +16,7 @@ pub struct Senses {
 /// One state variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateVariable {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// What it is made of.
     pub sources: Vec<Source>,

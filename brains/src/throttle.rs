@@ -1,4 +1,4 @@
-//! Commands, no more of them than the cable takes.
+//! A throttle for commands: a brain sends no more of them than its cable can carry.
 
 use baudbot_brain::{Action, Body, Signals, Turn};
 

@@ -1,8 +1,8 @@
-//! How much is computed at most: a scenario from the network must not make anybody wait without end.
+//! The allowance: a limit on computation, so that a scenario from the network cannot keep a server busy without end.
 
 use super::plan::Plan;
 
-/// How much may be computed until looking for remedies stops. What is counted is how often a sensor is looked at in an
+/// How much may be computed until the search for remedies stops. It counts how often a sensor is evaluated in an
 /// event of a dry run, so it does not depend on how fast the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Allowance {
@@ -49,8 +49,8 @@ impl Default for Allowance {
 /// About a second.
 const OF_A_ROBOT: u64 = 200_000_000;
 
-/// What an event takes besides, in sensors looked at.
+/// The further cost of an event, in evaluations of a sensor.
 const EVENT: u64 = 8;
 
-/// What the bounds take for each sensor.
+/// The cost of the bounds for each sensor.
 const BOUNDS: u64 = 1000;

@@ -1,4 +1,4 @@
-//! What can be changed on a robot to make it quicker: each change with what it does, what it costs, and how a
+//! Changes that make a robot quicker: each with its effect, its cost, and how a
 //! scenario says it.
 
 use alloc::format;
@@ -203,7 +203,7 @@ impl Robot {
         costliest.map(|(i, _)| Change::Drop(i)).into_iter().collect()
     }
 
-    /// What a change does, in words.
+    /// The effect of a change, in words.
     pub(super) fn phrase(&self, change: Change) -> String {
         let ms = |ns: u64| format!("{} ms", ns as f64 / 1e6);
         let name = |i: usize| self.spec.sensors[i].name.as_str();
@@ -319,7 +319,7 @@ fn mode_fields(firmware: &Firmware) -> Vec<String> {
     }
 }
 
-/// What a scenario says of a deadline, if it does.
+/// The deadline that a scenario states, if it does.
 fn deadline_fields(deadline: &Deadline) -> String {
     let on_late = match deadline.on_late {
         None => return String::new(),
@@ -349,7 +349,7 @@ fn matters(processor: &Processor) -> bool {
     operations_per_s.is_some() || framing_ns_per_byte + receiving_ns_per_byte + obeying_ns > 0
 }
 
-/// What a preset says of a processor.
+/// The processor of a preset.
 pub(super) fn chip(preset: &Preset) -> Option<Processor> {
     let file: toml::Table = preset.text.parse().ok()?;
     let chip = file.get(preset.kind.word())?.as_table()?;

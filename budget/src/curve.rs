@@ -47,7 +47,7 @@ impl Curve {
     }
 }
 
-/// Instants that are looked at until a queue is taken for one without end.
+/// Instants that are examined before a queue is taken to be endless.
 const MOST_STEPS: usize = 1024;
 
 /// The longest queue that these can make; `None` if there may be no end to it.

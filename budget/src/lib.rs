@@ -1,6 +1,6 @@
-//! What one control cycle costs, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
+//! The cost of one control cycle, from the scenario alone: Fig. 3.2 (§3.2.1) as arithmetic.
 //!
-//! What takes place in one step must take the real robot less than that step. For each robot this says how long it takes,
+//! A real robot must need less than one step for everything in that step. For each robot this says how long it takes,
 //! how often it can be done, how old readings are by then, what is the bottleneck, and what would fix it.
 //!
 //! From the scenario to the answer:

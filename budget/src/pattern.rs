@@ -32,7 +32,7 @@ pub(super) struct Slot {
     pub(super) bytes: Range,
 }
 
-/// Messages that are looked at; schedules with a longer common period are not looked into.
+/// Messages that are examined; schedules with a longer common period are not.
 const MOST_MESSAGES: u128 = 2048;
 
 impl Pattern {
@@ -105,7 +105,7 @@ fn gcd(mut a: u128, mut b: u128) -> u128 {
     a
 }
 
-/// What has been seen so far.
+/// The messages that have been seen so far.
 struct Tally {
     reads_ns: Option<Range>,
     bytes: Option<Range>,

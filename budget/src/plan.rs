@@ -75,7 +75,7 @@ impl<'a> Plan<'a> {
         self.spec.firmware.protocol.repeats()
     }
 
-    /// What a read of a sensor takes of the processor's time.
+    /// The processor time of a read of a sensor.
     pub(super) fn read_ns(&self, sensor: &Sensor) -> Range {
         let most = sensor.device.longest_wait_ns();
         let wait = if sensor.own_clock.is_some() {
@@ -155,12 +155,12 @@ impl<'a> Plan<'a> {
         if self.spec.is_onboard() { 0 } else { message.most * self.spec.processor.framing_ns_per_byte }
     }
 
-    /// What it takes to take a byte from the receiver.
+    /// The processor time for taking a byte from the receiver.
     pub(super) fn receiving_ns(&self) -> u64 {
         if self.spec.is_onboard() { 0 } else { self.spec.processor.receiving_ns_per_byte }
     }
 
-    /// What a whole command takes of the processor's time.
+    /// The processor time of a whole command.
     pub(super) fn command_ns(&self) -> u64 {
         self.command_bytes().most * self.receiving_ns() + self.spec.processor.obeying_ns
     }
@@ -220,7 +220,7 @@ pub(super) fn calm(link: &Link) -> Link {
     calm
 }
 
-/// What stands between the cable and the laptop.
+/// The adapter between the cable and the laptop.
 pub(super) fn adapter(link: &Link) -> Adapter {
     match link {
         Link::Ideal | Link::Onboard | Link::Usb(_) => Adapter::None,

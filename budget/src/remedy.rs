@@ -1,4 +1,4 @@
-//! What would fix a robot that does not keep its step: each change is made, and the budget computed again, as long as
+//! Remedies for a robot that misses its deadline: each change is made, and the budget computed again, as long as
 //! the [`Allowance`] lasts.
 
 use alloc::string::{String, ToString};

@@ -1,4 +1,4 @@
-//! What a budget says: plain data, with the unit in each name.
+//! The report of a budget: plain data, with the unit in each name.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -54,7 +54,7 @@ impl Part {
         Self::Actuation,
     ];
 
-    /// What people call it.
+    /// Its name for people.
     pub const fn phrase(self) -> &'static str {
         match self {
             Self::Acquisition => "reading the sensors",
@@ -131,7 +131,7 @@ pub struct Load {
 pub struct Chip {
     /// Memory for the brain's variables, in bytes, if the scenario says.
     pub ram_bytes: Option<u64>,
-    /// What the brain says that it needs of it.
+    /// The part of it that the brain declares to need.
     pub brain_memory_bytes: Option<u64>,
     /// Operations that the processor does in one step Δt, if the scenario says how fast it is.
     pub operations_per_step: Option<f64>,
@@ -151,7 +151,7 @@ pub enum Verdict {
     Misses,
 }
 
-/// What a remedy costs, the cheapest first.
+/// The cost of a remedy, the cheapest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cost {
@@ -176,9 +176,9 @@ pub enum Cost {
 /// A change that removes the problem: what the budget is with it was computed again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Remedy {
-    /// What to do, in words.
+    /// The remedy, in words.
     pub what: String,
-    /// What that costs.
+    /// The cost of the remedy.
     pub cost: Cost,
     /// The same as changes of the scenario, `PATH=VALUE`; empty if it cannot be said so.
     pub overrides: Vec<String>,
@@ -190,7 +190,7 @@ pub struct Remedy {
     pub verdict: Verdict,
 }
 
-/// What one robot's control cycle costs.
+/// The cost of one robot's control cycle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotBudget {
     /// Its name.
@@ -211,11 +211,11 @@ pub struct RobotBudget {
     pub chip: Chip,
     /// Whether it keeps its step.
     pub verdict: Verdict,
-    /// What takes longest, or what is overloaded.
+    /// The bottleneck: the part that takes longest, or that is overloaded.
     pub bottleneck: String,
-    /// What would fix it, the cheapest first; none if it keeps its step.
+    /// Its remedies, the cheapest first; none if it meets its deadline.
     pub remedies: Vec<Remedy>,
-    /// What was not computed, and why; `None` if all was.
+    /// The part that was not computed, with the reason; `None` if everything was.
     pub left_out: Option<String>,
 }
 

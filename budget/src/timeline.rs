@@ -1,5 +1,5 @@
-//! The plan of a robot carried out without a world: no scene, no noise, no bytes that mean anything; only tasks that
-//! fall due, bytes that travel and a brain that answers each message. What comes of it is what is typical.
+//! The dry run: the plan of a robot carried out without a world. There is no scene, no noise and no meaningful byte, only
+//! tasks that fall due, bytes that travel and a brain that answers each message. Its results are the typical ones.
 //!
 //! It follows the same rules as `microcontroller`, `laptop` and `robot`, and uses the same lines.
 
@@ -15,7 +15,7 @@ use baudbot_sim::link::{Line, Link};
 use baudbot_sim::schedule::Due;
 use baudbot_sim::time::SimTime;
 
-/// What came of it.
+/// The result of the dry run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     /// The parts of each cycle that was completed, in nanoseconds, and their sum.
@@ -63,7 +63,7 @@ struct Written {
     cycle: Option<Open>,
 }
 
-/// What the microcontroller turns to next.
+/// The next task of the microcontroller.
 enum Task {
     Read(usize),
     Send,

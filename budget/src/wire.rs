@@ -1,4 +1,4 @@
-//! What a message meets on its way, at least and at most: the wire, the adapter, a frame of USB.
+//! The delays of a message on its way, at least and at most: the wire, the adapter, a frame of USB.
 
 use super::plan::{Range, adapter};
 use baudbot_sim::link::{Adapter, Bluetooth, Link};

@@ -5,7 +5,7 @@ use baudbot_sim::{Input, Scenario, SimTime, World};
 
 use crate::common::command;
 
-/// What was measured.
+/// The measurements of a run.
 pub(crate) struct Measured {
     pub(crate) seconds: f64,
     /// Messages that arrived, and commands that were understood.

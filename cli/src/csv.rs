@@ -22,7 +22,7 @@ pub(crate) struct Table {
     /// Taken when the first write fails; otherwise told when the table is done.
     outcome: Option<oneshot::Sender<io::Result<()>>>,
     values: Vec<f64>,
-    /// What stands above the rows; taken with the first.
+    /// The header above the rows; taken with the first.
     header: Option<String>,
 }
 
@@ -76,7 +76,7 @@ impl Table {
         Ok(())
     }
 
-    /// The first failure is told at once, and is the last thing that this table does.
+    /// The first failure is reported at once, and ends the table.
     fn note(&mut self, result: io::Result<()>) {
         if let Err(error) = result
             && let Some(outcome) = self.outcome.take()

@@ -13,7 +13,7 @@ pub(crate) fn kind(link: &Link) -> &'static str {
     }
 }
 
-/// What a line can carry; `None` if it is ideal.
+/// The capacity of a line; `None` if it is ideal.
 pub(crate) fn bytes_per_second(link: &Link) -> Option<f64> {
     match link {
         Link::Ideal | Link::Onboard => None,

@@ -5,13 +5,16 @@
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
 //!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
-//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts one, `brains` lets brains drive robots.
-//! 4. `summary` is what is told about a run and `report` tells it to people; `csv` is the table of a run,
-//!    `map` an arena in characters, `alike` says for which others a robot stands, `text` lays out columns and is the only
-//!    way to a terminal, `viewer` leads to a page, and `foxglove` lets another program look. Pictures are `baudbot-plot`'s.
-//! 5. `logs` is what is told while it happens, on stderr or, with the feature `otel`, to a collector.
+//! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
+//!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
+//! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
+//!    for Perfetto, `map` an arena in characters, `link` a link in words, `together` warns of sensors whose readings arrive
+//!    too far apart, `robot_groups` groups the robots of one table. `text` lays out columns and is the only module that
+//!    writes to a terminal, `viewer` prints the address of a page, and `foxglove` serves Foxglove. Pictures are
+//!    `baudbot-plot`'s.
+//! 5. `logs` writes the log, to stderr or, with the feature `otel`, to a collector.
 //!
-//! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; all else shares one thread.
+//! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; everything else shares one thread.
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
@@ -90,7 +93,7 @@ fn execute(command: Command) -> anyhow::Result<ExitCode> {
     done
 }
 
-/// How long work may go on that nobody waits for.
+/// How long background work may continue at the end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {

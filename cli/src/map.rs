@@ -54,7 +54,7 @@ impl Map {
         rows.map(|row| format!("{}\n", row.trim_end())).collect()
     }
 
-    /// What is outside is not drawn.
+    /// Points outside are not drawn.
     fn dot(&mut self, (x, y): (f64, f64), mark: char) {
         let column = ((x - self.min.0) / self.scale).round();
         let row = ((y - self.min.1) / self.scale / 2.0).round();

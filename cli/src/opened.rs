@@ -1,4 +1,4 @@
-//! Files that people name are opened so that nothing waits for ever: a pipe may have nobody at its other end.
+//! Opening of files that users name, without a wait for ever: a pipe may have no writer.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Cursor, Read};
@@ -15,7 +15,7 @@ pub(crate) fn plain(path: &Path) -> io::Result<File> {
     if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("is not a file")) }
 }
 
-/// Opens a file, a pipe or a device. A pipe that nobody writes into is an error, if it stays so for two seconds.
+/// Opens a file, a pipe or a device. A pipe without a writer for two seconds is an error.
 pub(crate) fn any(path: &Path) -> io::Result<impl Read> {
     let mut file = at_once(path)?;
     let first = if file.metadata()?.file_type().is_fifo() { first_byte(&mut file)? } else { Vec::new() };
@@ -23,12 +23,12 @@ pub(crate) fn any(path: &Path) -> io::Result<impl Read> {
     Ok(Cursor::new(first).chain(file))
 }
 
-/// Opens it without waiting, and so that nobody waits who reads it.
+/// Opens it without waiting, and so that reads do not block.
 fn at_once(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).custom_flags(OFlags::NONBLOCK.bits().cast_signed()).open(path)
 }
 
-/// The first byte of a pipe; none if there is somebody at its other end who has yet to write one.
+/// The first byte of a pipe; none if its writer has yet to write one.
 fn first_byte(pipe: &mut File) -> io::Result<Vec<u8>> {
     let deadline = Instant::now() + PATIENCE;
     let mut byte = [0];

@@ -1,4 +1,4 @@
-//! What `--record` asks for.
+//! The options of `--record`.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! `baudbot replay`: a recording is done again, and held against what was recorded.
+//! `baudbot replay`: a recorded run is simulated again, and compared with the recording.
 
 use std::io::{BufReader, IsTerminal};
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::serving::{Serving, Viewing};
 use crate::text::tell;
 use crate::{opened, record, text};
 
-/// What was found.
+/// The outcome.
 #[derive(Debug, Serialize)]
 struct Finding {
     recording: String,
@@ -85,7 +85,7 @@ pub(crate) async fn replay(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// What is wrong with the file.
+/// Prints a note on the damage of the file.
 fn note(file: &Path, recorded: &RecordedRun) {
     let file = file.display();
     if let Some(problem) = recorded.problem() {
@@ -129,7 +129,7 @@ pub(crate) fn open(path: &Path) -> anyhow::Result<(Replay, World)> {
     Replay::start(Arc::new(recorded)).map_err(|error| refused(path, &error))
 }
 
-/// What is in a recording.
+/// Reads a recording.
 pub(crate) fn recorded_run(path: &Path) -> Result<RecordedRun, RecordingError> {
     RecordedRun::read(BufReader::with_capacity(1 << 20, opened::plain(path)?))
 }

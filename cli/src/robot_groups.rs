@@ -1,4 +1,4 @@
-//! Robots of one table of a scenario, with several `starts`: one of them is told of, and stands for all.
+//! Robots of one table of a scenario, with several `starts`: reports show one of them, which stands for all.
 
 use std::collections::BTreeMap;
 

@@ -26,7 +26,7 @@ pub(crate) const DEFAULT: &str = "wander";
 /// The text of a scenario, not yet parsed.
 #[derive(Debug)]
 pub(crate) struct Source {
-    /// What the command calls it: a path, or the name of an embedded scenario.
+    /// The name given to the command: a path, or that of an embedded scenario.
     label: String,
     text: String,
 }

@@ -15,16 +15,16 @@ use crate::signals::Stop;
 use crate::text::tell;
 use crate::{text, viewer};
 
-/// When there is a page if nobody says.
+/// Whether there is a page by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Viewing {
-    /// It is what the server is for: others reach it only if they are told where.
+    /// Always, since the page is the server's purpose; other machines reach it only if an address allows that.
     Always,
-    /// Who keeps a server to a socket's file wants nobody else to reach it.
+    /// Not if the server listens on a socket's file only: others are not to reach it.
     IfOpen,
 }
 
-/// A server that is going to be started, and what is told about its worlds.
+/// A server that is going to be started, and the description of its worlds.
 pub(crate) struct Serving<'a> {
     builder: Builder,
     listen: &'a ListenArgs,
@@ -57,7 +57,7 @@ impl<'a> Serving<'a> {
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
 
-    /// Serves until somebody stops it.
+    /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
         let Self { mut builder, listen, worlds } = self;
         let listening = addresses(listen, viewing)?;

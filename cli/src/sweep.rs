@@ -47,7 +47,7 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
     Ok(if swept.summary.failed > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// `--find`: each limit is told as it is found.
+/// `--find`: each limit is reported as soon as it is found.
 fn look(
     experiment: &Experiment,
     args: &WorkArgs,
@@ -76,7 +76,7 @@ fn look(
     Ok(if limits.iter().all(|limit| limit.limit.is_some()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What a person or a program is told at the end.
+/// The report at the end, for people or for programs.
 fn show(experiment: &Experiment, args: &WorkArgs, swept: &Swept) -> anyhow::Result<()> {
     if args.json {
         text::print_json(&swept.summary.json(experiment))?;
@@ -89,5 +89,5 @@ fn show(experiment: &Experiment, args: &WorkArgs, swept: &Swept) -> anyhow::Resu
     Ok(())
 }
 
-/// Combinations that are told on a screen; the file has them all.
+/// Combinations that are printed to a terminal; the file has all of them.
 const MOST_CELLS: usize = 60;

@@ -77,7 +77,7 @@ macro_rules! tell {
 }
 pub(crate) use tell;
 
-/// Writes a line, or several, for people to stderr. If nobody can read it there is nobody to be told of that.
+/// Writes a line, or several, for people to stderr. Errors are ignored, as there is no place left to report them.
 pub(crate) fn write_err(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{}", PrintableLines(text));
 }

@@ -12,7 +12,7 @@ use baudbot_sim::sensor::Sensor;
 
 use crate::robot_groups;
 
-/// What is to be said of the robots of a scenario: the name of each with a sentence.
+/// The warnings for the robots of a scenario: the name of each with a sentence.
 pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {
     let robots = robot_groups::first_of_each(&scenario.robots).into_iter().map(|(robot, _)| robot);
     // A budget takes a while: only of those with sensors that some brain needs together.
@@ -27,7 +27,7 @@ pub(crate) fn all_warnings(scenario: &Scenario) -> Vec<(&str, String)> {
     told
 }
 
-/// What is to be said of a robot with this budget, a sentence each.
+/// The warnings for a robot with this budget, a sentence each.
 pub(crate) fn warnings(spec: &RobotSpec, budget: &RobotBudget) -> Vec<String> {
     wanted().filter(|kinds| has_both(spec, *kinds)).filter_map(|kinds| warning(kinds, spec, budget)).collect()
 }

@@ -42,7 +42,7 @@ impl Trace {
         self
     }
 
-    /// What happened since the last call.
+    /// The events since the last call.
     pub(crate) fn write(&mut self, world: &World) {
         if self.outcome.is_some()
             && let Err(error) = self.events(world)

@@ -39,7 +39,7 @@ fn run(experiment: &Experiment, args: &WorkArgs, stop: &AtomicBool) -> anyhow::R
     Ok(if tuned.best().is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What a person or a program is told at the end.
+/// The report at the end, for people or for programs.
 fn show(experiment: &Experiment, args: &WorkArgs, tuned: &Tuned) -> anyhow::Result<()> {
     if args.json {
         text::print_json(&tuned.json(experiment))?;

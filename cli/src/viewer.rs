@@ -1,4 +1,4 @@
-//! Where the viewer is, a page for browsers.
+//! The address of the viewer, a page for browsers.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -31,7 +31,7 @@ impl FromStr for Viewer {
     }
 }
 
-/// Adds the viewer to a server. Where nobody says, it is at the usual place, or at a free port if that is taken.
+/// Adds the viewer to a server. By default it is at the usual port, or at a free one if that is taken.
 pub(crate) fn add(builder: Builder, asked: Option<Viewer>, usually: bool) -> Builder {
     match asked {
         Some(Viewer::At(address)) => builder.viewer(address),

@@ -91,7 +91,7 @@ async fn connect_to_any(authority: &str) -> io::Result<TcpStream> {
 /// So long an address is tried before the next one is, too.
 const HEAD_START: Duration = Duration::from_millis(250);
 
-/// What bytes go over.
+/// A connection for bytes.
 trait Pipe: AsyncRead + AsyncWrite + Send + Unpin {}
 
 impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
@@ -99,7 +99,7 @@ impl<IO: AsyncRead + AsyncWrite + Send + Unpin> Pipe for IO {}
 /// A connection that tells when the first bytes have come, or its end.
 struct Line {
     pipe: Box<dyn Pipe>,
-    /// Who is to be told.
+    /// The recipient.
     heard: Option<Arc<Notify>>,
 }
 

@@ -6,7 +6,7 @@ use tokio::time::{Instant, sleep_until};
 
 /// Attempts something again and again, each time after a longer wait, until it succeeds, fails for good, or `limit` is over:
 /// then its last error. A program whose connection [is lost](crate::Error::may_pass) so comes back to its robots once the server
-/// is there again. Its brain starts over, as nobody knows what became of the world meanwhile.
+/// is there again. Its brain starts over, as the world may have changed meanwhile.
 ///
 /// ```no_run
 /// # use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What can go wrong between a brain and its server.
+//! Errors between a brain and its server.
 
 use std::error::Error as StdError;
 
@@ -8,7 +8,7 @@ use baudbot_proto::{REASON, RESTART};
 use thiserror::Error;
 use tonic::Code;
 
-/// Why a brain cannot go on.
+/// The reason why a brain cannot continue.
 #[derive(Debug, Error)]
 pub enum Error {
     /// The address is none.
@@ -22,7 +22,7 @@ pub enum Error {
     Connect {
         /// As it was given.
         address: String,
-        /// What the network said.
+        /// The network's message.
         cause: String,
     },
     /// The server refused, or ended the stream with an error.
@@ -41,7 +41,7 @@ pub enum Error {
     /// The connection broke.
     #[error("the connection to the server is lost ({message})")]
     Lost {
-        /// What the network said.
+        /// The network's message.
         message: String,
     },
     /// The server does not keep to the contract.

@@ -62,7 +62,7 @@ pub(crate) fn step<'a>(turn: u64, answers: impl Iterator<Item = (usize, Answer<'
     request(Request::Step(v1::Step { turn, robots }))
 }
 
-/// What is shown to people.
+/// The request that publishes a robot's belief.
 pub(crate) fn annotate(robot: usize, belief: Belief) -> v1::AttachRequest {
     request(Request::Annotate(v1::Annotate { robot: robot as u32, belief: Some(belief.into()) }))
 }
@@ -96,7 +96,7 @@ pub(crate) fn nanoseconds(duration: Duration) -> u64 {
 }
 
 impl Answer<'_> {
-    /// What the brain waits for now.
+    /// The condition that the brain waits for now.
     pub(crate) fn until(&self) -> Option<Until> {
         match self {
             Self::Act(action) => action.until,

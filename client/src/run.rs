@@ -1,4 +1,4 @@
-//! What lets a brain drive its robot, or brains a fleet, until the run is over.
+//! Loops in which a brain drives its robot, or brains a fleet, until the run is over.
 
 use baudbot_brain::Brain;
 

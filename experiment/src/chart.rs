@@ -145,7 +145,7 @@ fn figure_title(chart: &Chart) -> &'static str {
     chart.figure.map_or("runs that succeed", |figure| figure.info().title)
 }
 
-/// What stands above a chart.
+/// The title of a chart.
 fn title(experiment: &Experiment, chart: &Chart) -> String {
     let figure = figure_title(chart);
     let by = chart.by.map(|by| format!(" and {}", experiment.fields[by].label)).unwrap_or_default();

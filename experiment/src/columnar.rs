@@ -1,4 +1,4 @@
-//! Tables in Parquet, without compression: whoever reads one needs no more than the format itself.
+//! Tables in Parquet, without compression: a reader needs no more than the format itself.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-/// What is in a column.
+/// The values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Whole numbers, one in each row.
@@ -61,7 +61,7 @@ impl<W: Write + Send> Writer<W> {
         self.group(columns).map_err(failed)
     }
 
-    /// Ends the table; without its end nobody can read it.
+    /// Ends the table; without its end it cannot be read.
     ///
     /// # Errors
     /// If that cannot be written.

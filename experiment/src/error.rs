@@ -1,4 +1,4 @@
-//! What can be wrong with an experiment, and what can go wrong with a sweep.
+//! Errors in an experiment, and failures of a sweep.
 
 use std::fmt;
 use std::io;
@@ -17,7 +17,7 @@ pub enum Error {
     Field {
         /// Where, for instance `fields[1].values`.
         path: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// What was asked for cannot be done as it was asked for.
@@ -30,7 +30,7 @@ pub enum Error {
         doing: &'static str,
         /// Its path.
         path: PathBuf,
-        /// What the system said.
+        /// The system's message.
         cause: io::Error,
     },
     /// A server could not be reached, or did not do as it should. What is in the journal is kept.

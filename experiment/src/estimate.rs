@@ -21,7 +21,7 @@ impl Estimate {
         Self { runs: missing, time: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX) }
     }
 
-    /// Refuses what is long: somebody must confirm it. `at_most` stands before the number.
+    /// Refuses long work that has not been confirmed. `at_most` stands before the number.
     pub(crate) fn refuse_long(self, at_most: &str) -> Result<(), Error> {
         if self.runs <= MOST_RUNS && self.time <= LONGEST {
             return Ok(());
@@ -48,7 +48,7 @@ pub fn span(time: Duration) -> String {
 
 /// More runs than these must be confirmed.
 const MOST_RUNS: u64 = 10_000;
-/// What takes longer must be confirmed.
+/// Work that takes longer must be confirmed.
 const LONGEST: Duration = Duration::from_secs(3600);
 
 #[cfg(test)]

@@ -17,9 +17,9 @@ use crate::tuning::Tuning;
 pub struct Experiment {
     /// A short name.
     pub name: String,
-    /// What it is about, for people.
+    /// Its description, for people.
     pub description: String,
-    /// What the scenario is called: a file, or one that is part of the program.
+    /// The name of the scenario: a file, or one that is part of the program.
     pub scenario: String,
     /// The scenario's text, with all files that it refers to in it.
     pub text: String,
@@ -31,15 +31,15 @@ pub struct Experiment {
     pub seeds: Seeds,
     /// Which combinations are run.
     pub design: Design,
-    /// What is varied.
+    /// The factors: the fields that are varied.
     pub fields: Vec<Field>,
-    /// What counts as success, if anything does.
+    /// The criterion of success, if there is one.
     pub success: Option<Success>,
     /// How limits are looked for.
     pub find: Find,
     /// How the fields are tuned, if they can be.
     pub tuning: Option<Tuning>,
-    /// What is drawn.
+    /// The charts that are drawn.
     pub charts: Vec<Chart>,
 }
 
@@ -57,9 +57,9 @@ pub struct Find {
 /// A drawing of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// What it shows; `None` is the share of runs that succeed.
+    /// The figure that it shows; `None` is the share of runs that succeed.
     pub figure: Option<Figure>,
-    /// What it looks like.
+    /// Its appearance.
     pub kind: ChartKind,
     /// The field along the horizontal axis, by its place.
     pub x: usize,

@@ -1,4 +1,4 @@
-//! What is varied: a field, or several together, with its values.
+//! Factors: a field that is varied, or several together, with their values.
 
 use toml::Value;
 
@@ -8,7 +8,7 @@ use crate::raw;
 /// Something that is varied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// What tables and charts call it.
+    /// Its name in tables and charts.
     pub label: String,
     /// The unit of its values; empty if it has none.
     pub unit: String,
@@ -28,11 +28,11 @@ pub enum Choice {
 /// One of the values of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// What tables and charts call it.
+    /// Its name in tables and charts.
     pub name: String,
     /// The value, if it is a number.
     pub number: Option<f64>,
-    /// What it changes.
+    /// The fields that it changes.
     pub settings: Vec<Setting>,
 }
 
@@ -167,7 +167,7 @@ fn target<'a>(path: &str, field: Option<&'a str>) -> Result<&'a str, Error> {
     Ok(field)
 }
 
-/// What all paths that are varied must be.
+/// Checks that a path can be varied.
 fn checked(at: &str, field: &str) -> Result<(), Error> {
     if field.is_empty() || field.contains('=') {
         return Err(Error::field(at, format!("`{field}` is not a path such as robots.robot.link.baud")));

@@ -1,4 +1,4 @@
-//! Figures of merit: what is said of a run in numbers. A figure that does not apply to a run is missing.
+//! Figures of merit: the results of a run as numbers. A figure that does not apply to a run is missing.
 //!
 //! More figures go in three places of this file: a variant of [`Figure`], a line of [`INFOS`] in the same place, and
 //! `Figures::of`. What they are made of is in `metrics`, which takes it from a world here or from a server's status.
@@ -30,7 +30,7 @@ pub enum Figure {
     ReadsMissed,
 }
 
-/// What there is to know about a figure.
+/// The description of a figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     /// The figure.
@@ -41,7 +41,7 @@ pub struct Info {
     pub title: &'static str,
     /// It is a share, from 0 to 1.
     pub is_share: bool,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
@@ -153,7 +153,7 @@ impl Figure {
         found.map(|info| info.figure).ok_or_else(|| UnknownName::new("figure", name, &names))
     }
 
-    /// What there is to know about it.
+    /// Its description.
     pub fn info(self) -> &'static Info {
         &INFOS[self as usize]
     }

@@ -305,7 +305,7 @@ impl Limit {
         self.probes.iter().enumerate().all(|(i, probe)| probe.is_enough == (i >= limit))
     }
 
-    /// What is told about it.
+    /// Its report.
     pub fn text(&self, experiment: &Experiment, field: &str) -> String {
         let others = self.others.iter().map(|(label, level)| format!("{label} {level}: "));
         others.collect::<String>() + &self.headline(experiment, field) + "\n" + &self.notes()

@@ -1,4 +1,4 @@
-//! What tells two experiments apart, and two builds of the program.
+//! Fingerprints, which distinguish two experiments, and two builds of the program.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use crate::in_process::InProcess;
 use crate::metrics::Counted;
 use crate::run_record::Ran;
 
-/// Equal for experiments whose runs are the same, run by run. What is only told or drawn of the runs makes no difference.
+/// Equal for experiments whose runs are the same, run by run. Reports and charts make no difference.
 pub(crate) fn fingerprint(experiment: &Experiment) -> String {
     fingerprint_with(experiment, "")
 }

@@ -1,4 +1,4 @@
-//! What makes a candidate good.
+//! Goals of a tuning: the quality of a candidate.
 
 use std::fmt;
 

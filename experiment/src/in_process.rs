@@ -121,7 +121,7 @@ impl InProcess {
         self.world.finish(&inputs);
     }
 
-    /// What the brain of the robot in this place believes, as people who look are told.
+    /// The belief of the brain of the robot in this place, as observers get it.
     pub fn belief(&mut self, robot: usize) -> Option<Belief> {
         self.brains.get_mut(robot)?.as_mut()?.brain.belief()
     }

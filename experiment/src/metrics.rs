@@ -4,7 +4,7 @@ use baudbot_proto::v1::{self, EndingKind};
 use baudbot_sim::link::LineCounters;
 use baudbot_sim::{Ending, Histogram, RobotView, World};
 
-/// What figures are made of.
+/// The counts that figures are made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Counted {
     pub(crate) time_ns: u64,
@@ -66,7 +66,7 @@ impl Ages {
     }
 }
 
-/// What a run was for, if it ended with that.
+/// The goal of a run, if it ended by reaching it.
 #[derive(Clone, Copy, PartialEq)]
 enum Reached {
     /// The one goal of a scenario that has no zones for goals.

@@ -41,7 +41,7 @@ impl Folder {
         }
     }
 
-    /// What only this folder has: random, and the same whenever a sweep goes on here. It tells the worlds on a server
+    /// The folder's own id: random, and the same whenever a sweep resumes here. It tells the worlds on a server
     /// that are of this sweep from all others.
     pub(crate) fn id(&self) -> &str {
         &self.id
@@ -122,5 +122,5 @@ impl From<Error> for Content {
     }
 }
 
-/// What a sweep locks.
+/// The lock of a sweep's folder.
 const LOCK: &str = ".lock";

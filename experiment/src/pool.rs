@@ -20,7 +20,7 @@ pub enum Place {
     Server(String),
 }
 
-/// Who does runs.
+/// The workers that do the runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workers {
     /// Where.

@@ -1,4 +1,4 @@
-//! What may stand in an experiment file.
+//! The fields of an experiment file.
 
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -122,7 +122,7 @@ pub(crate) struct Chart {
     pub(crate) title: Option<String>,
 }
 
-/// What a chart looks like.
+/// The form of a chart.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum ChartKind {

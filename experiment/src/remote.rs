@@ -118,7 +118,7 @@ async fn create(
     answer.map(|_| ()).map_err(|status| Failure::of(&status))
 }
 
-/// Waits for the end of the run: for one without brains nobody else tells.
+/// Waits for the end of the run, which no stream reports if the run has no brains.
 async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Result<v1::WorldStatus, Failure> {
     let mut pause = Duration::from_millis(1);
     loop {

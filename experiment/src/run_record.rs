@@ -20,7 +20,7 @@ pub struct Row {
 pub struct Ran {
     /// Why it ended.
     pub ending: String,
-    /// What was counted.
+    /// The figures of merit.
     pub figures: Figures,
     /// Fingerprint of the world's state at its end.
     pub hash: u64,

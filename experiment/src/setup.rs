@@ -1,4 +1,4 @@
-//! What a run needs: its scenario, and who drives which robot.
+//! The setup of a run: its scenario, and the brain of each robot.
 
 use baudbot_brains::catalogue;
 use baudbot_scenario::{Override, ScenarioError};
@@ -42,7 +42,7 @@ impl Setup {
     }
 }
 
-/// All that a task sets.
+/// All fields that a task sets.
 pub(crate) fn settings(task: &Task) -> impl Iterator<Item = &Setting> {
     task.cell.levels.iter().flat_map(|level| &level.settings)
 }

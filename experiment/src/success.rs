@@ -1,4 +1,4 @@
-//! What counts as success: limits of figures, all of which a run must keep.
+//! Criteria of success: limits of figures, all of which a run must keep.
 
 use std::fmt;
 
@@ -62,7 +62,7 @@ impl Success {
         })
     }
 
-    /// The figures that it looks at.
+    /// The figures that it uses.
     pub fn figures(&self) -> impl Iterator<Item = Figure> {
         self.conditions.iter().map(|condition| condition.figure)
     }

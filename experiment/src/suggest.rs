@@ -1,4 +1,4 @@
-//! Names that somebody may have meant, in words.
+//! Suggestions of names that a user may have meant, in words.
 
 use std::fmt;
 
@@ -49,10 +49,10 @@ impl fmt::Display for UnknownName {
     }
 }
 
-/// Most names that are told besides the nearest.
+/// Most names that are listed besides the nearest.
 const MAX_NAMES: usize = 12;
 
-/// Longest name that is told, in characters.
+/// Longest name that is listed, in characters.
 const MAX_CHARACTERS: usize = 80;
 
 #[cfg(test)]

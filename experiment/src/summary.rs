@@ -1,4 +1,4 @@
-//! What is told about each combination: means over its seeds.
+//! The summary of each combination: means over its seeds.
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -8,7 +8,7 @@ use crate::figures::{Figures, INFOS, Info};
 use crate::run_record::Row;
 use crate::statistics::{Sample, wilson};
 
-/// What came of the runs of a combination.
+/// The results of a combination's runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellSummary {
     /// Its number.
@@ -25,7 +25,7 @@ pub struct CellSummary {
     pub figures: [Sample; Figures::COUNT],
 }
 
-/// What came of all runs.
+/// The results of all runs.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// Combination by combination; of very many only the first.
@@ -128,8 +128,8 @@ struct Mean {
     plus_minus: Option<f64>,
 }
 
-/// Most combinations that are told.
+/// Most combinations that are listed.
 const MOST_CELLS: usize = 10_000;
 
-/// Most failures that are told.
+/// Most failures that are listed.
 const MOST_FAILURES: usize = 20;

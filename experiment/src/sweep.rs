@@ -21,7 +21,7 @@ use crate::{chart, csv_table, table};
 pub struct Options<'a> {
     /// The folder for its outputs.
     pub out: &'a Path,
-    /// What is there already is deleted, once it is clear that this sweep is done.
+    /// Deletes the old results, once it is clear that this sweep is done.
     pub fresh: bool,
     /// Where runs are done.
     pub place: Place,
@@ -29,7 +29,7 @@ pub struct Options<'a> {
     pub jobs: usize,
     /// A sweep that takes long is wanted all the same.
     pub confirmed: bool,
-    /// Whoever sets it ends the sweep after the present runs.
+    /// Once it is set the sweep ends after the present runs.
     pub stop: &'a AtomicBool,
     /// Is told how many runs of how many are done.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
@@ -48,7 +48,7 @@ pub struct Swept {
     pub resumed: u64,
     /// All runs.
     pub total: u64,
-    /// What came of them; empty if it was stopped.
+    /// Their results; empty if it was stopped.
     pub summary: Summary,
     /// The files that it wrote.
     pub files: Vec<PathBuf>,
@@ -145,7 +145,7 @@ impl Runner<'_> {
     }
 }
 
-/// The journal in a folder, or a fresh one beside it: what is there is deleted only once nothing can refuse to go on.
+/// The journal in a folder, or a fresh one beside it: old files are deleted only once nothing can refuse the sweep any more.
 pub(crate) fn begin_journal(
     folder: &Folder,
     header: &Header,
@@ -167,7 +167,7 @@ pub(crate) fn keep_journal(folder: &Folder, journal: &mut Journal) -> Result<(),
     journal.move_to(&folder.file(JOURNAL))
 }
 
-/// All that is made of the journal.
+/// All files that are made of the journal.
 fn write(
     experiment: &Experiment,
     folder: &Folder,

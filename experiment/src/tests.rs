@@ -29,7 +29,7 @@ fn experiment(toml: &str) -> Result<Experiment, Error> {
     Experiment::parse(&(head.to_owned() + toml), "test", |_| Ok(ROOM.to_owned()))
 }
 
-/// What is wrong with it.
+/// The message with which an experiment is refused.
 fn refused(toml: &str) -> String {
     let checked = experiment(toml).and_then(|experiment| experiment.runs().and_then(|_| check(&experiment)));
     checked.expect_err(toml).to_string()

@@ -9,7 +9,7 @@ use crate::raw::{self, Method};
 pub struct Tuning {
     /// How they are looked for.
     pub method: Method,
-    /// What is made large.
+    /// The quantity to be maximised.
     pub goal: Goal,
     /// Candidates of a generation; `None` is what suits the number of fields.
     pub population: Option<usize>,
@@ -17,7 +17,7 @@ pub struct Tuning {
     pub generations: usize,
     /// The same seed gives the same candidates.
     pub seed: u64,
-    /// Seeds that have no part in the search, with which its result is held against the untuned.
+    /// Seeds that have no part in the search, with which its result is compared with the untuned values.
     pub check_seeds: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What kind of problem an error is about.
+//! The kinds of problems that errors are about.
 
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -25,7 +25,7 @@ pub enum Cause {
         /// The elements that the list has.
         known: Box<[String]>,
     },
-    /// The path goes on through something that has no fields.
+    /// The path continues through a value that has no fields.
     NoTable,
 }
 

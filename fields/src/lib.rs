@@ -24,13 +24,13 @@ use printable::Printable;
 #[cfg(feature = "toml")]
 pub use read::{Misread, read};
 
-/// What is wrong with a field. Path and problem are [printable](crate::printable), whatever they quote.
+/// An error in a field. Path and problem are [printable](crate::printable), whatever they quote.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{path}: {problem}")]
 pub struct FieldError {
     /// Where, for instance `robots[2].sensors.front.range_m`.
     pub path: String,
-    /// What is wrong, and how to fix it.
+    /// The problem and its remedy.
     pub problem: String,
     /// The kind of problem.
     pub cause: Cause,

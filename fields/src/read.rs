@@ -1,4 +1,4 @@
-//! From a value of TOML to a type. The reader of the crate `toml` tells what is wrong in words only; this one keeps the cause.
+//! From a value of TOML to a type. The reader of the crate `toml` gives its errors as text only; this one keeps the cause.
 
 use alloc::string::{String, ToString};
 use core::fmt::{self, Display};
@@ -16,7 +16,7 @@ use crate::Cause;
 pub struct Misread {
     /// Where in the value, such as `start.x_m`; empty for the value itself.
     pub path: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
     /// The kind of problem.
     pub cause: Cause,

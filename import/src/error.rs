@@ -1,4 +1,4 @@
-//! What can be wrong with what a scenario refers to.
+//! Errors in the files that a scenario refers to.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ pub enum ImportError {
     Field {
         /// Where in the scenario, for instance `arena.maps[0].m_per_unit`.
         path: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// A file cannot be read, or what is in it makes no sense.
@@ -22,7 +22,7 @@ pub enum ImportError {
         path: String,
         /// The file. It is not always the one that the scenario names: a map has an image.
         file: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
 }
@@ -33,7 +33,7 @@ impl ImportError {
     }
 }
 
-/// What is wrong with a file, whoever refers to it.
+/// An error in a file, whichever scenario refers to it.
 #[derive(Debug)]
 pub(crate) struct FileError {
     file: String,

@@ -14,7 +14,7 @@ pub mod v1 {
 }
 
 impl v1::SensorKind {
-    /// What scenarios call it: `SENSOR_KIND_LINE_CAMERA` is `line-camera`.
+    /// Its name in scenarios: `SENSOR_KIND_LINE_CAMERA` is `line-camera`.
     pub fn scenario_name(self) -> String {
         self.as_str_name().trim_start_matches("SENSOR_KIND_").replace('_', "-").to_lowercase()
     }

@@ -21,7 +21,7 @@ pub fn change(intervention: &Intervention) -> v1::RecordedChange {
     v1::RecordedChange { change: Some(change) }
 }
 
-/// What a change does.
+/// The change of the world for a change of the contract.
 pub fn intervention(change: Change) -> Intervention {
     match change {
         Change::PlaceRobot(v1::PlaceRobot { robot, x_m, y_m, heading_rad }) => {

@@ -1,8 +1,8 @@
-//! Short fingerprints of what can be told of a world at little cost, tick by tick.
+//! Digests: short fingerprints, tick by tick, of the values of a world that are cheap to read.
 //!
-//! A replay that does not end in the same state is not helped by that alone: it wants to know where it began. So of every
-//! tick there are 16 bits for each field, over all robots, and for each robot, over all fields. What a world that is ahead
-//! of its brains does not know yet is in none of them.
+//! If a replay ends in another state, the state's fingerprint does not say where the difference began. So every tick has
+//! 16 bits for each field, over all robots, and for each robot, over all fields. Values that a world does not know yet while
+//! it is ahead of its brains are in none of them.
 
 use baudbot_proto::v1;
 use baudbot_sim::{RobotView, World};
@@ -23,7 +23,7 @@ pub struct Digests {
 }
 
 impl Digests {
-    /// Looks at a world whose tick has begun.
+    /// Adds the digest of a world whose tick has begun.
     pub fn note(&mut self, world: &World) {
         if self.fields.is_empty() {
             self.first_tick = world.tick();
@@ -66,7 +66,7 @@ impl Digests {
     }
 }
 
-/// A mark as it is held against a world.
+/// A mark as it is compared with a world.
 #[derive(Debug)]
 pub(crate) struct Mark {
     pub(crate) tick: u64,

@@ -1,4 +1,4 @@
-//! Why a file is no recording that can be replayed, or could not be written.
+//! Errors: why a file cannot be replayed, or could not be written.
 
 use std::io;
 

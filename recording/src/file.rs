@@ -1,4 +1,4 @@
-//! A recording's file: what happens if the disk is full, and how long it is.
+//! A recording's file: its length, and its behaviour on a full disk.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};

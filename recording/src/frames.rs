@@ -1,4 +1,4 @@
-//! What an observer saw of a run, as its recording has it.
+//! The frames of a recording: what an observer saw of the run.
 
 use std::fs::File;
 use std::io::{BufReader, Read};

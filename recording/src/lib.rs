@@ -1,9 +1,9 @@
-//! Runs as files: what is recorded, read, replayed and held against the recording.
+//! Runs as files: recordings are written, read, and replayed, and the replay is compared with the recording.
 //!
-//! A recording is an MCAP file. What makes the run again is in messages of `baudbot.v1` ([`topic`] lists them): the scenario,
-//! states, and every input with its tick. What people look at beside that is there for other tools; [`Frames`] reads it. A [`Writer`] writes one,
-//! a [`RecordedRun`] is what was read of one, a [`Replay`] is the world that does it again and is held against it. A single state
-//! by value is the shortest of recordings: [`saved`].
+//! A recording is an MCAP file. The data for a replay is in messages of `baudbot.v1` ([`topic`] lists them): the scenario,
+//! states, and every input with its tick. The file may also hold what observers saw, for other tools; [`Frames`] reads that.
+//! A [`Writer`] writes a recording, a [`RecordedRun`] is a recording that was read, and a [`Replay`] is a world that replays
+//! one and is compared with it. The shortest recording is a single state by value: [`saved`].
 
 mod change;
 mod digest;

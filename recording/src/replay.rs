@@ -1,4 +1,4 @@
-//! The world that does again what was recorded, and is held against the recording.
+//! Replay: a world that repeats a recorded run, and is compared with the recording.
 
 use std::fmt;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ impl Replay {
         Ok((replay, world))
     }
 
-    /// What is replayed.
+    /// The recording that is replayed.
     pub fn recorded(&self) -> &Arc<RecordedRun> {
         &self.recorded
     }
@@ -143,7 +143,7 @@ impl Replay {
         Ok(true)
     }
 
-    /// Changes by hand are made, the tick begins, and all is held against the recording.
+    /// Makes manual changes, begins the tick, and compares it with the recording.
     fn begin(&mut self, world: &mut World) -> Result<()> {
         if world.is_begun() {
             // They were made before this state was kept.

@@ -9,7 +9,7 @@ use crate::error::WriteError;
 use crate::writer::{self, Writer};
 use baudbot_proto::v1;
 
-/// What a world's state is, as a file. [`RecordedRun`](crate::RecordedRun) reads it.
+/// A world's state as a file. [`RecordedRun`](crate::RecordedRun) reads it.
 ///
 /// # Errors
 /// If it could not be compressed.

@@ -1,4 +1,4 @@
-//! Schemas of our messages, each with just those types that it needs.
+//! Schemas of our messages, each with only the types that it needs.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! The topics of a recording that make the run again.
+//! The topics of a recording that a replay needs.
 
 /// Of the first message, a `RecordingHeader`.
 pub const HEADER: &str = "/baudbot/header";

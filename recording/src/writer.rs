@@ -43,7 +43,7 @@ const COMPRESSION: Option<Compression> = Some(Compression::Lz4);
 #[cfg(not(feature = "lz4"))]
 const COMPRESSION: Option<Compression> = None;
 
-/// What other programs look at.
+/// Data for other programs.
 struct Shown {
     encoder: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, u16>,
@@ -86,7 +86,7 @@ impl<W: Write + Seek> Writer<W> {
         self.write(self.channels.state, state.tick * self.step_ns, state)
     }
 
-    /// What entered the world in a tick.
+    /// Writes the inputs of the world in a tick.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -115,7 +115,7 @@ impl<W: Write + Seek> Writer<W> {
         self.message(message)
     }
 
-    /// What stands still, and what the robots are. From now on there is something for other programs to look at.
+    /// The parts of the world that stand still, and the robots' descriptions. From now on the file has data for other programs.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -160,7 +160,7 @@ impl<W: Write + Seek> Writer<W> {
         Ok(())
     }
 
-    /// Ends the file with an index, for those who look for single messages in it.
+    /// Ends the file with an index, for programs that search for single messages.
     ///
     /// # Errors
     /// If it cannot be written.

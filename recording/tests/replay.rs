@@ -144,7 +144,7 @@ fn rewritten(file: &[u8], of: &str, mut change: impl FnMut(Vec<u8>) -> Option<Ve
     out.into_inner().into_inner()
 }
 
-/// With one bit flipped of what a brain wrote in this tick; `mended`: and a checksum that says that it is right.
+/// With one flipped bit in the bytes that a brain wrote in this tick; `mended`: with a checksum that fits the altered bytes.
 fn flipped(file: &[u8], tick: u64, mended: bool) -> Vec<u8> {
     rewritten(file, topic::INPUTS, |data| {
         let mut inputs = v1::RecordedInputs::decode(data.as_slice()).unwrap();

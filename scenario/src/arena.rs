@@ -139,7 +139,7 @@ fn yes() -> bool {
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// What stands still and can be run into.
+/// Obstacles that stand still.
 pub(super) fn arena(path: &Path, raw: &RawArena, names: &mut Names) -> Result<Arena> {
     if !raw.maps.is_empty() {
         let problem = "refers to a file, which only the program that reads scenario files can look at; write polygons instead";

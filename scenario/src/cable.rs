@@ -1,4 +1,4 @@
-//! From the raw firmware to what is said on the robot's cable.
+//! From the raw firmware to the protocol on the robot's cable.
 
 use alloc::format;
 use alloc::vec::Vec;

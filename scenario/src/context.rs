@@ -1,4 +1,4 @@
-//! What robots are checked against: the length of a tick, and the world that they are put into.
+//! The context in which robots are checked: the length of a tick, and the world that they are put into.
 
 use alloc::string::String;
 

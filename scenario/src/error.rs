@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario.
+//! Errors in a scenario.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -23,7 +23,7 @@ pub enum ScenarioError {
     Field {
         /// Where, for instance `robots[2].sensors.front.range_m`.
         path: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
         /// The kind of problem.
         cause: Cause,

@@ -69,7 +69,7 @@ pub(super) fn deadline(
     Ok(Deadline { within_ns, on_late: Some(on_late) })
 }
 
-/// What the faults of a robot may concern.
+/// The parts of a robot that faults may concern.
 pub(super) struct Parts<'a> {
     pub(super) name: &'a str,
     pub(super) seed: u64,

@@ -101,7 +101,7 @@ fn read(toml: &str) -> Result<(toml::Table, order::Order), toml::de::Error> {
     Ok((table, order))
 }
 
-/// With a picture of the line that is wrong, unless that is too long to be looked at.
+/// With a picture of the line that is wrong, unless that is too long to read.
 fn syntax(error: &toml::de::Error) -> ScenarioError {
     let text = PrintableLines(error).to_string();
     if text.lines().all(|line| line.len() <= MAX_SHOWN) {

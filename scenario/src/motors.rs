@@ -13,14 +13,14 @@ use baudbot_sim::sensor::{Device, Sensor};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// What the motors' table says.
+/// The contents of the motors' table.
 pub(super) struct ParsedMotors {
     pub(super) motors: Motors,
     pub(super) noise: MotorNoise,
     pub(super) track_factor: f64,
     pub(super) encoding: Encoding,
     pub(super) signal_limit: Option<f64>,
-    /// How long motors go on without a command, in nanoseconds.
+    /// How long motors keep running without a command, in nanoseconds.
     pub(super) timeout_ns: Option<u64>,
 }
 
@@ -32,7 +32,7 @@ struct Quirks {
 
 const NO_QUIRKS: Quirks = Quirks { track_factor: 1.0, unlimited_signals: false };
 
-/// What is the same for every kind of motor.
+/// The fields that every kind of motor has.
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawMotors {

@@ -19,7 +19,7 @@ use super::robots::MAX_ROBOTS;
 use crate::presets::{self, Preset, PresetKind};
 use baudbot_fields::{FieldError, Path};
 
-/// Ways to say the same thing: who uses one drops the others.
+/// Alternative fields: a file that uses one drops the others of the preset.
 const ALTERNATIVES: [&[&[&str]]; 4] = [
     &[&["bearing_rad"], &["mount"]],
     &[&["c1_m2", "c2"], &["lookup"], &["ambient_saturation_lux"]],
@@ -27,7 +27,7 @@ const ALTERNATIVES: [&[&[&str]]; 4] = [
     &[&["thinking_us"], &["operations"]],
 ];
 
-/// Words that other fields go with: who changes the word drops them.
+/// Words that other fields depend on: a file that changes the word drops those fields of the preset.
 const WORDS: [(&str, &[&str]); 2] = [("mode", &["period_ms", "phase_ms"]), ("protocol", &["ages", "gap_ms"])];
 
 /// Tables of a robot that have presets, sensors apart.

@@ -1,4 +1,4 @@
-//! What a scenario file may contain, as it stands there. `docs/scenario.md` is its description; the two are
+//! The fields of a scenario file, as they are written. `docs/scenario.md` is its description; the two are
 //! kept equal by a test.
 
 use alloc::collections::BTreeMap;

@@ -88,7 +88,7 @@ fn is_stable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     Err(path.field("body").error(problem))
 }
 
-/// A scenario that nobody could wait for is a mistake in a unit.
+/// A scenario that would take years is a mistake in a unit.
 fn is_affordable(path: &Path, spec: &RobotModel, step: Step) -> Result<()> {
     for sensor in spec.sensors.iter() {
         let Some(fan) = sensor.device.fan() else { continue };
@@ -182,7 +182,7 @@ fn mind(
     Ok(Mind { processor, link, thinking_ns, firmware })
 }
 
-/// What is mounted on a robot.
+/// The parts that are mounted on a robot.
 struct Equipment {
     actuators: Vec<Actuator>,
     battery: Option<Battery>,

@@ -1,4 +1,4 @@
-//! What is allowed and yet hardly meant: told, not refused.
+//! Warnings: settings that are allowed but hardly intended are reported, not refused.
 
 use alloc::collections::BTreeSet;
 use alloc::format;
@@ -16,9 +16,9 @@ use baudbot_sim::sensor::Sensor;
 /// Something about a scenario that its author should know.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What it is about: `robots.alice.sensors.sonar`, with names in place of numbers.
+    /// The path of the setting: `robots.alice.sensors.sonar`, with names in place of numbers.
     pub path: String,
-    /// What will happen.
+    /// The consequence.
     pub problem: String,
 }
 
@@ -28,7 +28,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// What is allowed and yet hardly meant.
+/// A setting that is allowed but hardly intended.
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut tables = BTreeSet::new();
@@ -126,5 +126,5 @@ fn on_the_way(mover: &Mover) -> Vec<Pose> {
     }
 }
 
-/// Places to look at on each part of a way.
+/// Places that are examined on each part of a way.
 const LOOKS: u32 = 100;

@@ -117,7 +117,7 @@ impl Board {
         }
     }
 
-    /// Forgets a robot's belief, so that observers are told of an empty one.
+    /// Forgets a robot's belief, so that observers get an empty one.
     fn forget(&mut self, robot: usize) {
         if self.robots[robot].newest.as_ref().is_some_and(|newest| newest.bytes > 0) {
             self.put(robot, v1::Belief::default());

@@ -137,7 +137,7 @@ async fn listen(
     }
 }
 
-/// What takes the requests of one stream.
+/// The receiver of the requests of one stream.
 struct Listener {
     endpoint: Endpoint,
     /// Indices of the robots, in the order of the Hello.

@@ -17,7 +17,7 @@ const MAX_WRITE: usize = 64 << 10;
 /// Longest thinking time that a brain may declare: an hour.
 const MAX_THINKING_NS: u64 = 3_600_000_000_000;
 
-/// What a brain writes to one robot's port.
+/// The content that a brain writes to one robot's port.
 pub(crate) struct Write {
     /// Place of the robot in the stream.
     pub(crate) slot: usize,
@@ -48,7 +48,7 @@ impl Thinking {
     }
 }
 
-/// What is written to a port.
+/// The content that is written to a port.
 pub(crate) enum Output {
     Raw(Vec<u8>),
     Command(Signals),
@@ -170,7 +170,7 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
 pub(crate) struct Sender {
     /// Of the next message.
     sequence: u8,
-    /// What was last sent to the actuators besides the wheels; sent again by a command without them.
+    /// The last signals of the actuators besides the wheels; a command without such signals repeats them.
     others: Vec<f64>,
 }
 

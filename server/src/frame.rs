@@ -1,4 +1,4 @@
-//! A frame: what an observer is told of a world at the start of a tick.
+//! A frame: the data of a world that observers get at the start of a tick.
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ impl Charge {
     }
 }
 
-/// What the referee has counted.
+/// The referee's counts.
 pub(crate) struct Score {
     /// Share of the floor that robots have driven over.
     pub(crate) covered: Option<f64>,
@@ -79,7 +79,7 @@ pub(crate) struct Score {
     pub(crate) zones: Vec<ZoneScore>,
 }
 
-/// What the referee knows of a zone.
+/// The referee's counts for a zone.
 pub(crate) struct ZoneScore {
     pub(crate) name: String,
     pub(crate) is_goal: bool,
@@ -100,7 +100,7 @@ impl Score {
     }
 }
 
-/// What only those observers are told of a robot that have asked for it.
+/// Details of a robot, for observers that have asked for them.
 pub(crate) struct RobotDetail {
     pub(crate) robot: usize,
     pub(crate) sensors: Vec<SensorDetail>,

@@ -58,7 +58,7 @@ impl Timed {
 /// How a world waits for its brains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lockstep {
-    /// What is done about a brain that does not answer.
+    /// The watchdog: the treatment of a brain that does not answer.
     pub watchdog: Watchdog,
     /// Whether brains that wait for a message are not asked until one has come, and the world goes on while a brain's answer
     /// could not have reached its robot anyway. The run has the same bits either way, and takes less time with it.
@@ -78,12 +78,12 @@ impl From<Watchdog> for Lockstep {
     }
 }
 
-/// What happens to a brain that does not answer in lockstep.
+/// The treatment of a brain that does not answer in lockstep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Watchdog {
     /// How long a brain may take, by the wall clock.
     pub timeout: Duration,
-    /// What happens then.
+    /// The policy that applies then.
     pub policy: WatchdogPolicy,
 }
 
@@ -95,7 +95,7 @@ impl Default for Watchdog {
     }
 }
 
-/// What happens to a brain that did not answer in time.
+/// The policies for a brain that did not answer in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WatchdogPolicy {
     /// The world waits on; for a brain that is gone, until one attaches again.
@@ -135,7 +135,7 @@ impl Clock {
         Some(beyond)
     }
 
-    /// What the clock shows.
+    /// The time that the clock shows.
     pub(crate) fn time(&self, now: Instant) -> SimTime {
         let elapsed = now.saturating_duration_since(self.start).as_secs_f64();
         self.origin + (elapsed * self.factor * 1e9) as u64

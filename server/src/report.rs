@@ -1,4 +1,4 @@
-//! Reports: what an operator is told of a world.
+//! Reports: the data of a world that operators get.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,7 +28,7 @@ pub(crate) struct Report {
     pub(crate) recording: Option<RecordingReport>,
 }
 
-/// What a world is doing.
+/// The activity of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
     WaitingForBrains,

@@ -17,7 +17,7 @@ pub struct Polygon {
     pub solid: bool,
     /// Whether the last corner is joined to the first.
     pub closed: bool,
-    /// What it looks like from the side.
+    /// Its height and its colour.
     pub look: Look,
 }
 
@@ -28,7 +28,7 @@ pub struct Pillar {
     pub name: String,
     /// Where it stands, in metres.
     pub circle: Circle,
-    /// What it looks like from the side.
+    /// Its height and its colour.
     pub look: Look,
 }
 

@@ -1,8 +1,8 @@
 //! A battery: charge that is taken out, and a voltage that sinks with it.
 //!
 //! The voltage at the terminals is that of the open circuit, which depends on the charge left, less what
-//! the internal resistance takes: V = V₀(q) − R I. Whoever draws a power P gets the smaller current that
-//! solves P = V I. More than V₀² / (4 R) no battery gives.
+//! the internal resistance takes: V = V₀(q) − R I. A consumer of the power P draws the smaller current that
+//! solves P = V I. No battery gives more than V₀² / (4 R).
 //!
 //! Deviations. The notes speak of batteries that run low (§7.2.2, §8.2) and have no model of one. Over a
 //! step the open-circuit voltage is taken as it is at its start. There is no self-discharge, no ageing and

@@ -1,5 +1,5 @@
-//! A robot's data sheet: all that its brain knows of its body. How good a sensor is, what disturbs it and how the motors
-//! answer are not in it.
+//! A robot's data sheet: everything that its brain knows of its body. The quality of a sensor, its noise and the response of
+//! the motors are not in it.
 
 use alloc::borrow::ToOwned;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! What a robot is before it moves: its parts, where it starts, and what goes wrong on it.
+//! The description of a robot before it moves: its parts, its start, and its faults.
 
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -41,14 +41,14 @@ impl Deref for RobotSpec {
     }
 }
 
-/// What a robot is, whatever its name and wherever it starts.
+/// The model of a robot, without its name and its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotModel {
     /// Body, wheels and motors.
     pub drive: Drive,
     /// Corners of the body in the robot's frame, in metres; none if it is a disc. The collision geometry of §3.2.5.
     pub outline: Vec<Point>,
-    /// What it looks like from the side.
+    /// Its height and its colour.
     pub look: Look,
     /// Largest motor signal that a brain may ask for; `None` means any, as in ARSim.
     pub signal_limit: Option<f64>,
@@ -62,7 +62,7 @@ pub struct RobotModel {
     pub command_timeout_ns: Option<u64>,
     /// Sensors. Models whose sensors are alike share them.
     pub sensors: Sensors,
-    /// What the microcontroller's tasks cost.
+    /// The cost of the microcontroller's tasks.
     pub processor: Processor,
     /// What it says on its wire.
     pub firmware: Firmware,
@@ -72,7 +72,7 @@ pub struct RobotModel {
     pub thinking_ns: u64,
     /// When its commands must be there.
     pub deadline: Deadline,
-    /// What goes wrong on it.
+    /// Its faults.
     pub faults: Vec<Fault>,
     /// How many operations a brain on board thinks, if the scenario says it so.
     pub brain_operations: Option<u64>,
@@ -150,7 +150,7 @@ pub struct Deadline {
     pub on_late: Option<OnLate>,
 }
 
-/// What happens when a cycle is not closed by its deadline.
+/// The consequence when a cycle is not closed by its deadline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnLate {
     /// The old command stays in force.

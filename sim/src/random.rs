@@ -51,7 +51,7 @@ impl Stream {
         Place { key: seed ^ fnv1a(name.as_bytes()), drawn: 0 }.into()
     }
 
-    /// What tells this stream from all others of its kind.
+    /// The key that distinguishes this stream from all others of its kind.
     pub fn key(&self) -> u64 {
         self.place.key
     }

@@ -1,6 +1,6 @@
 //! What sensors see of a world, ray by ray: for pictures and tests, never for brains.
 //!
-//! A sensor makes one value of many rays. Who wants to show why the value is what it is needs the rays themselves,
+//! A sensor makes one value of many rays. A picture that explains the value needs the rays themselves,
 //! cast as the sensor casts them: in its layer of the arena, past its own robot, up to its range.
 
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! What the program of a Khepera keeps in its registers, once a brain has used other commands than `N` and `D`.
+//! The registers of a Khepera, once a brain has used other commands than `N` and `D`.
 //!
 //! `microcontroller/khepera.rs` binds them to the robot.
 

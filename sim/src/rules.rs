@@ -4,14 +4,14 @@ use alloc::vec::Vec;
 
 use crate::coverage::Floor;
 
-/// What the referee looks at.
+/// The rules that the referee applies.
 #[derive(Clone, Debug, Default)]
 pub struct Rules {
     /// The floor to be covered, if that is counted (§6.1).
     pub floor: Option<Floor>,
     /// Which sensor's rays cover the floor: the place of a sensor for each robot that has one of that name.
     pub sensed_by: Vec<Option<usize>>,
-    /// How often those rays are looked at, in nanoseconds.
+    /// The period at which those rays are evaluated, in nanoseconds.
     pub sense_ns: u64,
     /// The run ends with so many collisions.
     pub collisions: Option<u64>,

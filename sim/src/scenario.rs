@@ -1,4 +1,4 @@
-//! What a world is made of, before its first tick.
+//! The description of a world before its first tick.
 
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -21,11 +21,11 @@ use crate::time::SimTime;
 /// one that is made or changed elsewhere, the ranges that the parser demands must hold.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// What it was parsed from. What has been changed by hand since is not in there.
+    /// Its source, without manual changes that were made since.
     pub source: Source,
     /// A short name; empty if the file gives none.
     pub name: String,
-    /// What the scenario is about, for people.
+    /// The scenario's description, for people.
     pub description: String,
     /// Seed of all random streams.
     pub seed: u64,
@@ -35,25 +35,25 @@ pub struct Scenario {
     pub substeps: u32,
     /// Whether sensors and motors are noisy; byte errors on the link are not noise in this sense and stay.
     pub noise: bool,
-    /// What a collision does.
+    /// The consequence of a collision.
     pub collision: CollisionPolicy,
     /// When the run ends.
     pub end: End,
-    /// What the referee looks at.
+    /// The rules that the referee applies.
     pub rules: Rules,
-    /// All that stands still.
+    /// Everything that stands still.
     pub arena: Arena,
     /// Zones, lights and fields.
     pub surroundings: Surroundings,
-    /// What moves by itself.
+    /// Things that move by themselves.
     pub movers: Vec<Mover>,
-    /// What robots can push.
+    /// Things that robots can push.
     pub movables: Vec<Movable>,
     /// The robots in the order of their names, whatever their order in the file.
     pub robots: Vec<RobotSpec>,
 }
 
-/// What a scenario was parsed from: parsing it again gives the same scenario.
+/// The source of a scenario: parsing it again gives the same scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// The text of the file.

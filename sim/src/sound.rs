@@ -1,4 +1,4 @@
-//! What is asked of a state that comes from outside, by whoever made it: numbers that are numbers, and counts that can
+//! Checks of a state that comes from outside, whatever its source: numbers that are numbers, and counts that can
 //! still be added to. Beside each type of the state is an `is_sound` that asks it, and what else must hold of it.
 
 use baudbot_geometry::Pose;

@@ -1,4 +1,4 @@
-//! What is in the arena besides things to run into: zones of the floor, lights, and fields such as a scent.
+//! The surroundings: zones of the floor, lights, and fields such as a scent.
 
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! What happened when: the timing diagram (Fig. 3.2) of a run, as far back as memory is given to it.
+//! The timeline: the timing diagram (Fig. 3.2) of a run, as far back as memory is given to it.
 //!
 //! Each robot keeps its last events in a ring. They are for people and for measuring: nothing in the world reads
 //! them, they are no part of its state, and a world that keeps none makes the same run.
@@ -14,7 +14,7 @@ pub struct Event {
     pub start: SimTime,
     /// When it was over; equal to `start` for what takes no time.
     pub end: SimTime,
-    /// What it was.
+    /// The event.
     pub what: What,
 }
 

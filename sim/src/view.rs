@@ -1,4 +1,4 @@
-//! What may be seen of a robot: the truth for observers, and what its brain may have.
+//! Views of a robot: the truth for observers, and the readings that its brain may have.
 
 use baudbot_geometry::{Circle, Point, Pose};
 
@@ -42,7 +42,7 @@ impl<'a> RobotView<'a> {
         Self { spec, state }
     }
 
-    /// What the robot is.
+    /// The description of the robot.
     pub fn spec(&self) -> &'a RobotSpec {
         self.spec
     }
@@ -111,7 +111,7 @@ impl<'a> RobotView<'a> {
         })
     }
 
-    /// What happened to it so far.
+    /// Its history so far, in numbers.
     pub fn counters(&self) -> &'a RobotCounters {
         &self.state.counters
     }
@@ -131,7 +131,7 @@ impl<'a> RobotView<'a> {
         &self.state.cycles
     }
 
-    /// What happened on it lately.
+    /// Its latest events.
     pub fn timeline(&self) -> &'a Timeline {
         &self.state.recorder.timeline
     }
@@ -161,7 +161,7 @@ pub struct ThingView<'a> {
     pub pose: Pose,
     /// Its outline in the world.
     pub outline: Outline,
-    /// What it looks like from the side.
+    /// Its height and its colour.
     pub look: Look,
     /// Time that something was in its way, in nanoseconds; 0 for what is pushed.
     pub blocked_ns: u64,

@@ -1,4 +1,4 @@
-//! What there is one of for each wheel.
+//! Pairs of values, one for each wheel.
 
 use serde::{Deserialize, Serialize};
 

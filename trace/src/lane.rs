@@ -12,11 +12,11 @@ use crate::words;
 pub enum Lane {
     /// A sensor: when it measures, and when it is read.
     Sensor(u16),
-    /// What the microcontroller's processor does, one thing at a time.
+    /// The tasks of the microcontroller's processor, one at a time.
     Microcontroller,
     /// The wire to the laptop.
     CableUp,
-    /// What stands between wire and laptop.
+    /// The adapter between wire and laptop.
     Adapter,
     /// The cable of a sensor's own.
     Port(u16),
@@ -26,7 +26,7 @@ pub enum Lane {
     CableDown,
     /// When motors and other actuators take commands up.
     Motors,
-    /// What was late, missed or lost.
+    /// Events that were late, missed or lost.
     Trouble,
     /// A fault of the scenario's.
     Fault(u16),
@@ -76,7 +76,7 @@ impl Lane {
         lanes
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(self, robot: &RobotSpec) -> String {
         match self {
             Self::Sensor(i) => words::sensor(robot, i),

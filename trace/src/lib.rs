@@ -1,4 +1,4 @@
-//! What happened when on a robot, its cables and its brain (Fig. 3.2), for eyes.
+//! The events on a robot, its cables and its brain (Fig. 3.2), for display.
 //!
 //! The events are those of [`baudbot_sim::timeline`].
 //!

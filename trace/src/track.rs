@@ -1,4 +1,4 @@
-//! Places for what overlaps. Slices of one track must nest, so that what overlaps goes on further tracks of its lane.
+//! Tracks for events that overlap. Slices of one track must nest, so overlapping events go on further tracks of their lane.
 
 use baudbot_sim::SimTime;
 use baudbot_sim::timeline::Event;

@@ -1,9 +1,9 @@
-//! What an event is, in words.
+//! Events in words.
 
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::What;
 
-/// What happened, in few words; sensors and faults by their names.
+/// The event, in few words; sensors and faults by their names.
 pub fn what(what: What, robot: &RobotSpec) -> String {
     match what {
         What::Acquire { sensor: i } => format!("read {}", sensor(robot, i)),
@@ -76,7 +76,7 @@ pub fn sensor(robot: &RobotSpec, place: u16) -> String {
     }
 }
 
-/// What the fault at a place is.
+/// The fault at a place.
 pub fn fault(robot: &RobotSpec, place: u16) -> String {
     match robot.faults.get(usize::from(place)) {
         Some(fault) => fault.kind.to_string(),

@@ -98,7 +98,7 @@ impl<W: Write> TraceWriter<W> {
         self.put_packet(at, TrackEvent { r#type: Some(INSTANT), ..named }, uuid)
     }
 
-    /// What it is written to.
+    /// The output.
     pub fn written(&self) -> &W {
         &self.out
     }

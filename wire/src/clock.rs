@@ -3,12 +3,12 @@
 /// The unit of time on the wire, in nanoseconds.
 pub const UNIT_NS: u64 = 100_000;
 
-/// What the wire says for an instant of the microcontroller's clock, in nanoseconds.
+/// The code on the wire for an instant of the microcontroller's clock, in nanoseconds.
 pub const fn wrap_time(at_ns: u64) -> u16 {
     (at_ns / UNIT_NS) as u16
 }
 
-/// What the wire says for an age in nanoseconds: whole units, at most 255, which means 25.5 ms or longer.
+/// The code on the wire for an age in nanoseconds: whole units, at most 255, which means 25.5 ms or longer.
 pub const fn age_100us(age_ns: u64) -> u8 {
     let units = age_ns / UNIT_NS;
     if units > 255 { 255 } else { units as u8 }

@@ -124,7 +124,7 @@ impl Encoding {
         (least..=greatest).contains(&number).then(|| self.value(number))
     }
 
-    /// What the other side gets for `value`: `take` after `put`.
+    /// The value that the other side decodes for `value`: `take` after `put`.
     pub fn quantise(self, value: f64) -> f64 {
         match self {
             Self::Float64 => value,

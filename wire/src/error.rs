@@ -1,4 +1,4 @@
-//! What can go wrong when something is described or written. What can go wrong when reading stands beside its reader.
+//! Errors of descriptions and of writing. The errors of reading are beside their readers.
 
 use thiserror::Error;
 

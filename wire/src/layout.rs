@@ -7,7 +7,7 @@ use crate::encoding::Encoding;
 use crate::error::{LayoutError, NoRoom};
 use crate::frame::MAX_PAYLOAD;
 
-/// What the messages of one cable are made of.
+/// The layout of the messages of one cable.
 ///
 /// Flat, so that an owner with two vectors lends it at no cost. If the counts do not add up to the components (see
 /// [`check`](Self::check)), the components that are lacking are not sent.

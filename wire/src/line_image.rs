@@ -25,7 +25,7 @@ use thiserror::Error;
 use crate::error::NoRoom;
 use crate::frame::CRC;
 
-/// What the camera sees in one direction.
+/// The pixel that the camera sees in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Red, green and blue, each 0 to 255.
@@ -134,7 +134,7 @@ pub enum ParseError {
         /// Bytes to be thrown away until the sync bytes come, or might come if more bytes were there; at least 1.
         skip: usize,
     },
-    /// The message is too short or goes on behind its end.
+    /// The message is too short, or continues behind its end.
     #[error("the message has {found} bytes, but its header makes it {expected}")]
     Length {
         /// Bytes that a message with this header has, or, of a cut header, at least has.

@@ -29,7 +29,7 @@ pub enum Format {
     Nmea,
 }
 
-/// What the received bytes are.
+/// The meaning of the received bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// The beginning of a message, after so many bytes that belong to none.

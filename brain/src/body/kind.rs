@@ -96,7 +96,7 @@ kinds! {
 }
 
 kinds! {
-    /// What turns the wheels.
+    /// The motors of the wheels.
     MotorKind {
         /// DC motors: a signal is a share of the voltage.
         Dc = "dc",

@@ -26,13 +26,13 @@ pub struct Body {
     pub signal_limit: Option<f64>,
     /// How a motor signal crosses the wire.
     pub motor_encoding: Encoding,
-    /// What turns the wheels.
+    /// The motors of the wheels.
     pub motor_kind: MotorKind,
     /// Actuators besides the wheels, in the order of [`Action::others`].
     pub actuators: Vec<Actuator>,
     /// Those that the microcontroller reads, in the order of the wire; then those with a port of their own.
     pub sensors: Vec<Sensor>,
-    /// What the microcontroller says on its wire.
+    /// The firmware of the microcontroller.
     pub firmware: Firmware,
     /// Bits a second of the cable; `None` if it has no baud rate: if it is ideal, or USB.
     pub baud: Option<u32>,
@@ -52,7 +52,7 @@ pub struct Body {
 pub struct Actuator {
     /// Its name, unique among the robot's actuators.
     pub name: String,
-    /// What it does with its signal.
+    /// Its kind: the effect of its signal.
     pub kind: ActuatorKind,
     /// Least and greatest angle of a turret, in radians. It turns to the angle that is the signal times the end
     /// farther from 0, and no farther than either end.
@@ -64,7 +64,7 @@ pub struct Actuator {
 pub struct Sensor {
     /// Its name, unique on its robot.
     pub name: String,
-    /// What it measures, and how.
+    /// Its kind: the quantity that it measures, and the principle.
     pub kind: SensorKind,
     /// The parts of a reading, in order.
     pub components: Vec<Component>,
@@ -101,7 +101,7 @@ pub struct Sweep {
 /// A sensor's own cable to the laptop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
-    /// What is said on it.
+    /// The format of its messages.
     pub format: PortFormat,
     /// Bytes of one message.
     pub message_bytes: u64,
@@ -137,7 +137,7 @@ pub struct Mount {
     pub turret: Option<usize>,
 }
 
-/// What a microcontroller says on its wire.
+/// The firmware of a microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Firmware {
     /// The form of its messages.

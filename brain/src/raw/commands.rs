@@ -15,7 +15,7 @@ pub struct RawCommands {
     layout: WireLayout,
     protocol: Protocol,
     sequence: u8,
-    /// What was last sent to the actuators besides the wheels.
+    /// The last signals of the actuators besides the wheels.
     others: Vec<f64>,
 }
 

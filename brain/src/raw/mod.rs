@@ -17,7 +17,7 @@ pub struct RawTurn {
     pub tick: u64,
     /// The instant of the step, by the laptop's clock, in nanoseconds of simulated time since the start.
     pub at_ns: u64,
-    /// What arrived since the last step.
+    /// The bytes that arrived since the last step.
     pub bytes: Vec<u8>,
     /// What arrived since the last step on the cables of sensors' own, with the sensor's place in
     /// [`Body::sensors`](crate::Body::sensors); ports on which nothing came are left out.
@@ -25,7 +25,7 @@ pub struct RawTurn {
 }
 
 impl RawTurn {
-    /// What arrived on the cable of the sensor in this place.
+    /// The bytes that arrived on the cable of the sensor in this place.
     pub fn port(&self, sensor: usize) -> &[u8] {
         self.ports.iter().find(|(place, _)| *place == sensor).map_or(&[], |(_, bytes)| bytes)
     }

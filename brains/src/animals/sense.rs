@@ -1,9 +1,9 @@
-//! What an animal feels, from a robot's sensors.
+//! The stimuli of an animal, from a robot's sensors.
 
 use baudbot_brain::{Body, SensorKind, Turn};
 use baudbot_geometry::angle;
 
-/// What is felt on both sides.
+/// The stimuli on both sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sides {
     /// On the left.

@@ -92,7 +92,7 @@ impl Home {
         Ok(Self { parameters, nest, half_track_m, ant, last: None, driven_m: 0.0 })
     }
 
-    /// What it is about.
+    /// Its present activity.
     pub fn phase(&self) -> Phase {
         self.ant.phase()
     }

@@ -1,5 +1,5 @@
 //! Turning on the spot away from what is near, as a reflex: to the side that sensors on the other side chose when it began,
-//! and no other way until it ends. Who may change the way dithers in corners.
+//! and no other way until it ends. A robot that could change the way would dither in corners.
 
 use baudbot_brain::{Body, SensorKind, Signals};
 use serde::Deserialize;

@@ -27,7 +27,7 @@ pub fn brain(description: &str, seed: u64, body: &Body) -> Result<Box<dyn Brain 
     kind(name)?.brain(settings, seed, body)
 }
 
-/// Whether there is a brain of this name, or a file. Nothing is said of whether it fits any robot.
+/// Whether there is a brain of this name, or a file. It may still not fit a given robot.
 ///
 /// # Errors
 /// As [`brain`] says it.

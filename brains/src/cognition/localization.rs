@@ -17,7 +17,7 @@ use crate::registry::BuildContext;
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
-/// What is matched with what.
+/// Parameters: the laser, the map and the search.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -181,7 +181,7 @@ impl CognitiveProcess for Localize {
     }
 }
 
-/// Who has waited for a scan for so long says so, in nanoseconds.
+/// After so long a wait for a scan the process reports it, in nanoseconds.
 const OVERDUE_NS: u64 = 2_000_000_000;
 /// So long a robot takes to stand still, in nanoseconds.
 const SETTLE_NS: u64 = 500_000_000;

@@ -20,7 +20,7 @@ use crate::registry::BuildContext;
 use crate::scan::Scan;
 use crate::scanner::Scanner;
 
-/// What is matched with what.
+/// Parameters: the laser, the map and the search.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

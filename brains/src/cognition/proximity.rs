@@ -1,8 +1,8 @@
 //! *Proximity detection* as a cognitive process (Section 6.1): whether something is close ahead that the laser may look over.
 //! Other processes find that among the brain's beliefs; and a behaviour that is named gets a large Γ as long as it is so.
 //!
-//! *Deviation*: the notes assume that there is such a process, and say nothing of it but that its sensors should be mounted at
-//! another height than the laser.
+//! *Deviation*: the notes assume such a process, and only say that its sensors should be mounted at another height than the
+//! laser.
 
 use baudbot_brain::Body;
 use serde::Deserialize;
@@ -12,7 +12,7 @@ use crate::process::{CognitiveProcess, StepContext};
 use crate::proximity_sensors::{Near, ProximitySensors};
 use crate::registry::BuildContext;
 
-/// From where on something is near, and who is to know.
+/// The distances and readings at which something is near, and the behaviour that is raised then.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

@@ -16,7 +16,7 @@ use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::planning::ThetaStar;
 use crate::process::{MotorBehavior, StepContext};
 
-/// What is covered, and how.
+/// Parameters: the floor and the way in which it is covered.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

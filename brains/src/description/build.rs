@@ -169,5 +169,5 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Bias of a cognitive process of whose utility nothing is said: it is always active.
+/// Bias of a cognitive process without a `utility`: it is always active.
 const ALWAYS: f64 = 1.0;

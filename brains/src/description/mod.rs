@@ -16,7 +16,7 @@
 //! ```
 //!
 //! A description is read in two steps: [`Description::parse`] needs nothing but the text, [`Description::brain`] a robot's body
-//! and a [`Registry`]. All that is wrong is said with its path: `motor.turn_away.utility.weights.frnt: there is no state
+//! and a [`Registry`]. Each error names its path: `motor.turn_away.utility.weights.frnt: there is no state
 //! variable `frnt`; there are: front`.
 
 mod build;
@@ -38,13 +38,13 @@ pub struct Description {
     raw: Raw,
 }
 
-/// What is wrong with a description, with its path in the text.
+/// An error in a description, with its path in the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{problem}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
 pub struct DescriptionError {
     /// Which field, such as `motor.charge.parameters`; empty if it is not one field's.
     pub path: String,
-    /// What is wrong with it, and what would be right.
+    /// The problem, and the remedy.
     pub problem: String,
     /// The kind of problem.
     pub cause: Cause,
@@ -85,7 +85,7 @@ impl Description {
         Ok(Self { raw })
     }
 
-    /// What it says of itself.
+    /// Its own description.
     pub fn summary(&self) -> &str {
         &self.raw.description
     }

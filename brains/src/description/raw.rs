@@ -146,7 +146,7 @@ impl Raw {
 }
 
 impl RawProcess {
-    /// Its utility, or one of this bias if nothing is said of it.
+    /// Its utility, or one of this bias if the description has none.
     pub(super) fn utility(&self, bias: f64) -> RawUtility {
         self.utility.clone().unwrap_or_else(|| RawUtility { bias, ..RawUtility::default() })
     }

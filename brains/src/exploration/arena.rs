@@ -13,9 +13,9 @@ use crate::scan::Scan;
 /// Walls that the laser sees, and low boxes over which it looks.
 pub(crate) struct Arena {
     size_m: (f64, f64),
-    /// What the laser sees.
+    /// Obstacles that the laser sees.
     seen: Index,
-    /// What the robot must not drive into.
+    /// Obstacles for the robot's body.
     solid: Index,
     boxes: Vec<Vec<Point>>,
     low: Vec<Vec<Point>>,

@@ -7,7 +7,7 @@ use baudbot_geometry::Point;
 
 use crate::mapping::{PlacedScan, View};
 
-/// What has become of a node.
+/// The state of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Nobody was there yet.
@@ -23,11 +23,11 @@ pub enum Status {
 pub struct Node {
     /// Where it is, in metres in the world.
     pub place: Point,
-    /// What has become of it.
+    /// Its state.
     pub status: Status,
     /// It was not placed: the robot has come there otherwise.
     is_passed: bool,
-    /// What was last seen from it.
+    /// The last scan from there.
     scan: Option<PlacedScan>,
     /// Nodes with a path to and from here.
     joined: Vec<usize>,

@@ -1,4 +1,4 @@
-//! What an exploration leaves out, and says so.
+//! The places that an exploration leaves out, and how it reports them.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -59,7 +59,7 @@ pub(super) struct Rest<'a> {
     /// The cells to which there is a path, and those to which there were one if proximity had found nothing.
     pub(super) reached: &'a [Cell],
     pub(super) reached_but: &'a [Cell],
-    /// The edge of the dark, but for what was looked at in vain.
+    /// The edge of the dark, without cells that were viewed in vain.
     pub(super) wanted: &'a [Cell],
     pub(super) given_up: &'a BTreeSet<Cell>,
     pub(super) half_width_m: f64,

@@ -39,7 +39,7 @@ pub use frontiers::Frontiers;
 pub use left_out::LeftOut;
 pub use nodes::Nodes;
 
-/// What a robot knows in a step.
+/// The inputs of an explorer in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input<'a> {
     /// Where it is believed to be.
@@ -50,7 +50,7 @@ pub struct Input<'a> {
     pub near: bool,
 }
 
-/// What the robot shall do until the next step.
+/// The command to the robot until the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Stand still; a scan from here is wanted.

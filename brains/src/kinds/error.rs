@@ -1,4 +1,4 @@
-//! What can be wrong with a text that describes a brain.
+//! Errors in a text that describes a brain.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ pub enum CatalogueError {
         brain: &'static str,
         /// Name of the robot.
         robot: String,
-        /// What it needs.
+        /// The sensors that the brain needs.
         needed: &'static str,
         /// Names of the sensors that there are.
         found: Vec<String>,
@@ -83,7 +83,7 @@ pub enum CatalogueError {
     Description {
         /// The file, or the name of one that is part of the program.
         brain: String,
-        /// What is wrong with it.
+        /// The problem.
         error: DescriptionError,
     },
 }

@@ -24,9 +24,9 @@ use crate::{Avoid, Constant, Explore, Navigate, Wander, avoid, constant, navigat
 /// A kind of brain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// What it does, in a line.
+    /// Its description, in a line.
     pub summary: String,
     /// What can be set; of a brain that is described in TOML any number can be, by its path.
     pub parameters: Vec<Setting>,
@@ -38,9 +38,9 @@ pub struct Entry {
 /// A parameter of a kind of brain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// What it means, with its unit.
+    /// Its meaning, with its unit.
     pub meaning: &'static str,
     /// Its value if it is not set.
     pub default: f64,
@@ -208,7 +208,7 @@ impl Kind {
     }
 }
 
-/// Who makes maps of scans, or finds itself by them, must know where each was taken.
+/// Brains that make maps of scans, or localize themselves by scans, must know where each was taken.
 pub(crate) const PLACED_SCANS: Option<[&str; 2]> = Some(["laser", "odometer"]);
 
 fn settings<P: Default>(parameters: &[Parameter<P>]) -> Vec<Setting> {

@@ -2,7 +2,7 @@
 //!
 //! A laser turns: between its first ray and its last the robot goes on. At 0.3 m/s and 0.8 rad/s a sweep of 100 ms is
 //! off by up to 3 cm and 0.08 rad. The notes stop the robot (Wahde 2016, §6.3.1, point i); here each ray's end is put
-//! where it was seen from, by the odometry, and looked at from where the robot was at the one instant.
+//! where it was seen from, by the odometry, and viewed from where the robot was at the one instant.
 //!
 //! Seen from there the ends are no longer at the angles of the fan. Between two neighbours on one surface the distance at
 //! an angle of the fan is found by interpolation of 1/distance, which is nearly straight along a wall; between

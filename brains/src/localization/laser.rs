@@ -28,7 +28,7 @@ use super::map::{Map, VirtualLaser};
 use crate::Chance;
 use crate::scan::Scan;
 
-/// What the search is like.
+/// Parameters of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Whole width of the box in x and in y, L_x and L_y, in metres.

@@ -1,8 +1,8 @@
 //! A known map, and a virtual laser in it: the vLRF of Wahde 2016, §6.3.1.
 //!
 //! A map is lines, as in the notes, and discs, for pillars. How far a virtual ray sees is Eqs. (3.3) to (3.8), which
-//! `baudbot-geometry` computes for all rays of a scan at once. What it sees is a matter of the map alone: what else
-//! stands about in the world, only the real laser knows.
+//! `baudbot-geometry` computes for all rays of a scan at once. A virtual ray sees the map alone: only the real laser
+//! sees everything else that stands in the world.
 
 use baudbot_geometry::{Circle, Fan, Hit, Index, Point, Pose, Ray, Segment, Shape, Sweep, Vector};
 use thiserror::Error;
@@ -61,7 +61,7 @@ pub struct VirtualLaser {
     range_m: f64,
 }
 
-/// What a virtual ray hits.
+/// The hit of a virtual ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
     /// How far away it is, in metres.

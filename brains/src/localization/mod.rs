@@ -6,8 +6,8 @@
 //! 4. [`particles`] follows many poses at once, and finds a robot that is lost.
 //! 5. [`deskew`] corrects a scan that was taken while the robot moved.
 //!
-//! Each is given the pose from [`odometry`](crate::odometry), and gives it back better. Which poses [`laser`] and [`refine`]
-//! look at on the way, [`Tried`] says to whom wants to watch.
+//! Each takes the pose from [`odometry`](crate::odometry), and returns a better one. [`Tried`] reports the poses that [`laser`]
+//! and [`refine`] try on the way, for pictures.
 
 pub mod deskew;
 pub mod laser;

@@ -238,7 +238,7 @@ pub(crate) fn is_clear(
     obstacles.iter().all(|point| is_past(*point)) && cells.filter_map(|cell| grid.surface(cell)).all(is_past)
 }
 
-/// Who goes away from something comes no nearer to it than so much less, in metres.
+/// A robot that moves away from something may come nearer to it by no more than this, in metres.
 const AWAY_M: f64 = 0.005;
 
 #[cfg(test)]

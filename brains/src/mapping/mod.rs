@@ -1,4 +1,4 @@
-//! What a brain makes of what it has seen.
+//! Maps that a brain makes of its scans.
 
 pub(crate) mod disc;
 pub mod floor;

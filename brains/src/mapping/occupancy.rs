@@ -15,7 +15,7 @@ use baudbot_geometry::grid::{self, Cell, Grid, Rectangle};
 use super::disc::Disc;
 use super::placed::PlacedScan;
 
-/// What is known of a cell.
+/// The knowledge about a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupied {
     /// Nothing is there.
@@ -92,7 +92,7 @@ impl Occupancy {
         self.place(cell).map_or(0.0, |place| self.log_odds[place])
     }
 
-    /// What is known of a cell.
+    /// The knowledge about a cell.
     #[must_use]
     pub fn state(&self, cell: Cell) -> Occupied {
         let log_odds = self.log_odds(cell);

@@ -11,7 +11,7 @@ use crate::scan::Scan;
 pub struct PlacedScan {
     /// The robot's pose when the scan was taken.
     pub world_from_robot: Pose,
-    /// What was seen from there.
+    /// The scan from there.
     pub scan: Scan,
 }
 

@@ -1,4 +1,4 @@
-//! A grid for people who look.
+//! A grid for observers.
 
 use baudbot_brain::GridMap;
 use baudbot_geometry::grid::Cell;

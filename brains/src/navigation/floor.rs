@@ -140,10 +140,10 @@ impl Floor {
     }
 }
 
-/// So many cells are looked at in one step of a behaviour, that planning takes a fraction of a millisecond.
+/// Cells that are examined in one step of a behaviour, so that planning takes a fraction of a millisecond.
 pub const CELLS_A_STEP: usize = 500;
 
-/// Who is farther from free floor than this, in metres, is not on this map.
+/// A robot that is farther from free floor than this, in metres, is not on this map.
 const ESCAPE_M: f64 = 1.0;
 
 #[cfg(test)]

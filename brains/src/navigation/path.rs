@@ -64,7 +64,7 @@ impl Path {
         best
     }
 
-    /// What is left of it from there on.
+    /// The rest of it from there on.
     pub fn rest(&self, from_m: f64) -> impl Iterator<Item = Point> + '_ {
         let after = self.along_m.partition_point(|m| *m <= from_m);
         self.at(from_m).into_iter().chain(self.points.iter().skip(after).copied())

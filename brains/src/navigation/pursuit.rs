@@ -39,7 +39,7 @@ impl Pursuit {
         self.path.length_m() - self.along_m
     }
 
-    /// What is left of the path.
+    /// The rest of the path.
     pub fn rest(&self) -> impl Iterator<Item = Point> + '_ {
         self.path.rest(self.along_m)
     }

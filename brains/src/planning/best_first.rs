@@ -1,4 +1,4 @@
-//! The loop that all searches with an open list share: take the best node from the list, look at its neighbours.
+//! The loop that all searches with an open list share: take the best node from the list, and examine its neighbours.
 //!
 //! Ranks are compared first, then estimates (of equally good nodes the one nearer to the target), then the order in
 //! which nodes came into the list. So the same graph gives the same path on every machine.
@@ -32,7 +32,7 @@ pub(super) trait Graph {
     }
 }
 
-/// What a search has found.
+/// The result of a search.
 pub(super) struct Found {
     /// Nodes from the start to the target.
     pub(super) path: Vec<usize>,

@@ -29,7 +29,7 @@ pub enum GridError {
     Number {
         /// What it is.
         name: &'static str,
-        /// What it may be.
+        /// The permitted values.
         range: &'static str,
         /// The number given.
         found: f64,

@@ -1,4 +1,4 @@
-//! What a search finds, and why it finds nothing.
+//! The results of a search: a path, or the reason that there is none.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::grid::Grid;
 
-/// A path through a grid, and what was looked at to find it.
+/// A path through a grid, and the cells that the search examined.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// The path from the start to the target, both included: all cells one after the other, but of
@@ -16,7 +16,7 @@ pub struct Plan {
     pub cells: Vec<Cell>,
     /// Length of the path from cell centre to cell centre, in metres.
     pub length_m: f64,
-    /// The cells whose neighbours were looked at, in this order, and at last the target.
+    /// The cells whose neighbours were examined, in this order, and at last the target.
     pub expanded: Vec<Cell>,
     /// The cells that were ever given a cost, in this order: light green in Figs. 6.8 and 6.10.
     pub touched: Vec<Cell>,
@@ -77,7 +77,7 @@ pub enum PlanError {
         moves: usize,
         /// Its way until there, the start included.
         walked: Vec<Cell>,
-        /// The cells that were looked at, in this order: its path and the free neighbours of that.
+        /// The cells that were examined, in this order: its path and the free neighbours of that.
         touched: Vec<Cell>,
     },
 }

@@ -25,7 +25,7 @@ pub fn theta_star(grid: &Grid, start: Cell, target: Cell) -> Result<Plan, PlanEr
     plan(grid, &AnyAngle { grid, target }, start, target)
 }
 
-/// [`theta_star`] a few cells at a time, for who has little time in each step.
+/// [`theta_star`] a few cells at a time, for brains that have little time in each step.
 #[derive(Clone, Debug, Default)]
 pub struct ThetaStar {
     /// Between which cells a path is being looked for.

@@ -36,7 +36,7 @@ impl Detour {
         later.or_else(|| points.last()).copied().unwrap_or(here)
     }
 
-    /// What is left of the path.
+    /// The rest of the path.
     pub(super) fn left(&self) -> &[Point] {
         &self.path.points[self.reached..]
     }

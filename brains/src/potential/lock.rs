@@ -40,7 +40,7 @@ impl Lock {
     }
 }
 
-/// Who gets lower within this distance gets nowhere, in metres.
+/// A robot that stays within this distance makes no progress, even if it gets lower, in metres.
 const ON_M: f64 = 0.05;
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::odometry::Odometry;
 use crate::parameter::ParameterError;
 use crate::scan::Scan;
 
-/// What takes scans.
+/// A source of scans.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scanner {
     sensor: usize,
@@ -96,7 +96,8 @@ impl Scanner {
         None
     }
 
-    /// The oldest reading that waits as it is, without any odometry: for who stands still, or knows only where it is now.
+    /// The oldest reading that waits as it is, without any odometry: for a robot that stands still, or knows only its present
+    /// pose.
     pub fn take_as_is(&mut self) -> Option<(u64, Scan)> {
         let (begun_ns, scan) = self.waiting.pop_front()?;
         Some((begun_ns.saturating_add(self.sweep.duration_ns), scan))

@@ -24,7 +24,7 @@ use crate::estimate::Estimate;
 use crate::mapping::{Occupancy, Occupied};
 use crate::scan::Scan;
 
-/// What has become of a scan.
+/// The outcome of matching a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match {
     /// It was taken here.

@@ -14,8 +14,8 @@
 //! grid's probabilities, which is good to a cell; here cells know where in them rays have ended. A scan is added only
 //! after `step_m` or `step_rad`, since each one that is added moves the map by a part of its error.
 //!
-//! *Limits.* The past is not corrected: who comes back after a long round through unknown rooms is as wrong as the errors of
-//! the matches on the way add up to, and no loop is closed.
+//! *Limits.* The past is not corrected, and no loop is closed: after a long round through unknown rooms the error of the pose
+//! is the sum of the errors of all matches on the way.
 
 pub mod matching;
 

@@ -13,7 +13,7 @@ fn own(pose: Pose) -> Pose {
     Pose::new(0.31, 0.17, 0.5).compose(&pose)
 }
 
-/// What a robot makes of a place that it has looked at from a pose, all around.
+/// The map that a robot makes of a place that it has scanned all around from a pose.
 fn mapped(map: &Map, laser: &VirtualLaser, here: Pose) -> (Slam, Occupancy) {
     let mut slam = Slam::new(Parameters::default());
     let mut grid = slam.grid();

@@ -247,8 +247,8 @@ impl Vfh {
         self.memory.obstacles().filter_map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// So fast it may drive that it stands before somebody who walks can be at it, in metres a second. Who comes from behind
-    /// sees to that himself.
+    /// The greatest speed at which it stops before a walking person can reach it, in metres a second. People who come from
+    /// behind are ignored.
     fn safe_m_s(&self, world_from_robot: &Pose, now_ns: u64) -> f64 {
         let p = &self.parameters;
         if p.walker_m_s == 0.0 || !self.sight.tells_walkers() {
@@ -301,7 +301,7 @@ impl Vfh {
     }
 }
 
-/// What makes no sense.
+/// Checks the parameters.
 fn check(p: &Parameters) -> Result<(), ParameterError> {
     check_positive([
         ("window_m", p.window_m),

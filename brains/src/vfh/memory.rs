@@ -1,7 +1,8 @@
-//! What was seen nearby, in the cells of a grid: the active window of VFH+.
+//! Obstacles that were seen nearby, in the cells of a grid: the active window of VFH+.
 //!
 //! A cell is occupied from when something was seen in it until a ray goes through it, until it is forgotten, or until the
-//! robot is far from it. So what leaves the field of view stays for a while, and who walks through it leaves no trail.
+//! robot is far from it. So obstacles that leave the field of view stay for a while, and a person who walks through it leaves
+//! no trail.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -80,7 +81,7 @@ impl Memory {
         2.0 * cell_m / (STOOD_NS as f64 * 1e-9)
     }
 
-    /// The centres of those of them that may be of somebody who walks, and for which `counts` holds: nothing has been there
+    /// The centres of the cells that may be of a walking person, and for which `counts` holds: nothing has been there
     /// or beside for half a second. What is seen for the first time may walk, too.
     pub fn walkers(&self, counts: impl Fn(Point) -> bool) -> impl Iterator<Item = Point> {
         let has_stood = |cell: &Cell| self.newest_ns.saturating_sub(cell.since_ns) >= STOOD_NS;

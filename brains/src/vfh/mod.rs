@@ -8,7 +8,7 @@
 //!    (6)), and which directions are blocked, with hysteresis (binary polar histogram, (7)). Of those it masks what the
 //!    robot cannot turn to.
 //! 3. [`candidates`] has the directions that openings offer; the cheapest one is chosen.
-//! 4. [`Vfh`] drives there, the more slowly the less room there is ahead, and stands before who walks can be at it.
+//! 4. [`Vfh`] drives there, the more slowly the less room there is ahead, and stops before a walking person can reach it.
 //!
 //! It is blind to all but what is near: in a dead end it stays. A path through rooms is a list of goals.
 //!
@@ -17,8 +17,8 @@
 //! weigh 1, and a direction has as much as the greatest of its cells, not as their sum (5): a laser that sees a wall in
 //! twenty cells is no surer of it than of a post in two. So a threshold is a distance. There is hysteresis in width, too, by
 //! the side of a cell. What is farther away than the goal is not in the way. Costs are of angles, and not of sectors.
-//! That others walk the paper does not say: what is in front of the robot and has not been in its place for half a second
-//! may come nearer at `walker_m_s` for as long as `halt_s`, and the robot is only as fast as that leaves it room for.
+//! Walking people are not in the paper: an obstacle in front of the robot that has not been in its place for half a second
+//! may come nearer at `walker_m_s` for as long as `halt_s`, and the robot's speed leaves room for that.
 
 mod behavior;
 pub mod candidates;

@@ -84,8 +84,8 @@ impl Sight {
         Ok(sight)
     }
 
-    /// What can be placed by now. The scan of a laser waits until the odometry has come to the end of its sweep; who has
-    /// a pose and no odometry takes it as it is.
+    /// The scans that can be placed by now. The scan of a laser waits until the odometry has come to the end of its sweep; a
+    /// brain that has a pose and no odometry takes it as it is.
     pub fn look(&mut self, turn: &Turn, beliefs: &Beliefs) -> Vec<Seen> {
         let mut seen = Vec::new();
         for laser in &mut self.lasers {
@@ -111,8 +111,8 @@ impl Sight {
         laser.min_by_key(|awaited| awaited.since_ns).or_else(cone)
     }
 
-    /// Whether it can tell who walks from what stands. The arcs of sensors that say one distance come and go with each turn of
-    /// the robot, and where two of them overlap.
+    /// Whether it can distinguish walking people from things that stand. The arcs of sensors that give one distance come and go
+    /// with each turn of the robot, and where two of them overlap.
     pub fn tells_walkers(&self) -> bool {
         self.cones.is_empty()
     }

@@ -57,5 +57,5 @@ fn rate(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(fits).ok_or_else(|| format!("must be from 0 to {MOST_HZ}, is `{text}`"))
 }
 
-/// More than anybody looks at.
+/// The greatest rate: more than any viewer shows.
 const MOST_HZ: f64 = 1000.0;

@@ -7,7 +7,7 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::text::{percent, table};
 
-/// All that is told of a robot.
+/// The complete report on a robot.
 pub(super) fn robot(robot: &RobotBudget) -> String {
     let mut text = format!("robot {}: {}\n", robot.robot, verdict(robot));
     text += &cycle(robot);

@@ -87,7 +87,7 @@ fn arena(arena: &Arena) -> String {
     }
 }
 
-/// What is in the arena besides walls and robots.
+/// The contents of the arena besides walls and robots.
 fn things(scenario: &Scenario) -> String {
     let around = &scenario.surroundings;
     let things = [

@@ -1,4 +1,4 @@
-//! What a robot of a scenario is, and what its messages cost on its cable.
+//! The description of a scenario's robot, and the cost of its messages on its cable.
 
 use std::fmt::Write;
 

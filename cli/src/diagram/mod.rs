@@ -49,7 +49,7 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     text::write(path, &picture.draw())
 }
 
-/// What ran: the robot's brain, its link and the seed, and what was changed of the scenario.
+/// The title: the robot's brain, its link and the seed, and the changes of the scenario.
 fn ran(scenario: &Scenario, robot: &RobotSpec, assignments: &[Assignment]) -> Vec<String> {
     let own = assignments.iter().filter(|assignment| assignment.robots.contains(&robot.name));
     let brains: Vec<_> = own.map(|assignment| assignment.brain.clone()).collect();
@@ -139,7 +139,7 @@ fn picture(world: &str, step_ns: u64, robot: &RobotSpec, events: &[Event], windo
     }
 }
 
-/// What is told of a cycle, and marked.
+/// The description of a cycle, and its marks.
 fn about(cycle: &cycle::Cycle, late_from_ns: Option<u64>, robot: &RobotSpec) -> (String, Vec<Mark>) {
     let mark = |at_ns, label: &str| Mark { at_ns, label: label.to_owned() };
     let within_ns = robot.deadline.within_ns;

@@ -8,7 +8,7 @@ use baudbot_sim::timeline::Event;
 use super::cycle::{Cycle, is_anchor};
 use crate::error::Refused;
 
-/// What is asked for.
+/// The part of a run that is requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wanted {
     pub(super) place: Place,
@@ -152,7 +152,7 @@ const USUAL: u32 = 3;
 const SLACK_NS: u64 = 5_000_000_000;
 /// So long a cycle is waited for, in nanoseconds.
 const PATIENCE_NS: u64 = 3_600_000_000_000;
-/// More events than this nobody looks at.
+/// Most events of a diagram.
 const MOST_EVENTS: usize = 4_000_000;
 
 #[cfg(test)]

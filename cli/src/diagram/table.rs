@@ -8,7 +8,7 @@ use baudbot_trace::Lane;
 
 use super::record::Window;
 
-/// A line for each event of a window: when it began and how long it took, in milliseconds, who it was, and what it did.
+/// A line for each event of a window: its beginning and its duration, in milliseconds, its lane, and what happened.
 /// Those of the cycle that the window is about have a `*`.
 pub(super) fn table(robot: &RobotSpec, events: &[Event], window: &Window) -> String {
     let in_window = |(_, event): &(usize, &Event)| is_in(event, window.from_ns, window.until_ns);

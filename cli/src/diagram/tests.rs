@@ -1,4 +1,4 @@
-//! Diagrams of made-up events, looked at as XML.
+//! Diagrams of made-up events, parsed as XML.
 
 use baudbot_plot::timing::Class;
 

@@ -109,7 +109,7 @@ const VARIABLE: &str = "BAUDBOT_BROWSER";
 
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 
-/// No window, no questions, no word to anybody, and no naps.
+/// Options of the browser: no window, no dialogs, no network access of its own, and no throttling in the background.
 const OPTIONS: [&str; 13] = [
     "--headless=new",
     "--no-first-run",

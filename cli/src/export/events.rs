@@ -1,4 +1,4 @@
-//! What happened, as a table: the events of the timelines, and those of the recording.
+//! Events as a table: those of the timelines, and those of the recording.
 
 use std::io;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub(super) struct Events {
     recorded: Vec<RecordedEvent>,
     /// The next of these.
     next: usize,
-    /// Nothing is told that was over before.
+    /// Events that were over before are left out.
     from: SimTime,
     /// How many events of each robot have been told or left out.
     seen: Vec<u64>,
@@ -36,7 +36,7 @@ impl Events {
         Self { out: csv::Writer::from_writer(out), recorded, next: 0, from, seen, is_begun: false }
     }
 
-    /// What the recording says of this tick.
+    /// The recording's events of this tick.
     fn recorded(&mut self, world: &World) -> io::Result<()> {
         while let Some(event) = self.recorded.get(self.next).filter(|event| event.tick <= world.tick()) {
             self.next += 1;
@@ -106,7 +106,7 @@ fn kind(what: What) -> &'static str {
     }
 }
 
-/// What kind of event it is, in a word.
+/// The kind of the event, in a word.
 pub(super) fn kind_of(event: &RecordedEvent) -> &'static str {
     match event.kind() {
         ReplayEventKind::Unspecified => "other",

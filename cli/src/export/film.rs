@@ -1,4 +1,4 @@
-//! Films: the viewer's own page draws them, in a browser without a window, from a server that nobody else knows of.
+//! Films: the viewer's own page draws them, in a browser without a window, from a private server.
 
 use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr};

@@ -6,7 +6,7 @@
 //!    recording's frames.
 //!    [`ran`] is what pictures tell of the run.
 //! 3. [`film`] lets a [`browser`] film the viewer's page, which replays the recording.
-//! 4. [`summary`] is what is told about a recording of which nothing else is wanted.
+//! 4. [`summary`] describes a recording if no output is requested.
 
 mod beliefs;
 mod browser;
@@ -117,7 +117,7 @@ fn notes(args: &ExportArgs, recorded: &RecordedRun) {
     }
 }
 
-/// All that is written while the run is simulated.
+/// All outputs that are written while the run is simulated.
 fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> anyhow::Result<Vec<Output>> {
     let robots = &recorded.scenario().robots;
     let every = window::every(&args.rows, recorded.header().step_ns);
@@ -148,7 +148,7 @@ fn outputs(args: &ExportArgs, recorded: &Arc<RecordedRun>, window: &Window) -> a
 
 type Out = Box<dyn std::io::Write + Send>;
 
-/// What an output is called in errors.
+/// The name of an output in errors.
 fn name(path: &Path) -> String {
     if path == Path::new(STDOUT) { "to stdout".to_owned() } else { path.display().to_string() }
 }

@@ -1,4 +1,4 @@
-//! One pass over a run that was recorded: it is simulated again, and every tick is shown to all who write of it.
+//! One pass over a run that was recorded: it is simulated again, and every tick goes to all writers.
 
 use std::io;
 
@@ -87,10 +87,10 @@ pub(super) fn run(
     Ok(is_whole)
 }
 
-/// Why a writer that told of no end has none.
+/// The end of a writer that did not report one.
 pub(super) fn lost() -> io::Error {
     io::Error::other("its writer is gone")
 }
 
-/// So often it looks whether somebody wants it to stop.
+/// Ticks between two checks for Ctrl-C.
 const TICKS_A_LOOK: u64 = 64;

@@ -1,4 +1,4 @@
-//! What ran in a recording, as pictures of it tell: taken from the run itself, and not from what its scenario's file says.
+//! The title of a recorded run in pictures: taken from the run itself, and not from the scenario's file.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use baudbot_proto::v1::ReplayEventKind;
 use baudbot_recording::RecordedRun;
 use baudbot_sim::{Scenario, World};
 
-/// What is known of a run, and seen while it is simulated once more.
+/// The data of a run, known beforehand or collected while it is simulated again.
 pub(super) struct Ran {
     about: String,
     brains: Vec<String>,
@@ -47,7 +47,7 @@ impl Ran {
         }
     }
 
-    /// What the scenario is about, or that it was changed.
+    /// The scenario's description, or its changes.
     pub(super) fn about(&self) -> &str {
         &self.about
     }

@@ -1,4 +1,4 @@
-//! What is told about a recording of which nothing else is wanted.
+//! The description of a recording, if no output is requested.
 
 use std::collections::BTreeMap;
 use std::fs;

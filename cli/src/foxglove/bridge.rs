@@ -1,4 +1,4 @@
-//! From an observer's frames to whoever has connected, by Foxglove's protocol.
+//! A bridge from an observer's frames to the clients of Foxglove's protocol.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -43,13 +43,13 @@ pub(super) async fn serve(server: &ConnectArgs, at: SocketAddr) -> anyhow::Resul
     }
 }
 
-/// What those who have connected are shown.
+/// The data that clients are shown.
 struct Show {
     context: Arc<foxglove::Context>,
     server: WebSocketServerHandle,
     messages: FoxgloveEncoder,
     channels: BTreeMap<Arc<str>, Arc<RawChannel>>,
-    /// Of each topic, for those who come late.
+    /// Of each topic, for clients that connect late.
     last: BTreeMap<Arc<str>, FoxgloveMessage>,
     time_ns: u64,
     has_ended: bool,
@@ -74,7 +74,7 @@ impl Show {
         Ok(Self { context, server, messages, channels, last, time_ns: 0, has_ended: false })
     }
 
-    /// What stands still, and what robots look like.
+    /// Everything that stands still, and the shapes of robots.
     fn open(&mut self, time_ns: u64) {
         self.messages.opening(time_ns).into_iter().for_each(|message| self.log(message));
     }
@@ -120,8 +120,8 @@ impl Show {
         self.last.insert(Arc::clone(&message.topic), message);
     }
 
-    /// The last word of a topic, for one who has just subscribed to it: what is said once would otherwise be missed, and
-    /// a world that stands says nothing.
+    /// The last message of a topic, for a client that has just subscribed to it: it would otherwise miss messages that are
+    /// sent once, and a world that stands sends none.
     fn again(&self, who: Option<SinkId>, topic: &str) {
         if let (Some(channel), Some(message)) = (self.channels.get(topic), self.last.get(topic)) {
             let time = PartialMetadata::with_log_time(message.time_ns);
@@ -130,7 +130,7 @@ impl Show {
     }
 }
 
-/// Tells who has subscribed to which topic.
+/// Reports which client has subscribed to which topic.
 struct Subscribed(UnboundedSender<(Option<SinkId>, String)>);
 
 impl ServerListener for Subscribed {

@@ -62,7 +62,7 @@ struct Told<'a> {
     error_at_truth: f64,
 }
 
-/// What was found, for programs. An error that is null: too few rays could be compared.
+/// The result, for programs. If an error is null, too few rays could be compared.
 #[derive(Serialize)]
 struct Found<'a> {
     method: String,
@@ -191,7 +191,7 @@ impl<'a> Told<'a> {
         text::table("", &[head.map(str::to_owned)].into_iter().chain(rows).collect::<Vec<_>>())
     }
 
-    /// What is drawn of it.
+    /// The picture of it.
     fn search(&self) -> PoseSearch {
         let search = self.search;
         let attempt = |start: usize| Attempt {

@@ -65,7 +65,7 @@ impl<'a> ScanSource<'a> {
         &self.robot.sensors[self.sensor].name
     }
 
-    /// What stands still and is as high as the laser.
+    /// Everything that stands still and is as high as the laser.
     pub(super) fn map(&self, arena: &Arena) -> anyhow::Result<Map> {
         let above_floor_m = self.laser.mount.height.above_floor_m;
         let polygons = arena.polygons().iter().filter(|polygon| polygon.look.height_m >= above_floor_m);

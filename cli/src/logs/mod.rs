@@ -1,4 +1,4 @@
-//! What is told while it happens: a log on stderr, and, if asked for, a collector of traces.
+//! The log on stderr, and, if asked for, the export of traces to a collector.
 
 #[cfg(feature = "otel")]
 mod otel;
@@ -47,9 +47,9 @@ pub(crate) enum LogFormat {
     Json,
 }
 
-/// What is left to do for the log at the end of the program.
+/// The work that is left for the log at the end of the program.
 pub(crate) struct Logs {
-    /// What it holds is sent when it is dropped.
+    /// Its contents are sent when it is dropped.
     #[cfg(feature = "otel")]
     _export: Option<otel::Export>,
 }
@@ -138,7 +138,7 @@ const ENDPOINT: &str = "OTEL_EXPORTER_OTLP_ENDPOINT";
 mod tests {
     use super::*;
 
-    /// What a log keeps in memory.
+    /// The lines that a log keeps in memory.
     #[derive(Clone, Default)]
     struct Kept(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
 

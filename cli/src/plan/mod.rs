@@ -1,4 +1,4 @@
-//! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and what was looked at to find it.
+//! `baudbot plan`: a path through a scenario's arena by a method of Section 6.2.1, and the cells that the search examined.
 //!
 //! [`map`] makes cells of the arena as a brain would that knows its walls; [`planned_path`] finds a path through them, by
 //! `baudbot_brains::planning`; [`arena`] shows both.
@@ -46,7 +46,7 @@ pub(crate) fn plan(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     Ok(code)
 }
 
-/// What is looked for, and where.
+/// The problem: the grid, its ends and the method.
 struct Task<'a> {
     args: &'a PlanArgs,
     robot: &'a RobotSpec,
@@ -56,7 +56,7 @@ struct Task<'a> {
     to: Point,
 }
 
-/// What was found, for programs.
+/// The result, for programs.
 #[derive(Serialize)]
 struct Found {
     method: String,
@@ -178,7 +178,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// What is drawn of it.
+    /// The picture of it.
     fn route(&self, path: &PlannedPath) -> Route {
         let cell = |point| self.grid.cell_at(point).map(|cell| square(&self.grid, cell));
         let is_grid = self.args.method != Method::Cells;

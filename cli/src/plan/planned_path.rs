@@ -1,4 +1,4 @@
-//! A path, by any of the methods, and what was looked at to find it.
+//! A path, by any of the methods, and the cells that the search examined.
 
 use std::collections::BTreeSet;
 
@@ -7,15 +7,15 @@ use baudbot_geometry::{Bounds, Point};
 
 use crate::args::{Method, PlanArgs};
 
-/// What a method found.
+/// The result of a method.
 #[derive(Debug)]
 pub(super) struct PlannedPath {
     /// Where it bends, and its ends; of a walker that got stuck, the last is where it stands.
     pub(super) points: Vec<Point>,
     pub(super) length_m: f64,
-    /// Cells whose neighbours were looked at.
+    /// Cells whose neighbours were examined.
     pub(super) expanded: usize,
-    /// Cells that were looked at.
+    /// Cells that were examined.
     pub(super) touched: BTreeSet<Cell>,
     /// The convex cells, of the method that has these.
     pub(super) cells: Vec<Bounds>,

@@ -1,4 +1,4 @@
-//! What is told about a run: the server's counters, with what the scenario knows about them.
+//! The summary of a run: the server's counters, with data of the scenario.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::pace::Kind;
@@ -33,7 +33,7 @@ pub(crate) struct Summary {
     pub(crate) clock: Option<Clock>,
     /// In lockstep.
     pub(crate) lockstep: Option<Lockstep>,
-    /// What the referee counted, if there was anything.
+    /// The referee's counts, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) score: Option<Score>,
     /// Those of the things that move by themselves that something was in the way of.
@@ -63,7 +63,7 @@ impl Recording {
     }
 }
 
-/// What the referee counted.
+/// The referee's counts.
 #[derive(Debug, Serialize)]
 pub(crate) struct Score {
     /// Of the free floor, what bodies covered.

@@ -1,4 +1,4 @@
-//! What is told about a robot.
+//! The summary of a robot.
 
 use baudbot_proto::v1;
 use baudbot_sim::link::Link;
@@ -10,7 +10,7 @@ use super::seconds;
 use crate::assignment::Assignment;
 use crate::link;
 
-/// What happened to a robot.
+/// The results of a robot.
 #[derive(Debug, Serialize)]
 pub(crate) struct Robot {
     pub(crate) robot: String,
@@ -23,7 +23,7 @@ pub(crate) struct Robot {
     pub(crate) lost_deliveries: u64,
     /// Steps of its brain that were discarded, since there were too many at a time.
     pub(crate) lost_steps: u64,
-    /// What its brain last said of itself in words.
+    /// The last state that its brain has published, in words.
     pub(crate) said: String,
     pub(crate) frames_missed: u64,
     /// `ideal`, `uart` or `usb`.
@@ -71,7 +71,7 @@ pub(crate) struct Durations {
     pub(crate) max_ms: f64,
 }
 
-/// What feeds a robot, at the end.
+/// The battery of a robot at the end.
 #[derive(Debug, Serialize)]
 pub(crate) struct Battery {
     pub(crate) charge_percent: f64,

@@ -1,4 +1,4 @@
-//! The journal: a line a run, in the order in which they end, written at once. It is all that a sweep needs to go on.
+//! The journal: a line a run, in the order in which they end, written at once. It is all that a sweep needs to resume.
 //!
 //! The first line says which experiment it is of, and each line ends with a checksum (`seal`). `reader` finds which lines are
 //! sound: the runs of all others are done again, after a sweep that was killed as after a disk that forgot a bit. Lines reach
@@ -37,7 +37,7 @@ pub(crate) struct Journal<M = File> {
     is_synced: bool,
 }
 
-/// What a journal is written to.
+/// The output of a journal.
 pub(crate) trait Medium: Write {
     /// Drops what is beyond so many bytes.
     fn cut(&mut self, len: u64) -> io::Result<()>;
@@ -89,7 +89,7 @@ impl Header {
 }
 
 impl Journal {
-    /// Opens a journal to go on with it, or begins one. What is wrong in it is told, and taken out.
+    /// Opens a journal to resume it, or begins one. Damaged lines are reported and removed.
     pub(crate) fn open(path: &Path, header: &Header, tell: &dyn Fn(&str)) -> Result<Self, Error> {
         let mut journal = Self::new(path, appending(path)?, header.seal());
         // A device or a pipe has no lines to go on with, and may have no end.
@@ -223,7 +223,7 @@ fn appending(path: &Path) -> Result<File, Error> {
     OpenOptions::new().append(true).create(true).open(path).map_err(Error::file("write", path))
 }
 
-/// Why a file is no journal to go on with, and what to do.
+/// The reason why a file is no journal that can be resumed, and the remedy.
 fn refused(path: &Path, header: &Header, refusal: Refusal) -> Error {
     let place = path.display();
     let mending =

@@ -8,12 +8,12 @@ use super::Header;
 use super::seal::Seal;
 use crate::run_record::{Row, Written};
 
-/// What there is in a journal.
+/// The contents of a journal.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// The sound rows in the order of their runs, each once.
     pub(super) rows: Vec<Entry>,
-    /// What is wrong with a line, and what becomes of it.
+    /// A problem with a line, and its consequence.
     pub(super) damage: Vec<String>,
     /// Bytes of whole lines.
     pub(super) len: u64,
@@ -34,7 +34,7 @@ pub(super) struct Entry {
     sum: u64,
 }
 
-/// Why a journal is none to go on with.
+/// The reason why a journal cannot be resumed.
 #[derive(Debug)]
 pub(super) enum Refusal {
     /// It is no journal, or one of which nothing is sound.
@@ -121,7 +121,7 @@ impl Found {
         }
     }
 
-    /// Lines that are there twice are one; of those of a run that differ nobody knows which is right.
+    /// Duplicate lines count once; lines of a run that differ are both dropped, since either may be wrong.
     fn keep_each_once(&mut self) {
         self.rows.sort_unstable_by_key(|row| (row.run, row.start));
         let (mut kept, mut told) = (Vec::with_capacity(self.rows.len()), Vec::new());

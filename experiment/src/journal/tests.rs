@@ -12,7 +12,7 @@ fn seal() -> Seal {
     header().seal()
 }
 
-/// What came of a run.
+/// The result of a run.
 fn row(run: u64) -> Row {
     let mut figures = Figures::default();
     figures.0[2] = Some(0.1 + run as f64);
@@ -26,7 +26,7 @@ fn lines() -> Vec<Vec<u8>> {
     std::iter::once(header().line().unwrap()).chain(rows).collect()
 }
 
-/// What is found in a journal must be true, and all of it found but for what is told. Gives what is told.
+/// Every row that is read from a journal must be true, and none may be missing without a report. Returns the reports.
 fn honest(bytes: &[u8]) -> Vec<String> {
     let found = match reader::read(bytes, &header()) {
         Ok(found) => found,

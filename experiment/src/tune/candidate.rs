@@ -16,11 +16,11 @@ pub struct Candidate {
     pub generation: usize,
     /// The numbers, in the order of the fields; none for the untuned brain.
     pub values: Vec<f64>,
-    /// What came of it.
+    /// Its result.
     pub outcome: Outcome,
 }
 
-/// What came of some runs.
+/// The results of some runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Scores of the runs that had one.
@@ -62,8 +62,8 @@ impl Outcome {
         self.scores.mean().filter(|_| self.error.is_none())
     }
 
-    /// What is made small: one of whose runs more succeed is better than any of which fewer do, and what has no score is worse
-    /// than what has one, of those that have none again the less the more succeed.
+    /// The cost to be minimised. A candidate with more successful runs is better than any with fewer. One without a score is
+    /// worse than one with a score; of those without, the one with more successful runs is better.
     pub(super) fn cost(&self) -> f64 {
         let failed = 1.0 - self.succeeded as f64 / self.runs.max(1) as f64;
         // In the order of the scores, and never far from 0, however large these are.

@@ -54,7 +54,7 @@ impl Chance {
         mother.genes.iter().zip(&father.genes).map(gene).collect()
     }
 
-    /// Some at random, from the best to the worst: who is asked wins with a probability, and the last always.
+    /// Tournament selection: of some at random, from the best to the worst, each wins with a probability, and the last always.
     fn selected<'a>(&mut self, all: &'a [Individual]) -> &'a Individual {
         let mut asked: [_; TOURNAMENT] =
             std::array::from_fn(|_| &all[(self.share() * all.len() as f64) as usize]);

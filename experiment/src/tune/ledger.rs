@@ -1,4 +1,5 @@
-//! What lets an optimizer be asked for its next candidates: it is run from its beginning, and is told again what was found.
+//! A ledger of scores, so that an optimizer can be asked for its next candidates: it is run from its beginning, and gets the
+//! scores that were found before.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,4 @@
-//! What came of a tuning: what is told of it, and its files.
+//! The outcome of a tuning: its report, and its files.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -81,7 +81,7 @@ impl Tuned {
         Ok(())
     }
 
-    /// What is told about it.
+    /// Its report.
     pub fn text(&self, experiment: &Experiment) -> String {
         let mut text = String::new();
         let Some(tuning) = &experiment.tuning else { return text };
@@ -265,7 +265,7 @@ fn description(experiment: &Experiment, best: &Candidate) -> Option<String> {
     catalogue::described(assignment::split(brain).1).ok().flatten()
 }
 
-/// What a tuning makes of its journal.
+/// The files that a tuning makes of its journal.
 pub(super) const FILES: [&str; 4] = [SUMMARY, TRACE, CANDIDATES, BEST];
 const SUMMARY: &str = "summary.txt";
 const TRACE: &str = "trace.svg";

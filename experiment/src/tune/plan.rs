@@ -1,4 +1,4 @@
-//! What is tuned, and how: known before the first run.
+//! The plan of a tuning, which is known before the first run.
 
 use crate::design::Cell;
 use crate::error::Error;

@@ -19,7 +19,7 @@ pub(crate) enum Source {
     Svg { file: String, scale: Scale },
 }
 
-/// What becomes of cells of which the map does not know whether they are free.
+/// The treatment of cells that the map marks as unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Unknown {

@@ -133,7 +133,7 @@ impl Description {
     }
 }
 
-/// What a sound description says.
+/// The contents of a valid description.
 struct Map {
     image: String,
     /// Metres a cell.

@@ -1,4 +1,4 @@
-//! What every kind of map becomes.
+//! The shapes that every kind of map becomes.
 
 use baudbot_geometry::math;
 use toml_edit::{Array, Table, Value};

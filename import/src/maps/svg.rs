@@ -18,7 +18,7 @@ use super::shape::{MAX_SHAPES, Shape};
 use crate::error::FileError;
 use crate::file;
 
-/// What is drawn, in the order of the file.
+/// The shapes of the drawing, in the order of the file.
 pub(crate) fn shapes(path: &Path, scale: &Scale) -> Result<Vec<Shape>, FileError> {
     let text = file::text(path)?;
     on_a_large_stack(|| drawing(&text, *scale)).map_err(|problem| FileError::new(path, problem))
@@ -114,7 +114,7 @@ fn parse(text: &str) -> Result<Tree, String> {
     Tree::from_xmltree(&unscaled, &options).map_err(|error| format!("is not a valid SVG: {error}"))
 }
 
-/// What the parser would pass over in silence.
+/// Refuses what the parser would ignore silently.
 fn check(document: &Document<'_>) -> Result<(), String> {
     let root = document.root_element();
     if root.tag_name().name() != "svg" {

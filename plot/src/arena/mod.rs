@@ -68,7 +68,7 @@ pub fn draw_pose_search(scenario: &Scenario, label: &str, search: &PoseSearch) -
     picture(scenario, label, Shown::PoseSearch(search))
 }
 
-/// What is shown in the arena.
+/// The contents of the arena.
 #[derive(Clone, Copy)]
 enum Shown<'a> {
     /// Robots at their starts, and what they sense there.
@@ -161,7 +161,7 @@ fn name<'a>(scenario: &'a Scenario, label: &'a str) -> &'a str {
     if scenario.name.is_empty() { label } else { &scenario.name }
 }
 
-/// What it is of, and what ran in it.
+/// The title: the scenario, and the run.
 fn told(scenario: &Scenario, shown: Shown<'_>) -> Vec<String> {
     let (about, facts) = match shown {
         Shown::Starts | Shown::Route(_) | Shown::PoseSearch(_) => (caption::about(scenario, false), None),
@@ -203,7 +203,7 @@ struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// What stands beside it or below it.
+    /// The figures beside it or below it.
     fn blocks(&self) -> Vec<Block> {
         let scenario = self.world.scenario();
         let surroundings = key::of_surroundings(scenario, self.shown);
@@ -256,7 +256,7 @@ impl Plan<'_> {
         frame::axes(canvas, view);
     }
 
-    /// Robots at their starts, with what they look at.
+    /// Robots at their starts, with the rays of their sensors.
     fn draw_robots(&self, canvas: &mut Canvas) {
         let (view, caster, robots) = (&self.view, self.caster, &self.world.scenario().robots);
         let is_crowd = robots.len() > CROWD;

@@ -31,7 +31,7 @@ pub struct PoseSearch {
     pub best: Attempt,
     /// Attempts from other poses, which led nowhere.
     pub others: Vec<Attempt>,
-    /// What the laser saw, seen from the first pose.
+    /// The scan of the laser, seen from the first pose.
     pub seen_from_guess: Vec<Point>,
     /// The same, seen from the last pose.
     pub seen_from_found: Vec<Point>,

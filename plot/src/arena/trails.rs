@@ -52,7 +52,7 @@ pub struct Collision {
     pub at: Point,
     /// When it happened.
     pub time: SimTime,
-    /// What the robot ran into.
+    /// The obstacle of a collision.
     pub with: String,
 }
 

@@ -23,7 +23,7 @@ pub struct Chart {
     pub x: Field,
     /// A line for each of its values, or the vertical axis of a heat map.
     pub by: Option<Field>,
-    /// What was measured.
+    /// The quantity that was measured.
     pub figure: Figure,
     /// What came of each pair of values, by their places in [`x`](Self::x) and [`by`](Self::by), which is 0 without the latter.
     pub points: BTreeMap<(usize, usize), Point>,
@@ -40,7 +40,7 @@ pub struct Field {
     pub values: Vec<(String, Option<f64>)>,
 }
 
-/// What a chart shows.
+/// The quantity that a chart shows.
 #[derive(Clone, Debug)]
 pub struct Figure {
     /// Its name.

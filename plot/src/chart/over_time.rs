@@ -180,12 +180,12 @@ const WIDTH: f64 = 760.0;
 /// Room for names.
 const RIGHT: f64 = 150.0;
 const TOP: f64 = 28.0;
-/// What is above all charts.
+/// The header above all charts.
 const HEAD: f64 = 60.0;
 /// Between two panels.
 const GAP: f64 = 16.0;
 const STRIP_PX: f64 = 15.0;
-/// What nobody sees.
+/// Deviations that are too small to see.
 const TOLERANCE_PX: f64 = 0.15;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What charts share: paper, title, frame, and names of axes.
+//! The common parts of charts: paper, title, frame, and names of axes.
 
 use crate::palette::{INK, PALE_INK, PAPER};
 use crate::svg::{self, Canvas, Element, px};

@@ -4,7 +4,7 @@ use baudbot_sim::surroundings::Zone;
 
 use super::FRAME;
 
-/// What a zone is for.
+/// The purpose of a zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneUses {
     /// Robots are to reach it.

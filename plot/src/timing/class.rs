@@ -4,7 +4,7 @@ use baudbot_sim::timeline::What;
 
 use crate::palette::{LATE, WHITE};
 
-/// What a bar stands for, in the order of the key.
+/// The classes of bars, in the order of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// A sensor is read.

@@ -16,7 +16,7 @@ pub struct Diagram {
     pub title: String,
     /// The line below it.
     pub subtitle: String,
-    /// What ran, line by line, if it is of a run.
+    /// The description of the run, line by line, if it is of a run.
     pub ran: Vec<String>,
     /// The lanes, from above.
     pub lanes: Vec<Lane>,
@@ -73,7 +73,7 @@ pub struct Bar {
     pub label: String,
     /// Its tooltip.
     pub title: String,
-    /// What it stands for.
+    /// Its class.
     pub class: Class,
     /// The diagram is about something else: the bar is pale and never red.
     pub is_aside: bool,
@@ -94,7 +94,7 @@ impl Bar {
         self.end_ns <= self.start_ns
     }
 
-    /// Whether it is red once it is late. What tells of trouble has its own colours.
+    /// Whether it is red once it is late. Events of trouble have their own colours.
     pub(super) fn can_be_late(&self) -> bool {
         !self.is_aside && !self.class.is_trouble()
     }
@@ -328,9 +328,9 @@ pub(super) const ROW: f64 = 24.0;
 const PAD: f64 = 4.0;
 /// Between two panels, in pixels.
 const GAP: f64 = 6.0;
-/// What Δt takes above the lanes, in pixels.
+/// The height of the labels of Δt above the lanes, in pixels.
 const ABOVE: f64 = 28.0;
-/// What the axis takes, in pixels.
+/// The height of the axis, in pixels.
 const BELOW: f64 = 40.0;
 /// Size of the lanes' names.
 const LABEL: f64 = 12.0;

@@ -57,7 +57,7 @@ fn title(robot: &RobotSpec, event: &Event) -> String {
     title
 }
 
-/// What happened, with the number of bytes.
+/// The event, with the number of bytes.
 pub fn what(robot: &RobotSpec, what: What) -> String {
     let text = words::what(what, robot);
     match words::bytes(what) {

@@ -1,4 +1,4 @@
-//! What a brain publishes.
+//! The beliefs that a brain publishes.
 
 use baudbot_brain::{Belief, BelievedPose, GridMap, Particle, Point, Utility};
 

@@ -1,4 +1,4 @@
-//! What is wrong with a server's messages.
+//! Errors in a server's messages.
 
 use baudbot_brain::LayoutError;
 use thiserror::Error;
@@ -6,12 +6,12 @@ use thiserror::Error;
 /// How a server breaks the contract.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Breach {
-    /// Something else than what comes now.
+    /// Another message than the expected one.
     #[error("expected {expected}, got {found}")]
     Expected {
-        /// What comes now.
+        /// The expected message.
         expected: &'static str,
-        /// What came.
+        /// The message that came.
         found: &'static str,
     },
     /// A field that must be there is not.
@@ -30,10 +30,10 @@ pub enum Breach {
         /// Names in the Welcome.
         described: Vec<String>,
     },
-    /// A place in a list that is not so long.
+    /// A place beyond the end of a list.
     #[error("{what} {index}, but there are only {count}")]
     Index {
-        /// What is in the list.
+        /// The kind of the list's elements.
         what: &'static str,
         /// The place, from 0.
         index: u32,
@@ -61,7 +61,7 @@ pub enum Breach {
     Layout {
         /// Name of the robot.
         robot: String,
-        /// What is wrong with them.
+        /// The problem.
         source: LayoutError,
     },
 }

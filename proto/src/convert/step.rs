@@ -1,4 +1,4 @@
-//! What a brain does.
+//! The Steps of brains.
 
 use baudbot_brain::{Action, Signals, Until};
 

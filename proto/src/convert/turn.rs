@@ -1,4 +1,4 @@
-//! What has come for a brain.
+//! The Turns of brains.
 
 use baudbot_brain::{Body, Reading, Sensor};
 

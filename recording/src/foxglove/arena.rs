@@ -1,4 +1,4 @@
-//! What stands still: walls, discs, zones, lamps. It is said once.
+//! Everything that stands still: walls, discs, zones, lamps. It is sent once.
 
 use baudbot_plot::palette::{ZoneUses, rgb};
 use baudbot_proto::v1;
@@ -88,7 +88,7 @@ fn lamp(light: &v1::Light, heights: &Heights, time_ns: u64) -> Option<SceneEntit
     Some(entity)
 }
 
-/// A text that faces whoever looks.
+/// A text that faces the viewer.
 pub(super) fn label(text: &str, [x_m, y_m]: [f64; 2], z_m: f64) -> TextPrimitive {
     TextPrimitive {
         pose: Some(pose_at(x_m, y_m, z_m)),

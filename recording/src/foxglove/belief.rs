@@ -1,4 +1,4 @@
-//! What a brain says that it believes, all in one colour: none of it need be true.
+//! The beliefs that a brain publishes, all in one colour: none of them need be true.
 
 use std::sync::Arc;
 

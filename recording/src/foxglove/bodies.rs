@@ -1,4 +1,4 @@
-//! Robots and things in frames of their own. They are said once; only their frames move.
+//! Robots and things in frames of their own. They are sent once; only their frames move.
 
 use baudbot_proto::v1;
 use foxglove::messages::line_primitive::Type as Line;

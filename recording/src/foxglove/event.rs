@@ -1,4 +1,4 @@
-//! What happened, as lines of a log.
+//! Events, as lines of a log.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What a thing covers of the floor, and how high it is drawn.
+//! The footprint of a thing on the floor, and the height at which it is drawn.
 
 use baudbot_proto::v1;
 use baudbot_sim::Pose;

@@ -82,7 +82,7 @@ impl Mounted {
     }
 }
 
-/// Frames that never move. They have a topic of their own, for who jumps to a time gets the last message of each.
+/// Frames that never move. They have a topic of their own, since after a jump only the last message of each topic is shown.
 pub(super) fn fixed(robots: &[v1::ObservedRobot], time_ns: u64) -> FrameTransforms {
     let of = |observed: &v1::ObservedRobot| {
         let frame = robot(&observed.robot);

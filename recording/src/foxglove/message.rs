@@ -9,7 +9,7 @@ use prost::Message;
 
 use crate::{schema, topic};
 
-/// One message for an MCAP file, or for whoever shows it.
+/// One message for an MCAP file, or for a program that shows it.
 #[derive(Clone, Debug)]
 pub struct FoxgloveMessage {
     /// Where it belongs; a topic has messages of one schema.
@@ -23,7 +23,7 @@ pub struct FoxgloveMessage {
     pub data: Vec<u8>,
 }
 
-/// What a message is: its name, the encoding of its description, and that description.
+/// The schema of a message: its name, the encoding of its description, and that description.
 pub type MessageSchema = Schema;
 
 /// Messages of Foxglove's that are made here.

@@ -1,4 +1,4 @@
-//! What an observer sees, as [Foxglove](https://foxglove.dev) shows it: a recording opens there as it is.
+//! The observable world as messages of [Foxglove](https://foxglove.dev): it opens a recording without conversion.
 //!
 //! | topic | message | what |
 //! |---|---|---|
@@ -14,8 +14,8 @@
 //! | `/belief/ROBOT/map` | `Grid` | the map in that |
 //! | `/log` | `Log` | what happened |
 //!
-//! Who jumps to a time in Foxglove gets the last message of each topic, and no other: so each topic's last message says
-//! all that there is to say about it. All times are simulated ones.
+//! After a jump to another time Foxglove shows the last message of each topic, and no other: so each topic's last message is
+//! complete. All times are simulated ones.
 
 mod arena;
 mod belief;
@@ -95,7 +95,7 @@ impl FoxgloveEncoder {
         }
     }
 
-    /// What is said once, before the first frame: what stands still, what bodies look like, and frames that do not move.
+    /// Messages that are sent once, before the first frame: everything that stands still, shapes of bodies, and fixed frames.
     pub fn opening(&self, time_ns: u64) -> Vec<FoxgloveMessage> {
         let (described, heights) = (&self.described, &self.heights);
         let scenes = [
@@ -140,7 +140,7 @@ impl FoxgloveEncoder {
         messages
     }
 
-    /// What happened, in words.
+    /// An event, in words.
     pub fn event(&self, time_ns: u64, kind: v1::ReplayEventKind, text: &str) -> FoxgloveMessage {
         event::event(&self.topics.log, time_ns, kind, text)
     }

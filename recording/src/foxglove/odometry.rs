@@ -88,7 +88,7 @@ impl DeadReckoning {
         }
     }
 
-    /// What is told of the robot's sensors.
+    /// The descriptions of the robot's sensors.
     pub(super) fn take(&mut self, sensors: &[v1::SensorDetail]) {
         let Some(detail) = sensors.get(self.sensor) else { return };
         let is_known = detail.sampled_at_ns.is_some() && detail.sampled_at_ns == self.sampled_at_ns;

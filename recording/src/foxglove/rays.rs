@@ -1,4 +1,4 @@
-//! What sensors look along now, as thin lines: of all that have rays, except those whose scans are shown.
+//! The rays of sensors, as thin lines: of all sensors that have rays, except those whose scans are shown.
 
 use baudbot_proto::v1::{self, SensorKind};
 use foxglove::messages::line_primitive::Type as Line;

@@ -1,4 +1,4 @@
-//! What is kept of one robot to show it.
+//! The data that is kept of one robot to show it.
 
 use baudbot_proto::v1;
 use baudbot_proto::v1::SensorKind;

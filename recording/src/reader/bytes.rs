@@ -1,4 +1,4 @@
-//! The bytes of a file, looked at before they are taken.
+//! The bytes of a file, with lookahead: they can be examined before they are consumed.
 
 use std::io::{self, Read};
 
@@ -45,7 +45,7 @@ impl<R: Read> Bytes<R> {
         Ok(&self.read[self.taken..])
     }
 
-    /// Takes bytes that have been looked at.
+    /// Consumes bytes that have been examined.
     pub(super) fn take(&mut self, n: usize) {
         let until = self.read.len().min(self.taken + n);
         self.hasher.update(&self.read[self.taken..until]);

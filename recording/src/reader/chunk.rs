@@ -1,4 +1,4 @@
-//! What is in a chunk, unpacked and held against its checksum.
+//! The contents of a chunk, unpacked and compared with its checksum.
 
 #[cfg(feature = "lz4")]
 use std::io::Read;

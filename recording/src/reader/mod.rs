@@ -1,8 +1,8 @@
-//! The messages of an MCAP file, one after the other, past what is damaged.
+//! The messages of an MCAP file, one after the other; damaged parts are skipped.
 //!
-//! What a file says of itself is not believed: each length is held against the bytes that are there before memory is
-//! asked for, and what a chunk unpacks to against its checksum. Behind a record that makes no sense the next chunk is
-//! looked for, byte by byte.
+//! No statement of a file about itself is trusted: each length is compared with the bytes that are there before memory is
+//! allocated, and an unpacked chunk with its checksum. After an invalid record the reader searches for the next chunk, byte
+//! by byte.
 
 mod bytes;
 mod chunk;
@@ -32,7 +32,7 @@ pub(crate) struct Reader<R> {
     is_over: bool,
 }
 
-/// What comes next.
+/// The next part of the file.
 pub(crate) enum Item {
     Message(Message),
     /// Something is damaged between the message before it and the one behind it.
@@ -45,7 +45,7 @@ pub(crate) struct Message {
     pub(crate) data: Vec<u8>,
 }
 
-/// What was found of a file besides its messages.
+/// Information about a file besides its messages.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     /// Messages and chunks that are as they were written.
@@ -203,7 +203,7 @@ impl<R: Read> Reader<R> {
         self.bytes.checksum();
     }
 
-    /// The last record, of so many bytes, ends with the checksum of what the file tells of itself.
+    /// The last record, of so many bytes, ends with the checksum of the file's summary section.
     fn end(&mut self, checksum: u32, length: usize) {
         self.bytes.take(length - size_of_val(&checksum));
         if checksum != 0 && checksum != self.bytes.checksum() {

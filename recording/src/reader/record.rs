@@ -1,8 +1,8 @@
-//! The records of an MCAP file (<https://mcap.dev/spec>): what stands in them, each length held against the bytes that
-//! are there.
+//! The records of an MCAP file (<https://mcap.dev/spec>) and their fields. Each length is compared with the bytes that are
+//! there.
 //!
-//! A record whose fields do not fill it is none: so a length or a kind that a disk has altered is found out, and a length
-//! that somebody has made up asks for no memory.
+//! A record whose fields do not fill it is invalid: so a length or a kind that a disk has altered is detected, and a forged
+//! length allocates no memory.
 
 /// What stands in a record, as far as it matters here.
 pub(super) enum Record<'a> {
@@ -100,7 +100,7 @@ pub(super) fn may_begin(bytes: &[u8]) -> bool {
     }
 }
 
-/// As many bytes as [`may_begin`] looks at.
+/// The number of bytes that [`may_begin`] examines.
 pub(super) const BEGINNING: usize = HEAD + CHUNK_HEAD as usize + 8;
 
 /// The first of these bytes with which a record may begin that [`may_begin`] knows.

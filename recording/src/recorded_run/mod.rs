@@ -1,4 +1,4 @@
-//! What was read of a recording: all that makes the run again, in memory.
+//! A recorded run: everything that a replay needs, read into memory.
 
 mod stretch;
 
@@ -69,7 +69,7 @@ impl RecordedRun {
         Self::read_at_most(file, usize::MAX)
     }
 
-    /// As [`read`](Self::read), of bytes from somebody who may mean harm: they unpack to no more bytes than this.
+    /// As [`read`](Self::read), for bytes from an untrusted source: they unpack to no more bytes than this.
     ///
     /// # Errors
     /// Also if it is more.
@@ -175,7 +175,7 @@ impl RecordedRun {
         self.stretches[self.stretches.len() - 1].last_tick
     }
 
-    /// What happened, in the order of ticks.
+    /// The events, in the order of ticks.
     pub fn events(&self) -> &[v1::RecordedEvent] {
         &self.events
     }

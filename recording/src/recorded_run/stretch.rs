@@ -1,4 +1,4 @@
-//! The parts of a recording that can be done again: all of it, or what is left between places that are damaged.
+//! The stretches of a recording that can be replayed: all of it, or the parts between damaged places.
 
 use super::{RecordedRun, Result};
 use crate::error::RecordingError;

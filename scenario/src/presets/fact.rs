@@ -1,4 +1,4 @@
-//! What a preset's values stand on: the comments behind them.
+//! The sources of a preset's values: the comments behind them.
 
 use alloc::format;
 use alloc::string::String;
@@ -26,7 +26,7 @@ pub struct Fact {
 pub enum Standing {
     /// Of the maker's data sheet or manual.
     Datasheet,
-    /// Measured by somebody who published it.
+    /// Measured and published by a third party.
     Measured,
     /// Of the lecture notes (Wahde 2016).
     Notes,

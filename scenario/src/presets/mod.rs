@@ -1,8 +1,8 @@
-//! Presets: robots, sensors and their like as scenarios can name them, each with what its numbers stand on.
+//! Presets: robots, sensors and other parts that scenarios can name, each with the sources of its numbers.
 //!
 //! A preset is a TOML file in `scenario/presets`. It starts with its kind and a description; then comes one table, named
 //! after the kind, with the fields as they stand in a scenario. Each value has a comment that says where it is from:
-//! [`Fact`]. How a scenario uses presets is in `scenario/preset.rs`.
+//! [`Fact`]. `scenario/src/preset.rs` puts presets into a scenario.
 
 mod fact;
 mod nearest;
@@ -14,17 +14,17 @@ pub use fact::{Fact, Standing};
 /// A preset that is part of this crate.
 #[derive(Debug)]
 pub struct Preset {
-    /// What scenarios call it.
+    /// Its name in scenarios.
     pub name: &'static str,
-    /// What it is a preset of.
+    /// Its kind: a robot, or the part of one.
     pub kind: PresetKind,
-    /// What it is, in a line.
+    /// Its description, in a line.
     pub description: &'static str,
     /// The file as it is.
     pub text: &'static str,
 }
 
-/// What a preset is a preset of.
+/// The kinds of presets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum PresetKind {

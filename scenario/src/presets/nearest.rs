@@ -1,14 +1,14 @@
-//! Names that somebody may have meant.
+//! Suggestions of names that a user may have meant.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use super::Preset;
 
-/// Longest name that is compared with others, in characters; nobody means a preset by a longer one.
+/// Longest name that is compared with others, in characters; a longer one is no mistyped preset.
 const MAX_CHARACTERS: usize = 64;
 
-/// Most names that are told.
+/// Most names that are listed.
 const MAX_NAMES: usize = 4;
 
 /// Those with the name in theirs, or else those with the fewest edits between, if these are at most half of it.

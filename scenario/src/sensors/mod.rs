@@ -27,7 +27,7 @@ use raw::{COMMON, Common};
 
 type Result<T> = core::result::Result<T, FieldError>;
 
-/// What a sensor of a robot may depend on.
+/// The parts of a robot that a sensor may depend on.
 pub(super) struct Context<'a> {
     pub(super) step_ms: f64,
     /// Radius of the body, in metres.
@@ -126,7 +126,7 @@ fn take(table: &mut Table, fields: &[&str]) -> Table {
     fields.iter().filter_map(|&field| table.remove_entry(field)).collect()
 }
 
-/// Lasers and whatever has a port measure at their own pace, also if nothing is said about it.
+/// Lasers and devices with a port measure at their own pace, also if the scenario does not say so.
 fn clock(
     path: &Path,
     raw: Option<raw::Clock>,

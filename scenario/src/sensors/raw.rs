@@ -1,4 +1,4 @@
-//! What the table of any sensor may contain, besides the fields of its kind.
+//! The fields of any sensor's table, besides those of its kind.
 
 use alloc::string::String;
 
@@ -6,7 +6,7 @@ use baudbot_sim::sensor::{Noise, SensorKind};
 
 use crate::raw::Link;
 
-/// What is the same for every kind of sensor.
+/// The fields that every kind of sensor has.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Common {

@@ -1,4 +1,4 @@
-//! What a brain is told, and what it says.
+//! Messages to and from a brain.
 
 use baudbot_brain::Body;
 use baudbot_proto::v1;
@@ -10,7 +10,7 @@ use tonic::Status;
 use crate::endpoint::{Output, Signals, Thinking, Until, Write};
 use crate::message::{Attached, Delivery, RobotDelivery};
 
-/// What a brain may know of its robots.
+/// A brain's description of its robots.
 pub(crate) fn welcome(attached: &Attached) -> v1::AttachResponse {
     let scenario = &attached.scenario;
     let robots = attached.robots.iter().map(|&i| description(&scenario.robots[i])).collect();
@@ -27,7 +27,7 @@ pub(super) fn description(spec: &RobotSpec) -> v1::RobotDescription {
     (&Body::from(spec)).into()
 }
 
-/// What a brain's Step wants written.
+/// The content of a brain's Step, for the ports.
 pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
     let output = |output| match output {
         v1::robot_step::Output::Raw(bytes) => Output::Raw(bytes),

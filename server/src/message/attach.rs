@@ -1,4 +1,4 @@
-//! A brain and its robots: how it takes them, what it is given, and how they are let go.
+//! A brain and its robots: how it takes them, what it receives, and how they are released.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -58,7 +58,7 @@ impl Drop for Lease {
     }
 }
 
-/// What a brain is sent.
+/// A delivery to a brain.
 pub(crate) enum Delivery {
     Turn { number: u64, tick: u64, robots: Vec<RobotDelivery> },
     Ended { tick: u64 },

@@ -1,4 +1,4 @@
-//! What operators request of a world.
+//! Requests of operators to a world.
 
 use std::path::PathBuf;
 

@@ -2,9 +2,9 @@
 //!
 //! Nothing is counted for it: an answer has what the world counts anyway for `ControlService.GetWorld`, read at that moment
 //! ([`measures`](crate::measures)). So a world that is not monitored does nothing for it, a number cannot differ from the
-//! operator's, and the numbers of a deleted world are gone. A recorder of counters, as of the crate `metrics`, would have to
-//! be told of each change, or be filled from the same numbers, and be made to forget. Of the crate `prometheus` the model and
-//! the encoder are used ([`text`]).
+//! operator's, and the numbers of a deleted world are gone. A recorder of counters, such as that of the crate `metrics`, would
+//! need an update for each change, or would have to be filled from the same numbers, and cleared for deleted worlds. Only the
+//! model and the encoder of the crate `prometheus` are used ([`text`]).
 //!
 //! A world is asked by a message that copies numbers and nothing else, and that is handled even while the world is ahead of
 //! its brains: monitoring that asks why a world stands must not wait for that. The text is made on a thread of its own.

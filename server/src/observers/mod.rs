@@ -46,7 +46,7 @@ pub(crate) struct Eye {
     published: u64,
 }
 
-/// What observers can see of a world.
+/// The observers' part of a world.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     /// The world's name.
@@ -165,7 +165,7 @@ impl Eye {
         Self::new(0..world.robots().len().min(MAX_DETAILS), world)
     }
 
-    /// At the start of each tick: collects what the next frame tells of the ticks before it.
+    /// At the start of each tick: collects the data of past ticks for the next frame.
     pub(crate) fn note(&mut self, world: &World) {
         let room = MAX_COLLISIONS.saturating_sub(self.collisions.len());
         self.collisions.extend(world.collisions().iter().take(room).cloned());

@@ -2,7 +2,7 @@
 
 use axum::http::{HeaderMap, header};
 
-/// What a listener demands of its callers.
+/// The rules of a listener for its callers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Guard {
     /// Whether the listener is on loopback. A name that is not one of loopback's was then made to lead there from outside (DNS

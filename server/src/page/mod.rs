@@ -37,7 +37,7 @@ use tokio::sync::{mpsc, watch};
 /// Bytes of the longest message of the socket: a scenario, and a little around it.
 const MAX_MESSAGE: usize = baudbot_scenario::MAX_BYTES + (1 << 16);
 
-/// What the page's services need.
+/// The context of the page's services.
 #[derive(Clone)]
 struct Page {
     pipes: Pipes,

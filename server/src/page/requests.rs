@@ -1,7 +1,7 @@
 //! The requests of one streaming call, on their way from the page to the service: a bounded queue that keeps the newest.
 //!
-//! The socket is read on whatever a service does, since many calls share it. A service that does not read therefore
-//! cannot slow the page down; instead the oldest requests are dropped. What a page streams are a brain's Steps and beliefs,
+//! The server keeps reading the socket whatever a service does, since many calls share it. A service that does not read
+//! therefore cannot slow the page down; instead the oldest requests are dropped. A page streams a brain's Steps and beliefs,
 //! of which only the newest counts. The first request of a call opens it (a Hello), and is never dropped.
 
 use std::collections::VecDeque;

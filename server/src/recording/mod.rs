@@ -1,8 +1,8 @@
-//! Recordings of worlds: what a world's own thread does for one, which is little.
+//! Recordings of worlds: the part that runs on the world's own thread, which is small.
 //!
-//! It collects what has entered the world and, now and then, a fingerprint, a state and a frame. The recording's own thread
-//! ([`thread`]) makes messages of that and writes them. Entries go to that thread in batches, since waking it takes longer
-//! than collecting those of a tick.
+//! It collects the inputs of the world and, now and then, a fingerprint, a state and a frame. The recording's own thread
+//! ([`thread`]) makes messages of these and writes them. Entries go to that thread in batches, since waking it takes longer
+//! than collecting the entries of a tick.
 
 mod folder;
 mod thread;
@@ -50,7 +50,7 @@ const MAX_COLLISIONS: usize = 100;
 
 /// An entry of a recording.
 pub(crate) enum Entry {
-    /// What brains wrote in a tick.
+    /// The bytes that brains wrote in a tick.
     Inputs(v1::RecordedInputs),
     Mark(v1::RecordedMark),
     State(v1::RecordedState),
@@ -58,7 +58,7 @@ pub(crate) enum Entry {
     Frame(Box<Frame>),
 }
 
-/// What a brain wrote to a robot's port.
+/// The bytes that a brain wrote to a robot's port.
 pub(crate) struct Input {
     pub(crate) robot: usize,
     pub(crate) at: SimTime,

@@ -1,4 +1,4 @@
-//! What a server starts with.
+//! The settings that a server starts with.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Where a server listens.
+//! The listeners of a server: TCP, Unix sockets, in-process pipes.
 
 use std::io;
 use std::net::SocketAddr;

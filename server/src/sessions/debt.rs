@@ -1,4 +1,4 @@
-//! What a brain owes in lockstep: the answers to the Turns that it was given.
+//! The answers that a brain owes in lockstep: one for each Turn that it was given.
 
 use std::collections::VecDeque;
 use std::mem;
@@ -44,7 +44,7 @@ pub(super) enum Debt {
     Late(VecDeque<OpenTurn>),
 }
 
-/// What a brain owes no longer that the world had gone ahead of.
+/// The answer of an overtaken brain that is no longer owed.
 #[derive(Default)]
 pub(crate) struct Overtaken {
     /// The steps of the Turn that the world has gone ahead of.

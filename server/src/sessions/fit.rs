@@ -1,4 +1,4 @@
-//! Whether a brain can have the robots that it asks for.
+//! Checks whether a brain can have the robots that it asks for.
 
 use baudbot_sim::Scenario;
 use baudbot_sim::link::Link;

@@ -1,4 +1,4 @@
-//! Brains that the world has gone ahead of.
+//! Lookahead for brains: those whose answers the world does not wait for at present.
 
 use baudbot_sim::Turn;
 

@@ -1,7 +1,7 @@
-//! How many Steps of a brain a world takes in a tick.
+//! The quota: the number of Steps of a brain that a world takes in a tick.
 //!
-//! Where a world does not wait for answers, a brain may send Steps without end. What is beyond the quota is thrown away and
-//! counted, and its stream is read on, so that other streams on the connection do not wait for it.
+//! Where a world does not wait for answers, a brain may send Steps without end. Steps beyond the quota are discarded and
+//! counted, and the server keeps reading the stream, so that other streams on the connection do not wait for it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -31,7 +31,7 @@ pub(super) enum SlotState {
     },
 }
 
-/// What a world in lockstep does about a robot without a brain.
+/// The behaviour of a world in lockstep towards a robot without a brain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Vacancy {
     /// It goes on without a brain.
@@ -56,7 +56,7 @@ impl Slot {
         }
     }
 
-    /// What the brain waits for that holds it, if it waits for anything.
+    /// The condition that its brain waits for, if there is one.
     pub(super) fn until(&self) -> Option<Until> {
         match self.state {
             SlotState::Held { until, .. } => until,

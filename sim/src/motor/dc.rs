@@ -4,7 +4,7 @@
 //! sgn(0) open: at standstill Coulomb friction opposes the torque and holds the motor up to its own size,
 //! as in ARSim. The output torque is limited to ±τ_max, which §3.2.4 allows for.
 
-/// What a motor and its gear box are. Shaft side unless said.
+/// The model of a motor and its gear box. Values hold at the shaft unless stated otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DcMotor {
     /// Voltage at motor signal 1, in volts.

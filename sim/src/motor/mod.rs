@@ -1,4 +1,4 @@
-//! What turns the wheels: one file a kind of motor, and what they have in common.
+//! The motors of the wheels: one file a kind of motor, and their common parts.
 //!
 //! DC and velocity-regulated motors give a torque, which (2.31) and (2.32) turn into motion. Servos and
 //! steppers hold their speed themselves; from them the wheels' speeds are taken as they are, and the body
@@ -33,7 +33,7 @@ pub enum Motors {
 }
 
 impl Motors {
-    /// What the scenario calls this kind.
+    /// The name of this kind in scenarios.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Dc(_) => "dc",

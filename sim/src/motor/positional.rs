@@ -8,7 +8,7 @@
 use super::frame;
 use crate::time::SimTime;
 
-/// What a positional servo is.
+/// The model of a positional servo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionalServo {
     /// Least and greatest angle, in rad, with 0 between them.

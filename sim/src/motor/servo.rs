@@ -17,7 +17,7 @@ use super::frame;
 use crate::curve;
 use crate::time::SimTime;
 
-/// What a servo for continuous rotation is.
+/// The model of a servo for continuous rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Servo {
     /// Pulse width in µs and speed in turns a minute, widths increasing, at least one: linear in between,
@@ -42,7 +42,7 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// The curve of the Parallax 900-00008. Its manual tells of about 48 turns a minute at the ends, and
+    /// The curve of the Parallax 900-00008. Its manual gives about 48 turns a minute at the ends, and
     /// little change beyond 1.4 and 1.6 ms; the points between are guesses of that shape, good to a few
     /// turns a minute.
     pub fn parallax_curve() -> Vec<(f64, f64)> {

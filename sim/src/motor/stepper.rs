@@ -14,7 +14,7 @@ use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-/// What a stepper motor and its gear box are.
+/// The model of a stepper motor and its gear box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepper {
     /// Steps a turn of the wheel, gear box included.

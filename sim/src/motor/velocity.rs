@@ -7,7 +7,7 @@
 //! Deviations. The notes demand encoders to measure v with, and so do scenarios; but the regulator sees the
 //! wheel's true speed, without the counting. It has no lag, as in the notes.
 
-/// What a velocity-regulated motor is.
+/// The model of a velocity-regulated motor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VelocityMotor {
     /// K of (3.15): torque on the wheel per difference of rim speeds, in N m per m/s, which is N s.

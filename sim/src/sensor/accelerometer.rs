@@ -15,7 +15,7 @@ use super::lowpass::{LowPass, time_constant_s};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What an accelerometer is.
+/// The model of an accelerometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accelerometer {
     /// No reading is larger, in m/s².

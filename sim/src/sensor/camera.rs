@@ -15,7 +15,7 @@ use super::{Measurement, Mount, NOTHING};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a line camera is.
+/// The model of a line camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineCamera {
     /// Where it sits.

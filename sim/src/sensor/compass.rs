@@ -12,7 +12,7 @@ use super::kind::{Built, Component, Effect, Fit, Place, Sense, levels};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a compass is.
+/// The model of a compass.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Compass {
     /// Error of a magnetised body: size and phase of a sine of the heading, in radians.

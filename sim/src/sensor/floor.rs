@@ -9,7 +9,7 @@ use super::{Measurement, Mount};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a floor sensor is.
+/// The model of a floor sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorSensor {
     /// Where it sits.

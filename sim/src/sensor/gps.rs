@@ -18,7 +18,7 @@ use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
 
-/// What a receiver is.
+/// The model of a satellite receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gps {
     /// Standard deviation of the wandering error, along x and y each, in metres.

@@ -14,7 +14,7 @@ use super::lowpass::{LowPass, time_constant_s};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a gyroscope is.
+/// The model of a gyroscope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gyroscope {
     /// No reading is larger, in rad/s.

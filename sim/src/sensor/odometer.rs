@@ -19,7 +19,7 @@ use crate::random::Stream;
 use crate::sound;
 use baudbot_fields::{FieldError, Path};
 
-/// What an odometer is.
+/// The model of an odometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Odometer {
     /// Standard deviation of each wheel's displacement, in metres a read.

@@ -30,7 +30,7 @@ use crate::sound;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
 
-/// What an optical-flow sensor is.
+/// The model of an optical-flow sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticalFlow {
     /// Where it sits.

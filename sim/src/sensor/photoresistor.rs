@@ -19,7 +19,7 @@ use super::{Measurement, Mount};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a photoresistor and its capacitor are.
+/// The model of a photoresistor and its capacitor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photoresistor {
     /// The surface and how slowly it follows.

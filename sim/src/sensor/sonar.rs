@@ -21,7 +21,7 @@ use crate::scene::Ping;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
 
-/// What a sonar is.
+/// The model of a sonar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sonar {
     /// Where it sits.

@@ -18,7 +18,7 @@ use super::{Measurement, Mount};
 use crate::random::Stream;
 use baudbot_fields::{FieldError, Path};
 
-/// What a voltage sensor is.
+/// The model of a voltage sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VoltageRanger {
     /// Where it sits.

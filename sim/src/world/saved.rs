@@ -1,8 +1,8 @@
 //! A world's state by value: bytes from which the same world is made again, in another process, too.
 //!
 //! The bytes are those that [`World::hash`] is the fingerprint of. They are a matter of this version of this crate: what is
-//! part of the state, and in which order, changes from one to the next. Who keeps them keeps the hash, too, and the
-//! [source](crate::scenario::Source) of the scenario.
+//! part of the state, and in which order, changes from one to the next. A program that keeps them must also keep the hash and
+//! the [source](crate::scenario::Source) of the scenario.
 
 use alloc::string::String;
 use alloc::sync::Arc;

@@ -1,7 +1,7 @@
 //! The commands of the Khepera other than `N` and `D`: each sets registers of the robot, or asks for some.
 //!
 //! The numbers of a line go into the registers of its command in order, and an answer tells registers in order. Nothing
-//! here knows what a register does; who has the robot binds them.
+//! here knows the effect of a register; the crate that has the robot binds them.
 //!
 //! Sources. The commands, their parameters and units are those of appendix A of K-Team's manual (version 5), as kMatlab
 //! (K-Team, 1999) and RoadNarrows' Khepera package use them. The refusals are in a session of kMatlab's and in KiKS,
@@ -48,7 +48,7 @@ pub enum Register {
     Position(Side),
     /// Which analog input is asked for.
     InputNumber,
-    /// What the analog input reads, 10 bits.
+    /// The reading of the analog input, 10 bits.
     Input,
     /// Largest speed on the way to a target, in pulses per 10 ms.
     ProfileSpeed(Side),
@@ -58,7 +58,7 @@ pub enum Register {
     Reached(Side),
     /// 0 if the position of the wheel is controlled, 1 if its speed is.
     Mode(Side),
-    /// What is missing to the target in pulses, or to the speed in pulses per 10 ms.
+    /// The error to the target in pulses, or to the speed in pulses per 10 ms.
     Error(Side),
     /// Which LED is meant.
     LedNumber,

@@ -27,7 +27,7 @@ pub use write::{write_gga, write_gsa, write_gsv, write_rmc};
 /// The most characters of a sentence, from `$` to the line feed.
 pub const MAX_SENTENCE: usize = 82;
 
-/// What a receiver knows. Every number is taken as near to it as its field can say, and NaN as 0.
+/// The data of a receiver. Every number is written as near to it as its field allows, and NaN as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// Time of the day, UTC, in milliseconds; taken modulo 24 hours.

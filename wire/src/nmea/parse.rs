@@ -24,7 +24,7 @@ pub struct Position {
     pub longitude_deg: f64,
 }
 
-/// What an RMC says. `None` is a field that is empty.
+/// The contents of an RMC sentence. `None` is a field that is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rmc {
     /// Time of the day, UTC, in milliseconds; beyond 24 hours only in a leap second.
@@ -39,7 +39,7 @@ pub struct Rmc {
     pub course_deg: Option<f64>,
 }
 
-/// What a GGA says. `None` is a field that is empty.
+/// The contents of a GGA sentence. `None` is a field that is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gga {
     /// Time of the day, UTC, in milliseconds; beyond 24 hours only in a leap second.
@@ -75,7 +75,7 @@ pub enum ParseError {
     Missing {
         /// Which field, the sentence's name being 0.
         index: usize,
-        /// What should be there.
+        /// The expected content.
         name: &'static str,
     },
     /// A field makes no sense.
@@ -83,7 +83,7 @@ pub enum ParseError {
     Field {
         /// Which field, the sentence's name being 0.
         index: usize,
-        /// What should be there.
+        /// The expected content.
         name: &'static str,
     },
 }

@@ -21,7 +21,7 @@
 //! The checksum of a line is the sum of its characters' codes, its low 6 bits, plus 0x30. The 64 characters that may
 //! occur differ modulo 64, and any other is refused, so one altered byte of a line with a checksum is always found.
 //! Not found are characters in another order and alterations whose sum is a multiple of 64: of two altered characters
-//! one pair in 63. The echo in the first line has no checksum: whoever asked compares it with what was asked for.
+//! one pair in 63. The echo in the first line has no checksum: compare it with the request.
 
 mod parse;
 mod write;
@@ -65,7 +65,7 @@ impl Characters {
     }
 }
 
-/// What a scan consists of; the echo at the head of each message says it.
+/// The contents of a scan; the echo at the head of each message describes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
     /// Characters of each value.

@@ -12,7 +12,7 @@ use super::{
 pub struct Scan<'a> {
     /// The range finder's clock when the scan began, in milliseconds; wraps after 2^24 ms, which is 4.66 hours.
     pub time_ms: u32,
-    /// What the scan consists of.
+    /// The contents of the scan.
     pub format: Format,
     /// How many scans are left out between two that are sent, 0 to 9.
     pub interval: u8,
@@ -44,7 +44,7 @@ impl<'a> Scan<'a> {
 /// Why bytes are not a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ParseError {
-    /// The message is too short or goes on behind its end.
+    /// The message is too short, or continues behind its end.
     #[error("the message has {found} bytes, but its head makes it {expected}")]
     Length {
         /// Bytes that a message with this head has, or, of a cut head, at least has.
@@ -57,9 +57,9 @@ pub enum ParseError {
     Byte {
         /// Which byte, counted from 0.
         at: usize,
-        /// What should be there.
+        /// The expected content.
         expected: &'static str,
-        /// What is there.
+        /// The actual content.
         found: u8,
     },
     /// A line is not the one that was sent.

@@ -1,8 +1,8 @@
 //! The desert ant (*Cataglyphis*): out on a winding way and straight home. Wahde 2016, §4.4.4, Fig. 4.3.
 //!
 //! - [`PathIntegrator`]: from its steps and its compass the ant always knows the vector home.
-//! - [`Spiral`]: where that vector ends without a nest, it searches in growing loops. The notes do not tell of
-//!   this; Wehner and Srinivasan 1981 do.
+//! - [`Spiral`]: where that vector ends without a nest, it searches in growing loops. The notes do not mention
+//!   this; Wehner and Srinivasan 1981 describe it.
 //! - [`Snapshot`]: when it left, it remembered what it saw about the nest, and compares.
 //!
 //! [`Ant`] puts them together: it forages, returns by the vector, and then searches until what it sees is what it
@@ -25,7 +25,7 @@ use baudbot_geometry::{Vector, angle, math};
 use super::wheel_commands::Motion;
 use crate::Chance;
 
-/// What an ant is like.
+/// Parameters of an ant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Its speed, in m/s.
@@ -59,7 +59,7 @@ impl Default for Parameters {
     }
 }
 
-/// What an ant senses in a step.
+/// The perception of an ant in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensed<'a> {
     /// How far it went since the last step, in metres.
@@ -75,7 +75,7 @@ pub struct Sensed<'a> {
     pub nest: bool,
 }
 
-/// What an ant is about.
+/// The activity of an ant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// On its winding way out.
@@ -114,7 +114,7 @@ impl Ant {
         }
     }
 
-    /// What it is about.
+    /// Its present activity.
     pub fn phase(&self) -> Phase {
         self.phase
     }

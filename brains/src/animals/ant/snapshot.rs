@@ -3,7 +3,7 @@
 //! The notes say that the ant matches what it sees to what it remembers, and not how. This is the average landmark
 //! vector (Lambrinos, Möller, Labhart, Pfeifer and Wehner 2000), the simplest way that needs to tell no landmark
 //! from another: the mean of the unit vectors to all of them, along the axes of the compass. Its difference from
-//! the remembered one points about homewards: who has gone to the right sees all landmarks further to the left.
+//! the remembered one points about homewards: an ant that has gone to the right sees all landmarks further to the left.
 
 use baudbot_geometry::{Direction, Vector};
 
@@ -14,7 +14,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The view of somebody who looks along `heading_rad` by the compass, and sees landmarks at these bearings, in
+    /// The view of an animal that looks along `heading_rad` by the compass, and sees landmarks at these bearings, in
     /// radians to the left of that. Without landmarks it is zero.
     pub fn take(heading_rad: f64, landmarks_rad: &[f64]) -> Self {
         let unit = |bearing_rad: &f64| Direction::from_angle(heading_rad + bearing_rad).vector();
@@ -47,7 +47,7 @@ mod tests {
         landmarks.iter().map(|&(x, y)| math::atan2(y - from.y, x - from.x)).collect()
     }
 
-    /// Where somebody ends who follows the difference from the view at the origin.
+    /// Where an ant ends that follows the difference from the view at the origin.
     fn end(start: Point, landmarks: &[(f64, f64)]) -> Point {
         let home = Snapshot::take(0.0, &bearings(Point::origin(), &LANDMARKS));
         let mut place = start;

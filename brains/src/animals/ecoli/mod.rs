@@ -29,7 +29,7 @@ impl Default for Parameters {
     }
 }
 
-/// What a bacterium does.
+/// The behaviour of a bacterium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Behaviour {
     /// B₁: straight on.

@@ -6,7 +6,7 @@
 //! saw on the right (klinotaxis): [`Larva::step_swinging`].
 //!
 //! **Fatigue.** Turning is a reflex, and a reflex tires though muscles and eyes do not: its circuit is exhausted.
-//! The notes tell of a larva in a tunnel with its only light at the entrance. It crawls to the dead end, turns
+//! The notes describe a larva in a tunnel with its only light at the entrance. It crawls to the dead end, turns
 //! about there, and then crawls *towards* the light and out. In the open it never would.
 //!
 //! The notes have no equations. Here c = (L − R) / (L + R) is the contrast of both sides, s the strength of the
@@ -28,7 +28,7 @@ use super::sense::Sides;
 use super::wheel_commands::Motion;
 use swing::Swing;
 
-/// What a larva is like.
+/// Parameters of a larva.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// v, its speed when it does not turn, in m/s.

@@ -1,8 +1,8 @@
 //! A robot that answers what troubles it as Stentor does.
 //!
-//! What its sensors feel is X, so the world does what (7.14) and (7.15) do in the model: who stays feels it on, who drives
-//! off feels less. It feeds by standing still, turns away on the spot, drives backwards slowly for the reversal of its
-//! cilia, stands still when it contracts, and detaches by driving off.
+//! The readings of its sensors are X, so the world takes the place of (7.14) and (7.15) of the model: X stays high while
+//! the robot stays, and falls when it drives off. It feeds by standing still, turns away on the spot, drives backwards slowly
+//! for the reversal of its cilia, stands still when it contracts, and detaches by driving off.
 //!
 //! Deviations: steps longer than a twentieth of a second are divided, as Euler's method asks for. The notes do not say which
 //! way it turns: with sensors on both sides it is from the one that feels more, otherwise to a side drawn at random.

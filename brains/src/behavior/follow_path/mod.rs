@@ -1,9 +1,9 @@
 //! Path following: to goals in a known map, on a planned path that keeps clear of the walls, by pure pursuit.
 //!
-//! The paths from goal to goal are known from the beginning. The robot plans one to its first goal, and anew if it has strayed:
-//! because something pushed it, or because localization has found out that it is elsewhere. It stands while it does so, since
-//! a path through a large map takes longer than a step may. In the notes a path of §6.2.1 is followed from cell to cell; what is
-//! between planning and wheels is ours.
+//! The paths from goal to goal are known from the beginning. The robot plans one to its first goal, and plans again if it has
+//! strayed: because something pushed it, or because localization has corrected its pose. It stands while it plans, since
+//! planning a path through a large map takes longer than one step may. In the notes a path of §6.2.1 is followed from cell to
+//! cell; everything between planning and wheels is ours.
 
 use std::task::{Poll, ready};
 

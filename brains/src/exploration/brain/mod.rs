@@ -68,7 +68,7 @@ impl Explore {
         })
     }
 
-    /// What the explorer last wanted.
+    /// The explorer's last command.
     pub const fn command(&self) -> Command {
         self.scout.command()
     }

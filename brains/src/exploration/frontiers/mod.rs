@@ -1,10 +1,10 @@
 //! Exploration by frontiers: B. Yamauchi, *A frontier-based approach for autonomous exploration*, CIRA 1997.
 //!
 //! The robot keeps an occupancy grid of all scans. It goes to the nearest place, by the length of the path, from which a
-//! cell at the edge of the [dark](crate::mapping::frontier) is in sight within `view_m`, and faces it. As soon as that is dark no
-//! more it chooses another. When there is none, it looks from farther away: through what is too narrow for it one sees more
-//! than a metre. It is done when there is none that it can see from where it can get to, and says
-//! [what it leaves out](super::LeftOut).
+//! cell at the edge of the [dark](crate::mapping::frontier) is in sight within `view_m`, and faces it. As soon as that cell is
+//! no longer dark it chooses another. When there is none, it looks from farther away: through an opening that is too narrow for
+//! it a laser sees more than a metre. It is done when it can see no such cell from any place that it can reach, and reports
+//! [the places that it leaves out](super::LeftOut).
 //!
 //! Where proximity stops it, which the laser did not see coming, it remembers something in the way and plans again.
 //!
@@ -13,10 +13,10 @@
 //! *Deviations.*
 //!
 //! - Yamauchi's robot drives to the middle of a group of frontier cells, and sweeps its sensors all around there.
-//! - What is still dark after it was looked at from near is given up: the laser does not show it. So is what was none of the edge
-//!   any more on the way there, and came back, too often: beside an edge that lies on the border of two cells, what is free
-//!   comes and goes by the laser's noise.
-//! - What proximity found is forgotten when nothing else is left to be done, so that a thing in one's way costs no
+//! - A cell that is still dark after a look from near is given up: the laser does not show it. So is a cell that too often left
+//!   the edge while the robot was on its way, and came back: beside an edge that lies on the border of two cells, free cells
+//!   come and go with the laser's noise.
+//! - Obstacles that proximity found are forgotten when nothing else is left to be done, so that an obstacle does not close a
 //!   room for ever; but not more often than `attempts` times.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,7 +43,7 @@ pub struct Parameters {
     pub half_width_m: f64,
     /// A point on the way is reached within this distance, in metres.
     pub reach_m: f64,
-    /// What is dark is looked at from so far away, in metres, as long as that can be done.
+    /// The distance from which dark cells are viewed, in metres, as long as that is possible.
     pub view_m: f64,
     /// How often all that proximity found is forgotten.
     pub attempts: usize,
@@ -246,7 +246,7 @@ impl Frontiers {
         State::Ended(Command::Done(self.left_out(here, &dark, &wanted, &reached)))
     }
 
-    /// What is left out by who can get to these cells.
+    /// The places that a robot leaves out which can reach these cells.
     fn left_out(&self, here: &Pose, dark: &Dark<'_>, wanted: &[Cell], reached: &[Cell]) -> LeftOut {
         let half_width_m = self.parameters.half_width_m;
         let reached_but: Vec<_> =
@@ -311,7 +311,7 @@ impl Frontiers {
         }
     }
 
-    /// A cell that was looked at from near in vain, with what is beside it.
+    /// A cell that was viewed from near in vain, with its neighbours.
     fn give_up(&mut self, cell: Cell) {
         for (row, half) in Disc::new(BESIDE_M / self.parameters.cell_m).rows {
             self.given_up.extend((-half..=half).map(|column| cell.offset(column, row)));

@@ -88,7 +88,7 @@ impl Scout {
         self.explorer.interrupt();
     }
 
-    /// What the explorer last wanted.
+    /// The explorer's last command.
     pub(super) const fn command(&self) -> Command {
         self.command
     }
@@ -98,7 +98,7 @@ impl Scout {
         matches!(self.command, Command::Wait)
     }
 
-    /// What it is about, in words.
+    /// Its present activity, in words.
     pub(super) fn intention(&self) -> String {
         match self.command {
             Command::Wait => "waits for a scan".to_owned(),

@@ -13,10 +13,10 @@
 //! (1 − z) exp(−(δ − d)² / 2s²) + z        s² = noise_m² + (noise_ratio · d)²
 //! ```
 //!
-//! where z is how often a beam says nothing about the map. When few particles have most of the weight, they are drawn
-//! anew, as often as they weigh, with one random number for all. Should the scans fit worse of late than they used to,
-//! some of the new ones are put anywhere in the map: so a robot that was carried away is found again. Thrun, Burgard
-//! and Fox, *Probabilistic Robotics*, 2005: tables 5.6, 4.4 and 8.3. It is not in the notes.
+//! where z is how often a beam says nothing about the map. When few particles have most of the weight, all are resampled,
+//! each in proportion to its weight, with one random number for all. If recent scans fit worse than earlier ones,
+//! some of the new particles are put anywhere in the map, so that a robot that was carried away is found again. Thrun,
+//! Burgard and Fox, *Probabilistic Robotics*, 2005: tables 5.6, 4.4 and 8.3. It is not in the notes.
 //!
 //! *Deviations.*
 //!

@@ -34,7 +34,7 @@ use crate::Chance;
 use crate::estimate::Estimate;
 use crate::scan::Scan;
 
-/// What the laser is like, and how long is searched.
+/// Parameters of the laser and of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Standard deviation of each distance, in metres.
@@ -85,7 +85,7 @@ pub fn refine(
     refine_watched(map, scan, guess, parameters, chance, |_| ())
 }
 
-/// The same search, of which each pose that is looked at is told: first the guess, and where a start goes on with the narrow
+/// The same search, which reports each pose that it tries: first the guess, and where a start goes on with the narrow
 /// loss its pose again.
 ///
 /// # Panics

@@ -243,7 +243,7 @@ pub(super) fn distance(a: Point, b: Point) -> f64 {
 
 /// A detour begins with so much room in the direction of the field, in radii of the body.
 const AHEAD: f64 = 1.0;
-/// Who has so much room ahead drives no farther, in radii of the body.
+/// A robot with no more room ahead than this does not drive on, in radii of the body.
 const STOP: f64 = 0.3;
 /// With so much room more it drives at its full speed, in radii of the body.
 const SLOW: f64 = 1.5;
@@ -251,7 +251,7 @@ const SLOW: f64 = 1.5;
 const ROTATE_ABOVE_RAD: f64 = 0.35;
 /// Part of its speed that is left where there is little room.
 const SLOWEST: f64 = 0.25;
-/// Who stands before something for so long marks it, in nanoseconds.
+/// A robot that stands before something for so long marks it, in nanoseconds.
 const STANDS_NS: u64 = 1_000_000_000;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What brains believed: of the frames of a recording, in which observers were told.
+//! Beliefs of brains, from the frames of a recording.
 //!
 //! The run that is simulated again has no brains, so beliefs come from the file as they are. A frame has the newest belief
 //! of each brain that published since the frame before; its time is that of the frame. [`Table`] writes them, and
@@ -21,10 +21,10 @@ use super::window::Window;
 use crate::args::ExportArgs;
 use crate::error::Refused;
 
-/// What the brains of a run believed.
+/// The beliefs of a run's brains.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beliefs {
-    /// What their processes are called, in the order in which they were first told of.
+    /// The names of their processes, in the order in which they were first published.
     processes: Vec<String>,
     /// One for each robot of the scenario.
     robots: Vec<Robot>,
@@ -32,18 +32,18 @@ pub(super) struct Beliefs {
     bytes: usize,
 }
 
-/// What one brain believed.
+/// The beliefs of one brain.
 #[derive(Clone, Debug, Default)]
 struct Robot {
     name: String,
     said: Vec<Said>,
 }
 
-/// What it said at an instant.
+/// A belief at an instant.
 #[derive(Clone, Debug)]
 struct Said {
     time_s: f64,
-    /// What it is about, in its own words.
+    /// Its state, in its own words.
     state: String,
     /// x and y in metres, and the heading in radians.
     pose: Option<[f64; 3]>,

@@ -159,7 +159,7 @@ impl AntBrain {
         })
     }
 
-    /// What it is about.
+    /// Its present activity.
     pub fn phase(&self) -> Phase {
         self.ant.phase()
     }
