@@ -48,6 +48,7 @@ pub mod pose;
 pub mod ray;
 pub mod segment;
 pub mod sweep;
+mod trigonometry;
 mod vectors;
 pub mod wheels;
 
