@@ -36,6 +36,7 @@ extern crate alloc;
 
 pub mod angle;
 pub mod bounds;
+pub mod carried;
 pub mod circle;
 pub mod crowd;
 pub mod fan;
@@ -53,6 +54,7 @@ mod vectors;
 pub mod wheels;
 
 pub use bounds::Bounds;
+pub use carried::{Bundle, Carried};
 pub use circle::Circle;
 pub use crowd::Crowd;
 pub use fan::Fan;

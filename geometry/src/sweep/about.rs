@@ -10,28 +10,33 @@ use crate::pose::{Direction, Vector};
 #[derive(Clone, Copy)]
 pub(super) enum Cone {
     /// Nowhere but between two of them.
-    Narrow { middle: Direction, right: Direction, left: Direction },
+    Narrow { middle: Direction, right: Direction, left: Direction, about: f64 },
     /// Hardly anything is beside them.
     Wide,
 }
 
 impl Cone {
-    /// Of these rays of the fan of a sensor with this heading, at least one.
-    pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>) -> Self {
+    /// Of these rays, if any, of the fan of a sensor with this heading, each turned by no more than `bent_rad`.
+    pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>, bent_rad: f64) -> Self {
+        if rays.is_empty() {
+            return Self::Wide;
+        }
         let (first, last) = (rays.start, rays.end - 1);
-        if fan.kappas()[last] - fan.kappas()[first] > MOST_OF_CONE_RAD {
+        let width = fan.kappas()[last] - fan.kappas()[first] + 2.0 * bent_rad;
+        let is_narrow = width <= MOST_OF_CONE_RAD;
+        if !is_narrow {
             return Self::Wide;
         }
         let forward = about_direction(heading);
         let (right, left) = (forward.rotate(fan.relative()[first]), forward.rotate(fan.relative()[last]));
         let middle = Direction { cos: right.cos + left.cos, sin: right.sin + left.sin };
-        Self::Narrow { middle, right, left }
+        Self::Narrow { middle, right, left, about: ABOUT + bent_rad }
     }
 
     /// Whether two points, with so much around them, are to the right of all rays, to the left of all, or behind.
     pub(super) fn has_beside(&self, a: &Vector, b: &Vector, around: f64) -> bool {
-        let Self::Narrow { middle, right, left } = self else { return false };
-        let margin = |v: &Vector| around + ABOUT * v.abs().sum();
+        let Self::Narrow { middle, right, left, about } = self else { return false };
+        let margin = |v: &Vector| around + about * v.abs().sum();
         let (a_margin, b_margin) = (margin(a), margin(b));
         let is_right = |v: &Vector, margin: f64| right.vector().perp(v) < -margin;
         let is_left = |v: &Vector, margin: f64| left.vector().perp(v) > margin;
