@@ -91,7 +91,8 @@ impl<'a> Bundle<'a> {
         });
         let seconds = (bounds.1 - middle_s).max(middle_s - bounds.0);
         let within_s = bounds.0.abs().max(bounds.1.abs());
-        let none = [0.0; MOST_RAYS];
+        // A ray that is not there is nowhere.
+        let none = [f64::NAN; MOST_RAYS];
         let mut bundle = Self {
             fan,
             rays,
@@ -168,71 +169,91 @@ impl Work for Fill<'_, '_> {
     #[inline(always)]
     fn work(self) -> bool {
         let Self { bundle, carried, after_s } = self;
+        let n = after_s.len();
         let (from, body) = (carried.robot, carried.body);
         let relative = &bundle.fan.relative()[bundle.rays.clone()];
-        let (xs, ys) = (bundle.x.iter_mut(), bundle.y.iter_mut());
-        let (coss, sins) = (bundle.cos.iter_mut(), bundle.sin.iter_mut());
-        let mut takes_care = false;
-        for (((((x, y), to_cos), to_sin), relative), &after_s) in
-            xs.zip(ys).zip(coss).zip(sins).zip(relative).zip(after_s)
-        {
-            let mut pose = Lane::new(from.heading + body.turn * after_s);
-            pose.x = from.position.x + body.forward * after_s * pose.cos;
-            pose.y = from.position.y + body.forward * after_s * pose.sin;
-            if let Some(turret) = &carried.turret {
-                pose = pose.compose(turret);
-            }
-            let pose = pose.compose(&carried.sensor);
-            takes_care |= pose.takes_care;
-            (*x, *y) = (pose.x, pose.y);
-            *to_cos = pose.cos * relative.cos - pose.sin * relative.sin;
-            *to_sin = pose.sin * relative.cos + pose.cos * relative.sin;
+        let mut headings = [0.0; MOST_RAYS];
+        let mut poses = Poses {
+            x: &mut bundle.x[..n],
+            y: &mut bundle.y[..n],
+            heading: &mut headings[..n],
+            cos: &mut bundle.cos[..n],
+            sin: &mut bundle.sin[..n],
+            take_care: false,
+        };
+        // One loop for each step: shorter ones are better made vectors of.
+        for (heading, after_s) in poses.heading.iter_mut().zip(after_s) {
+            *heading = from.heading + body.turn * after_s;
         }
-        takes_care
+        poses.turn();
+        for ((x, cos), after_s) in poses.x.iter_mut().zip(&*poses.cos).zip(after_s) {
+            *x = from.position.x + body.forward * after_s * cos;
+        }
+        for ((y, sin), after_s) in poses.y.iter_mut().zip(&*poses.sin).zip(after_s) {
+            *y = from.position.y + body.forward * after_s * sin;
+        }
+        if let Some(turret) = &carried.turret {
+            poses.compose(turret);
+        }
+        poses.compose(&carried.sensor);
+        for ((cos, sin), relative) in poses.cos.iter_mut().zip(poses.sin.iter_mut()).zip(relative) {
+            Direction { cos: *cos, sin: *sin } = Direction { cos: *cos, sin: *sin }.rotate(*relative);
+        }
+        poses.take_care
     }
 }
 
-/// A pose with its direction at hand.
-#[derive(Clone, Copy)]
-struct Lane {
-    x: f64,
-    y: f64,
-    heading: f64,
-    cos: f64,
-    sin: f64,
-    takes_care: bool,
+/// Poses side by side, with their directions at hand.
+struct Poses<'a> {
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+    heading: &'a mut [f64],
+    cos: &'a mut [f64],
+    sin: &'a mut [f64],
+    /// Whether the direction of any is not right.
+    take_care: bool,
 }
 
-impl Lane {
-    /// At the origin, with a heading that is yet to be wrapped: [`angle::wrap`] of less than a turn.
-    #[inline(always)]
-    fn new(angle: f64) -> Self {
-        let turns = if angle > PI { TAU } else { 0.0 };
-        let turns = if angle <= -PI { -TAU } else { turns };
-        let heading = angle - turns;
-        let (sin, cos) = trigonometry::sin_cos(heading);
-        let is_small = (angle > -9.0) & (angle < 9.0);
-        Self {
-            x: 0.0,
-            y: 0.0,
-            heading,
-            cos,
-            sin,
-            takes_care: !is_small | trigonometry::is_near_axis(heading),
-        }
-    }
-
+impl Poses<'_> {
     /// [`Pose::compose`].
     #[inline(always)]
-    fn compose(self, other: &Pose) -> Self {
-        let (x, y) = (other.position.x, other.position.y);
-        let to = Self::new(self.heading + other.heading);
-        Self {
-            x: self.x + (self.cos * x - self.sin * y),
-            y: self.y + (self.sin * x + self.cos * y),
-            takes_care: self.takes_care | to.takes_care,
-            ..to
+    fn compose(&mut self, other: &Pose) {
+        let (ahead, left) = (other.position.x, other.position.y);
+        for ((x, cos), sin) in self.x.iter_mut().zip(&*self.cos).zip(&*self.sin) {
+            *x += cos * ahead - sin * left;
         }
+        for ((y, cos), sin) in self.y.iter_mut().zip(&*self.cos).zip(&*self.sin) {
+            *y += sin * ahead + cos * left;
+        }
+        for heading in &mut *self.heading {
+            *heading += other.heading;
+        }
+        if other.heading == 0.0 {
+            // The directions stay as they are, but for that of a negative zero.
+            self.sin.iter_mut().for_each(|sin| *sin += 0.0);
+        } else {
+            self.turn();
+        }
+    }
+
+    /// Wraps the headings and finds the directions: [`angle::wrap`] of what is less than a turn outside.
+    #[inline(always)]
+    fn turn(&mut self) {
+        let mut take_care = self.take_care;
+        for heading in &mut *self.heading {
+            let angle = *heading;
+            let turns = if angle > PI { TAU } else { 0.0 };
+            let turns = if angle <= -PI { -TAU } else { turns };
+            *heading = angle - turns;
+            let is_small = (angle > -9.0) & (angle < 9.0);
+            take_care |= !is_small;
+        }
+        for ((heading, cos), sin) in self.heading.iter().zip(&mut *self.cos).zip(&mut *self.sin) {
+            let is_near_axis;
+            (*sin, *cos, is_near_axis) = trigonometry::sin_cos(*heading);
+            take_care |= is_near_axis;
+        }
+        self.take_care = take_care;
     }
 }
 

@@ -33,6 +33,8 @@
 #![no_std]
 
 extern crate alloc;
+#[cfg(feature = "simd")]
+extern crate std;
 
 pub mod angle;
 pub mod bounds;
@@ -50,7 +52,7 @@ pub mod ray;
 pub mod segment;
 pub mod sweep;
 mod trigonometry;
-mod vectors;
+pub mod vectors;
 pub mod wheels;
 
 pub use bounds::Bounds;

@@ -58,9 +58,9 @@ impl Work for Fill<'_> {
             *into = math::sqrt(*into);
         }
         for (v, into) in vs.iter().zip(into.iter_mut()) {
-            let angle = TAU * v;
-            any_is_special |= is_near_axis(angle);
-            *into *= cos(angle);
+            let (cos, is_near_axis) = cos(TAU * v);
+            any_is_special |= is_near_axis;
+            *into *= cos;
         }
         any_is_special
     }

@@ -3,53 +3,71 @@
 
 #![expect(clippy::excessive_precision, reason = "the digits are those of the functions' source")]
 
-/// Whether an angle in (-2π, 2π) is so near to a multiple of a quarter turn that its sine and its cosine take more care:
-/// once in 200,000 times.
-#[inline(always)]
+/// Whether an angle in (-2π, 2π) is so near to a multiple of a quarter turn, but for 0, that its sine and its cosine may
+/// take more care: once in 100,000 times.
 pub(crate) fn is_near_axis(angle: f64) -> bool {
-    let size = angle.abs();
-    let is_in = |high: u64| (size >= from_high(high)) & (size < from_high(high + 1));
-    is_in(0x3ff9_21fb) | is_in(0x4009_21fb) | is_in(0x4012_d97c) | is_in(0x4019_21fb)
+    reduced(angle.abs()).is_near_axis
 }
 
-/// The sine and the cosine of an angle in (-2π, 2π) that is not near an axis.
+/// The sine and the cosine of an angle in (-2π, 2π), and whether it [is near an axis](is_near_axis): then they are not
+/// right.
 #[inline(always)]
-pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
-    let (quarter, y0, y1) = reduced(angle.abs());
-    // In the first quarter nothing is lost, for which there is a formula of its own.
-    let sin_y = if quarter == 0.0 { sin_near_0_alone(y0) } else { sin_near_0(y0, y1) };
+pub(crate) fn sin_cos(angle: f64) -> (f64, f64, bool) {
+    let of = reduced(angle.abs());
+    let (y0, y1) = (of.y0, of.y1);
+    // Of less than an eighth of a turn nothing is lost, for which there is a formula of its own.
+    let sin_y = if of.is_one_or_more { sin_near_0(y0, y1) } else { sin_near_0_alone(y0) };
     let cos_y = cos_near_0(y0, y1);
-    let is_odd = (quarter == 1.0) | (quarter == 3.0);
-    let (sin, cos) = if is_odd { (cos_y, sin_y) } else { (sin_y, cos_y) };
-    let sin = if (quarter == 2.0) | (quarter == 3.0) { -sin } else { sin };
-    let cos = if (quarter == 1.0) | (quarter == 2.0) { -cos } else { cos };
-    (f64::from_bits(sin.to_bits() ^ (angle.to_bits() & SIGN)), cos)
+    let (sin, cos) = if of.is_odd { (cos_y, sin_y) } else { (sin_y, cos_y) };
+    let sin = if of.is_sin_negative { -sin } else { sin };
+    let cos = if of.is_cos_negative { -cos } else { cos };
+    (f64::from_bits(sin.to_bits() ^ (angle.to_bits() & SIGN)), cos, of.is_near_axis)
 }
 
-/// The cosine of an angle in [0, 2π) that is not near an axis.
+/// The cosine of an angle in [0, 2π), and whether it is near an axis.
 #[inline(always)]
-pub(crate) fn cos(angle: f64) -> f64 {
-    let (quarter, y0, y1) = reduced(angle);
-    let is_odd = (quarter == 1.0) | (quarter == 3.0);
-    let is_negative = (quarter == 1.0) | (quarter == 2.0);
-    let value = if is_odd { sin_near_0(y0, y1) } else { cos_near_0(y0, y1) };
-    if is_negative { -value } else { value }
+pub(crate) fn cos(angle: f64) -> (f64, bool) {
+    let of = reduced(angle);
+    let value = if of.is_odd { sin_near_0(of.y0, of.y1) } else { cos_near_0(of.y0, of.y1) };
+    (if of.is_cos_negative { -value } else { value }, of.is_near_axis)
 }
 
-/// How many quarters of a turn are nearest to an angle in [0, 2π), and what is left, in [-π/4, π/4], as a sum.
+/// An angle as a number of quarters of a turn, of 0 to 4, and what is left of it.
+struct Reduced {
+    /// What is left, in [-π/4, π/4], as a sum.
+    y0: f64,
+    y1: f64,
+    /// What the quarters mean to the sine and the cosine.
+    is_one_or_more: bool,
+    is_odd: bool,
+    is_sin_negative: bool,
+    is_cos_negative: bool,
+    is_near_axis: bool,
+}
+
+/// An angle in [0, 2π), without the quarters that are nearest to it.
 #[inline(always)]
-fn reduced(angle: f64) -> (f64, f64, f64) {
+fn reduced(angle: f64) -> Reduced {
     /// The first 33 bits of π/2, and what is left of it.
     const PIO2_HI: f64 = 1.570_796_326_734_125_614_17e+00;
     const PIO2_LO: f64 = 6.077_100_506_506_192_249_32e-11;
     // Odd eighths of a turn, by the upper half of their bits: up to and with these it is the quarter before.
-    let is_beyond = |high: u64| if angle >= from_high(high + 1) { 1.0 } else { 0.0 };
-    let quarter =
-        is_beyond(0x3fe9_21fb) + is_beyond(0x4002_d97c) + is_beyond(0x400f_6a7a) + is_beyond(0x4015_fdbc);
+    let [one, two, three, four] =
+        [0x3fe9_21fb, 0x4002_d97c, 0x400f_6a7a, 0x4015_fdbc].map(|high| angle >= from_high(high + 1));
+    let number = |is_beyond: bool| if is_beyond { 1.0 } else { 0.0 };
+    let quarter = number(one) + number(two) + number(three) + number(four);
     let rest = angle - quarter * PIO2_HI;
     let lacks = quarter * PIO2_LO;
     let y0 = rest - lacks;
-    (quarter, y0, (rest - y0) - lacks)
+    Reduced {
+        y0,
+        y1: (rest - y0) - lacks,
+        is_one_or_more: one,
+        is_odd: one ^ two ^ three ^ four,
+        is_sin_negative: two ^ four,
+        is_cos_negative: one ^ three,
+        is_near_axis: one & (y0.abs() < NEAR_AXIS),
+    }
 }
 
 /// The least positive number with this as the upper half of its bits.
@@ -106,6 +124,9 @@ const S1: f64 = -1.666_666_666_666_663_243_48e-01;
 
 const SIGN: u64 = 1 << 63;
 
+/// Nearer to a multiple of a quarter turn, `libm` takes more digits of it: there the angle's upper half is the axis's.
+const NEAR_AXIS: f64 = 4e-6;
+
 #[cfg(test)]
 mod tests {
     use core::f64::consts::TAU;
@@ -117,10 +138,11 @@ mod tests {
     fn assert_alike(angle: f64) {
         if angle.abs() < TAU && !is_near_axis(angle) {
             let (sin, cos) = math::sin_cos(angle);
-            let bits = |(sin, cos): (f64, f64)| [sin.to_bits(), cos.to_bits()];
-            assert_eq!(bits(sin_cos(angle)), bits((sin, cos)), "{angle}");
+            let bits = |sin: f64, cos: f64| [sin.to_bits(), cos.to_bits()];
+            let found = sin_cos(angle);
+            assert_eq!(bits(found.0, found.1), bits(sin, cos), "{angle}");
             if angle >= 0.0 {
-                assert_eq!(super::cos(angle).to_bits(), cos.to_bits(), "{angle}");
+                assert_eq!(super::cos(angle).0.to_bits(), cos.to_bits(), "{angle}");
             }
         }
     }
@@ -154,6 +176,9 @@ mod tests {
         for quarter in 1..=4 {
             let angle = f64::from(quarter) * TAU / 4.0;
             assert!(is_near_axis(angle) && is_near_axis(-angle) && !is_near_axis(angle - 1e-5));
+            // The first and the last number with its upper half, if that is for sure nearer than the next one's.
+            let high = angle.to_bits() >> 32;
+            assert!(is_near_axis(from_high(high)) && is_near_axis(from_high(high + 1).next_down()));
         }
     }
 }

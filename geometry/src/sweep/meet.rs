@@ -3,10 +3,13 @@
 use core::iter::repeat;
 use core::ops::Range;
 
+use crate::carried::Bundle;
+use crate::fan::Fan;
 use crate::math;
 use crate::pose::{Direction, Point, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
+use crate::vectors::Work;
 
 /// A shape as seen from a point, in the axes of the world.
 #[derive(Clone, Copy, PartialEq)]
@@ -15,17 +18,90 @@ pub(super) enum Relative {
     Circle(Vector, f64),
 }
 
+/// A shape within range that the rays have yet to be held against.
+#[derive(Clone)]
+pub(super) struct Candidate {
+    pub(super) shape: Relative,
+    /// Which rays may meet it.
+    pub(super) spans: [Range<usize>; 2],
+}
+
+/// Holds many rays, of which the first is at this place in the fan, against all that waits.
+pub(super) struct Meet<'a> {
+    pub(super) candidates: &'a [Candidate],
+    pub(super) fan: &'a Fan,
+    pub(super) first: usize,
+    /// Where the fan looks.
+    pub(super) forward: Direction,
+    /// The rays themselves, if each has its own origin.
+    pub(super) bundle: Option<&'a Bundle<'a>>,
+    pub(super) range: f64,
+    pub(super) distances: &'a mut [f64],
+}
+
+impl Work for Meet<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        let Some(bundle) = self.bundle else { return self.in_parts::<MANY_RAYS>() };
+        let [x, y, cos, sin] = bundle.columns();
+        let rays = Rays { origins: Apart { x, y }, cos, sin };
+        meet_all(self.candidates, rays, self.range, self.first, self.distances);
+    }
+}
+
+impl Meet<'_> {
+    /// Takes so many rays at a time, whose directions are then at hand for all shapes.
+    #[inline(always)]
+    fn in_parts<const N: usize>(self) {
+        let (mut cos, mut sin) = ([1.0; N], [0.0; N]);
+        let mut first = self.first;
+        for distances in self.distances.chunks_mut(N) {
+            let part = first..first + distances.len();
+            let relative = &self.fan.relative()[part.clone()];
+            for ((cos, sin), relative) in cos.iter_mut().zip(&mut sin).zip(relative) {
+                Direction { cos: *cos, sin: *sin } = self.forward.rotate(*relative);
+            }
+            let rays = Rays { origins: Here, cos: &cos, sin: &sin };
+            meet_all(self.candidates, rays, self.range, part.start, distances);
+            first = part.end;
+        }
+    }
+}
+
+/// Holds rays, of which the first is at this place in the fan, against all candidates.
+#[inline(always)]
+fn meet_all<O: Origins>(
+    candidates: &[Candidate],
+    rays: Rays<'_, O>,
+    range: f64,
+    first: usize,
+    distances: &mut [f64],
+) {
+    let end = first + distances.len();
+    for candidate in candidates {
+        for span in &candidate.spans {
+            let places = span.start.max(first)..span.end.min(end);
+            if !places.is_empty() {
+                let places = places.start - first..places.end - first;
+                meet(&candidate.shape, rays.part(places.clone()), range, &mut distances[places]);
+            }
+        }
+    }
+}
+
 /// Rays side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Rays<'a, O> {
+struct Rays<'a, O> {
     /// Where they start, from where shapes are seen.
-    pub(super) origins: O,
-    pub(super) cos: &'a [f64],
-    pub(super) sin: &'a [f64],
+    origins: O,
+    cos: &'a [f64],
+    sin: &'a [f64],
 }
 
 /// Where rays start.
-pub(super) trait Origins: Copy {
+trait Origins: Copy {
     /// Those of some of the rays.
     fn part(self, places: Range<usize>) -> Self;
 
@@ -35,7 +111,7 @@ pub(super) trait Origins: Copy {
 
 /// All where shapes are seen from.
 #[derive(Clone, Copy)]
-pub(super) struct Here;
+struct Here;
 
 impl Origins for Here {
     #[inline(always)]
@@ -51,9 +127,9 @@ impl Origins for Here {
 
 /// Each at a place of its own.
 #[derive(Clone, Copy)]
-pub(super) struct Apart<'a> {
-    pub(super) x: &'a [f64],
-    pub(super) y: &'a [f64],
+struct Apart<'a> {
+    x: &'a [f64],
+    y: &'a [f64],
 }
 
 impl Origins for Apart<'_> {
@@ -70,7 +146,7 @@ impl Origins for Apart<'_> {
 
 impl<O: Origins> Rays<'_, O> {
     #[inline(always)]
-    pub(super) fn part(&self, places: Range<usize>) -> Self {
+    fn part(&self, places: Range<usize>) -> Self {
         Self {
             origins: self.origins.part(places.clone()),
             cos: &self.cos[places.clone()],
@@ -81,7 +157,7 @@ impl<O: Origins> Rays<'_, O> {
 
 /// Holds a shape against some rays.
 #[inline(always)]
-pub(super) fn meet<O: Origins>(shape: &Relative, rays: Rays<'_, O>, range: f64, distances: &mut [f64]) {
+fn meet<O: Origins>(shape: &Relative, rays: Rays<'_, O>, range: f64, distances: &mut [f64]) {
     match *shape {
         // Vectors do not pay: most rays miss, which is soon found out.
         Relative::Segment(a, b) if distances.len() <= FEW => {
@@ -157,3 +233,6 @@ fn meet_circle<O: Origins>(
 
 /// For so few rays vectors are no gain.
 const FEW: usize = 8;
+
+/// So many rays have their directions computed at once.
+const MANY_RAYS: usize = 128;

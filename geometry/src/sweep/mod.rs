@@ -14,6 +14,7 @@
 //! for what can be seen otherwise from the others.
 
 mod about;
+mod look;
 mod meet;
 
 use core::f64::consts::PI;
@@ -28,9 +29,10 @@ use crate::math;
 use crate::pose::{Direction, Pose, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
-use crate::vectors::{Work, with_vectors};
+use crate::vectors::with_vectors;
 use about::{Cone, about_atan2, wrapped};
-use meet::{Apart, Here, Origins, Rays, Relative, meet};
+use look::Look;
+use meet::{Candidate, Meet, Relative};
 
 /// The distances along some rays of a fan, while shapes are added one after the other.
 pub struct Sweep<'a> {
@@ -47,14 +49,6 @@ pub struct Sweep<'a> {
     distances: &'a mut [f64],
     waiting: ArrayVec<Candidate, MOST_WAITING>,
     cone: Option<Cone>,
-}
-
-/// A shape within range that the rays have yet to be held against.
-#[derive(Clone)]
-struct Candidate {
-    shape: Relative,
-    /// Which rays may meet it.
-    spans: [Range<usize>; 2],
 }
 
 impl<'a> Sweep<'a> {
@@ -101,14 +95,38 @@ impl<'a> Sweep<'a> {
         Circle { center: self.pose.position, radius: self.range + self.stray_m }
     }
 
+    /// Some more segments that may be in the way. Most are far from all rays, which is told of several at once.
+    pub fn segments(&mut self, segments: &[Segment]) {
+        let cone = self.cone();
+        let mut may_meet = [0; AT_ONCE];
+        for segments in segments.chunks(AT_ONCE) {
+            let may_meet = &mut may_meet[..segments.len()];
+            let around = self.around();
+            let size = self.pose.position.coords.abs().sum() + around.radius;
+            with_vectors(Look {
+                cone: &cone,
+                around,
+                slack: ROUNDING * size,
+                stray: self.stray_m,
+                segments,
+                may_meet: &mut *may_meet,
+            });
+            for (segment, _) in segments.iter().zip(may_meet).filter(|(_, may_meet)| **may_meet != 0) {
+                self.add_segment(segment, false);
+            }
+        }
+    }
+
     /// One more segment that may be in the way. To give one twice does no harm.
     pub fn segment(&mut self, segment: &Segment) {
+        self.add_segment(segment, true);
+    }
+
+    /// Which may wait already, if it is one of what comes more than once.
+    fn add_segment(&mut self, segment: &Segment, may_wait: bool) {
         let (a, b) = (segment.start - self.pose.position, segment.end - self.pose.position);
         if self.has_few_rays() {
             return self.try_few((a, b, 0.0), |ray| ray.hit_segment(segment));
-        }
-        if self.is_beside(&a, &b, 0.0) {
-            return;
         }
         let reach = self.pose.position.coords.abs().sum() + a.abs().sum() + b.abs().sum();
         let nearest = nearest_to_origin(a, b).norm_squared();
@@ -125,7 +143,7 @@ impl<'a> Sweep<'a> {
         }
         let shape =
             self.kept(Relative::Segment(a, b), Relative::Segment(segment.start.coords, segment.end.coords));
-        if !self.waits(&shape) {
+        if !(may_wait && self.waits(&shape)) {
             let spans = self.spans_of_segment(a, b, nearest);
             self.wait(shape, spans);
         }
@@ -140,7 +158,7 @@ impl<'a> Sweep<'a> {
         let within =
             self.range + self.stray_m + circle.radius + ROUNDING * (center.abs().sum() + circle.radius);
         let is_near = center.norm_squared() <= within * within;
-        if !is_near {
+        if !is_near || self.is_beside(&center, &center, circle.radius) {
             return;
         }
         let around = circle.radius * (1.0 + CLOSE) + self.stray_m;
@@ -165,7 +183,7 @@ impl<'a> Sweep<'a> {
         let within =
             self.range + self.stray_m + around.radius + ROUNDING * (center.abs().sum() + around.radius);
         let is_near = center.norm_squared() <= within * within;
-        if !is_near {
+        if !is_near || self.is_beside(&center, &center, around.radius) {
             return;
         }
         let [first, second] = self.spans_of_circle(center, around.radius);
@@ -213,9 +231,12 @@ impl<'a> Sweep<'a> {
 
     /// Whether what is between two points, with so much around them, is for sure beside all rays.
     fn is_beside(&mut self, a: &Vector, b: &Vector, around: f64) -> bool {
-        let Self { pose, fan, rays, cone, stray_m, bent_rad, .. } = self;
-        let cone = cone.get_or_insert_with(|| Cone::of(pose.heading, fan, rays, *bent_rad));
-        cone.has_beside(a, b, around + *stray_m)
+        self.cone().has_beside(a, b, around + self.stray_m)
+    }
+
+    fn cone(&mut self) -> Cone {
+        let Self { pose, fan, rays, cone, bent_rad, .. } = self;
+        *cone.get_or_insert_with(|| Cone::of(pose.heading, fan, rays, *bent_rad))
     }
 
     fn direction(&mut self) -> Direction {
@@ -290,65 +311,11 @@ impl<'a> Sweep<'a> {
             return;
         }
         let forward = self.direction();
-        with_vectors(Meet { sweep: self, forward });
+        let Self { fan, rays, bundle, range, .. } = self;
+        let (fan, first, bundle, range) = (*fan, rays.start, *bundle, *range);
+        let (candidates, distances) = (&self.waiting[..], &mut *self.distances);
+        with_vectors(Meet { candidates, fan, first, forward, bundle, range, distances });
         self.waiting.clear();
-    }
-
-    /// Takes so many rays at a time, whose directions are then at hand for all shapes.
-    #[inline(always)]
-    fn meet_in_parts<const N: usize>(&mut self, forward: Direction) {
-        let (mut cos, mut sin) = ([0.0; N], [0.0; N]);
-        let mut first = self.rays.start;
-        for distances in self.distances.chunks_mut(N) {
-            let part = first..first + distances.len();
-            let relative = &self.fan.relative()[part.clone()];
-            for ((cos, sin), relative) in cos.iter_mut().zip(&mut sin).zip(relative) {
-                Direction { cos: *cos, sin: *sin } = forward.rotate(*relative);
-            }
-            let rays = Rays { origins: Here, cos: &cos, sin: &sin };
-            meet_all(&self.waiting, rays, self.range, part.start, distances);
-            first = part.end;
-        }
-    }
-}
-
-/// Holds rays, of which the first is at this place in the fan, against all candidates.
-#[inline(always)]
-fn meet_all<O: Origins>(
-    candidates: &[Candidate],
-    rays: Rays<'_, O>,
-    range: f64,
-    first: usize,
-    distances: &mut [f64],
-) {
-    let end = first + distances.len();
-    for candidate in candidates {
-        for span in &candidate.spans {
-            let places = span.start.max(first)..span.end.min(end);
-            if !places.is_empty() {
-                let places = places.start - first..places.end - first;
-                meet(&candidate.shape, rays.part(places.clone()), range, &mut distances[places]);
-            }
-        }
-    }
-}
-
-/// Holds many rays against all that waits.
-struct Meet<'a, 'b> {
-    sweep: &'a mut Sweep<'b>,
-    forward: Direction,
-}
-
-impl Work for Meet<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn work(self) {
-        let Self { sweep, forward } = self;
-        let Some(bundle) = sweep.bundle else { return sweep.meet_in_parts::<MANY_RAYS>(forward) };
-        let [x, y, cos, sin] = bundle.columns();
-        let rays = Rays { origins: Apart { x, y }, cos, sin };
-        meet_all(&sweep.waiting, rays, sweep.range, sweep.rays.start, sweep.distances);
     }
 }
 
@@ -377,8 +344,8 @@ const CLOSE: f64 = 1e-9;
 /// So few rays are tried one by one.
 const FEW_RAYS: usize = 8;
 
-/// So many rays have their directions computed at once.
-const MANY_RAYS: usize = 128;
+/// So many segments are looked at at once.
+const AT_ONCE: usize = 64;
 
 /// So many shapes are held against the rays at once.
 const MOST_WAITING: usize = 32;

@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::ops::Range;
 
-use baudbot_geometry::{Bundle, Carried, Fan, Twist};
+use baudbot_geometry::{Bundle, Carried, Fan, Twist, vectors};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
@@ -99,11 +99,12 @@ impl Sense for Laser {
 
     /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.
     fn bound(&self, values: &mut [f64]) {
-        for value in values {
-            if *value != NOTHING {
-                *value = value.clamp(self.min_m, self.range_m);
-            }
-        }
+        let (least, most) = (self.min_m, self.range_m);
+        vectors::each(values, move |value| {
+            let bounded = if value < least { least } else { value };
+            let bounded = if bounded > most { most } else { bounded };
+            if value == NOTHING { NOTHING } else { bounded }
+        });
     }
 
     fn nothing(&self) -> Option<f64> {
@@ -129,13 +130,29 @@ impl Laser {
         start + (each * i as u64 + rest * i as u64 / gaps)
     }
 
+    /// When the rays from `first` on are taken, one after the other: [`instant`](Self::instant) without its divisions.
+    fn instants(&self, start: SimTime, first: usize) -> impl Iterator<Item = SimTime> {
+        let gaps = self.gaps();
+        let (each, rest) = (self.sweep_ns / gaps, self.sweep_ns % gaps);
+        let mut after = rest * first as u64 % gaps;
+        let mut instant = self.instant(start, first);
+        core::iter::repeat_with(move || {
+            let this = instant;
+            after += rest;
+            let is_whole = after >= gaps;
+            after -= if is_whole { gaps } else { 0 };
+            instant = instant + (each + u64::from(is_whole));
+            this
+        })
+    }
+
     /// How many rays of a scan that starts at `start` are taken before `end`.
     pub(super) fn taken_before(&self, start: SimTime, end: SimTime) -> usize {
         if self.sweep_ns == 0 {
             return if start < end { self.rays() } else { 0 };
         }
         let ray = (u128::from(end.since(start)) * u128::from(self.gaps())).div_ceil(self.sweep_ns.into());
-        usize::try_from(ray).map_or(self.rays(), |ray| ray.min(self.rays()))
+        ray.min(self.rays() as u128) as usize
     }
 
     fn gaps(&self) -> u64 {
@@ -162,8 +179,8 @@ impl Laser {
     fn read_one_by_one(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
         let mut after_s = [0.0; Bundle::MOST_RAYS];
         let after_s = &mut after_s[..which.len()];
-        for (after_s, i) in after_s.iter_mut().zip(which.clone()) {
-            *after_s = since_start_s(at, self.instant(start, i));
+        for (after_s, instant) in after_s.iter_mut().zip(self.instants(start, which.start)) {
+            *after_s = since_start_s(at, instant);
         }
         let values = &mut values[which.clone()];
         if self.clockwise {
@@ -188,9 +205,7 @@ impl Laser {
         if self.clockwise {
             values.reverse();
         }
-        for value in values {
-            *value = if value.is_infinite() { NOTHING } else { *value };
-        }
+        vectors::each(values, |value| if value.is_infinite() { NOTHING } else { value });
     }
 
     /// The laser on its robot, which goes on at its present speed and turn rate from the start of the tick.
@@ -214,5 +229,8 @@ pub(crate) const NOTHING: f64 = -1.0;
 
 /// How long after the start of the tick an instant is, in seconds; no longer than the tick.
 fn since_start_s(at: &Measurement<'_>, instant: SimTime) -> f64 {
-    instant.min(at.tick_end).since(at.tick_start) as f64 / SECOND_NS as f64
+    instant.min(at.tick_end).since(at.tick_start).cast_signed() as f64 / SECOND_NS as f64
 }
+
+#[cfg(test)]
+mod tests;
