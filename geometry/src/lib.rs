@@ -33,9 +33,12 @@
 #![no_std]
 
 extern crate alloc;
+#[cfg(feature = "simd")]
+extern crate std;
 
 pub mod angle;
 pub mod bounds;
+pub mod carried;
 pub mod circle;
 pub mod crowd;
 pub mod fan;
@@ -48,10 +51,12 @@ pub mod pose;
 pub mod ray;
 pub mod segment;
 pub mod sweep;
-mod vectors;
+mod trigonometry;
+pub mod vectors;
 pub mod wheels;
 
 pub use bounds::Bounds;
+pub use carried::{Bundle, Carried};
 pub use circle::Circle;
 pub use crowd::Crowd;
 pub use fan::Fan;

@@ -31,7 +31,12 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 
 /// The non-negative square root; NaN for negative numbers.
 #[must_use]
+#[inline]
 pub fn sqrt(x: f64) -> f64 {
+    // The same number, which the standard leaves no choice about; but vectors are made of this one only.
+    #[cfg(feature = "simd")]
+    return x.sqrt();
+    #[cfg(not(feature = "simd"))]
     libm::sqrt(x)
 }
 

@@ -9,6 +9,7 @@
 use core::f64::consts::TAU;
 
 use crate::math;
+use crate::trigonometry::{cos, is_near_axis};
 use crate::vectors::{Work, with_vectors};
 
 /// From two uniform deviates in [0, 1) a normal one with mean 0 and standard deviation 1: √(−2 ln(1 − u)) cos(2π v).
@@ -57,25 +58,12 @@ impl Work for Fill<'_> {
             *into = math::sqrt(*into);
         }
         for (v, into) in vs.iter().zip(into.iter_mut()) {
-            let angle = TAU * v;
-            any_is_special |= is_near_axis(angle);
-            *into *= cos(angle);
+            let (cos, is_near_axis) = cos(TAU * v);
+            any_is_special |= is_near_axis;
+            *into *= cos;
         }
         any_is_special
     }
-}
-
-/// Whether an angle is so near to a multiple of a quarter turn that its cosine takes more care: once in 200,000 times.
-#[inline(always)]
-fn is_near_axis(angle: f64) -> bool {
-    let is_in = |high: u64| (angle >= from_high(high)) & (angle < from_high(high + 1));
-    is_in(0x3ff9_21fb) | is_in(0x4009_21fb) | is_in(0x4012_d97c) | is_in(0x4019_21fb)
-}
-
-/// The least positive number with this as the upper half of its bits.
-#[inline(always)]
-const fn from_high(high: u64) -> f64 {
-    f64::from_bits(high << 32)
 }
 
 /// The logarithm of a number in [2^-1022, 1], operation for operation as in `libm` (FreeBSD's `e_log.c`).
@@ -107,62 +95,6 @@ fn ln(x: f64) -> f64 {
     let t2 = z * (LG1 + w * (LG3 + w * (LG5 + w * LG7)));
     let r = t2 + t1;
     s * (half_square + r) + k * LN2_LO - half_square + f + k * LN2_HI
-}
-
-/// The cosine of an angle in [0, 2π) that is not near an axis, operation for operation as in `libm` (FreeBSD's
-/// `s_cos.c`, `e_rem_pio2.c`, `k_cos.c`, `k_sin.c`).
-#[inline(always)]
-fn cos(angle: f64) -> f64 {
-    /// The first 33 bits of π/2, and what is left of it.
-    const PIO2_HI: f64 = 1.570_796_326_734_125_614_17e+00;
-    const PIO2_LO: f64 = 6.077_100_506_506_192_249_32e-11;
-    // Odd eighths of a turn, by the upper half of their bits: up to and with these it is the quarter before.
-    let is_beyond = |high: u64| if angle >= from_high(high + 1) { 1.0 } else { 0.0 };
-    let quarter =
-        is_beyond(0x3fe9_21fb) + is_beyond(0x4002_d97c) + is_beyond(0x400f_6a7a) + is_beyond(0x4015_fdbc);
-    let rest = angle - quarter * PIO2_HI;
-    let (y0, y1) = {
-        let lacks = quarter * PIO2_LO;
-        let y0 = rest - lacks;
-        (y0, (rest - y0) - lacks)
-    };
-    let is_odd = (quarter == 1.0) | (quarter == 3.0);
-    let is_negative = (quarter == 1.0) | (quarter == 2.0);
-    let value = if is_odd { sin_near_0(y0, y1) } else { cos_near_0(y0, y1) };
-    if is_negative { -value } else { value }
-}
-
-/// Of x + y, the cosine: in [-π/4, π/4], and y much smaller than x.
-#[inline(always)]
-fn cos_near_0(x: f64, y: f64) -> f64 {
-    const C1: f64 = 4.166_666_666_666_660_190_37e-02;
-    const C2: f64 = -1.388_888_888_887_410_957_49e-03;
-    const C3: f64 = 2.480_158_728_947_672_941_78e-05;
-    const C4: f64 = -2.755_731_435_139_066_330_35e-07;
-    const C5: f64 = 2.087_572_321_298_174_827_90e-09;
-    const C6: f64 = -1.135_964_755_778_819_482_65e-11;
-    let z = x * x;
-    let w = z * z;
-    let r = z * (C1 + z * (C2 + z * C3)) + w * w * (C4 + z * (C5 + z * C6));
-    let half = 0.5 * z;
-    let w = 1.0 - half;
-    w + (((1.0 - w) - half) + (z * r - x * y))
-}
-
-/// Of x + y, the sine: in [-π/4, π/4], and y much smaller than x.
-#[inline(always)]
-fn sin_near_0(x: f64, y: f64) -> f64 {
-    const S1: f64 = -1.666_666_666_666_663_243_48e-01;
-    const S2: f64 = 8.333_333_333_322_489_461_24e-03;
-    const S3: f64 = -1.984_126_982_985_794_931_34e-04;
-    const S4: f64 = 2.755_731_370_707_006_767_89e-06;
-    const S5: f64 = -2.505_076_025_340_686_341_95e-08;
-    const S6: f64 = 1.589_690_995_211_550_102_21e-10;
-    let z = x * x;
-    let w = z * z;
-    let r = S2 + z * (S3 + z * S4) + z * w * (S5 + z * S6);
-    let v = z * x;
-    x - ((z * (0.5 * y - v * r) - y) - v * S1)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! change between versions; the normal deviate is our own on `libm`, because a platform's `ln` and `cos`
 //! differ in the last bits.
 
-use baudbot_geometry::normal;
+use baudbot_geometry::{normal, vectors};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -68,7 +68,7 @@ impl Stream {
 
     /// Uniform in [0, 1), with 53 random bits.
     pub fn uniform(&mut self) -> f64 {
-        (self.draw() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+        unit(self.draw())
     }
 
     /// Normal with mean 0 and standard deviation 1 (Box and Muller's method, one of its two values).
@@ -78,15 +78,18 @@ impl Stream {
     }
 
     /// Changes each value with a normal deviate of its own, as if these were drawn one by one.
-    pub fn each_normal(&mut self, values: &mut [f64], change: impl Fn(f64, f64) -> f64) {
+    pub fn each_normal(&mut self, values: &mut [f64], change: impl Fn(f64, f64) -> f64 + Copy) {
         let (mut us, mut vs, mut deviates) = ([0.0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
         for values in values.chunks_mut(AT_ONCE) {
-            for (u, v) in us.iter_mut().zip(&mut vs).take(values.len()) {
-                (*u, *v) = (self.uniform(), self.uniform());
-            }
             let n = values.len();
+            let mut generator = self.generator.clone();
+            for (u, v) in us[..n].iter_mut().zip(&mut vs[..n]) {
+                (*u, *v) = (unit(generator.next_u64()), unit(generator.next_u64()));
+            }
+            self.generator = generator;
+            self.place.drawn += 2 * n as u64;
             normal::deviates(&us[..n], &vs[..n], &mut deviates[..n]);
-            values.iter_mut().zip(&deviates).for_each(|(value, deviate)| *value = change(*value, *deviate));
+            vectors::each_with(values, &deviates, change);
         }
     }
 
@@ -103,6 +106,12 @@ impl Stream {
     pub fn below(&mut self, n: u32) -> u32 {
         (((self.draw() >> 32) * u64::from(n)) >> 32) as u32
     }
+}
+
+/// In [0, 1), of the upper 53 of these bits.
+fn unit(bits: u64) -> f64 {
+    // Signed, as processors have that at less cost.
+    (bits >> 11).cast_signed() as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
 /// So many normal deviates are computed at once.

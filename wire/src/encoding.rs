@@ -125,7 +125,14 @@ impl Encoding {
     }
 
     /// The value that the other side decodes for `value`: `take` after `put`.
+    #[inline]
     pub fn quantise(self, value: f64) -> f64 {
+        // Of the numbers that are sent as they are there are many, in scans: these are not worth a call each.
+        if matches!(self, Self::Float64) { value } else { self.nearest(value) }
+    }
+
+    /// [`quantise`](Self::quantise) of what is not sent as it is.
+    fn nearest(self, value: f64) -> f64 {
         match self {
             Self::Float64 => value,
             Self::Level { .. } => self.value(self.code(value) as i64),

@@ -138,7 +138,7 @@ impl Index {
                 Shape::Circle(i) => sweep.circle(&self.circles[i]),
             });
         }
-        self.segments.iter().for_each(|segment| sweep.segment(segment));
+        sweep.segments(&self.segments);
         self.circles.iter().for_each(|circle| sweep.circle(circle));
     }
 

@@ -10,35 +10,60 @@ use crate::pose::{Direction, Vector};
 #[derive(Clone, Copy)]
 pub(super) enum Cone {
     /// Nowhere but between two of them.
-    Narrow { middle: Direction, right: Direction, left: Direction },
+    Narrow(Sides),
     /// Hardly anything is beside them.
     Wide,
 }
 
+/// The outermost of a few rays, and how far they may be from these.
+#[derive(Clone, Copy)]
+pub(super) struct Sides {
+    middle: Direction,
+    right: Direction,
+    left: Direction,
+    about: f64,
+}
+
 impl Cone {
-    /// Of these rays of the fan of a sensor with this heading, at least one.
-    pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>) -> Self {
+    /// Of these rays, if any, of the fan of a sensor with this heading, each turned by no more than `bent_rad`.
+    pub(super) fn of(heading: f64, fan: &Fan, rays: &Range<usize>, bent_rad: f64) -> Self {
+        if rays.is_empty() {
+            return Self::Wide;
+        }
         let (first, last) = (rays.start, rays.end - 1);
-        if fan.kappas()[last] - fan.kappas()[first] > MOST_OF_CONE_RAD {
+        let width = fan.kappas()[last] - fan.kappas()[first] + 2.0 * bent_rad;
+        let is_narrow = width <= MOST_OF_CONE_RAD;
+        if !is_narrow {
             return Self::Wide;
         }
         let forward = about_direction(heading);
         let (right, left) = (forward.rotate(fan.relative()[first]), forward.rotate(fan.relative()[last]));
         let middle = Direction { cos: right.cos + left.cos, sin: right.sin + left.sin };
-        Self::Narrow { middle, right, left }
+        Self::Narrow(Sides { middle, right, left, about: ABOUT + bent_rad })
     }
 
     /// Whether two points, with so much around them, are to the right of all rays, to the left of all, or behind.
     pub(super) fn has_beside(&self, a: &Vector, b: &Vector, around: f64) -> bool {
-        let Self::Narrow { middle, right, left } = self else { return false };
-        let margin = |v: &Vector| around + ABOUT * v.abs().sum();
+        match self {
+            Self::Narrow(sides) => sides.have_beside(a, b, around),
+            Self::Wide => false,
+        }
+    }
+}
+
+impl Sides {
+    /// Whether two points, with so much around them, are to the right of both, to the left of both, or behind.
+    #[inline(always)]
+    pub(super) fn have_beside(&self, a: &Vector, b: &Vector, around: f64) -> bool {
+        let Self { middle, right, left, about } = self;
+        let margin = |v: &Vector| around + about * (v.x.abs() + v.y.abs());
         let (a_margin, b_margin) = (margin(a), margin(b));
-        let is_right = |v: &Vector, margin: f64| right.vector().perp(v) < -margin;
-        let is_left = |v: &Vector, margin: f64| left.vector().perp(v) > margin;
-        let is_behind = |v: &Vector, margin: f64| middle.vector().dot(v) < -2.0 * margin;
-        (is_right(a, a_margin) && is_right(b, b_margin))
-            || (is_left(a, a_margin) && is_left(b, b_margin))
-            || (is_behind(a, a_margin) && is_behind(b, b_margin))
+        let is_right = |v: &Vector, margin: f64| right.cos * v.y - right.sin * v.x < -margin;
+        let is_left = |v: &Vector, margin: f64| left.cos * v.y - left.sin * v.x > margin;
+        let is_behind = |v: &Vector, margin: f64| middle.cos * v.x + middle.sin * v.y < -2.0 * margin;
+        (is_right(a, a_margin) & is_right(b, b_margin))
+            | (is_left(a, a_margin) & is_left(b, b_margin))
+            | (is_behind(a, a_margin) & is_behind(b, b_margin))
     }
 }
 

@@ -9,8 +9,12 @@
 //! fan's nearest hits. Intervals are computed with angles that are only about right, and with a margin that is
 //! larger than their error; a shape so near that a margin is no help is tried with every ray, by those functions
 //! themselves.
+//!
+//! The rays of a [`Bundle`] each have an origin of their own. They are chosen from one pose among these, with margins
+//! for what can be seen otherwise from the others.
 
 mod about;
+mod look;
 mod meet;
 
 use core::f64::consts::PI;
@@ -18,15 +22,17 @@ use core::ops::Range;
 
 use arrayvec::ArrayVec;
 
+use crate::carried::Bundle;
 use crate::circle::Circle;
 use crate::fan::Fan;
 use crate::math;
 use crate::pose::{Direction, Pose, Vector};
 use crate::ray::Ray;
 use crate::segment::Segment;
-use crate::vectors::{Work, with_vectors};
+use crate::vectors::with_vectors;
 use about::{Cone, about_atan2, wrapped};
-use meet::{Relative, meet};
+use look::Look;
+use meet::{Candidate, Meet, Relative};
 
 /// The distances along some rays of a fan, while shapes are added one after the other.
 pub struct Sweep<'a> {
@@ -34,18 +40,15 @@ pub struct Sweep<'a> {
     direction: Option<Direction>,
     fan: &'a Fan,
     rays: Range<usize>,
+    /// The rays themselves, if each has its own origin.
+    bundle: Option<&'a Bundle<'a>>,
+    /// No ray starts farther from the pose, in metres, nor is turned by more, in radians.
+    stray_m: f64,
+    bent_rad: f64,
     range: f64,
     distances: &'a mut [f64],
     waiting: ArrayVec<Candidate, MOST_WAITING>,
     cone: Option<Cone>,
-}
-
-/// A shape within range that the rays have yet to be held against.
-#[derive(Clone)]
-struct Candidate {
-    shape: Relative,
-    /// Which rays may meet it.
-    spans: [Range<usize>; 2],
 }
 
 impl<'a> Sweep<'a> {
@@ -59,35 +62,91 @@ impl<'a> Sweep<'a> {
     pub fn new(pose: &Pose, fan: &'a Fan, rays: Range<usize>, range: f64, distances: &'a mut [f64]) -> Self {
         assert!(rays.len() == distances.len() && rays.end <= fan.len(), "a distance for each ray of the fan");
         distances.fill(f64::INFINITY);
-        let waiting = ArrayVec::new();
-        Self { pose: *pose, direction: None, fan, rays, range, distances, waiting, cone: None }
+        Self {
+            pose: *pose,
+            direction: None,
+            fan,
+            rays,
+            bundle: None,
+            stray_m: 0.0,
+            bent_rad: 0.0,
+            range,
+            distances,
+            waiting: ArrayVec::new(),
+            cone: None,
+        }
+    }
+
+    /// Those of a bundle.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many distances as rays.
+    #[must_use]
+    pub fn of_bundle(bundle: &'a Bundle<'a>, range: f64, distances: &'a mut [f64]) -> Self {
+        let (stray_m, bent_rad) = (bundle.stray_m, bundle.bent_rad);
+        let still = Self::new(&bundle.pose(), bundle.fan(), bundle.places(), range, distances);
+        Self { bundle: Some(bundle), stray_m, bent_rad, ..still }
     }
 
     /// All that is in range is in this disc, or touches it.
     #[must_use]
     pub fn around(&self) -> Circle {
-        Circle { center: self.pose.position, radius: self.range }
+        Circle { center: self.pose.position, radius: self.range + self.stray_m }
+    }
+
+    /// Some more segments that may be in the way. Most are far from all rays, which is told of several at once.
+    pub fn segments(&mut self, segments: &[Segment]) {
+        let cone = self.cone();
+        let mut may_meet = [0; AT_ONCE];
+        for segments in segments.chunks(AT_ONCE) {
+            let may_meet = &mut may_meet[..segments.len()];
+            let around = self.around();
+            let size = self.pose.position.coords.abs().sum() + around.radius;
+            with_vectors(Look {
+                cone: &cone,
+                around,
+                slack: ROUNDING * size,
+                stray: self.stray_m,
+                segments,
+                may_meet: &mut *may_meet,
+            });
+            for (segment, _) in segments.iter().zip(may_meet).filter(|(_, may_meet)| **may_meet != 0) {
+                self.add_segment(segment, false);
+            }
+        }
     }
 
     /// One more segment that may be in the way. To give one twice does no harm.
     pub fn segment(&mut self, segment: &Segment) {
+        self.add_segment(segment, true);
+    }
+
+    /// Which may wait already, if it is one of what comes more than once.
+    fn add_segment(&mut self, segment: &Segment, may_wait: bool) {
         let (a, b) = (segment.start - self.pose.position, segment.end - self.pose.position);
         if self.has_few_rays() {
             return self.try_few((a, b, 0.0), |ray| ray.hit_segment(segment));
         }
         let reach = self.pose.position.coords.abs().sum() + a.abs().sum() + b.abs().sum();
         let nearest = nearest_to_origin(a, b).norm_squared();
-        let within = self.range + ROUNDING * reach;
+        let within = self.range + self.stray_m + ROUNDING * reach;
         let is_near = nearest <= within * within;
         if !is_near {
             return;
         }
         // Seen from a point on the segment or next to it, the angles of its ends say little: their error is as large as the
         // interval that they enclose. So every ray is tried.
-        if nearest <= (CLOSE * reach) * (CLOSE * reach) {
+        let close = CLOSE * reach + self.stray_m;
+        if nearest <= close * close {
             return self.each_ray(0..usize::MAX, |ray| ray.hit_segment(segment));
         }
-        self.wait(Relative::Segment(a, b));
+        let shape =
+            self.kept(Relative::Segment(a, b), Relative::Segment(segment.start.coords, segment.end.coords));
+        if !(may_wait && self.waits(&shape)) {
+            let spans = self.spans_of_segment(a, b, nearest);
+            self.wait(shape, spans);
+        }
     }
 
     /// One more disc that may be in the way. To give one twice does no harm.
@@ -96,16 +155,23 @@ impl<'a> Sweep<'a> {
         if self.has_few_rays() {
             return self.try_few((center, center, circle.radius), |ray| ray.hit_circle(circle));
         }
-        let within = self.range + circle.radius + ROUNDING * (center.abs().sum() + circle.radius);
+        let within =
+            self.range + self.stray_m + circle.radius + ROUNDING * (center.abs().sum() + circle.radius);
         let is_near = center.norm_squared() <= within * within;
-        if !is_near {
+        if !is_near || self.is_beside(&center, &center, circle.radius) {
             return;
         }
-        let around = circle.radius * (1.0 + CLOSE);
+        let around = circle.radius * (1.0 + CLOSE) + self.stray_m;
         if center.norm_squared() <= around * around {
             return self.each_ray(0..usize::MAX, |ray| ray.hit_circle(circle));
         }
-        self.wait(Relative::Circle(center, circle.radius));
+        let radius = circle.radius;
+        let shape =
+            self.kept(Relative::Circle(center, radius), Relative::Circle(circle.center.coords, radius));
+        if !self.waits(&shape) {
+            let spans = self.spans_of_circle(center, radius);
+            self.wait(shape, spans);
+        }
     }
 
     /// One more shape that is inside of this disc, and that is hit as `hit` says.
@@ -114,12 +180,13 @@ impl<'a> Sweep<'a> {
         if self.has_few_rays() {
             return self.try_few((center, center, around.radius), hit);
         }
-        let within = self.range + around.radius + ROUNDING * (center.abs().sum() + around.radius);
+        let within =
+            self.range + self.stray_m + around.radius + ROUNDING * (center.abs().sum() + around.radius);
         let is_near = center.norm_squared() <= within * within;
-        if !is_near {
+        if !is_near || self.is_beside(&center, &center, around.radius) {
             return;
         }
-        let [first, second] = self.spans(&Relative::Circle(center, around.radius));
+        let [first, second] = self.spans_of_circle(center, around.radius);
         self.each_ray(first, &hit);
         self.each_ray(second, &hit);
     }
@@ -129,16 +196,21 @@ impl<'a> Sweep<'a> {
         self.meet();
     }
 
+    /// A shape as it waits: as seen from the pose, or as it is in the world if each ray has its own origin.
+    fn kept(&self, seen: Relative, in_world: Relative) -> Relative {
+        if self.bundle.is_some() { in_world } else { seen }
+    }
+
+    fn waits(&self, shape: &Relative) -> bool {
+        self.waiting.iter().any(|candidate| candidate.shape == *shape)
+    }
+
     /// Shapes wait until there are some, and are then met together: the distances of each are found in a loop over its rays,
     /// which is set up once for all of them (`with_vectors` asks the processor what it can do).
-    fn wait(&mut self, shape: Relative) {
-        if self.waiting.iter().any(|candidate| candidate.shape == shape) {
-            return;
-        }
+    fn wait(&mut self, shape: Relative, spans: [Range<usize>; 2]) {
         if self.waiting.is_full() {
             self.meet();
         }
-        let spans = self.spans(&shape);
         if !(spans[0].is_empty() && spans[1].is_empty()) {
             self.waiting.push(Candidate { shape, spans });
         }
@@ -152,11 +224,19 @@ impl<'a> Sweep<'a> {
     /// Tries each ray with a shape between two points, with so much around them, unless it is beside all rays: that is
     /// told much sooner.
     fn try_few(&mut self, (a, b, around): (Vector, Vector, f64), hit: impl Fn(&Ray) -> Option<f64>) {
-        let Self { pose, fan, rays, cone, .. } = self;
-        let cone = cone.get_or_insert_with(|| Cone::of(pose.heading, fan, rays));
-        if !cone.has_beside(&a, &b, around) {
+        if !self.is_beside(&a, &b, around) {
             self.each_ray(0..usize::MAX, hit);
         }
+    }
+
+    /// Whether what is between two points, with so much around them, is for sure beside all rays.
+    fn is_beside(&mut self, a: &Vector, b: &Vector, around: f64) -> bool {
+        self.cone().has_beside(a, b, around + self.stray_m)
+    }
+
+    fn cone(&mut self) -> Cone {
+        let Self { pose, fan, rays, cone, bent_rad, .. } = self;
+        *cone.get_or_insert_with(|| Cone::of(pose.heading, fan, rays, *bent_rad))
     }
 
     fn direction(&mut self) -> Direction {
@@ -167,8 +247,12 @@ impl<'a> Sweep<'a> {
     fn each_ray(&mut self, rays: Range<usize>, hit: impl Fn(&Ray) -> Option<f64>) {
         let (origin, forward) = (self.pose.position, self.direction());
         for i in rays.start.max(self.rays.start)..rays.end.min(self.rays.end) {
-            let ray = Ray { origin, direction: forward.rotate(self.fan.relative()[i]) };
-            let nearest = &mut self.distances[i - self.rays.start];
+            let place = i - self.rays.start;
+            let ray = match self.bundle {
+                Some(bundle) => bundle.ray(place),
+                None => Ray { origin, direction: forward.rotate(self.fan.relative()[i]) },
+            };
+            let nearest = &mut self.distances[place];
             if let Some(distance) = hit(&ray)
                 && distance <= self.range
                 && distance < *nearest
@@ -178,32 +262,48 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The rays, by their places in the fan, that may meet the shape.
-    fn spans(&mut self, shape: &Relative) -> [Range<usize>; 2] {
-        let behind = self.direction().inverse();
-        let angle = |v: Vector| {
-            let v = behind.apply(v);
-            about_atan2(v.y, v.x)
+    /// The rays, by their places in the fan, that may meet a segment between two points. The square of the distance of
+    /// the point of it that is nearest is given.
+    fn spans_of_segment(&mut self, a: Vector, b: Vector, nearest_squared: f64) -> [Range<usize>; 2] {
+        let (a, b) = if a.perp(&b) >= 0.0 { (a, b) } else { (b, a) };
+        let (from, to) = (self.angle(a), self.angle(b));
+        // Seen from elsewhere, a point is elsewhere by at most an angle whose sine is the way over the distance.
+        let around = if self.stray_m > 0.0 {
+            let beside = math::sqrt((nearest_squared - self.stray_m * self.stray_m).max(0.0));
+            about_atan2(self.stray_m, beside)
+        } else {
+            0.0
         };
-        let (from, to) = match shape {
-            Relative::Segment(a, b) => {
-                let (a, b) = if a.perp(b) >= 0.0 { (a, b) } else { (b, a) };
-                (angle(*a), angle(*b))
-            }
-            Relative::Circle(center, radius) => {
-                let beside = math::sqrt((center.norm_squared() - radius * radius).max(0.0));
-                let (middle, half) = (angle(*center), about_atan2(*radius, beside));
-                (middle - half, middle + half)
-            }
-        };
+        self.spans(from, to, around)
+    }
+
+    /// The rays that may meet a disc. Seen from elsewhere, it is in a larger one.
+    fn spans_of_circle(&mut self, center: Vector, radius: f64) -> [Range<usize>; 2] {
+        let radius = radius + self.stray_m;
+        let beside = math::sqrt((center.norm_squared() - radius * radius).max(0.0));
+        let (middle, half) = (self.angle(center), about_atan2(radius, beside));
+        self.spans(middle - half, middle + half, 0.0)
+    }
+
+    /// About the angle of a vector from ahead.
+    fn angle(&mut self, v: Vector) -> f64 {
+        let v = self.direction().inverse().apply(v);
+        about_atan2(v.y, v.x)
+    }
+
+    /// The rays between two angles, less than half a turn apart, and so much around.
+    fn spans(&self, from: f64, to: f64, around: f64) -> [Range<usize>; 2] {
         let width = wrapped(to - from);
+        let around = around + self.bent_rad;
         // Almost half a turn: which side it is on cannot be told for sure. Nor of what is seen from its end, but
         // that is narrow.
-        if width.abs() > PI - 10.0 * MARGIN_RAD {
+        let is_told = width.abs() + 2.0 * around <= PI - 10.0 * MARGIN_RAD;
+        if !is_told {
             return [self.rays.clone(), 0..0];
         }
+        let margin = MARGIN_RAD + around;
         let (from, to) = if width >= 0.0 { (from, from + width) } else { (from + width, from) };
-        self.fan.between(wrapped(from - MARGIN_RAD), wrapped(to + MARGIN_RAD))
+        self.fan.between(wrapped(from - margin), wrapped(to + margin))
     }
 
     fn meet(&mut self) {
@@ -211,49 +311,11 @@ impl<'a> Sweep<'a> {
             return;
         }
         let forward = self.direction();
-        with_vectors(Meet { sweep: self, forward });
+        let Self { fan, rays, bundle, range, .. } = self;
+        let (fan, first, bundle, range) = (*fan, rays.start, *bundle, *range);
+        let (candidates, distances) = (&self.waiting[..], &mut *self.distances);
+        with_vectors(Meet { candidates, fan, first, forward, bundle, range, distances });
         self.waiting.clear();
-    }
-
-    /// Takes so many rays at a time, whose directions are then at hand for all shapes.
-    #[inline(always)]
-    fn meet_in_parts<const N: usize>(&mut self, forward: Direction) {
-        let (mut cos, mut sin) = ([0.0; N], [0.0; N]);
-        let mut first = self.rays.start;
-        for distances in self.distances.chunks_mut(N) {
-            let part = first..first + distances.len();
-            let relative = &self.fan.relative()[part.clone()];
-            for ((cos, sin), relative) in cos.iter_mut().zip(&mut sin).zip(relative) {
-                Direction { cos: *cos, sin: *sin } = forward.rotate(*relative);
-            }
-            for candidate in &self.waiting {
-                for span in &candidate.spans {
-                    let places = span.start.max(part.start)..span.end.min(part.end);
-                    if places.is_empty() {
-                        continue;
-                    }
-                    let places = places.start - first..places.end - first;
-                    let directions = (&cos[places.clone()], &sin[places.clone()]);
-                    meet(&candidate.shape, directions, self.range, &mut distances[places]);
-                }
-            }
-            first = part.end;
-        }
-    }
-}
-
-/// Holds many rays against all that waits.
-struct Meet<'a, 'b> {
-    sweep: &'a mut Sweep<'b>,
-    forward: Direction,
-}
-
-impl Work for Meet<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn work(self) {
-        self.sweep.meet_in_parts::<MANY_RAYS>(self.forward);
     }
 }
 
@@ -282,8 +344,8 @@ const CLOSE: f64 = 1e-9;
 /// So few rays are tried one by one.
 const FEW_RAYS: usize = 8;
 
-/// So many rays have their directions computed at once.
-const MANY_RAYS: usize = 128;
+/// So many segments are looked at at once.
+const AT_ONCE: usize = 64;
 
 /// So many shapes are held against the rays at once.
 const MOST_WAITING: usize = 32;

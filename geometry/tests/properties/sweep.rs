@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use baudbot_geometry::{Fan, Index, Pose, Ray, Sweep};
+use baudbot_geometry::{Bundle, Carried, Fan, Index, Pose, Ray, Sweep, Twist};
 use proptest::prelude::*;
 
 use crate::arenas;
@@ -64,6 +64,69 @@ proptest! {
         for (ray, distance) in fan.rays(pose.position, pose.direction()).zip(distances) {
             let expected = ray.hit_circle(&disc).filter(|&distance| distance <= range).unwrap_or(f64::INFINITY);
             prop_assert_eq!(distance.to_bits(), expected.to_bits());
+        }
+    }
+}
+
+/// Motions from standing to faster than robots go, straight on and in place.
+fn motion() -> impl Strategy<Value = Twist> {
+    let forward = prop_oneof![Just(0.0), -0.5..0.5_f64, -0.5..0.5_f64, -20.0..20.0_f64];
+    let turn = prop_oneof![Just(0.0), -2.0..2.0_f64, -2.0..2.0_f64, -100.0..100.0_f64];
+    (forward, turn).prop_map(|(forward, turn)| Twist { forward, turn })
+}
+
+/// Mounts and turrets, of which many look straight ahead.
+fn frame() -> impl Strategy<Value = Pose> {
+    let heading = prop_oneof![Just(0.0), Just(0.5 * PI), Just(PI), -PI..PI, -20.0..20.0_f64];
+    (-0.3..0.3_f64, -0.3..0.3_f64, heading).prop_map(|(x, y, heading)| Pose::new(x, y, heading))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    #[test]
+    fn each_ray_from_its_own_place(
+        arena in arenas::arena(),
+        (near, aim) in (arenas::point(), arenas::aim()),
+        away in prop_oneof![3 => Just(1.0), 1 => Just(30.0)],
+        (opening_rad, rays) in (opening(), rays()),
+        which in (any::<prop::sample::Index>(), 1..=Bundle::MOST_RAYS),
+        aimed in any::<prop::sample::Index>(),
+        (body, sensor, turret) in (motion(), frame(), prop::option::of(frame())),
+        // From the start of the sweep, and from one ray to the next, in seconds; a mirror may turn the other way.
+        (from_s, step_s) in (0.0..0.1, prop_oneof![Just(1e-4), -1e-4..1e-4, -1e-2..1e-2]),
+        range in prop_oneof![0.0..8.0_f64, Just(f64::INFINITY), Just(0.5)],
+    ) {
+        let index = Index::new(arena.segments.clone(), arena.circles.clone());
+        let fan = Fan::new(opening_rad, rays);
+        let first = which.0.index(rays);
+        let part = first..(first + which.1).min(rays);
+        let after_s: Vec<_> = (0..part.len()).map(|i| from_s + step_s * i as f64).collect();
+        // A ray is aimed from where its sensor is when it is taken: the robot is moved there.
+        let ray = arenas::ray(&arena, near * away, &aim);
+        let aimed = aimed.index(part.len());
+        let heading = ray.direction.angle() - fan.kappas()[first + aimed];
+        let mut carried = Carried { robot: Pose::default(), body, turret, sensor };
+        carried.robot.heading = baudbot_geometry::angle::wrap(heading - carried.place(after_s[aimed]).heading);
+        carried.robot.position += ray.origin - carried.place(after_s[aimed]).position;
+        let bundle = Bundle::new(&carried, &fan, part.clone(), &after_s);
+        let mut distances = vec![f64::NAN; part.len()];
+        let mut sweep = Sweep::of_bundle(&bundle, range, &mut distances);
+        index.sweep(&mut sweep);
+        // Things that move are told by what is around them.
+        let mover = arena.circles.first().map(|&circle| baudbot_geometry::Circle { center: [circle.center.y, circle.center.x].into(), ..circle });
+        if let Some(mover) = mover {
+            sweep.other(&mover, |ray| ray.hit_circle(&mover));
+        }
+        sweep.finish();
+        for (place, (i, distance)) in part.zip(distances).enumerate() {
+            let pose = carried.place(after_s[place]);
+            let ray = Ray { origin: pose.position, direction: pose.direction().rotate(fan.relative()[i]) };
+            prop_assert_eq!(bundle.ray(place), ray, "ray {}", i);
+            let fixed = index.cast(&ray, range).map_or(f64::INFINITY, |hit| hit.distance);
+            let moving = mover.and_then(|mover| ray.hit_circle(&mover)).filter(|&distance| distance <= range);
+            let expected = moving.map_or(fixed, |moving| moving.min(fixed));
+            prop_assert_eq!(distance.to_bits(), expected.to_bits(), "ray {}: {} not {}", i, distance, expected);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Readings for a brain on board: see `robot/onboard.rs`.
 
-use baudbot_wire::clock;
+use baudbot_wire::{Encoding, clock};
 
 use super::Microcontroller;
 use crate::laptop::Laptop;
@@ -22,9 +22,12 @@ impl Microcontroller {
             }
             let reading = &mut laptop.readings[i];
             reading.values.clear();
-            reading
-                .values
-                .extend(sensor.encodings.iter().zip(&channel.values).map(|(to, v)| to.quantise(*v)));
+            if sensor.encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
+                reading.values.extend_from_slice(&channel.values);
+            } else {
+                let quantised = sensor.encodings.iter().zip(&channel.values).map(|(to, v)| to.quantise(*v));
+                reading.values.extend(quantised);
+            }
             // Before the first sample, where all values are told.
             let lacking = &sensor.encodings[reading.values.len()..];
             reading.values.extend(lacking.iter().map(|to| to.quantise(0.0)));

@@ -7,7 +7,7 @@ use core::cell::OnceCell;
 use core::ops::Range;
 
 use baudbot_geometry::{
-    Circle, Crowd, Direction, Fan, Index, Point, Pose, Ray, Segment, Sweep, Vector, polygon,
+    Bundle, Circle, Crowd, Direction, Fan, Index, Point, Pose, Ray, Segment, Sweep, Vector, polygon,
 };
 use serde::{Deserialize, Serialize};
 
@@ -138,7 +138,7 @@ impl Viewpoint<'_> {
         let hit = self.index.cast(ray, range_m);
         let fixed = hit.map(|hit| RayHit { distance_m: hit.distance, what: What::Fixed(hit.shape) });
         let mut body: Option<(f64, usize)> = None;
-        self.bodies(|i, figure| {
+        self.bodies(&self.around, |i, figure| {
             if let Some(distance_m) = figure.hit(ray)
                 && distance_m <= range_m
                 && body.is_none_or(|best| (distance_m, i) < best)
@@ -153,10 +153,10 @@ impl Viewpoint<'_> {
         }
     }
 
-    /// Visits the bodies that may be in reach, in no order; one may come twice.
-    fn bodies(&self, mut visit: impl FnMut(usize, &Figure)) {
+    /// Visits the bodies that may be in this disc, in no order; one may come twice.
+    fn bodies(&self, around: &Circle, mut visit: impl FnMut(usize, &Figure)) {
         let Frozen { bodies, crowd, .. } = self.scene.frozen;
-        crowd.near(&self.around, |i| {
+        crowd.near(around, |i| {
             if i != self.scene.own && self.sees(&bodies[i]) {
                 visit(i, &bodies[i]);
             }
@@ -171,7 +171,16 @@ impl Viewpoint<'_> {
     /// How far each of these rays of a fan runs from a sensor at `pose`, where this eye is: infinitely far if it meets
     /// nothing within range.
     pub(crate) fn sweep(&self, pose: &Pose, fan: &Fan, rays: Range<usize>, distances_m: &mut [f64]) {
-        let mut sweep = Sweep::new(pose, fan, rays, self.around.radius, distances_m);
+        self.fill(Sweep::new(pose, fan, rays, self.around.radius, distances_m));
+    }
+
+    /// How far each ray of a bundle runs, whose rays start where eyes as this one are.
+    pub(crate) fn sweep_bundle(&self, bundle: &Bundle<'_>, distances_m: &mut [f64]) {
+        self.fill(Sweep::of_bundle(bundle, self.around.radius, distances_m));
+    }
+
+    fn fill(&self, mut sweep: Sweep<'_>) {
+        let around = sweep.around();
         let add = |sweep: &mut Sweep<'_>, figure: &Figure| {
             if figure.outline.is_empty() {
                 sweep.circle(&figure.disc);
@@ -179,7 +188,7 @@ impl Viewpoint<'_> {
                 sweep.other(&figure.disc, |ray| figure.hit(ray));
             }
         };
-        match self.scene.neighbors(&self.around, self.height.layer) {
+        match self.scene.neighbors(&around, self.height.layer) {
             Some(neighbors) => {
                 neighbors.sweep(self.index, &mut sweep);
                 let bodies = neighbors.bodies.iter().map(|&i| &self.scene.frozen.bodies[i as usize]);
@@ -187,7 +196,7 @@ impl Viewpoint<'_> {
             }
             None => {
                 self.index.sweep(&mut sweep);
-                self.bodies(|_, figure| add(&mut sweep, figure));
+                self.bodies(&around, |_, figure| add(&mut sweep, figure));
             }
         }
         sweep.finish();

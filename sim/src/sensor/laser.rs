@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::ops::Range;
 
-use baudbot_geometry::{Fan, Pose, Ray, Twist, angle, math};
+use baudbot_geometry::{Bundle, Carried, Fan, Twist, vectors};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
@@ -99,11 +99,12 @@ impl Sense for Laser {
 
     /// Noise makes no echo of nothing, and takes none nearer or farther than can be told.
     fn bound(&self, values: &mut [f64]) {
-        for value in values {
-            if *value != NOTHING {
-                *value = value.clamp(self.min_m, self.range_m);
-            }
-        }
+        let (least, most) = (self.min_m, self.range_m);
+        vectors::each(values, move |value| {
+            let bounded = if value < least { least } else { value };
+            let bounded = if bounded > most { most } else { bounded };
+            if value == NOTHING { NOTHING } else { bounded }
+        });
     }
 
     fn nothing(&self) -> Option<f64> {
@@ -123,8 +124,39 @@ impl Laser {
 
     /// When ray `i` of a scan that starts at `start` is taken.
     pub(super) fn instant(&self, start: SimTime, i: usize) -> SimTime {
-        let gaps = self.rays().saturating_sub(1).max(1) as u64;
-        start + (u128::from(self.sweep_ns) * i as u128 / u128::from(gaps)) as u64
+        // The sweep times i over the gaps, of which no part is as large as that product.
+        let gaps = self.gaps();
+        let (each, rest) = (self.sweep_ns / gaps, self.sweep_ns % gaps);
+        start + (each * i as u64 + rest * i as u64 / gaps)
+    }
+
+    /// When the rays from `first` on are taken, one after the other: [`instant`](Self::instant) without its divisions.
+    fn instants(&self, start: SimTime, first: usize) -> impl Iterator<Item = SimTime> {
+        let gaps = self.gaps();
+        let (each, rest) = (self.sweep_ns / gaps, self.sweep_ns % gaps);
+        let mut after = rest * first as u64 % gaps;
+        let mut instant = self.instant(start, first);
+        core::iter::repeat_with(move || {
+            let this = instant;
+            after += rest;
+            let is_whole = after >= gaps;
+            after -= if is_whole { gaps } else { 0 };
+            instant = instant + (each + u64::from(is_whole));
+            this
+        })
+    }
+
+    /// How many rays of a scan that starts at `start` are taken before `end`.
+    pub(super) fn taken_before(&self, start: SimTime, end: SimTime) -> usize {
+        if self.sweep_ns == 0 {
+            return if start < end { self.rays() } else { 0 };
+        }
+        let ray = (u128::from(end.since(start)) * u128::from(self.gaps())).div_ceil(self.sweep_ns.into());
+        ray.min(self.rays() as u128) as usize
+    }
+
+    fn gaps(&self) -> u64 {
+        self.rays().saturating_sub(1).max(1) as u64
     }
 
     /// Takes the rays `which` of a scan that started at `start`; all of them must fall into the tick.
@@ -135,26 +167,55 @@ impl Laser {
         if self.sweep_ns == 0 || at.over_ground() == Twist::default() {
             return self.read_at_once(at, which, start, values);
         }
-        for i in which {
-            let robot = carried_on(at, self.instant(start, i));
-            let pose = self.mount.place(&robot, at.actuators);
-            let direction = pose.direction().rotate(self.fan.relative()[self.places(i..i + 1).start]);
-            let viewpoint = self.mount.look(at, &pose, self.range_m);
-            let distance = viewpoint.cast(&Ray { origin: pose.position, direction });
-            values[i] = distance.unwrap_or(NOTHING);
+        let mut rest = which;
+        while !rest.is_empty() {
+            let rays = rest.start..rest.end.min(rest.start + Bundle::MOST_RAYS);
+            rest.start = rays.end;
+            self.read_one_by_one(at, rays, start, values);
         }
+    }
+
+    /// A laser that is carried on while it sweeps takes each ray from a place of its own.
+    fn read_one_by_one(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
+        let mut after_s = [0.0; Bundle::MOST_RAYS];
+        let after_s = &mut after_s[..which.len()];
+        for (after_s, instant) in after_s.iter_mut().zip(self.instants(start, which.start)) {
+            *after_s = since_start_s(at, instant);
+        }
+        let values = &mut values[which.clone()];
+        if self.clockwise {
+            after_s.reverse();
+        }
+        let bundle = Bundle::new(&self.carried(at), &self.fan, self.places(which), after_s);
+        self.mount.look(at, &bundle.pose(), self.range_m).sweep_bundle(&bundle, values);
+        self.finish(values);
     }
 
     /// A laser that stands still, or sweeps in no time, takes all rays from one place.
     fn read_at_once(&self, at: &Measurement<'_>, which: Range<usize>, start: SimTime, values: &mut [f64]) {
-        let pose = self.mount.place(&carried_on(at, self.instant(start, which.start)), at.actuators);
+        let pose = self.carried(at).place(since_start_s(at, self.instant(start, which.start)));
         let viewpoint = self.mount.look(at, &pose, self.range_m);
         let values = &mut values[which.clone()];
         viewpoint.sweep(&pose, &self.fan, self.places(which), values);
+        self.finish(values);
+    }
+
+    /// Makes readings of distances that are in the order of the fan.
+    fn finish(&self, values: &mut [f64]) {
         if self.clockwise {
             values.reverse();
         }
-        values.iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = NOTHING);
+        vectors::each(values, |value| if value.is_infinite() { NOTHING } else { value });
+    }
+
+    /// The laser on its robot, which goes on at its present speed and turn rate from the start of the tick.
+    fn carried(&self, at: &Measurement<'_>) -> Carried {
+        Carried {
+            robot: at.motion.pose,
+            body: at.over_ground(),
+            turret: self.mount.turned(at.actuators),
+            sensor: self.mount.pose,
+        }
     }
 
     /// Where in the fan the rays of a scan are: the other way round if it sweeps so.
@@ -166,14 +227,10 @@ impl Laser {
 /// The reading of a ray that meets nothing within range.
 pub(crate) const NOTHING: f64 = -1.0;
 
-/// The robot's pose at an instant of the tick, at its present speed and turn rate.
-fn carried_on(at: &Measurement<'_>, instant: SimTime) -> Pose {
-    let dt = instant.min(at.tick_end).since(at.tick_start) as f64 / SECOND_NS as f64;
-    let body = at.over_ground();
-    let mut pose = at.motion.pose;
-    pose.heading = angle::wrap(pose.heading + body.turn * dt);
-    let (sin, cos) = math::sin_cos(pose.heading);
-    pose.position.x += body.forward * dt * cos;
-    pose.position.y += body.forward * dt * sin;
-    pose
+/// How long after the start of the tick an instant is, in seconds; no longer than the tick.
+fn since_start_s(at: &Measurement<'_>, instant: SimTime) -> f64 {
+    instant.min(at.tick_end).since(at.tick_start).cast_signed() as f64 / SECOND_NS as f64
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,7 +31,7 @@ mod voltage;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Fan, Pose, Twist};
+use baudbot_geometry::{Fan, Pose, Twist, vectors};
 use baudbot_wire::Encoding;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -363,13 +363,11 @@ impl Sensor {
             // What is infinitely far stays so whatever noise does to it, but for a dropout.
             let nothing = self.device.nothing();
             if let Some(nothing) = nothing {
-                let far = |value: f64| if value == nothing { f64::INFINITY } else { value };
-                values.iter_mut().for_each(|value| *value = far(*value));
+                vectors::each(values, move |value| if value == nothing { f64::INFINITY } else { value });
             }
             self.noise.disturb(state, now, values, stream);
             if let Some(nothing) = nothing {
-                let back = |value: f64| if value.is_finite() { value } else { nothing };
-                values.iter_mut().for_each(|value| *value = back(*value));
+                vectors::each(values, move |value| if value.is_finite() { value } else { nothing });
             }
         }
         self.device.bound(values);

@@ -30,10 +30,16 @@ impl Mount {
 
     /// World from sensor, on a robot at `world_from_robot` with its actuators in these states.
     pub fn place(&self, world_from_robot: &Pose, actuators: &[ActuatorState]) -> Pose {
-        let Some(turret) = self.turret else { return world_from_robot.compose(&self.pose) };
-        let angle_rad = actuators.get(turret).map_or(0.0, |actuator| actuator.angle_rad);
-        let robot_from_turret = Pose::new(0.0, 0.0, angle_rad);
-        world_from_robot.compose(&robot_from_turret).compose(&self.pose)
+        match self.turned(actuators) {
+            Some(robot_from_turret) => world_from_robot.compose(&robot_from_turret).compose(&self.pose),
+            None => world_from_robot.compose(&self.pose),
+        }
+    }
+
+    /// Robot from turret, if it is on one.
+    pub(super) fn turned(&self, actuators: &[ActuatorState]) -> Option<Pose> {
+        let angle_rad = actuators.get(self.turret?).map_or(0.0, |actuator| actuator.angle_rad);
+        Some(Pose::new(0.0, 0.0, angle_rad))
     }
 
     /// A look from there as far as `range_m`.

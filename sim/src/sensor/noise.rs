@@ -175,11 +175,12 @@ impl Noise {
         pair(values, &state.offsets, |value, offset| value + offset);
         pair(values, &state.drifts, |value, bias| value + bias);
         if values.len() >= MANY {
-            if self.multiplicative != 0.0 {
-                stream.each_normal(values, |value, deviate| value * (1.0 + self.multiplicative * deviate));
+            let (multiplicative, additive) = (self.multiplicative, self.additive);
+            if multiplicative != 0.0 {
+                stream.each_normal(values, move |value, deviate| value * (1.0 + multiplicative * deviate));
             }
-            if self.additive != 0.0 {
-                stream.each_normal(values, |value, deviate| value + self.additive * deviate);
+            if additive != 0.0 {
+                stream.each_normal(values, move |value, deviate| value + additive * deviate);
             }
         } else {
             each(values, |value| multiplicative(value, self.multiplicative, stream));

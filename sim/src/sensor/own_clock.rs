@@ -137,11 +137,7 @@ impl Running {
         let Parts { memory, noise, stream } = parts;
         self.scan.resize(sensor.device.values(), 0.0);
         let end = if let Device::Laser(laser) = &sensor.device {
-            let rest = self.taken..laser.rays();
-            let is_later = |i: usize| laser.instant(self.begins, i) >= at.tick_end;
-            let is_partial = rest.clone().next_back().is_some_and(is_later);
-            let until = if is_partial { rest.clone().find(|&i| is_later(i)) } else { None };
-            let which = self.taken..until.unwrap_or(rest.end);
+            let which = self.taken..laser.taken_before(self.begins, at.tick_end).max(self.taken);
             laser.take(at, which.clone(), self.begins, &mut self.scan);
             self.taken = which.end;
             if self.taken < laser.rays() {
