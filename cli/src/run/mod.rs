@@ -124,7 +124,12 @@ impl Plan {
 
     /// The world, which stands until its brains are there.
     fn world(&self, args: &RunArgs, on_tick: Option<OnTick>) -> WorldConfig {
-        let world = WorldConfig::new(self.world.clone(), Arc::clone(&self.scenario));
+        let mut world = World::new(Arc::clone(&self.scenario));
+        if self.over == Over::Direct && args.timeline.is_none() {
+            // Nobody looks at it.
+            world.keep_timeline(0);
+        }
+        let world = WorldConfig::from_state(self.world.clone(), world);
         let world = record::add(world.pace(self.pace).paused(true), &args.record);
         match on_tick {
             Some(on_tick) => world.on_tick(on_tick),
