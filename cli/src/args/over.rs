@@ -41,7 +41,7 @@ impl RunArgs {
         let (listen, watchdog) = (&self.listen, &self.watchdog);
         let pace = match self.pace {
             PaceName::Lockstep => None,
-            PaceName::Timed(factor) if factor == 1.0 => Some("--pace real-time"),
+            PaceName::Timed(1.0) => Some("--pace real-time"),
             PaceName::Timed(_) => Some("--pace scaled"),
             // A brain on the same thread has always answered.
             PaceName::Free => Some("--pace free"),
