@@ -5,6 +5,7 @@ use std::fmt::Write;
 use baudbot_fields::printable::Printable;
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
+use crate::args::Over;
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
     Zone,
@@ -33,9 +34,14 @@ fn head(summary: &Summary) -> Vec<(&'static str, String)> {
         summary.wall_s,
         handy(summary.simulated_per_wall)
     );
+    let path = match summary.over {
+        Over::Direct => "direct: the world and its brains on one thread",
+        Over::Grpc => "over gRPC: the world on a server, the brains attached to it",
+    };
     let mut head = vec![
         ("scenario", format!("{name}, seed {}", summary.seed)),
         ("pace", summary.pace.clone()),
+        ("path", path.to_owned()),
         ("ticks", format!("{} of {}", summary.ticks, duration(summary.step_ns as f64))),
         ("time", time),
         ("ended", format!("because {}", summary.ending)),

@@ -72,4 +72,4 @@ pub use error::Error;
 pub use fleet::Fleet;
 pub use raw::RawRobot;
 pub use robot::Robot;
-pub use run::{Summary, run, run_fleet};
+pub use run::{Looks, Summary, run, run_fleet};

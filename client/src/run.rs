@@ -1,9 +1,12 @@
 //! Loops in which a brain drives its robot, or brains a fleet, until the run is over.
 
+use std::time::Duration;
+
 use baudbot_brain::Brain;
 
 use crate::error::Error;
 use crate::fleet::Fleet;
+use crate::protocol::nanoseconds;
 use crate::robot::Robot;
 
 /// How a run went.
@@ -20,7 +23,7 @@ pub struct Summary {
 /// # Errors
 /// See [`Robot::turn`].
 pub async fn run(robot: &mut Robot, brain: &mut (impl Brain + ?Sized)) -> Result<Summary, Error> {
-    let (mut summary, mut looks) = (Summary::default(), Looks::every(robot.publishes_every_ns()));
+    let (mut summary, mut looks) = (Summary::default(), Looks::every_ns(robot.publishes_every_ns()));
     while let Some(turn) = robot.turn().await? {
         summary.turns += 1;
         summary.last_tick = turn.tick;
@@ -55,7 +58,7 @@ pub async fn run_fleet<B: Brain>(fleet: &mut Fleet, brains: &mut [B]) -> Result<
         return Err(Error::Brains { robots: fleet.bodies().len(), brains: brains.len() });
     }
     let mut summary = Summary::default();
-    let mut looks: Vec<_> = brains.iter().map(|_| Looks::every(fleet.publishes_every_ns())).collect();
+    let mut looks: Vec<_> = brains.iter().map(|_| Looks::every_ns(fleet.publishes_every_ns())).collect();
     while let Some(turns) = fleet.turns().await? {
         let mut actions = Vec::with_capacity(turns.len());
         for (robot, turn) in &turns {
@@ -91,18 +94,25 @@ async fn publish_all<B: Brain>(fleet: &mut Fleet, brains: &mut [B], due: &[usize
     Ok(())
 }
 
-/// When people look.
-struct Looks {
+/// When people look, and a brain is asked what it believes: at a step, and at most once in each interval of simulated time.
+#[derive(Clone, Debug)]
+pub struct Looks {
     every_ns: u64,
     next_ns: u64,
 }
 
 impl Looks {
-    fn every(every_ns: u64) -> Self {
+    /// Looks at such intervals.
+    pub fn every(every: Duration) -> Self {
+        Self::every_ns(nanoseconds(every))
+    }
+
+    fn every_ns(every_ns: u64) -> Self {
         Self { every_ns, next_ns: 0 }
     }
 
-    fn is_due(&mut self, at_ns: u64) -> bool {
+    /// Whether they look at a step at this instant of simulated time, in nanoseconds.
+    pub fn is_due(&mut self, at_ns: u64) -> bool {
         // A world that was reset begins at 0 again.
         let is_due = at_ns >= self.next_ns || self.next_ns - at_ns > self.every_ns;
         if is_due {

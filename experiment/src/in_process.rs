@@ -144,7 +144,7 @@ fn thinking_ns(spec: &RobotSpec, action: &Action) -> u64 {
 }
 
 /// The turn of a brain of messages, as the server gives it.
-fn turn_of(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
+pub fn turn_of(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
     let reading = |reading: &baudbot_sim::Reading| {
         (!reading.values.is_empty()).then(|| Reading {
             values: reading.values.clone(),

@@ -80,15 +80,23 @@ impl Endpoint {
     pub(crate) fn check(&self, writes: &[Write]) -> Result<(), Status> {
         let mut seen = vec![false; self.robots.len()];
         for (i, write) in writes.iter().enumerate() {
-            self.check_write(write).map_err(|(field, problem)| {
-                Status::invalid_argument(format!("step.robots[{i}].{field}: {problem}"))
-            })?;
+            self.check_part(i, write)?;
             if std::mem::replace(&mut seen[write.slot], true) {
                 let text = format!("step.robots[{i}].robot: {} is named twice", write.slot);
                 return Err(Status::invalid_argument(text));
             }
         }
         Ok(())
+    }
+
+    /// Checks the part of a Step in this place.
+    ///
+    /// # Errors
+    /// `INVALID_ARGUMENT` with the field that is wrong.
+    pub(crate) fn check_part(&self, place: usize, write: &Write) -> Result<(), Status> {
+        self.check_write(write).map_err(|(field, problem)| {
+            Status::invalid_argument(format!("step.robots[{place}].{field}: {problem}"))
+        })
     }
 
     fn check_write(&self, write: &Write) -> Result<(), Problem> {

@@ -64,7 +64,7 @@ mod report;
 mod server;
 mod sessions;
 
-pub use actor::OnTick;
+pub use actor::{DirectWorld, OnTick, Progress};
 pub use address::{Address, BadAddress};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;

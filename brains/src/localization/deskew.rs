@@ -41,7 +41,7 @@ struct End {
 }
 
 /// The scan as if it had been taken at `at_ns`, by the poses at earlier instants, world from robot; for these
-/// [`Odometry::at`](crate::odometry::Odometry::at) is made. `None` if one of these is not known.
+/// [`Odometry::pose_at`](crate::odometry::Odometry::pose_at) is made. `None` if one of these is not known.
 #[must_use]
 pub fn deskew(scan: &Scan, sweep: Sweep, at_ns: u64, pose_at: impl Fn(u64) -> Option<Pose>) -> Option<Scan> {
     let laser_from_world = pose_at(at_ns)?.compose(&scan.robot_from_laser).inverse();

@@ -116,6 +116,7 @@ impl Occupancy {
     }
 
     /// The place of a cell in the order of [`cells`](Self::cells); `None` if the grid has not grown so far.
+    #[inline]
     pub(crate) fn place(&self, cell: Cell) -> Option<usize> {
         self.grid.cells.number(cell)
     }
@@ -159,9 +160,7 @@ impl Occupancy {
             self.change(self.cell(end), HIT);
         }
         for (end, _) in ends {
-            for cell in self.line(from, end) {
-                self.change(cell, MISS);
-            }
+            self.line(from, end).for_each(|cell| self.change(cell, MISS));
         }
         true
     }
@@ -205,6 +204,7 @@ impl Occupancy {
     }
 
     /// Changes a cell, unless this scan already did.
+    #[inline]
     fn change(&mut self, cell: Cell, by: f32) {
         let Some(place) = self.place(cell) else { return };
         if self.changed[place] != self.scans {

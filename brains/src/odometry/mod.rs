@@ -213,17 +213,30 @@ impl Odometry {
     /// that nobody knows when. It is taken to have gone evenly between readings, and to stand since the last one.
     #[must_use]
     pub fn at(&self, at_ns: u64) -> Option<Estimate> {
+        let (from, step) = self.step_to(at_ns)?;
+        Some(step.map_or(*from, |step| self.stepped(from, &step)))
+    }
+
+    /// The pose of [`at`](Self::at), world from robot, without the work for its covariance.
+    #[must_use]
+    pub fn pose_at(&self, at_ns: u64) -> Option<Pose> {
+        let (from, step) = self.step_to(at_ns)?;
+        Some(step.map_or(from.world_from_robot, |step| step.pose_after(&from.world_from_robot)))
+    }
+
+    /// The estimate from which the robot went to where it was at an instant, and its step from there; no step if it was there.
+    fn step_to(&self, at_ns: u64) -> Option<(&Estimate, Option<Step>)> {
         let after = self.past.partition_point(|past| past.at_ns < at_ns);
-        let Some(next) = self.past.get(after) else { return Some(self.estimate()) };
+        let Some(next) = self.past.get(after) else { return Some((&self.newest().estimate, None)) };
         if next.at_ns == at_ns {
-            return Some(next.estimate);
+            return Some((&next.estimate, None));
         }
         let before = &self.past[after.checked_sub(1)?];
         if next.at_ns.saturating_sub(before.at_ns) > EVEN_NS && !next.step.is_small() {
             return None;
         }
         let part = next.step.part(fraction(before.at_ns, at_ns, next.at_ns));
-        Some(self.stepped(&before.estimate, &part))
+        Some((&before.estimate, Some(part)))
     }
 
     /// The same, if nothing later was corrected: only then it can be [corrected](Self::correct).

@@ -59,10 +59,15 @@ impl Step {
         Self { then_from_now, ways_m: self.ways_m.map(|way| way * (1.0 - fraction)) }
     }
 
+    /// The pose after this step, world from robot.
+    pub(super) fn pose_after(&self, world_from_then: &Pose) -> Pose {
+        world_from_then.compose(&self.then_from_now)
+    }
+
     /// The estimate after this step, for wheels with this variance per metre.
     pub(super) fn apply(&self, estimate: &Estimate, half_track_m: f64, variance_m2_per_m: f64) -> Estimate {
         let world_from_then = estimate.world_from_robot;
-        let world_from_now = world_from_then.compose(&self.then_from_now);
+        let world_from_now = self.pose_after(&world_from_then);
         let moved = world_from_now.position - world_from_then.position;
         let [left, right] = self.ways_m;
         #[rustfmt::skip]

@@ -83,7 +83,7 @@ impl Scanner {
         let sweep = self.sweep;
         let is_covered =
             |waiting: &mut (u64, Scan)| waiting.0.saturating_add(sweep.duration_ns) <= odometry.at_ns();
-        let pose_at = |at_ns| odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
+        let pose_at = |at_ns| odometry.pose_at(at_ns);
         while let Some((begun_ns, scan)) = self.waiting.pop_front_if(is_covered) {
             let ended_ns = begun_ns.saturating_add(sweep.duration_ns);
             let [right_ns, left_ns] =

@@ -5,6 +5,7 @@ mod export;
 mod help;
 mod locate;
 mod new;
+mod over;
 mod pace;
 mod places;
 mod plan;
@@ -24,6 +25,7 @@ use self::help::{
 };
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
+pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
@@ -131,6 +133,12 @@ pub(crate) struct RunArgs {
     /// When a tick ends: lockstep, real-time, scaled:X or free
     #[arg(long, value_name = "PACE", default_value = "lockstep", long_help = PACE_HELP)]
     pub(crate) pace: PaceName,
+    /// How the brains are joined to their world; the run is the same [default: direct, or grpc where a server is needed]
+    ///
+    /// A server is needed for paces other than lockstep, for --listen, --viewer, --insecure, --max-connections,
+    /// --watchdog-ms, --on-timeout and --lookahead, and to export traces. `direct` is many times as fast.
+    #[arg(long, value_name = "PATH")]
+    pub(crate) over: Option<Over>,
     #[command(flatten)]
     pub(crate) watchdog: WatchdogArgs,
     #[command(flatten)]

@@ -77,9 +77,19 @@ pub(crate) fn start(LogFilter(filter): LogFilter, format: LogFormat, serves: boo
         }
     };
     let mut listeners: Vec<Listener> = vec![stderr];
-    let logs = export(serves && std::env::var_os(ENDPOINT).is_some_and(|to| !to.is_empty()), &mut listeners);
+    let logs = export(serves && has_collector(), &mut listeners);
     tracing_subscriber::registry().with(listeners).init();
     logs
+}
+
+/// Whether this program exports what it does.
+pub(crate) fn exports() -> bool {
+    cfg!(feature = "otel") && has_collector()
+}
+
+/// Whether a collector is named.
+fn has_collector() -> bool {
+    std::env::var_os(ENDPOINT).is_some_and(|to| !to.is_empty())
 }
 
 /// Whether what a part of the program says is told down to its details.
@@ -132,7 +142,7 @@ fn export(asked: bool, _: &mut [Listener]) -> Logs {
 }
 
 /// The variable that names a collector, as in all programs that export.
-const ENDPOINT: &str = "OTEL_EXPORTER_OTLP_ENDPOINT";
+pub(crate) const ENDPOINT: &str = "OTEL_EXPORTER_OTLP_ENDPOINT";
 
 #[cfg(test)]
 mod tests {

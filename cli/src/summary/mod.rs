@@ -5,6 +5,7 @@ use baudbot_proto::v1::pace::Kind;
 use baudbot_sim::Scenario;
 use serde::Serialize;
 
+use crate::args::Over;
 use crate::assignment::Assignment;
 
 mod robot;
@@ -17,6 +18,8 @@ pub(crate) struct Summary {
     pub(crate) scenario: String,
     pub(crate) world: String,
     pub(crate) pace: String,
+    /// How the brains were joined to their world.
+    pub(crate) over: Over,
     pub(crate) seed: u64,
     pub(crate) ticks: u64,
     pub(crate) step_ns: u64,
@@ -117,6 +120,7 @@ impl Summary {
         status: &v1::WorldStatus,
         interrupted: bool,
         assignments: &[Assignment],
+        over: Over,
     ) -> Self {
         let (simulated_s, wall_s) = (seconds(status.time_ns), seconds(status.running_wall_ns));
         let pacing = status.pacing.clone().unwrap_or_default();
@@ -127,6 +131,7 @@ impl Summary {
             scenario: status.scenario.clone(),
             world: status.world.clone(),
             pace: kind.as_ref().map_or_else(String::new, pace_name),
+            over,
             seed: scenario.seed,
             ticks: status.tick,
             step_ns: status.step_ns,
@@ -234,7 +239,7 @@ mod tests {
         let scenario = baudbot_scenario::parse(toml).unwrap();
         let assignments = [Assignment { brain: "wander".into(), robots: vec!["alice".into()] }];
         let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
-        let summary = Summary::new(&scenario, &status(scaled), true, &assignments);
+        let summary = Summary::new(&scenario, &status(scaled), true, &assignments, Over::Grpc);
         assert_eq!(summary.simulated_per_wall, 1.5);
         assert!(summary.interrupted && summary.lockstep.is_none());
         let clock = summary.clock.unwrap();
@@ -249,7 +254,7 @@ mod tests {
     fn a_run_that_has_ended_was_not_interrupted() {
         let scenario = baudbot_scenario::parse("").unwrap();
         let free = v1::WorldStatus { ending: "time".into(), ..status(Kind::Free(v1::Free {})) };
-        let summary = Summary::new(&scenario, &free, true, &[]);
+        let summary = Summary::new(&scenario, &free, true, &[], Over::Grpc);
         assert_eq!((summary.ending.as_str(), summary.interrupted), ("time", false));
         assert!(summary.clock.is_none());
     }

@@ -14,6 +14,7 @@ mod locating;
 mod logs;
 mod new;
 mod otel;
+mod paths;
 mod plans;
 mod presets;
 mod processes;

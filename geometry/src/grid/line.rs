@@ -60,18 +60,16 @@ impl Grid {
 }
 
 /// The cells from one to another, with a side in common each. `x` and `y` are how far along the line its borders
-/// between columns and between rows are, in order: the nearer one is crossed next.
+/// between columns and between rows are, one at each call: the nearer one is crossed next.
 fn staircase(
     first: Cell,
     last: Cell,
-    mut x: impl Iterator<Item = f64>,
-    mut y: impl Iterator<Item = f64>,
+    mut x: impl FnMut() -> f64,
+    mut y: impl FnMut() -> f64,
 ) -> impl Iterator<Item = Cell> {
     let towards = |first: i32, last: i32| if last > first { 1 } else { -1 };
     let (right, up) = (towards(first.column, last.column), towards(first.row, last.row));
-    let mut beyond = move || x.next().unwrap_or(f64::INFINITY);
-    let mut above = move || y.next().unwrap_or(f64::INFINITY);
-    let (mut next_x, mut next_y) = (beyond(), above());
+    let (mut next_x, mut next_y) = (x(), y());
     let steps = first.column.abs_diff(last.column) + first.row.abs_diff(last.row);
     let mut cell = first;
     iter::once(first).chain((0..steps).map(move |_| {
@@ -79,28 +77,35 @@ fn staircase(
         let is_across = cell.row == last.row || (cell.column != last.column && next_x <= next_y);
         if is_across {
             cell.column += right;
-            next_x = beyond();
+            next_x = x();
         } else {
             cell.row += up;
-            next_y = above();
+            next_y = y();
         }
         cell
     }))
 }
 
 /// The borders of columns, or of rows, from this place on, as parts of the way: each is the sum of those before.
-fn summed(from: f64, way: f64, place: i32) -> impl Iterator<Item = f64> {
+fn summed(from: f64, way: f64, place: i32) -> impl FnMut() -> f64 {
     let border = if way > 0.0 { f64::from(place) + 1.0 } else { f64::from(place) };
-    let first = if way == 0.0 { f64::INFINITY } else { (border - from) / way };
+    let mut next = if way == 0.0 { f64::INFINITY } else { (border - from) / way };
     let gap = 1.0 / way.abs();
-    iter::successors(Some(first), move |next| Some(next + gap))
+    move || {
+        let now = next;
+        next += gap;
+        now
+    }
 }
 
 /// The same, as distances along a line with this slope from one place to another: each is computed by itself.
-fn exact(origin: f64, slope: f64, first: i32, last: i32) -> impl Iterator<Item = f64> {
-    let (border, step) = if last > first { (first + 1, 1) } else { (first, -1) };
-    iter::successors(Some(border), move |border| Some(border + step))
-        .map(move |border| (f64::from(border) - origin) / slope)
+fn exact(origin: f64, slope: f64, first: i32, last: i32) -> impl FnMut() -> f64 {
+    let (mut border, step) = if last > first { (first + 1, 1) } else { (first, -1) };
+    move || {
+        let now = f64::from(border);
+        border += step;
+        (now - origin) / slope
+    }
 }
 
 /// From which to which distance along a line, in sides of a cell.

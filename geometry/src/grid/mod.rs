@@ -101,10 +101,12 @@ impl Rectangle {
 
     /// The number of a cell; `None` if it is not one of these.
     #[must_use]
+    #[inline]
     pub fn number(&self, cell: Cell) -> Option<usize> {
-        let column = cell.column.checked_sub(self.first.column)?;
-        let row = cell.row.checked_sub(self.first.row)?;
-        let is_in = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
+        let column = i64::from(cell.column) - i64::from(self.first.column);
+        let row = i64::from(cell.row) - i64::from(self.first.row);
+        let is_in =
+            (0..i64::from(self.columns)).contains(&column) && (0..i64::from(self.rows)).contains(&row);
         is_in.then(|| row as usize * self.columns as usize + column as usize)
     }
 

@@ -5,6 +5,7 @@
 //! [`WorldActor::next`] says what is to be done, and the other methods do it.
 
 mod attachments;
+mod direct;
 mod final_command;
 mod interventions;
 mod log;
@@ -13,6 +14,7 @@ mod measure;
 mod messages;
 mod pacer;
 mod ports;
+mod progress;
 mod recording;
 mod replay;
 mod requests;
@@ -41,9 +43,12 @@ use crate::observers::Observers;
 use crate::pace::{Pace, WatchdogPolicy};
 use crate::report::Activity;
 use crate::sessions::Sessions;
+pub use direct::DirectWorld;
 use interventions::Interventions;
 use pacer::Pacer;
 use ports::{Pending, Ports};
+pub use progress::Progress;
+use progress::Telling;
 use recording::Recording;
 use replay::Replaying;
 use runner::Schedule;
@@ -62,6 +67,7 @@ pub(crate) struct NewWorld {
     pub(crate) pace: Pace,
     pub(crate) paused: bool,
     pub(crate) on_tick: Option<OnTick>,
+    pub(crate) progress: Option<Arc<Progress>>,
     /// Where it is recorded from its beginning on.
     pub(crate) record: Option<RecordConfig>,
 }
@@ -69,7 +75,7 @@ pub(crate) struct NewWorld {
 impl NewWorld {
     /// A live world that is not recorded.
     pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
-        Self { name, world, replay: None, pace, paused: false, on_tick: None, record: None }
+        Self { name, world, replay: None, pace, paused: false, on_tick: None, progress: None, record: None }
     }
 }
 
@@ -90,6 +96,7 @@ pub(crate) struct WorldActor {
     /// `None` in a live world.
     replaying: Option<Replaying>,
     on_tick: Option<OnTick>,
+    progress: Option<Telling>,
     /// Messages that would see the world, which is ahead of its brains; oldest first.
     deferred: VecDeque<Message>,
     schedule: Schedule,
@@ -163,7 +170,7 @@ pub(crate) fn spawn(
 impl WorldActor {
     fn new(
         name: Arc<str>,
-        NewWorld { world, replay, pace, paused, on_tick, .. }: NewWorld,
+        NewWorld { world, replay, pace, paused, on_tick, progress, .. }: NewWorld,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
@@ -181,6 +188,7 @@ impl WorldActor {
             recording: Recording::new(robots),
             replaying: replay.map(Replaying::new),
             on_tick,
+            progress: progress.map(Telling::new),
             deferred: VecDeque::new(),
             schedule: Schedule::new(neighbours),
             over: None,
@@ -299,10 +307,13 @@ impl WorldActor {
         sleeps
     }
 
-    /// Shows the world at the start of a tick to `on_tick` and to observers.
+    /// Shows the world at the start of a tick to `on_tick` and to observers, and says how far it is.
     fn show(&mut self) {
         if let Some(on_tick) = &mut self.on_tick {
             on_tick(&self.world);
+        }
+        if let Some(progress) = &self.progress {
+            progress.tell(&self.world);
         }
         self.observers.show(view!(self));
     }

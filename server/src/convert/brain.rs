@@ -1,6 +1,6 @@
 //! Messages to and from a brain.
 
-use baudbot_brain::Body;
+use baudbot_brain::{Action, Body};
 use baudbot_proto::v1;
 use baudbot_sim::SimTime;
 use baudbot_sim::drive::Wheels;
@@ -44,6 +44,20 @@ pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
         until: step.until_message.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) }),
     };
     steps.into_iter().map(write).collect()
+}
+
+/// What the brain of the robot in this place wants written that has no stream.
+pub(crate) fn write(robot: usize, action: Action) -> Write {
+    let Action { signals, others, thinking, operations, poll, until } = action;
+    let output = match signals {
+        Some(baudbot_brain::Signals { left, right }) => {
+            Some(Output::Command(Signals { wheels: Wheels { left, right }, others }))
+        }
+        None => poll.then_some(Output::Poll),
+    };
+    let ns = thinking.map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    let until = until.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) });
+    Write { slot: robot, thinking: Thinking { ns, operations }, output, until }
 }
 
 /// A delivery for a brain's stream, or the stream's end.

@@ -17,7 +17,7 @@ use baudbot_proto::v1;
 
 use crate::frame::{Charge, Score, ZoneScore};
 
-pub(crate) use brain::{delivery, welcome, writes};
+pub(crate) use brain::{delivery, welcome, write, writes};
 pub(crate) use budget::robot_budget;
 pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;

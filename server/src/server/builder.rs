@@ -11,7 +11,7 @@ use tokio::sync::mpsc;
 
 use super::listeners::{Listener, listen_for_pages};
 use super::{Server, ServerError};
-use crate::actor::{NewWorld, OnTick};
+use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
 use crate::control::Control;
 use crate::descriptors::usual_connections;
@@ -76,6 +76,21 @@ impl WorldConfig {
     pub fn on_tick(mut self, on_tick: OnTick) -> Self {
         self.new.on_tick = Some(on_tick);
         self
+    }
+
+    /// Says here how far the world is, and when its run has ended.
+    #[must_use]
+    pub fn progress(mut self, progress: Arc<Progress>) -> Self {
+        self.new.progress = Some(progress);
+        self
+    }
+
+    /// Makes a world in lockstep without a server, whose brains step on the caller's thread. It is not paused.
+    ///
+    /// # Errors
+    /// If its recording cannot begin.
+    pub fn direct(self) -> Result<DirectWorld, ServerError> {
+        DirectWorld::start(self.new).map_err(|status| ServerError::World(Box::new(status)))
     }
 }
 

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use baudbot_sim::{Scenario, SimTime, Turn, World};
+use tokio::sync::mpsc;
 use tonic::Status;
 
 use crate::endpoint::Until;
@@ -76,13 +77,8 @@ impl Sessions {
         request: Attach,
     ) -> Result<NewSession, Status> {
         let robots = self.choose(world, scenario, &request)?;
-        let number = self.next_number;
-        self.next_number += 1;
         let mut left_open = robots.clone();
         left_open.retain(|&robot| self.slots[robot].vacancy() == Some(Vacancy::LeftOpen));
-        for &robot in &robots {
-            self.slots[robot].state = SlotState::Held { session: number, until: None };
-        }
         let Attach { brain, raw, thinks_as_scenario, deliveries, .. } = request;
         let session = Session {
             brain,
@@ -96,8 +92,36 @@ impl Sessions {
             quota: Quota::default(),
         };
         let lost_steps = Arc::clone(session.quota.lost());
-        self.by_number.insert(number, session);
+        let number = self.add(session);
         Ok(NewSession { number, robots, left_open, lost_steps })
+    }
+
+    /// Gives robots to a brain that has no stream: it steps where the world is driven. Gives the number of the session.
+    pub(crate) fn seat(&mut self, brain: String, robots: Vec<usize>) -> u64 {
+        // Nobody is at the other end: Turns are never given, and of the end the brain hears otherwise.
+        let (deliveries, _) = mpsc::channel(1);
+        self.add(Session {
+            brain,
+            raw: false,
+            thinks_as_scenario: false,
+            robots,
+            deliveries,
+            turns: Turns::default(),
+            debt: Debt::default(),
+            answering: Answering::default(),
+            quota: Quota::default(),
+        })
+    }
+
+    /// Adds a session, which holds its robots from now on. Gives its number.
+    fn add(&mut self, session: Session) -> u64 {
+        let number = self.next_number;
+        self.next_number += 1;
+        for &robot in &session.robots {
+            self.slots[robot].state = SlotState::Held { session: number, until: None };
+        }
+        self.by_number.insert(number, session);
+        number
     }
 
     /// Removes a brain program that is gone. Whether the world waits for its return depends on the watchdog's policy.

@@ -1,35 +1,34 @@
 //! `baudbot run`: a world and its brains in one process, until the run ends.
+//!
+//! `direct` has both on one thread; `served` lets the brains attach to a server, as brains in other processes do. Both give the
+//! same run.
+
+mod direct;
+mod served;
 
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
-use baudbot_client::Client;
-use baudbot_proto::v1;
-use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_scenario::Override;
-use baudbot_server::{OnTick, Pace, Server, WorldConfig};
+use baudbot_server::{OnTick, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use tokio::sync::Notify;
-use tokio::task::JoinSet;
-use tonic::transport::Channel;
 
-use crate::args::{ChangeArgs, RunArgs};
-use crate::assignment::{self, Assignment, AttachedBrains};
+use crate::args::{ChangeArgs, Over, RunArgs};
+use crate::assignment::{self, Assignment};
 use crate::csv::Table;
-use crate::error::{Refused, from_builder, from_server};
+use crate::error::Refused;
 use crate::output_files::{self, Files, STDOUT};
 use crate::scenarios::{self, Source};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::summary::Summary;
 use crate::text::tell;
 use crate::trace::Trace;
-use crate::{connect, record, report, text, viewer};
+use crate::{record, report, text};
 
 /// What is going to be run.
 struct Plan {
@@ -37,6 +36,7 @@ struct Plan {
     scenario: Arc<Scenario>,
     assignments: Vec<Assignment>,
     pace: Pace,
+    over: Over,
     /// Seed of the brains.
     seed: u64,
     /// How long a frame of the recording is, if brains are to publish as often.
@@ -44,26 +44,30 @@ struct Plan {
     note: Option<String>,
 }
 
+/// What a run writes and hears while it goes on.
+struct Outside<'a> {
+    args: &'a RunArgs,
+    files: Files,
+    stop: Stop,
+    interrupted: bool,
+}
+
 pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let plan = Plan::new(args)?;
-    let quiet = args.quiet;
-    if let Some(note) = plan.note.as_ref().filter(|_| !quiet) {
+    if let Some(note) = plan.note.as_ref().filter(|_| !args.quiet) {
         tell!("{note}");
     }
-    let monitor = Arc::new(Monitor::default());
-    let (on_tick, files) = hook(args, &plan, Arc::clone(&monitor))?;
+    let (on_tick, files) = hook(args, &plan)?;
     // A FIFO may have kept us waiting until here; there a single signal is to end the program.
-    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
-    let server = serve(args, &plan, on_tick).await?;
-    let mut run = Running { plan: &plan, server: &server, monitor, files, interrupted: false };
-    let status = run.until_over(&mut stop, quiet).await;
-    let (interrupted, files) = (run.interrupted, run.files);
-    if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
-        tell!("note: a client kept its connection open; it was closed");
-    }
-    // The world's thread has closed the files, or will at once.
-    let status = files.finish().await.and(status)?;
-    let summary = Summary::new(&plan.scenario, &status, interrupted, &plan.assignments);
+    let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    let mut outside = Outside { args, files, stop, interrupted: false };
+    let status = match plan.over {
+        Over::Direct => direct::run(&plan, on_tick, &mut outside).await,
+        Over::Grpc => served::run(&plan, on_tick, &mut outside).await,
+    };
+    // The world has closed the files, or its thread will at once.
+    let status = outside.files.finish().await.and(status)?;
+    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assignments, plan.over);
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -91,6 +95,7 @@ impl Plan {
     fn new(args: &RunArgs) -> anyhow::Result<Self> {
         check_outputs(args)?;
         let pace = args.watchdog.apply(args.pace.pace())?;
+        let over = args.over()?;
         let source = Source::find(args.scenario.as_deref().unwrap_or(scenarios::DEFAULT))?;
         let mut overrides = overrides(&args.changes)?;
         let mut scenario = source.parse(&overrides)?;
@@ -114,7 +119,22 @@ impl Plan {
         assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        Ok(Self { world, scenario: scenario.into(), assignments, pace, seed, frame, note })
+        Ok(Self { world, scenario: scenario.into(), assignments, pace, over, seed, frame, note })
+    }
+
+    /// The world, which stands until its brains are there.
+    fn world(&self, args: &RunArgs, on_tick: Option<OnTick>) -> WorldConfig {
+        let mut world = World::new(Arc::clone(&self.scenario));
+        if self.over == Over::Direct && args.timeline.is_none() {
+            // Nobody looks at it.
+            world.keep_timeline(0);
+        }
+        let world = WorldConfig::from_state(self.world.clone(), world);
+        let world = record::add(world.pace(self.pace).paused(true), &args.record);
+        match on_tick {
+            Some(on_tick) => world.on_tick(on_tick),
+            None => world,
+        }
     }
 
     /// How many ticks the run has, if its time is limited.
@@ -152,42 +172,8 @@ fn after_s(ticks: u64, step_ns: u64) -> f64 {
     (ticks as f64 - 0.5) * step_ns as f64 * 1e-9
 }
 
-async fn serve(args: &RunArgs, plan: &Plan, on_tick: OnTick) -> anyhow::Result<Server> {
-    // It stands until its brains are there.
-    let world = WorldConfig::new(plan.world.clone(), Arc::clone(&plan.scenario)).pace(plan.pace).paused(true);
-    let world = record::add(world.on_tick(on_tick), &args.record);
-    let mut builder = args.listen.builder().world(world);
-    for address in &args.listen.listen {
-        builder = builder.listen(address.clone());
-    }
-    // What is over in a moment nobody can look at.
-    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
-    let server = builder.serve().await.map_err(from_builder)?;
-    if !args.quiet {
-        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
-        viewer::link(&server).iter().for_each(|link| tell!("{link}"));
-    }
-    Ok(server)
-}
-
-/// What the world's thread tells the rest of the program.
-#[derive(Default)]
-struct Monitor {
-    tick: AtomicU64,
-    ended: Notify,
-}
-
-/// The world's thread's end of a monitor. When that thread is over, because an operator deleted the world,
-/// so is the run.
-struct Telling(Arc<Monitor>);
-
-impl Drop for Telling {
-    fn drop(&mut self) {
-        self.0.ended.notify_one();
-    }
-}
-
-fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(OnTick, Files)> {
+/// What writes the files at each tick, if any are asked for, and how that goes.
+fn hook(args: &RunArgs, plan: &Plan) -> anyhow::Result<(Option<OnTick>, Files)> {
     let mut files = Files::default();
     let robots = &plan.scenario.robots;
     let mut table = None;
@@ -206,7 +192,9 @@ fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(O
         files.watch(path.display().to_string(), outcome);
         trace = Some(made);
     }
-    let monitor = Telling(monitor);
+    if table.is_none() && trace.is_none() {
+        return Ok((None, files));
+    }
     let on_tick = move |world: &World| {
         if let Some(table) = &mut table {
             table.write(world);
@@ -214,80 +202,8 @@ fn hook(args: &RunArgs, plan: &Plan, monitor: Arc<Monitor>) -> anyhow::Result<(O
         if let Some(trace) = &mut trace {
             trace.write(world);
         }
-        monitor.0.tick.store(world.tick(), Ordering::Relaxed);
-        if world.ending().is_some() {
-            monitor.0.ended.notify_one();
-        }
     };
-    Ok((Box::new(on_tick), files))
-}
-
-struct Running<'a> {
-    plan: &'a Plan,
-    server: &'a Server,
-    monitor: Arc<Monitor>,
-    files: Files,
-    interrupted: bool,
-}
-
-impl Running<'_> {
-    /// Lets the brains drive until the run is over, and says how the world then is.
-    async fn until_over(&mut self, stop: &mut Stop, quiet: bool) -> anyhow::Result<v1::WorldStatus> {
-        let channel = self.server.channel().await?;
-        let mut control = connect::control(channel.clone());
-        let mut brains = JoinSet::new();
-        for assignment in &self.plan.assignments {
-            let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
-            let mut attached =
-                AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
-            // They hold their robots until all is over.
-            brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
-        }
-        let world = self.plan.world.clone();
-        control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
-        let bar = progress(self.plan.ticks(), quiet);
-        // Who is done holds its robots, too, until the status is there: what it said goes with it.
-        let mut done = Vec::new();
-        let waited = self.wait(stop, &mut brains, &mut done, &bar).await;
-        bar.finish_and_clear();
-        waited?;
-        let status = self.pause(control).await?;
-        if status.recording.is_none() {
-            return Ok(status);
-        }
-        // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
-        let closed = self.server.stop_recording(&self.plan.world).await;
-        closed.map_err(|status| from_server(&status))
-    }
-
-    /// The world's last state; a run that has ended is not changed by a pause.
-    async fn pause(&self, mut control: ControlServiceClient<Channel>) -> anyhow::Result<v1::WorldStatus> {
-        let request = v1::PauseWorldRequest { world: self.plan.world.clone() };
-        let answer = control.pause_world(request).await.map_err(|status| from_server(&status))?;
-        answer.into_inner().status.ok_or_else(|| anyhow!("the server answered without a status"))
-    }
-
-    async fn wait(
-        &mut self,
-        stop: &mut Stop,
-        brains: &mut JoinSet<anyhow::Result<AttachedBrains>>,
-        done: &mut Vec<AttachedBrains>,
-        bar: &ProgressBar,
-    ) -> anyhow::Result<()> {
-        let mut redraw = tokio::time::interval(REDRAW);
-        loop {
-            tokio::select! {
-                () = self.monitor.ended.notified() => return Ok(()),
-                () = stop.wait() => {
-                    self.interrupted = true;
-                    return Ok(());
-                }
-                error = self.files.failure() => return Err(error),
-                Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
-                _ = redraw.tick() => bar.set_position(self.monitor.tick.load(Ordering::Relaxed)),
-            }
-        }
-    }
+    Ok((Some(Box::new(on_tick)), files))
 }
 
 /// A bar for so many ticks, for people who look; none otherwise.
@@ -305,11 +221,6 @@ pub(crate) fn progress(ticks: Option<u64>, quiet: bool) -> ProgressBar {
 
 /// How long a run is whose scenario does not say.
 const DEFAULT_SECONDS: f64 = 60.0;
-
-const REDRAW: Duration = Duration::from_millis(100);
-
-/// How long connections have to close.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 #[cfg(test)]
 mod tests {

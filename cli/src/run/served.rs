@@ -1,0 +1,126 @@
+//! A run over gRPC: a server in this process, and brains that attach to it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, anyhow};
+use baudbot_client::Client;
+use baudbot_proto::v1;
+use baudbot_proto::v1::control_service_client::ControlServiceClient;
+use baudbot_server::{OnTick, Pace, Progress, Server};
+use indicatif::ProgressBar;
+use tokio::task::JoinSet;
+use tonic::transport::Channel;
+
+use super::{Outside, Plan, progress};
+use crate::args::RunArgs;
+use crate::assignment::AttachedBrains;
+use crate::error::{from_builder, from_server};
+use crate::text::tell;
+use crate::{connect, record, viewer};
+
+/// Lets brains drive their robots until the run is over, and says how the world then is.
+pub(super) async fn run(
+    plan: &Plan,
+    on_tick: Option<OnTick>,
+    outside: &mut Outside<'_>,
+) -> anyhow::Result<v1::WorldStatus> {
+    let progress = Arc::new(Progress::default());
+    let server = serve(outside.args, plan, on_tick, Arc::clone(&progress)).await?;
+    let status = Running { plan, server: &server, progress, outside }.until_over().await;
+    if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
+        tell!("note: a client kept its connection open; it was closed");
+    }
+    status
+}
+
+async fn serve(
+    args: &RunArgs,
+    plan: &Plan,
+    on_tick: Option<OnTick>,
+    progress: Arc<Progress>,
+) -> anyhow::Result<Server> {
+    let mut builder = args.listen.builder().world(plan.world(args, on_tick).progress(progress));
+    for address in &args.listen.listen {
+        builder = builder.listen(address.clone());
+    }
+    // What is over in a moment nobody can look at.
+    builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
+    let server = builder.serve().await.map_err(from_builder)?;
+    if !args.quiet {
+        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
+        viewer::link(&server).iter().for_each(|link| tell!("{link}"));
+    }
+    Ok(server)
+}
+
+struct Running<'a, 'b> {
+    plan: &'a Plan,
+    server: &'a Server,
+    progress: Arc<Progress>,
+    outside: &'a mut Outside<'b>,
+}
+
+impl Running<'_, '_> {
+    async fn until_over(&mut self) -> anyhow::Result<v1::WorldStatus> {
+        let channel = self.server.channel().await?;
+        let mut control = connect::control(channel.clone());
+        let mut brains = JoinSet::new();
+        for assignment in &self.plan.assignments {
+            let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
+            let mut attached =
+                AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
+            // They hold their robots until all is over.
+            brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
+        }
+        let world = self.plan.world.clone();
+        control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
+        let bar = progress(self.plan.ticks(), self.outside.args.quiet);
+        // Who is done holds its robots, too, until the status is there: what it said goes with it.
+        let mut done = Vec::new();
+        let waited = self.wait(&mut brains, &mut done, &bar).await;
+        bar.finish_and_clear();
+        waited?;
+        let status = self.pause(control).await?;
+        if status.recording.is_none() {
+            return Ok(status);
+        }
+        // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
+        let closed = self.server.stop_recording(&self.plan.world).await;
+        closed.map_err(|status| from_server(&status))
+    }
+
+    /// The world's last state; a run that has ended is not changed by a pause.
+    async fn pause(&self, mut control: ControlServiceClient<Channel>) -> anyhow::Result<v1::WorldStatus> {
+        let request = v1::PauseWorldRequest { world: self.plan.world.clone() };
+        let answer = control.pause_world(request).await.map_err(|status| from_server(&status))?;
+        answer.into_inner().status.ok_or_else(|| anyhow!("the server answered without a status"))
+    }
+
+    async fn wait(
+        &mut self,
+        brains: &mut JoinSet<anyhow::Result<AttachedBrains>>,
+        done: &mut Vec<AttachedBrains>,
+        bar: &ProgressBar,
+    ) -> anyhow::Result<()> {
+        let mut redraw = tokio::time::interval(REDRAW);
+        loop {
+            tokio::select! {
+                // When the world is over, because an operator deleted it, so is the run.
+                () = self.progress.ended() => return Ok(()),
+                () = self.outside.stop.wait() => {
+                    self.outside.interrupted = true;
+                    return Ok(());
+                }
+                error = self.outside.files.failure() => return Err(error),
+                Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
+                _ = redraw.tick() => bar.set_position(self.progress.tick()),
+            }
+        }
+    }
+}
+
+const REDRAW: Duration = Duration::from_millis(100);
+
+/// How long connections have to close.
+const PATIENCE: Duration = Duration::from_secs(3);

@@ -1,0 +1,138 @@
+//! A world that is driven by the thread of its brains: lockstep without a server, a network or a thread of its own.
+//!
+//! It is the actor of any other world, so that recordings, reports and events are the same. Only its sessions give no Turns:
+//! whoever drives it hands over what each brain does, in the tick in which the brain steps.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use baudbot_brain::{Action, Belief};
+use baudbot_proto::v1;
+use baudbot_sim::{Turn, World};
+use tokio::sync::oneshot;
+use tonic::Status;
+
+use super::{NewWorld, Pending, Phase, WorldActor};
+use crate::annotate;
+use crate::convert;
+use crate::endpoint::Endpoint;
+use crate::log::event;
+use crate::report::Report;
+
+/// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains
+/// step in between. Robots that no brain was given keep still.
+///
+/// A run has the same bits as on a [`Server`](crate::Server) with the same brains.
+pub struct DirectWorld {
+    actor: WorldActor,
+    /// All robots, in their order.
+    endpoint: Endpoint,
+    robots: Vec<usize>,
+}
+
+impl DirectWorld {
+    /// Makes the world; its pace is taken as lockstep, and it is not paused.
+    ///
+    /// # Errors
+    /// If its recording cannot begin.
+    pub(crate) fn start(new: NewWorld) -> Result<Self, Status> {
+        let record = new.record.clone();
+        let mut actor = WorldActor::new(new.name.as_str().into(), new, Arc::default());
+        actor.pacer.paused = false;
+        actor.sessions.excuse_vacant_slots();
+        if let Some(record) = record {
+            actor.record(record)?;
+        }
+        let robots: Vec<_> = (0..actor.world.robots().len()).collect();
+        let endpoint = Endpoint::new(Arc::clone(actor.world.scenario()), robots.clone(), false);
+        event!(actor, info, robots = robots.len(), paused = false, "world made");
+        Ok(Self { actor, endpoint, robots })
+    }
+
+    /// Says that the robots in these places have a brain of this name, which has room on them.
+    pub fn attach(&mut self, brain: &str, robots: &[usize]) {
+        let actor = &mut self.actor;
+        let session = actor.sessions.seat(brain.to_owned(), robots.to_vec());
+        actor.record_attached(robots, brain);
+        actor.log_attached(session, robots);
+        actor.beliefs.hand_to(Some(session), robots);
+    }
+
+    /// The world. Between [`begin`](Self::begin) and [`finish`](Self::finish) it shows what brains get.
+    pub fn world(&self) -> &World {
+        &self.actor.world
+    }
+
+    /// First half of a tick. Gives the steps of those brains that are to be asked: a brain that waits for a message is not,
+    /// before one has come.
+    pub fn begin(&mut self) -> Vec<Turn> {
+        let actor = &mut self.actor;
+        actor.recording.wait_for_disk();
+        actor.pacer.running.set(true, Instant::now());
+        let mut turns = actor.world.begin().to_vec();
+        actor.record_tick();
+        actor.show();
+        turns.retain(|turn| actor.sessions.session(turn.robot).is_some() && !actor.lets_sleep(*turn));
+        actor.phase = Phase::Begun;
+        actor.pacer.waiting_since = Instant::now();
+        turns
+    }
+
+    /// What the brain of this step does.
+    ///
+    /// # Errors
+    /// `INVALID_ARGUMENT` with the field of the action that makes no sense, as the contract calls it.
+    pub fn act(&mut self, turn: Turn, action: Action) -> Result<(), Status> {
+        let write = convert::write(turn.robot, action);
+        self.endpoint.check_part(turn.robot, &write)?;
+        let actor = &mut self.actor;
+        let spec = &actor.world.scenario().robots[turn.robot];
+        let at = turn.at + write.thinking.on(spec);
+        actor.sessions.wait_until(turn.robot, write.until);
+        let bytes = actor.ports.senders[turn.robot].encode(spec, write.output);
+        let tick = Some(actor.world.tick());
+        actor.ports.inputs.push(Pending { robot: turn.robot, at, bytes, tick });
+        Ok(())
+    }
+
+    /// Shows people what the brain of a robot believes. What is published before the second half of a tick is in the next
+    /// tick's frame.
+    ///
+    /// # Errors
+    /// `INVALID_ARGUMENT` with the field of the belief that cannot be shown.
+    pub fn publish(&mut self, robot: usize, belief: Belief) -> Result<(), Status> {
+        let Some(session) = self.actor.sessions.session(robot) else { return Ok(()) };
+        let annotate = v1::Annotate { robot: robot as u32, belief: Some(belief.into()) };
+        let (robot, belief) = annotate::checked(annotate, &self.robots)?;
+        self.actor.beliefs.publish(session, robot, belief);
+        Ok(())
+    }
+
+    /// Second half of a tick. Whether the run goes on; when it has ended, the sensors have been read a last time.
+    pub fn finish(&mut self) -> bool {
+        let actor = &mut self.actor;
+        actor.finish_with(Instant::now(), &[]);
+        let goes_on = actor.world.ending().is_none();
+        if !goes_on {
+            actor.pacer.running.set(false, Instant::now());
+        }
+        goes_on
+    }
+
+    /// Ends the world between two ticks, and waits until its recording is closed. Says how the world then is, and how its
+    /// recording ends, if it has one: with that very state.
+    ///
+    /// # Errors
+    /// If the thread that writes the recording is gone.
+    pub async fn close(mut self) -> Result<v1::WorldStatus, Status> {
+        self.actor.pacer.running.set(false, Instant::now());
+        if !self.actor.recording.is_on() {
+            return Ok(convert::status(&self.actor.report(0)));
+        }
+        let (closed, report_of_file) = oneshot::channel();
+        let report = self.actor.stop_recording(closed)?;
+        let recording = report_of_file.await;
+        let recording = recording.map_err(|_| Status::internal("the recording's thread is gone"))?;
+        Ok(convert::status(&Report { recording: Some(recording), ..report }))
+    }
+}
