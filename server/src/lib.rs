@@ -57,6 +57,7 @@ mod observers;
 mod pace;
 mod page;
 mod pipe;
+mod pool;
 mod quote;
 mod recording;
 mod registry;
