@@ -22,6 +22,7 @@ mod stepping;
 mod stopwatch;
 #[cfg(test)]
 mod tests;
+mod timeline;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -165,7 +166,7 @@ impl WorldActor {
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
-        Self {
+        let mut actor = Self {
             name,
             phase: Phase::Between,
             sessions: Sessions::new(robots),
@@ -183,7 +184,9 @@ impl WorldActor {
             schedule: Schedule::new(neighbours),
             over: None,
             world,
-        }
+        };
+        actor.fit_timeline();
+        actor
     }
 
     /// What is to be done now.

@@ -186,12 +186,9 @@ impl WorldActor {
             Next::FinishAhead(until) if self.schedule.tick_takes < Some(WORTH_GOING_AHEAD) => {
                 return Some(self.schedule.wait(Some(until)));
             }
-            Next::Begin
-            | Next::Finish
-            | Next::FinishAhead(_)
-            | Next::End
-            | Next::TimeOut
-            | Next::Replay => return Some(Then::Run(is_timed.then_some(now))),
+            Next::Begin | Next::Finish | Next::FinishAhead(_) | Next::End | Next::TimeOut | Next::Replay => {
+                return Some(Then::Run(is_timed.then_some(now)));
+            }
         }
         None
     }

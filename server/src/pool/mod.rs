@@ -113,8 +113,7 @@ impl Pool {
     }
 
     fn with(name: &str, limit: usize, place: Place) -> Self {
-        let state =
-            State { queue: Queue::new(), sleepers: Vec::new(), long_threads: 0, is_closed: false };
+        let state = State { queue: Queue::new(), sleepers: Vec::new(), long_threads: 0, is_closed: false };
         let shared = Shared { state: Mutex::new(state), work: Condvar::new(), place, long_threads: limit };
         Self { shared: Arc::new(shared), threads: Vec::new(), name: name.to_owned(), limit }
     }
