@@ -46,9 +46,12 @@ pub(crate) trait Runner<M>: Send {
 pub(crate) struct Mailbox<M> {
     queue: Mutex<Queue<M>>,
     /// `None` once the mailbox is closed.
-    runner: Mutex<Option<Box<dyn Runner<M>>>>,
+    runner: Mutex<Kept<M>>,
     waker: Waker,
 }
+
+/// The runner, as long as there is one.
+type Kept<M> = Option<Box<dyn Runner<M>>>;
 
 /// Messages that have not been handled, oldest first.
 struct Queue<M> {
@@ -130,7 +133,7 @@ impl<M> Mailbox<M> {
     }
 
     /// The runner. Otherwise another thread runs it, which then sees that this one was here, or it has panicked.
-    fn lock_or_leave_note(&self) -> Result<MutexGuard<'_, Option<Box<dyn Runner<M>>>>, Then> {
+    fn lock_or_leave_note(&self) -> Result<MutexGuard<'_, Kept<M>>, Then> {
         for _ in 0..2 {
             match self.runner.try_lock() {
                 Ok(guard) => return Ok(guard),

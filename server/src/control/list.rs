@@ -19,6 +19,9 @@ use crate::report::Report;
 /// does not.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// How long the next ones have once a world has not answered.
+const IMPATIENCE: Duration = Duration::from_millis(100);
+
 /// Worlds that are asked at once: their states are copied for the answer.
 const AT_ONCE: usize = 64;
 
@@ -50,7 +53,7 @@ impl Control {
     /// The statuses of all worlds; of one that does not answer, what was last told of it. A world that is deleted meanwhile is
     /// left out.
     pub(super) async fn list_all(&self) -> Result<Vec<v1::WorldStatus>, Status> {
-        let deadline = Instant::now() + PATIENCE;
+        let mut patience = PATIENCE;
         let mut statuses = Vec::new();
         for worlds in self.registry.all().chunks(AT_ONCE) {
             let asked: Vec<_> = worlds
@@ -61,11 +64,15 @@ impl Control {
                     Some((world.name(), answer))
                 })
                 .collect();
+            let deadline = Instant::now() + patience;
             let mut reports = Vec::new();
             for (name, mut answer) in asked {
                 match (timeout_at(deadline, &mut answer).await, self.told.last(name)) {
                     (Ok(answer), _) => reports.extend(answer.ok().and_then(Result::ok)),
-                    (Err(_), Some(last)) => statuses.push(last),
+                    (Err(_), Some(last)) => {
+                        statuses.push(last);
+                        patience = IMPATIENCE;
+                    }
                     // Nothing is known of it yet.
                     (Err(_), None) => reports.extend(answer.await.ok().and_then(Result::ok)),
                 }
