@@ -1,4 +1,4 @@
-//! The server of baudbot: worlds on threads of their own, and gRPC services around them.
+//! The server of baudbot: worlds on a pool of threads, and gRPC services around them.
 //!
 //! From the outside in:
 //!
@@ -11,7 +11,8 @@
 //! 4. `registry` finds a world's handle by name. A `message` is all that passes to a world; answers are a `report` for
 //!    operators, a `frame` for observers, `measures` for monitoring. `convert` is the only folder that names both the contract's
 //!    types and these.
-//! 5. `mailbox` decides on which thread a message is handled: on the world's own, or inline by its sender.
+//! 5. `mailbox` decides where a message is handled: on a thread of the `pool`, which says which world comes first, or inline by
+//!    its sender.
 //! 6. `actor` is a world with all that happens to it: it alone touches the world. [`Pace`] says when a tick may end, `sessions`
 //!    which brains are attached and which answers are owed, `observers` get frames, `recording` writes files. `endpoint` is the
 //!    laptop's end of a brain's ports: what it writes, checked and turned into bytes. `beliefs` are what brains publish.
@@ -57,6 +58,7 @@ mod observers;
 mod pace;
 mod page;
 mod pipe;
+mod pool;
 mod quote;
 mod recording;
 mod registry;

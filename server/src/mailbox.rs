@@ -1,73 +1,71 @@
-//! A mailbox: a queue of messages and the runner that handles them, on the runner's own thread or inline, on the thread of
-//! whoever posts a message.
+//! A mailbox: a queue of messages and the runner that handles them, on a thread of a [pool](crate::pool) or inline, on the
+//! thread of whoever posts a message.
 //!
 //! # Why callers run the world inline
 //!
-//! A world has a thread of its own. Waking it takes tens of microseconds, while a tick of a small world takes less than ten.
-//! In lockstep, where every tick waits for a Step from the network, a wake-up for each Step would cost more than the
-//! simulation. So the caller that posts a message also handles it, there and then, if no other thread is running the world
-//! and the work is short; the world's thread sleeps on.
+//! Waking a thread takes tens of microseconds, while a tick of a small world takes less than ten. In lockstep, where every
+//! tick waits for a Step from the network, a wake-up for each Step would cost more than the simulation. So the caller that
+//! posts a message also handles it, there and then, if no other thread is running the world and the work is short; the pool
+//! sleeps on. For the same reason an operator who asks how a world stands waits for no other world, however many there are.
 //!
 //! # Why nothing is left lying
 //!
-//! A caller never waits for the runner: it takes the lock if it is free, and otherwise leaves its message in the queue. The
-//! message is then handled by whoever holds the lock, because every holder looks at the queue once more *after* it has let
-//! go of the lock. Either that look finds the message, or the message was posted after it, and then the lock was free for
-//! the one that posted it. For this to hold, a message must be in the queue before its caller tries the lock.
+//! Nobody waits for the runner: a caller takes the lock if it is free, and otherwise leaves its message in the queue; a thread
+//! of the pool leaves a note that it was there. Message and note are seen by whoever holds the lock, because every holder
+//! looks for them once more *after* it has let go of the lock. Either that look finds them, or they were left after it, and
+//! then the lock was free for the one that left them. For this to hold, they must be there before the lock is tried.
 //!
 //! # Panics
 //!
-//! A runner that panics poisons its lock. The world's thread finds that when it next wakes, and closes the mailbox, which
-//! drops all messages: clients that wait for an answer learn that there will be none.
+//! A runner that panics poisons its lock. A thread of the pool finds that at once, if it is the one, or when the caller wakes
+//! it, and closes the mailbox, which drops all messages: clients that wait for an answer learn that there will be none.
 
 use std::collections::VecDeque;
 use std::mem;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-use std::thread::{self, Thread};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread;
 use std::time::Instant;
+
+use crate::pool::{Place, SLICE, Task, Then, Waker};
 
 /// What handles the messages of a mailbox. Only one of its methods runs at a time, on whichever thread.
 pub(crate) trait Runner<M>: Send {
-    /// Does one thing, of whatever length, on the runner's own thread. `take` gives the next message.
-    fn run(&mut self, take: &mut dyn FnMut() -> Option<M>) -> Then;
+    /// Does one thing, if this is the place for it. `take` gives the next message.
+    fn run(&mut self, place: Place, take: &mut dyn FnMut() -> Option<M>) -> Then;
 
-    /// Does what does not take long, on a caller's thread. `take` gives the next message.
+    /// Does what does not take long, on a caller's thread. `take` gives the next message. An instant that is waited for is new
+    /// to the pool.
     fn run_inline(&mut self, take: &mut dyn FnMut() -> Option<M>) -> Then;
 
     /// The mailbox is closed: the runner is over, or one of its methods has panicked.
     fn close(&mut self);
 }
 
-/// What is to be done about a runner after one of its methods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Then {
-    /// There is more to do, and the runner's own thread should do it.
-    RunOnThread,
-    /// Nothing before the next message, or before this instant.
-    Wait(Option<Instant>),
-    /// The runner is over.
-    Over,
-}
-
 /// A queue of messages with their runner.
 pub(crate) struct Mailbox<M> {
     queue: Mutex<Queue<M>>,
     /// `None` once the mailbox is closed.
-    runner: Mutex<Option<Box<dyn Runner<M>>>>,
-    thread: OnceLock<Thread>,
+    runner: Mutex<Kept<M>>,
+    waker: Waker,
 }
+
+/// The runner, as long as there is one.
+type Kept<M> = Option<Box<dyn Runner<M>>>;
 
 /// Messages that have not been handled, oldest first.
 struct Queue<M> {
     messages: VecDeque<M>,
+    /// A thread of the pool came while another one ran the runner.
+    is_due: bool,
     is_closed: bool,
 }
 
 impl<M> Mailbox<M> {
-    pub(crate) fn new(runner: impl Runner<M> + 'static) -> Self {
-        let queue = Queue { messages: VecDeque::new(), is_closed: false };
+    pub(crate) fn new(runner: impl Runner<M> + 'static, waker: Waker) -> Self {
+        let queue = Queue { messages: VecDeque::new(), is_due: false, is_closed: false };
         let runner: Box<dyn Runner<M>> = Box::new(runner);
-        Self { queue: Mutex::new(queue), runner: Mutex::new(Some(runner)), thread: OnceLock::new() }
+        Self { queue: Mutex::new(queue), runner: Mutex::new(Some(runner)), waker }
     }
 
     /// Posts a message, and handles it here if that does not take long; `false` if the mailbox is closed.
@@ -85,91 +83,111 @@ impl<M> Mailbox<M> {
 
     fn run_inline(&self) {
         loop {
+            // Dropped after the lock, so that the pool finds it poisoned.
+            let _wake_on_panic = WakeOnPanic(&self.waker);
             let Ok(mut guard) = self.runner.try_lock() else { return };
             let Some(runner) = guard.as_mut() else { return };
-            let wake_on_panic = WakeOnPanic(self);
             let then = runner.run_inline(&mut || self.take());
-            drop((wake_on_panic, guard));
-            if then == Then::RunOnThread {
-                return self.wake();
+            drop(guard);
+            match then {
+                Then::Run(by) => return self.waker.wake(by),
+                Then::RunLong | Then::RunApart | Then::Over => return self.waker.wake(None),
+                Then::Wait(Some(until)) => self.waker.wake(Some(until)),
+                Then::Wait(None) => {}
             }
-            // A message may have come between the last `take` and the end of the lock.
-            if self.queue().messages.is_empty() {
+            // Something may have come between the last `take` and the end of the lock.
+            let mut queue = self.queue();
+            let is_due = mem::take(&mut queue.is_due);
+            let is_empty = queue.messages.is_empty();
+            drop(queue);
+            if is_due {
+                return self.waker.wake(Some(Instant::now()));
+            }
+            if is_empty {
                 return;
             }
         }
     }
 
-    /// The runner's own thread: returns when the runner is over.
-    pub(crate) fn run(&self) {
-        let _ = self.thread.set(thread::current());
-        let closing = CloseOnDrop(self);
-        while let Ok(mut guard) = self.runner.lock() {
-            let Some(runner) = guard.as_mut() else { break };
-            match runner.run(&mut || self.take()) {
-                Then::RunOnThread => {}
-                Then::Over => break,
-                Then::Wait(until) => {
-                    drop(guard);
-                    if self.queue().messages.is_empty() {
-                        sleep(until);
-                    }
-                }
+    /// Runs the runner for a slice, on a thread of the pool.
+    fn run_slice(&self, place: Place) -> Then {
+        let end = Instant::now() + SLICE;
+        let mut guard = match self.lock_or_leave_note() {
+            Ok(guard) => guard,
+            Err(then) => return then,
+        };
+        let Some(runner) = guard.as_mut() else { return Then::Over };
+        let then = loop {
+            let then = runner.run(place, &mut || self.take());
+            if !matches!(then, Then::Run(_)) || Instant::now() >= end {
+                break then;
+            }
+        };
+        drop(guard);
+        let mut queue = self.queue();
+        if mem::take(&mut queue.is_due) || !queue.messages.is_empty() {
+            drop(queue);
+            self.waker.wake(None);
+        }
+        then
+    }
+
+    /// The runner. Otherwise another thread runs it, which then sees that this one was here, or it has panicked.
+    fn lock_or_leave_note(&self) -> Result<MutexGuard<'_, Kept<M>>, Then> {
+        for _ in 0..2 {
+            match self.runner.try_lock() {
+                Ok(guard) => return Ok(guard),
+                Err(TryLockError::Poisoned(_)) => return Err(Then::Over),
+                Err(TryLockError::WouldBlock) => self.queue().is_due = true,
             }
         }
-        drop(closing);
+        Err(Then::Wait(None))
     }
 
     fn take(&self) -> Option<M> {
         self.queue().messages.pop_front()
     }
 
-    fn wake(&self) {
-        // A thread that has not begun looks for work when it does.
-        if let Some(thread) = self.thread.get() {
-            thread.unpark();
-        }
-    }
-
     fn queue(&self) -> MutexGuard<'_, Queue<M>> {
         // The queue is consistent between any two of its changes, so a panic elsewhere does not spoil it.
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
 
-fn sleep(until: Option<Instant>) {
-    match until {
-        Some(until) => thread::park_timeout(until.saturating_duration_since(Instant::now())),
-        None => thread::park(),
-    }
-}
-
-/// Wakes the runner's thread if a caller panics: the thread finds the poisoned lock, and closes the mailbox.
-struct WakeOnPanic<'a, M>(&'a Mailbox<M>);
-
-impl<M> Drop for WakeOnPanic<'_, M> {
-    fn drop(&mut self) {
-        if thread::panicking() {
-            self.0.wake();
-        }
-    }
-}
-
-/// Closes the mailbox when the runner's thread ends, whether it returns or panics.
-struct CloseOnDrop<'a, M>(&'a Mailbox<M>);
-
-impl<M> Drop for CloseOnDrop<'_, M> {
-    fn drop(&mut self) {
+    fn close(&self) {
         let left = {
-            let mut queue = self.0.queue();
+            let mut queue = self.queue();
             queue.is_closed = true;
             mem::take(&mut queue.messages)
         };
         // Not under the lock: messages may hold leases, which post a message when they are dropped.
         drop(left);
-        let runner = self.0.runner.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let runner = self.runner.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(mut runner) = runner {
             runner.close();
+        }
+    }
+}
+
+impl<M: Send + 'static> Task for Mailbox<M> {
+    fn run(&self, place: Place) -> Then {
+        // A panic ends this world only. Its text is on stderr already.
+        match catch_unwind(AssertUnwindSafe(|| self.run_slice(place))) {
+            Ok(Then::Over) | Err(_) => {
+                self.close();
+                Then::Over
+            }
+            Ok(then) => then,
+        }
+    }
+}
+
+/// Wakes the pool if a caller panics: it finds the poisoned lock, and closes the mailbox.
+struct WakeOnPanic<'a>(&'a Waker);
+
+impl Drop for WakeOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.wake(None);
         }
     }
 }
@@ -180,6 +198,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
+    use crate::pool::Pool;
 
     /// Adds up numbers; -1 is its end, and numbers above 100 are long work.
     struct Adder {
@@ -198,9 +217,10 @@ mod tests {
     }
 
     impl Runner<i64> for Adder {
-        fn run(&mut self, take: &mut dyn FnMut() -> Option<i64>) -> Then {
+        fn run(&mut self, place: Place, take: &mut dyn FnMut() -> Option<i64>) -> Then {
             if let Some(number) = self.on_thread.take() {
-                assert_eq!(thread::current().name(), Some("adder"), "long work is for the thread");
+                assert_eq!((place, thread::current().name()), (Place::Shared, Some("adder 0")));
+                assert!(number < 1_000_000, "such a number makes it panic");
                 self.add(number);
             }
             while let Some(number) = take() {
@@ -213,25 +233,33 @@ mod tests {
             while self.on_thread.is_none()
                 && let Some(number) = take()
             {
+                assert!(number < 2_000_000, "such a number makes it panic at once");
                 if number > 100 {
                     self.on_thread = Some(number);
                 } else {
                     self.add(number);
                 }
             }
-            if self.is_over || self.on_thread.is_some() { Then::RunOnThread } else { Then::Wait(None) }
+            if self.is_over || self.on_thread.is_some() { Then::Run(None) } else { Then::Wait(None) }
         }
 
-        fn close(&mut self) {}
+        fn close(&mut self) {
+            self.sum.fetch_add(1_000_000, Ordering::SeqCst);
+        }
+    }
+
+    /// A mailbox that adds up, with its pool and the sum.
+    fn adder() -> (Pool, Arc<Mailbox<i64>>, Arc<AtomicUsize>) {
+        let sum = Arc::new(AtomicUsize::new(0));
+        let adder = Adder { sum: Arc::clone(&sum), on_thread: None, is_over: false };
+        let mut pool = Pool::new("adder");
+        let mailbox = pool.add(|waker| Arc::new(Mailbox::new(adder, waker))).unwrap();
+        (pool, mailbox, sum)
     }
 
     #[test]
     fn no_message_is_lost_whoever_handles_it() {
-        let sum = Arc::new(AtomicUsize::new(0));
-        let adder = Adder { sum: Arc::clone(&sum), on_thread: None, is_over: false };
-        let mailbox = Arc::new(Mailbox::new(adder));
-        let own = Arc::clone(&mailbox);
-        let thread = thread::Builder::new().name("adder".into()).spawn(move || own.run()).unwrap();
+        let (pool, mailbox, sum) = adder();
         let post_all = || {
             for i in 0..1000 {
                 assert!(mailbox.post(if i % 100 == 0 { 101 } else { 1 }));
@@ -243,8 +271,21 @@ mod tests {
             }
         });
         assert!(mailbox.post(-1));
-        thread.join().unwrap();
-        assert_eq!(sum.load(Ordering::SeqCst), 4 * (990 + 10 * 101));
+        pool.join();
+        assert_eq!(sum.load(Ordering::SeqCst), 1_000_000 + 4 * (990 + 10 * 101));
         assert!(!mailbox.post(1), "it is closed");
+    }
+
+    #[test]
+    fn a_runner_that_panics_is_closed_by_the_pool_on_whichever_thread_it_was() {
+        for number in [1_000_000, 2_000_000] {
+            let (pool, mailbox, sum) = adder();
+            let caller = Arc::clone(&mailbox);
+            // A caller that panics with the runner, or finds its mailbox closed.
+            let _ = thread::spawn(move || while caller.post(number) {}).join();
+            pool.join();
+            assert_eq!(sum.load(Ordering::SeqCst), 1_000_000, "it was closed once");
+            assert!(!mailbox.post(1));
+        }
     }
 }

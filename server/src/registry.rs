@@ -3,28 +3,33 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
 
 use tonic::Status;
 
 use crate::actor::{self, NewWorld};
 use crate::message::{Message, WorldHandle};
+use crate::pool::Pool;
 use crate::quote::{brief, list};
 
-/// Most worlds of one server; each has a thread.
-const MAX_WORLDS: usize = 1024;
+/// Most worlds of one server. So many in real time are more than two processors can run.
+const MAX_WORLDS: usize = 4096;
 
 /// All worlds of a server. Clones share them.
 #[derive(Clone, Default)]
 pub(crate) struct Registry(Arc<Mutex<Worlds>>);
 
-/// Each world with its thread. Dropping the registry stops them.
+/// The worlds. Dropping the registry stops them.
 #[derive(Default)]
 struct Worlds {
-    by_name: BTreeMap<Arc<str>, (WorldHandle, JoinHandle<()>)>,
+    by_name: BTreeMap<Arc<str>, Entry>,
+    /// What runs them; `None` before the first.
+    pool: Option<Pool>,
     /// How many there are; each world knows it.
     count: Arc<AtomicU32>,
 }
+
+/// A world, and its own pool if it has one.
+struct Entry(WorldHandle, Option<Pool>);
 
 impl Worlds {
     fn update_count(&self) {
@@ -34,17 +39,17 @@ impl Worlds {
 
 impl Drop for Worlds {
     fn drop(&mut self) {
-        for (world, _) in self.by_name.values() {
+        for Entry(world, _) in self.by_name.values() {
             let _ = world.send(Message::Stop);
         }
     }
 }
 
 impl Registry {
-    /// Makes a world and starts its thread.
+    /// Makes a world, which a pool then runs. One with an `OnTick`, which may block, has a pool of its own.
     ///
     /// # Errors
-    /// If the name is taken or unfit, or there is no room for another world.
+    /// If the name is taken or unfit, or there is no room for another world, or no thread.
     pub(crate) fn create(&self, new: NewWorld) -> Result<WorldHandle, Status> {
         check_name(&new.name)?;
         let mut worlds = self.lock();
@@ -55,8 +60,14 @@ impl Registry {
             return Err(Status::resource_exhausted(format!("a server has at most {MAX_WORLDS} worlds")));
         }
         let name: Arc<str> = new.name.as_str().into();
-        let (handle, thread) = actor::spawn(new, Arc::clone(&worlds.count))?;
-        worlds.by_name.insert(name, (handle.clone(), thread));
+        let count = Arc::clone(&worlds.count);
+        let mut own = new.on_tick.as_ref().map(|_| Pool::of_one(&format!("world {name}")));
+        let pool = match &mut own {
+            Some(own) => own,
+            None => worlds.pool.get_or_insert_with(|| Pool::new("worlds")),
+        };
+        let handle = actor::start(new, count, pool)?;
+        worlds.by_name.insert(name, Entry(handle.clone(), own));
         worlds.update_count();
         Ok(handle)
     }
@@ -64,7 +75,7 @@ impl Registry {
     /// The world of this name. An error names the request's `field`.
     pub(crate) fn find(&self, field: &str, name: &str) -> Result<WorldHandle, Status> {
         let worlds = self.lock();
-        worlds.by_name.get(name).map(|(world, _)| world.clone()).ok_or_else(|| {
+        worlds.by_name.get(name).map(|Entry(world, _)| world.clone()).ok_or_else(|| {
             let there = list(worlds.by_name.keys().map(AsRef::as_ref));
             Status::not_found(format!("{field}: there is no world `{}`; there are: {there}", brief(name)))
         })
@@ -79,7 +90,7 @@ impl Registry {
 
     /// All worlds in the order of their names.
     pub(crate) fn all(&self) -> Vec<WorldHandle> {
-        self.lock().by_name.values().map(|(world, _)| world.clone()).collect()
+        self.lock().by_name.values().map(|Entry(world, _)| world.clone()).collect()
     }
 
     /// Forgets a world.
@@ -89,12 +100,14 @@ impl Registry {
         worlds.update_count();
     }
 
-    /// Forgets all worlds, which must have been told to stop, and waits until their threads are over.
+    /// Forgets all worlds, which must have been told to stop, and waits until they are over.
     pub(crate) fn join(&self) {
-        for (_, thread) in std::mem::take(&mut self.lock().by_name).into_values() {
-            // The panic of a world is on stderr already.
-            let _ = thread.join();
-        }
+        let (worlds, shared) = {
+            let mut worlds = self.lock();
+            (std::mem::take(&mut worlds.by_name), worlds.pool.take())
+        };
+        let own = worlds.into_values().filter_map(|Entry(_, own)| own);
+        own.chain(shared).for_each(Pool::join);
     }
 
     fn lock(&self) -> MutexGuard<'_, Worlds> {

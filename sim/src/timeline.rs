@@ -102,6 +102,16 @@ impl Timeline {
         Self { room, ..Self::default() }
     }
 
+    /// From now on keeps so many events, of those that are there the last ones.
+    pub fn set_room(&mut self, room: usize) {
+        if room == self.room {
+            return;
+        }
+        let gone = self.events.len().saturating_sub(room);
+        self.events = self.events().skip(gone).copied().collect();
+        (self.oldest, self.room) = (0, room);
+    }
+
     /// Notes an event, in place of the oldest if there is no room.
     #[inline]
     pub fn push(&mut self, event: Event) {
@@ -159,6 +169,19 @@ mod tests {
         let (gone, rest) = timeline.since(1);
         assert_eq!((gone, starts(rest)), (1, Vec::from([2, 3, 4])));
         assert_eq!(timeline.since(5).1.count(), 0);
+    }
+
+    #[test]
+    fn with_more_room_nothing_is_lost_and_with_less_the_oldest() {
+        let mut timeline = Timeline::with_room(3);
+        (0..5).for_each(|ns| timeline.push(event(ns)));
+        timeline.set_room(4);
+        timeline.push(event(5));
+        assert_eq!((starts(timeline.events()), timeline.total()), (Vec::from([2, 3, 4, 5]), 6));
+        timeline.push(event(6));
+        timeline.set_room(2);
+        timeline.push(event(7));
+        assert_eq!((starts(timeline.events()), timeline.total()), (Vec::from([6, 7]), 8));
     }
 
     #[test]

@@ -31,6 +31,7 @@ mod services;
 mod slow_cables;
 mod sweeper;
 mod wayfinding;
+mod worlds;
 
 /// A file that nobody names here is no test.
 #[test]

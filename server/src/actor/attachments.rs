@@ -126,8 +126,10 @@ impl WorldActor {
     /// When bytes are handed to a robot's port. Where the world waits for brains, that is the instant of the brain's step
     /// plus its thinking time. Where time follows the wall clock, it is when they came, but not before the step.
     pub(super) fn written_at(&self, robot: usize, thinking: Thinking) -> SimTime {
-        let turn = self.world.turns().iter().find(|turn| turn.robot == robot);
-        let step = turn.map_or_else(|| self.world.time(), |turn| turn.at);
+        // They are in the order of the robots.
+        let turns = self.world.turns();
+        let turn = turns.binary_search_by_key(&robot, |turn| turn.robot);
+        let step = turn.map_or_else(|_| self.world.time(), |turn| turns[turn].at);
         match &self.pacer.clock {
             // A world that lags its clock takes what comes now as coming within this tick.
             Some(clock) => clock.time(Instant::now()).min(self.tick_end()).max(step),

@@ -27,7 +27,10 @@ impl WorldActor {
             Message::DescribeReplay(reply) => drop(reply.send(self.recorded())),
             Message::Measure(reply) => drop(reply.send(self.measure())),
             Message::Cover(reply) => drop(reply.send(CoverageReport::of(&self.world))),
-            Message::Watch(watch) => self.observers.add(watch, view!(self)),
+            Message::Watch(watch) => {
+                self.observers.add(watch, view!(self));
+                self.fit_timeline();
+            }
             Message::Attach(request, reply) => self.attach(request, reply),
             Message::Step(step) => self.take_step(step),
             Message::Detach { session, why } => {

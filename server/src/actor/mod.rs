@@ -24,11 +24,11 @@ mod stepping;
 mod stopwatch;
 #[cfg(test)]
 mod tests;
+mod timeline;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
-use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use baudbot_recording::Replay;
@@ -41,6 +41,7 @@ use crate::mailbox::Mailbox;
 use crate::message::{Message, RecordConfig, WorldHandle};
 use crate::observers::Observers;
 use crate::pace::{Pace, WatchdogPolicy};
+use crate::pool::Pool;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
@@ -143,28 +144,26 @@ macro_rules! view {
 }
 use view;
 
-/// Makes a world and starts its thread. `neighbours` is how many worlds there are on the server.
+/// Makes a world, which this pool runs. `neighbours` is how many worlds there are on the server.
 ///
 /// # Errors
-/// If its recording cannot begin, or there is no thread for it.
-pub(crate) fn spawn(
+/// If its recording cannot begin, or the pool has no thread for it.
+pub(crate) fn start(
     new: NewWorld,
     neighbours: Arc<AtomicU32>,
-) -> Result<(WorldHandle, JoinHandle<()>), Status> {
+    pool: &mut Pool,
+) -> Result<WorldHandle, Status> {
     let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
     let (robots, paused) = (new.world.robots().len(), new.paused);
     let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
     }
-    let mailbox = Arc::new(Mailbox::new(actor));
-    let own = Arc::clone(&mailbox);
-    let thread = thread::Builder::new().name(format!("world {name}"));
-    let thread = thread
-        .spawn(move || own.run())
+    let mailbox = pool
+        .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
     tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
-    Ok((WorldHandle::new(name, mailbox), thread))
+    Ok(WorldHandle::new(name, mailbox))
 }
 
 impl WorldActor {
@@ -174,7 +173,7 @@ impl WorldActor {
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
-        Self {
+        let mut actor = Self {
             name,
             phase: Phase::Between,
             sessions: Sessions::new(robots),
@@ -193,7 +192,9 @@ impl WorldActor {
             schedule: Schedule::new(neighbours),
             over: None,
             world,
-        }
+        };
+        actor.fit_timeline();
+        actor
     }
 
     /// What is to be done now.
@@ -205,8 +206,8 @@ impl WorldActor {
     /// that the world went ahead of? Only then is the end certain and may be told, since a missing answer may still be in
     /// the recording.
     ///
-    /// This reads the state and changes nothing, so that a caller can ask what there is to do and leave it to the world's
-    /// thread (`runner`). Where an instant is given it is when the answer to the question changes without a message.
+    /// This reads the state and changes nothing, so that a caller can ask what there is to do and leave it to the
+    /// pool (`runner`). Where an instant is given it is when the answer to the question changes without a message.
     fn next(&self, now: Instant) -> Next {
         if let Some(replaying) = &self.replaying {
             return self.next_of_replay(replaying, now);

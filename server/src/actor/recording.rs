@@ -36,6 +36,11 @@ impl Recording {
         self.recorder.as_ref().is_some_and(Recorder::looks)
     }
 
+    /// Whether frames of the world are recorded.
+    pub(super) fn has_frames(&self) -> bool {
+        self.recorder.as_ref().is_some_and(Recorder::has_frames)
+    }
+
     /// Whether something waits for the disk.
     pub(super) fn is_stuck(&self) -> bool {
         self.recorder.as_ref().is_some_and(Recorder::is_stuck)
@@ -67,6 +72,7 @@ impl WorldActor {
             return Err(Status::failed_precondition(text));
         }
         self.recording.recorder = Some(Recorder::start(config, &self.name, self.pacer.pace, view!(self))?);
+        self.fit_timeline();
         Ok(())
     }
 

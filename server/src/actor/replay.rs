@@ -205,6 +205,7 @@ impl WorldActor {
         self.pacer.pace = pace;
         self.ports.senders = senders(&self.world);
         self.end_stepping();
+        self.fit_timeline();
         self.pacer.waiting_since = Instant::now();
     }
 }

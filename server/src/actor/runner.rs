@@ -1,4 +1,4 @@
-//! The actor as the runner of its mailbox: what is done on the world's thread, and what inline, by a caller.
+//! The actor as the runner of its mailbox: what is done on a thread of the pool, and what inline, by a caller.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,22 +7,27 @@ use std::time::{Duration, Instant};
 use tonic::Status;
 
 use super::{Next, WorldActor};
-use crate::mailbox::{Runner, Then};
+use crate::mailbox::Runner;
 use crate::message::{Message, Request};
+use crate::pace::Pace;
+use crate::pool::{Place, Then};
 use crate::report::Activity;
 
 /// Messages that are handled at a time, so that a flood of them does not hold up the clock.
 const MAX_MESSAGES_AT_ONCE: usize = 100;
 
-/// How long a caller runs a world before the world's thread takes over. Other connections wait meanwhile.
+/// How long a caller runs a world before the pool takes over. Other connections wait meanwhile.
 const MAX_INLINE: Duration = Duration::from_micros(500);
 
 /// Ticks that take less are run inline; of several worlds on a server, those that take their share of it. All callers from the
 /// network are on one thread, and long ticks are better done on several.
 const QUICK: Duration = Duration::from_micros(500);
 
-/// A tick that takes less is not worth waking the world's thread so that it goes ahead of its brains.
+/// A tick that takes less is not worth waking a thread so that the world goes ahead of its brains.
 const WORTH_GOING_AHEAD: Duration = Duration::from_micros(20);
+
+/// Ticks that take longer are not for threads that other worlds wait for.
+const LONG: Duration = Duration::from_millis(10);
 
 /// What decides on which thread the world runs.
 pub(super) struct Schedule {
@@ -30,9 +35,9 @@ pub(super) struct Schedule {
     tick_takes: Option<Duration>,
     /// What the beginning of the present tick took.
     begin_took: Duration,
-    /// When the world's thread wakes without being woken.
+    /// When the pool runs the world without being told.
     alarm: Option<Instant>,
-    /// A message that a caller left to the world's thread, since its work takes long.
+    /// A message that was left to a thread of the world's own, since it may wait for a disk.
     slow: Option<Message>,
     /// How many worlds there are on this server.
     neighbours: Arc<AtomicU32>,
@@ -60,21 +65,28 @@ impl Schedule {
         self.tick_takes.is_some_and(|takes| takes < limit)
     }
 
-    /// Whether the world's thread wakes by itself not after this instant.
-    fn wakes_by(&self, until: Instant) -> bool {
-        self.alarm.is_some_and(|alarm| alarm <= until)
+    fn is_long(&self) -> bool {
+        self.tick_takes > Some(LONG)
+    }
+
+    /// Nothing is to be done before this instant. What the pool has to be told.
+    fn wait(&mut self, until: Option<Instant>) -> Then {
+        let is_known = until.is_none_or(|until| self.alarm.is_some_and(|alarm| alarm <= until));
+        if is_known {
+            return Then::Wait(None);
+        }
+        self.alarm = until;
+        Then::Wait(until)
     }
 }
 
 impl Runner<Message> for WorldActor {
-    fn run(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> Then {
-        self.recording.wait_for_disk();
-        if let Some(message) = self.schedule.slow.take() {
-            self.handle(message);
-        }
-        for _ in 0..MAX_MESSAGES_AT_ONCE {
-            let Some(message) = take() else { break };
-            self.handle(message);
+    fn run(&mut self, place: Place, take: &mut dyn FnMut() -> Option<Message>) -> Then {
+        // What the pool knew, it has forgotten by running the world.
+        self.schedule.alarm = None;
+        let is_handled = self.handle_all(place, take);
+        if !is_handled || (place != Place::Own && self.may_block()) {
+            return Then::RunApart;
         }
         if let Some(why) = self.over.take() {
             self.end_recording();
@@ -83,26 +95,26 @@ impl Runner<Message> for WorldActor {
         }
         let now = Instant::now();
         self.pacer.running.set(self.activity() == Activity::Running, now);
-        match self.next(now) {
-            Next::Begin => self.begin(now),
-            Next::Finish => self.finish_with(now, &[]),
-            Next::FinishAhead(_) => self.finish_ahead(now),
-            Next::End => self.end(),
-            Next::TimeOut => self.time_out(),
-            Next::Replay => self.replay(now),
-            Next::Wait(until) => {
-                self.schedule.alarm = until;
-                return Then::Wait(until);
-            }
+        let next = self.next(now);
+        if let Next::Wait(until) = next {
+            return self.schedule.wait(until);
         }
-        Then::RunOnThread
+        if place == Place::Shared && self.schedule.is_long() {
+            return Then::RunLong;
+        }
+        self.do_next(next, now);
+        if place == Place::Long && self.schedule.is_long() {
+            return Then::RunLong;
+        }
+        // The pool owes a world that lags no more than to one that is due now.
+        Then::Run(matches!(self.pacer.pace, Pace::Timed(_)).then_some(now))
     }
 
     fn run_inline(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> Then {
         let mut begun = None;
         loop {
-            if !self.handle_quick(take) || self.over.is_some() {
-                return Then::RunOnThread;
+            if !self.handle_all(Place::Shared, take) || self.over.is_some() {
+                return Then::Run(None);
             }
             let now = Instant::now();
             let is_patient = now - *begun.get_or_insert(now) < MAX_INLINE;
@@ -121,15 +133,21 @@ impl Runner<Message> for WorldActor {
 }
 
 impl WorldActor {
-    /// Handles messages whose work does not take long; `false` if there is one for the world's thread.
-    fn handle_quick(&mut self, take: &mut dyn FnMut() -> Option<Message>) -> bool {
+    /// Handles messages, and waits for the disk if it has to; `false` if something may block, and this is not the place for it.
+    fn handle_all(&mut self, place: Place, take: &mut dyn FnMut() -> Option<Message>) -> bool {
+        if place == Place::Own {
+            self.recording.wait_for_disk();
+            if let Some(message) = self.schedule.slow.take() {
+                self.handle(message);
+            }
+        }
         if self.schedule.slow.is_some() {
             return false;
         }
         for _ in 0..MAX_MESSAGES_AT_ONCE {
             match take() {
-                // The network's thread waits for no disk, and for no long state to be read.
-                Some(message) if self.is_slow(&message) => {
+                // A thread that others wait for waits for no disk, and for no long state to be read.
+                Some(message) if place != Place::Own && self.is_slow(&message) => {
                     self.schedule.slow = Some(message);
                     return false;
                 }
@@ -140,27 +158,37 @@ impl WorldActor {
         true
     }
 
+    /// Whether the next thing may wait for a disk.
+    fn may_block(&self) -> bool {
+        self.recording.is_stuck() || (self.over.is_some() && self.recording.is_on())
+    }
+
+    fn do_next(&mut self, next: Next, now: Instant) {
+        match next {
+            Next::Begin => self.begin(now),
+            Next::Finish => self.finish_with(now, &[]),
+            Next::FinishAhead(_) => self.finish_ahead(now),
+            Next::End => self.end(),
+            Next::TimeOut => self.time_out(),
+            Next::Replay => self.replay(now),
+            Next::Wait(_) => {}
+        }
+    }
+
     /// Does one thing, if it does not take long; otherwise says what is to be done about the world.
     fn run_quick(&mut self, now: Instant, is_patient: bool) -> Option<Then> {
+        let is_timed = matches!(self.pacer.pace, Pace::Timed(_));
         match self.next(now) {
-            Next::Wait(None) => return Some(Then::Wait(None)),
-            // The thread sleeps, and not too long.
-            Next::Wait(Some(until)) if self.schedule.wakes_by(until) => return Some(Then::Wait(Some(until))),
+            Next::Wait(until) => return Some(self.schedule.wait(until)),
             Next::Begin if self.is_quick() && is_patient => self.begin(now),
             Next::Finish if self.is_quick() => self.finish_with(now, &[]),
             // The Turn has to go out first, and if ticks are short the answer is here before one could be done.
-            Next::FinishAhead(until)
-                if self.schedule.tick_takes < Some(WORTH_GOING_AHEAD) && self.schedule.wakes_by(until) =>
-            {
-                return Some(Then::Wait(Some(until)));
+            Next::FinishAhead(until) if self.schedule.tick_takes < Some(WORTH_GOING_AHEAD) => {
+                return Some(self.schedule.wait(Some(until)));
             }
-            Next::Begin
-            | Next::Finish
-            | Next::FinishAhead(_)
-            | Next::End
-            | Next::TimeOut
-            | Next::Replay
-            | Next::Wait(Some(_)) => return Some(Then::RunOnThread),
+            Next::Begin | Next::Finish | Next::FinishAhead(_) | Next::End | Next::TimeOut | Next::Replay => {
+                return Some(Then::Run(is_timed.then_some(now)));
+            }
         }
         None
     }

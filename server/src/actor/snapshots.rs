@@ -100,5 +100,6 @@ impl WorldActor {
         self.drop_interventions();
         self.beliefs.forget_all();
         self.observers.reset(&self.world);
+        self.fit_timeline();
     }
 }

@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use baudbot_sim::World;
 
+use tokio::sync::mpsc;
+
 use super::{NewWorld, Next, WorldActor};
+use crate::message::{Message, Watch};
 use crate::pace::{Pace, Timed};
 
 /// Simulated milliseconds of a tick.
@@ -79,4 +82,20 @@ fn a_world_that_cannot_keep_up_stays_a_tenth_of_a_second_behind() {
     let behind =
         Duration::from_secs(4) - actor.pacer.statistics.let_go - Duration::from_millis(200 * TICK_MS);
     assert!(behind >= Duration::from_millis(100) && behind <= Duration::from_millis(120), "{behind:?}");
+}
+
+#[test]
+fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
+    let (mut actor, mut now) = (actor(Pace::REAL_TIME), Instant::now());
+    let minute = Duration::from_secs(60);
+    let until = now + minute;
+    go_on(&mut actor, &mut now, until);
+    let kept = |actor: &WorldActor| actor.world.robot(0).timeline().events().count();
+    assert_eq!(kept(&actor), 512);
+    let (frames, mut seen) = mpsc::channel(8);
+    actor.handle(Message::Watch(Watch { every_ticks: 1, details: vec![0], frames }));
+    assert_eq!(seen.try_recv().unwrap().details[0].events.len(), 512, "the first picture has a past");
+    let until = now + minute;
+    go_on(&mut actor, &mut now, until);
+    assert_eq!(kept(&actor), actor.world.usual_timeline());
 }

@@ -1,5 +1,6 @@
 //! The operator's service.
 
+mod list;
 mod recordings;
 
 use baudbot_budget::{Allowance, RobotBudget};
@@ -23,6 +24,7 @@ use crate::recording::Folder;
 use crate::registry::Registry;
 use crate::report::Report;
 
+pub(crate) use list::Told;
 pub(crate) use recordings::stop_recording;
 
 /// The implementation of the operator's service.
@@ -30,6 +32,7 @@ pub(crate) struct Control {
     pub(crate) registry: Registry,
     /// The folder of recordings; `None` if the server keeps none.
     pub(crate) recordings: Option<Folder>,
+    pub(crate) told: Told,
 }
 
 impl Control {
@@ -40,11 +43,15 @@ impl Control {
 
     async fn create(&self, new: NewWorld) -> Result<v1::WorldStatus, Status> {
         let report = self.registry.create(new)?.request(Asked::Report).await?;
-        Ok(status_of(report).await?.1)
+        let status = status_of(report).await?.1;
+        self.told.note(&status);
+        Ok(status)
     }
 
     async fn status(&self, world: &str, request: Asked) -> Result<Option<v1::WorldStatus>, Status> {
-        Ok(Some(status_of(self.request(world, request).await?).await?.1))
+        let status = status_of(self.request(world, request).await?).await?.1;
+        self.told.note(&status);
+        Ok(Some(status))
     }
 }
 
@@ -146,13 +153,7 @@ impl ControlService for Control {
         &self,
         _: Request<v1::ListWorldsRequest>,
     ) -> Result<Response<v1::ListWorldsResponse>, Status> {
-        let mut worlds = Vec::new();
-        for world in self.registry.all() {
-            // A world that is deleted meanwhile is left out.
-            if let Ok(report) = world.request(Asked::Report).await {
-                worlds.push(status_of(report).await?.1);
-            }
-        }
+        let worlds = self.list_all().await?;
         Ok(Response::new(v1::ListWorldsResponse { worlds }))
     }
 
@@ -235,6 +236,7 @@ impl ControlService for Control {
         // A world that does not answer is forgotten all the same, so that its name is free again.
         if !matches!(&status, Err(status) if status.code() == Code::NotFound) {
             self.registry.remove(world);
+            self.told.forget(world);
         }
         let status = status?;
         Ok(Response::new(v1::DeleteWorldResponse { status }))

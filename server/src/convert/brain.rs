@@ -5,21 +5,22 @@ use baudbot_proto::v1;
 use baudbot_sim::SimTime;
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::model::RobotSpec;
+use bytes::Bytes;
 use tonic::Status;
 
 use crate::endpoint::{Output, Signals, Thinking, Until, Write};
-use crate::message::{Attached, Delivery, RobotDelivery};
+use crate::message::{Attached, Delivery};
 
 /// A brain's description of its robots.
-pub(crate) fn welcome(attached: &Attached) -> v1::AttachResponse {
+pub(crate) fn welcome(attached: &Attached) -> AttachResponse {
     let scenario = &attached.scenario;
     let robots = attached.robots.iter().map(|&i| description(&scenario.robots[i])).collect();
     let welcome = v1::Welcome { step_ns: scenario.step_ns, lockstep: attached.lockstep, robots };
     response(v1::attach_response::Response::Welcome(welcome))
 }
 
-fn response(response: v1::attach_response::Response) -> v1::AttachResponse {
-    v1::AttachResponse { response: Some(response) }
+fn response(response: v1::attach_response::Response) -> AttachResponse {
+    AttachResponse::Other(Box::new(v1::AttachResponse { response: Some(response) }))
 }
 
 /// A robot's data sheet.
@@ -60,33 +61,18 @@ pub(crate) fn write(robot: usize, action: Action) -> Write {
     Write { slot: robot, thinking: Thinking { ns, operations }, output, until }
 }
 
-/// A delivery for a brain's stream, or the stream's end.
-pub(crate) fn delivery(delivery: Delivery) -> Result<v1::AttachResponse, Status> {
-    use v1::attach_response::Response;
-    match delivery {
-        Delivery::Close(status) => Err(status),
-        Delivery::Ended { tick } => Ok(response(Response::Ended(v1::Ended { tick }))),
-        Delivery::Turn { number, tick, robots } => {
-            let robots = robots.into_iter().map(robot_turn).collect();
-            Ok(response(Response::Turn(v1::Turn { tick, robots, turn: number })))
-        }
-    }
+/// What goes over a brain's stream.
+pub(crate) enum AttachResponse {
+    /// A Turn, in the bytes of the contract's `AttachResponse`.
+    Turn(Bytes),
+    Other(Box<v1::AttachResponse>),
 }
 
-fn robot_turn(delivery: RobotDelivery) -> v1::RobotTurn {
-    let readings = delivery.readings.into_iter().map(|(sensor, reading)| v1::Reading {
-        sensor: sensor as u32,
-        values: reading.values,
-        sampled_at_ns: reading.sampled_at.map(|at| at.as_ns()),
-        sequence: reading.sequence.into(),
-        readable: reading.readable,
-    });
-    let ports = delivery.ports.into_iter();
-    v1::RobotTurn {
-        robot: delivery.slot as u32,
-        at_ns: delivery.at.as_ns(),
-        raw: delivery.raw,
-        readings: readings.collect(),
-        ports: ports.map(|(sensor, data)| v1::PortBytes { sensor: sensor as u32, data }).collect(),
+/// A delivery for a brain's stream, or the stream's end.
+pub(crate) fn delivery(delivery: Delivery) -> Result<AttachResponse, Status> {
+    match delivery {
+        Delivery::Close(status) => Err(status),
+        Delivery::Ended { tick } => Ok(response(v1::attach_response::Response::Ended(v1::Ended { tick }))),
+        Delivery::Turn(bytes) => Ok(AttachResponse::Turn(bytes)),
     }
 }

@@ -1,6 +1,6 @@
 //! Conversions between the contract's types and the domain's: the only folder that names both.
 //!
-//! `brain` is for brains; `observe`, `detail` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
+//! `brain` and `turn` are for brains; `observe`, `detail` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
 //! `replay` are for operators. This file has what they share.
 
 mod brain;
@@ -12,12 +12,13 @@ mod observe;
 mod pace;
 mod replay;
 mod status;
+mod turn;
 
 use baudbot_proto::v1;
 
 use crate::frame::{Charge, Score, ZoneScore};
 
-pub(crate) use brain::{delivery, welcome, write, writes};
+pub(crate) use brain::{AttachResponse, delivery, welcome, write, writes};
 pub(crate) use budget::robot_budget;
 pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;
@@ -26,6 +27,7 @@ pub use pace::pace_of;
 pub(crate) use pace::{pace_from, pace_to};
 pub(crate) use replay::replay;
 pub(crate) use status::{recording_status, status};
+pub(crate) use turn::{RobotTurn, turn};
 
 fn battery(Charge { share, voltage_v, state }: Charge) -> v1::BatteryStatus {
     v1::BatteryStatus {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use baudbot_sim::{Reading, Scenario, SimTime};
+use baudbot_sim::Scenario;
+use bytes::Bytes;
 use tokio::sync::mpsc;
 use tonic::Status;
 
@@ -60,21 +61,10 @@ impl Drop for Lease {
 
 /// A delivery to a brain.
 pub(crate) enum Delivery {
-    Turn { number: u64, tick: u64, robots: Vec<RobotDelivery> },
-    Ended { tick: u64 },
+    /// A Turn, in the bytes that go over the network.
+    Turn(Bytes),
+    Ended {
+        tick: u64,
+    },
     Close(Status),
-}
-
-/// One robot's part of a Turn.
-pub(crate) struct RobotDelivery {
-    /// The place of the robot in the stream.
-    pub(crate) slot: usize,
-    /// When its brain steps.
-    pub(crate) at: SimTime,
-    /// In RAW mode, the bytes that have arrived.
-    pub(crate) raw: Vec<u8>,
-    /// In RAW mode, the bytes of devices with their own link, each with the index of the sensor.
-    pub(crate) ports: Vec<(usize, Vec<u8>)>,
-    /// In MESSAGES mode, each with the index of the sensor.
-    pub(crate) readings: Vec<(usize, Reading)>,
 }

@@ -87,6 +87,11 @@ impl Observers {
         self.present.is_empty()
     }
 
+    /// Whether an observer gets details of a robot.
+    pub(crate) fn have_details(&self) -> bool {
+        self.present.iter().any(|observer| !observer.eye.detailed.is_empty())
+    }
+
     /// How many observers are connected.
     pub(crate) fn count(&self) -> usize {
         self.present.iter().filter(|observer| !observer.frames.is_closed()).count()

@@ -1,4 +1,4 @@
-//! Recordings of worlds: the part that runs on the world's own thread, which is small.
+//! Recordings of worlds: the part that runs on the thread that runs the world, which is small.
 //!
 //! It collects the inputs of the world and, now and then, a fingerprint, a state and a frame. The recording's own thread
 //! ([`thread`]) makes messages of these and writes them. Entries go to that thread in batches, since waking it takes longer
@@ -151,6 +151,11 @@ impl Recorder {
         !self.is_over && (self.eye.is_some() || self.is_mark_due())
     }
 
+    /// Whether frames are recorded.
+    pub(crate) fn has_frames(&self) -> bool {
+        self.eye.is_some()
+    }
+
     /// Notes that the world has another pace.
     pub(crate) fn set_pace(&mut self, pace: Pace) {
         self.is_hurried = is_hurried(pace);
@@ -254,7 +259,7 @@ impl Recorder {
         !self.backlog.is_empty()
     }
 
-    /// Waits for the disk. Only the world's own thread may.
+    /// Waits for the disk. Only a thread that no other world waits for may.
     pub(crate) fn wait_for_disk(&mut self) {
         self.backlog.drain(..).for_each(|batch| self.thread.send_at_last(batch));
     }

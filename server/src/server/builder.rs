@@ -13,7 +13,7 @@ use super::listeners::{Listener, listen_for_pages};
 use super::{Server, ServerError};
 use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
-use crate::control::Control;
+use crate::control::{Control, Told};
 use crate::descriptors::usual_connections;
 use crate::gate::Gate;
 use crate::message::RecordConfig;
@@ -204,7 +204,7 @@ impl Builder {
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
         }
-        let control = Control { registry, recordings: self.recordings };
+        let control = Control { registry, recordings: self.recordings, told: Told::default() };
         let gate = Gate::new(
             self.connections.unwrap_or_else(usual_connections),
             self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),

@@ -8,7 +8,6 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use baudbot_proto::v1;
-use baudbot_proto::v1::brain_link_service_server::BrainLinkServiceServer;
 use baudbot_proto::v1::control_service_server::ControlServiceServer;
 use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use tokio::net::TcpListener;
@@ -22,7 +21,7 @@ use tonic::{Request, Status};
 use tower::layer::util::{Identity, Stack};
 
 use crate::address::Address;
-use crate::brain_link::BrainLink;
+use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::{Control, status_of, stop_recording};
 use crate::gate::{Gate, GatedListener, check_call, connections};
 use crate::message::Message;
@@ -204,7 +203,7 @@ async fn router(control: Control, patience: Duration) -> Result<Router, ServerEr
     let registry = &control.registry;
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<ControlServiceServer<Control>>().await;
-    health.set_serving::<BrainLinkServiceServer<BrainLink>>().await;
+    health.set_serving::<BrainLinkServer>().await;
     health.set_serving::<ObserveServiceServer<Observe>>().await;
     let reflection = || {
         tonic_reflection::server::Builder::configure()
@@ -228,5 +227,5 @@ async fn router(control: Control, patience: Duration) -> Result<Router, ServerEr
                 .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
         )
         .add_service(ObserveServiceServer::new(observe))
-        .add_service(BrainLinkServiceServer::new(brain_link)))
+        .add_service(BrainLinkServer::new(brain_link)))
 }

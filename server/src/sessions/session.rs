@@ -9,8 +9,9 @@ use tokio::sync::mpsc;
 use super::debt::{Debt, OpenTurn};
 use super::quota::Quota;
 use super::slot::Slot;
+use crate::convert::{self, RobotTurn};
 use crate::measures::Answering;
-use crate::message::{Delivery, RobotDelivery};
+use crate::message::Delivery;
 
 /// Places in a brain's stream that Turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;
@@ -88,13 +89,9 @@ impl Session {
         if steps.is_empty() {
             return;
         }
-        let places = self.robots.iter().enumerate();
-        let robots = places.filter_map(|(place, &robot)| Some((place, robot, at[robot]?)));
-        let robots = robots.map(|(place, robot, at)| delivery(world, robot, place, at, self.raw)).collect();
         let number = self.turns.last + 1;
-        let delivery = Delivery::Turn { number, tick: world.tick(), robots };
         let has_room = self.deliveries.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
-        if !has_room || self.deliveries.try_send(delivery).is_err() {
+        if !has_room || self.deliveries.try_send(self.turn(world, at, number)).is_err() {
             self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
             return;
         }
@@ -106,22 +103,15 @@ impl Session {
         }
     }
 
+    /// The Turn of this number for its robots that step, `at` by robot.
+    fn turn(&self, world: &World, at: &[Option<SimTime>], number: u64) -> Delivery {
+        let places = self.robots.iter().enumerate();
+        let robots = places.filter_map(|(place, &robot)| Some(RobotTurn { place, robot, at: at[robot]? }));
+        Delivery::Turn(convert::turn(world, number, &robots.collect::<Vec<_>>(), self.raw))
+    }
+
     /// The steps of its robots, `at` by robot.
     pub(super) fn steps(&self, at: &[Option<SimTime>]) -> Vec<Turn> {
         self.robots.iter().filter_map(|&robot| Some(Turn { robot, at: at[robot]? })).collect()
     }
-}
-
-fn delivery(world: &World, robot: usize, slot: usize, at: SimTime, raw: bool) -> RobotDelivery {
-    let view = world.robot(robot);
-    let mut delivery = RobotDelivery { slot, at, raw: Vec::new(), ports: Vec::new(), readings: Vec::new() };
-    if raw {
-        delivery.raw = view.unread().to_vec();
-        let ports = view.unread_of_ports().filter(|(_, bytes)| !bytes.is_empty());
-        delivery.ports = ports.map(|(sensor, bytes)| (sensor, bytes.to_vec())).collect();
-    } else {
-        let arrived = view.readings().iter().enumerate().filter(|(_, reading)| !reading.values.is_empty());
-        delivery.readings = arrived.map(|(i, reading)| (i, reading.clone())).collect();
-    }
-    delivery
 }

@@ -154,7 +154,7 @@ impl World {
         let is_parallel = cfg!(feature = "rayon") && state.robots.len() >= CROWD;
         let (origin, altered) = (Arc::clone(&scenario), Altered::default());
         let mut world = Self { origin, scenario, altered, state, seen: None, ahead, spare, is_parallel };
-        world.keep_timeline(TIMELINE_EVENTS / world.state.robots.len().clamp(16, 1024));
+        world.keep_timeline(world.usual_timeline());
         world
     }
 
@@ -164,6 +164,17 @@ impl World {
         for robot in &mut self.state.robots {
             robot.recorder = Recorder::new(events, robot.lost());
         }
+    }
+
+    /// As many events of each robot's timeline as a new world keeps.
+    pub fn usual_timeline(&self) -> usize {
+        TIMELINE_EVENTS / self.state.robots.len().clamp(16, 1024)
+    }
+
+    /// From now on keeps so many events of each robot's timeline, of those that are there the last ones. Makes no difference
+    /// to anything else.
+    pub fn resize_timeline(&mut self, events: usize) {
+        self.state.robots.iter_mut().for_each(|robot| robot.recorder.timeline.set_room(events));
     }
 
     /// Whether ticks use all threads of the rayon pool that they are called in, where there are enough robots for it.

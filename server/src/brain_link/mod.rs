@@ -1,5 +1,7 @@
 //! The brains' service: a stream that is the laptop's end of one or more serial cables.
 
+mod service;
+
 use std::error::Error;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -9,7 +11,6 @@ use std::time::Duration;
 use baudbot_fields::printable::{Printable, is_printable};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
-use baudbot_proto::v1::brain_link_service_server::BrainLinkService;
 use tokio::sync::{Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
@@ -18,11 +19,12 @@ use tracing::Instrument;
 
 use crate::annotate::checked;
 use crate::beliefs::Beliefs;
-use crate::convert;
+use crate::convert::{self, AttachResponse};
 use crate::endpoint::{Endpoint, Write};
 use crate::message::{Attach, Attached, Delivery, Lease, Message, Step};
 use crate::registry::Registry;
 use crate::sessions::{RESERVED, STEPS_A_TICK};
+pub(crate) use service::BrainLinkServer;
 
 /// Turns that wait for a brain that does not read. Further ones are lost.
 const TURNS_AHEAD: usize = 256;
@@ -40,14 +42,14 @@ pub(crate) struct BrainLink {
     pub(crate) patience: Duration,
 }
 
-#[tonic::async_trait]
-impl BrainLinkService for BrainLink {
-    type AttachStream = Pin<Box<dyn Stream<Item = Result<v1::AttachResponse, Status>> + Send>>;
+/// What a brain is told.
+type Responses = Pin<Box<dyn Stream<Item = Result<AttachResponse, Status>> + Send>>;
 
+impl BrainLink {
     async fn attach(
         &self,
         request: Request<Streaming<v1::AttachRequest>>,
-    ) -> Result<Response<Self::AttachStream>, Status> {
+    ) -> Result<Response<Responses>, Status> {
         let mut requests = request.into_inner();
         let patience = self.patience;
         let first = tokio::time::timeout(patience, requests.message());
