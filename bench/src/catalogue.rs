@@ -3,7 +3,7 @@
 use crate::child::Streams;
 use crate::in_process::{InProcess, Unfit};
 use crate::network::Network;
-use crate::scenario::Cable;
+use crate::scenario::{Cable, Laser};
 
 /// A workload: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +98,21 @@ pub const WORKLOADS: &[Workload] = &[
         summary: "office, one robot, a scan of 683 rays in every step",
         unit: "rays/s",
         anchors: &[anchor("Enki", 2.45e6), anchor("Stage", 1.3e6), anchor("a bitmap lidar", 4.0e6)],
-        kind: Kind::InProcess(InProcess::Office { robots: 1, period_ms: 10 }),
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Still { period_ms: 10 } }),
+    },
+    Workload {
+        name: "W2s/onboard",
+        summary: "the same with a URG-04LX as its preset sweeps, ten scans of 682 rays a second",
+        unit: "rays/s",
+        anchors: &[],
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Swept { cable: false } }),
+    },
+    Workload {
+        name: "W2s/cable",
+        summary: "the same, each scan over the preset's cable, 2,137 bytes",
+        unit: "rays/s",
+        anchors: &[],
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Swept { cable: true } }),
     },
     Workload {
         name: "W3/10",
@@ -126,7 +140,21 @@ pub const WORKLOADS: &[Workload] = &[
         summary: "office, 100 robots, each with 10 scans of 683 rays a second",
         unit: "× real time",
         anchors: &[anchor("Enki", 7.4), anchor("Stage", 0.83)],
-        kind: Kind::InProcess(InProcess::Office { robots: 100, period_ms: 100 }),
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } }),
+    },
+    Workload {
+        name: "W4s/onboard",
+        summary: "the same, each with a URG-04LX as its preset sweeps",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Swept { cable: false } }),
+    },
+    Workload {
+        name: "W4s/cable",
+        summary: "the same, each scan over the preset's cable, 2,137 bytes",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Swept { cable: true } }),
     },
     Workload {
         name: "N1",

@@ -7,7 +7,7 @@ use crate::measure::{self, Effort, Sample};
 use crate::plan::{Plan, PlanError};
 use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
-use crate::scenario::{Cable, Infrared, LASER_RAYS, office, parse, plans};
+use crate::scenario::{Cable, Infrared, Laser, office, parse, plans};
 
 /// A world that runs as fast as it can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub(crate) enum InProcess {
     /// Small robots with infra-red sensors, 1, 10, 100 or 1,000 of them; in steps of a robot.
     Infrared { robots: usize, cable: Cable },
     /// Robots with lasers in an office; one in rays a second, many as a multiple of real time.
-    Office { robots: usize, period_ms: u32 },
+    Office { robots: usize, laser: Laser },
 }
 
 /// Why a workload could not be measured.
@@ -92,9 +92,7 @@ impl InProcess {
                 };
                 Infrared::new(cable).scenario(&plan.parse()?)
             }
-            Self::Office { robots, period_ms } => {
-                office(&plans::OFFICE.parse::<Plan>()?, robots, period_ms.into())
-            }
+            Self::Office { robots, laser } => office(&plans::OFFICE.parse::<Plan>()?, robots, laser),
         })
     }
 
@@ -111,8 +109,8 @@ impl InProcess {
     fn units_a_tick(self) -> f64 {
         match self {
             Self::Infrared { robots, .. } => robots as f64,
-            Self::Office { robots: 1, .. } => LASER_RAYS as f64,
-            Self::Office { .. } => STEP_S,
+            Self::Office { robots: 1, laser } => laser.rays() as f64 * STEP_MS / f64::from(laser.period_ms()),
+            Self::Office { .. } => STEP_MS * 1e-3,
         }
     }
 }
@@ -167,7 +165,7 @@ fn period_ns(sensor: &baudbot_sim::sensor::Sensor) -> u64 {
     sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns)
 }
 
-const STEP_S: f64 = 0.01;
+const STEP_MS: f64 = 10.0;
 
 /// Slower than this in the mean, each robot in its first minute and all of them in the whole run, something is wrong.
 const SLOWEST_M_S: f64 = 1e-3;
@@ -181,14 +179,18 @@ mod tests {
 
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
     /// (docs/determinism.md), and for another scenario or driver here; never for speed.
-    const FINGERPRINTS: [(&str, u64); 7] = [
+    const FINGERPRINTS: [(&str, u64); 11] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),
         ("W2", 0x8de7_4c97_9d08_5e62),
+        ("W2s/onboard", 0x8fef_1cb1_f0d5_39eb),
+        ("W2s/cable", 0x04e1_c970_ba67_52cb),
         ("W3/10", 0x4e2a_ad67_32f7_059a),
         ("W3/100", 0xe5ad_d17b_065b_3ddb),
         ("W3/1000", 0x3fe7_3622_421f_6263),
         ("W4", 0x87e9_5567_be0c_9434),
+        ("W4s/onboard", 0x2ac8_7bf4_aac6_12aa),
+        ("W4s/cable", 0xb034_51d2_5da0_2c4a),
     ];
 
     #[test]
@@ -215,8 +217,29 @@ mod tests {
         };
         assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
         assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));
-        assert_eq!(facts(InProcess::Office { robots: 1, period_ms: 10 }), (100, 1, LASER_RAYS, true));
-        assert_eq!(facts(InProcess::Office { robots: 100, period_ms: 100 }), (100, 100, LASER_RAYS, true));
+        assert_eq!(
+            facts(InProcess::Office { robots: 1, laser: Laser::Still { period_ms: 10 } }),
+            (100, 1, 683, true)
+        );
+        assert_eq!(
+            facts(InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } }),
+            (100, 100, 683, true)
+        );
+        let swept = |cable| facts(InProcess::Office { robots: 1, laser: Laser::Swept { cable } });
+        assert_eq!([false, true].map(swept), [(100, 1, 682, true); 2]);
+    }
+
+    #[test]
+    fn a_swept_laser_is_the_presets_but_for_its_cable() {
+        let laser = |cable| {
+            let rig = InProcess::Office { robots: 1, laser: Laser::Swept { cable } }.rig().unwrap();
+            let sensor = &rig.world().scenario().robots[0].sensors[0];
+            let is_on_a_cable = sensor.port.is_some();
+            (is_on_a_cable, format!("{:?}", (&sensor.device, &sensor.own_clock, &sensor.noise)))
+        };
+        let [(on_board, own), (on_a_cable, presets)] = [false, true].map(laser);
+        assert_eq!((on_board, on_a_cable), (false, true));
+        assert_eq!(own, presets);
     }
 
     #[test]
@@ -231,7 +254,7 @@ mod tests {
         for world in [
             InProcess::Infrared { robots: 100, cable: Cable::Ideal },
             InProcess::Infrared { robots: 1000, cable: Cable::Onboard },
-            InProcess::Office { robots: 100, period_ms: 100 },
+            InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } },
         ] {
             let alone = world.run_ticks(15, 1).unwrap();
             for threads in [2, 4, 16] {
