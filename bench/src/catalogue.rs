@@ -2,6 +2,7 @@
 
 use crate::child::Streams;
 use crate::in_process::{InProcess, Unfit};
+use crate::learner::Learner;
 use crate::network::Network;
 use crate::scenario::{Cable, Laser};
 
@@ -31,6 +32,7 @@ pub struct Anchor {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     InProcess(InProcess),
+    Learner(Learner),
     Network(Network),
 }
 
@@ -42,6 +44,7 @@ impl Workload {
     pub fn run_ticks(&self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
         match self.kind {
             Kind::InProcess(world) => world.run_ticks(ticks, threads),
+            Kind::Learner(learner) => learner.run_ticks(ticks),
             Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
         }
     }
@@ -155,6 +158,34 @@ pub const WORKLOADS: &[Workload] = &[
         unit: "× real time",
         anchors: &[],
         kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Swept { cable: true } }),
+    },
+    Workload {
+        name: "G",
+        summary: "10,000 of W1's robots, W3/100's floor a hundred times, beside 100 of them",
+        unit: "robot-steps/s",
+        anchors: &[],
+        kind: Kind::InProcess(InProcess::Infrared { robots: 10_000, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "V/1",
+        summary: "a learner steps a world of the scenario `wander`, 27 bytes a cycle at 9600 baud",
+        unit: "control cycles/s",
+        anchors: &[],
+        kind: Kind::Learner(Learner::Cycles { worlds: 1 }),
+    },
+    Workload {
+        name: "V/1024",
+        summary: "the same with 1,024 worlds, one after the other in one thread",
+        unit: "control cycles/s",
+        anchors: &[],
+        kind: Kind::Learner(Learner::Cycles { worlds: 1024 }),
+    },
+    Workload {
+        name: "V/reset",
+        summary: "a learner takes one of those worlds back to its start, with another seed",
+        unit: "resets/s",
+        anchors: &[],
+        kind: Kind::Learner(Learner::Resets),
     },
     Workload {
         name: "N1",

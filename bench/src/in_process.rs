@@ -4,6 +4,7 @@ use baudbot_scenario::ScenarioError;
 use baudbot_sim::model::RobotSpec;
 
 use crate::measure::{self, Effort, Sample};
+use crate::outcome::Beside;
 use crate::plan::{Plan, PlanError};
 use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
@@ -44,28 +45,46 @@ pub(crate) struct Run {
     /// Ticks of the first stretch, and the world's fingerprint after it: the same for every build and machine.
     pub(crate) probe_ticks: u64,
     pub(crate) hash: u64,
+    /// What was measured by turns with it.
+    pub(crate) beside: Option<Beside>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl InProcess {
-    /// Measures it.
-    pub(crate) fn run(self, effort: Effort, threads: usize, progress: impl FnMut(u32)) -> Result<Run, Unfit> {
-        let mut rig = self.rig()?;
-        rig.set_threads(threads)?;
-        let probe_ticks = self.probe_ticks();
-        rig.run(probe_ticks);
-        check(&rig)?;
-        let hash = rig.world().hash();
-        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
-        let mut samples = measure::rate(effort, clock, progress, |ticks| {
-            rig.run(ticks);
-            Ok::<_, Unfit>(())
-        })?;
-        check(&rig)?;
-        let units = self.units_a_tick();
-        for sample in &mut samples {
-            sample.value *= units;
+    /// Measures it. A crowd of 10,000 is measured by turns with 100 of them.
+    pub(crate) fn run(
+        self,
+        effort: Effort,
+        threads: usize,
+        mut progress: impl FnMut(u32),
+    ) -> Result<Run, Unfit> {
+        let mut own = Stretch::begin(self, threads)?;
+        let mut few = match self {
+            Self::Infrared { robots: CROWD, cable } => {
+                Some(Stretch::begin(Self::Infrared { robots: FEW, cable }, threads)?)
+            }
+            Self::Infrared { .. } | Self::Office { .. } => None,
+        };
+        match &mut few {
+            None => own.measure(effort, progress)?,
+            Some(few) => {
+                for repeat in 1..=effort.repeats {
+                    progress(repeat);
+                    let once = Effort { repeats: 1, ..effort };
+                    few.measure(once, |_| {})?;
+                    own.measure(once, |_| {})?;
+                }
+            }
         }
-        Ok(Run { samples, probe_ticks, hash })
+        let what = || format!("{FEW} robots");
+        let beside = few.map(|few| Beside { what: what(), samples: few.samples });
+        Ok(Run {
+            notes: beside.iter().map(|few| growth(&few.samples, &own.samples)).collect(),
+            samples: own.samples,
+            probe_ticks: self.probe_ticks(),
+            hash: own.hash,
+            beside,
+        })
     }
 
     /// So many ticks from the start, and the world's fingerprint after them.
@@ -84,13 +103,15 @@ impl InProcess {
     fn scenario(self) -> Result<String, PlanError> {
         Ok(match self {
             Self::Infrared { robots, cable } => {
-                let plan = match robots {
+                let plan: Plan = match robots {
                     1 => plans::IR_1,
                     10 => plans::IR_10,
-                    100 => plans::IR_100,
-                    _ => plans::IR_1000,
-                };
-                Infrared::new(cable).scenario(&plan.parse()?)
+                    1000 => plans::IR_1000,
+                    _ => plans::IR_100,
+                }
+                .parse()?;
+                let side = (robots / plan.robots.len()).isqrt();
+                Infrared::new(cable).scenario(&plan.tiled(side))
             }
             Self::Office { robots, laser } => office(&plans::OFFICE.parse::<Plan>()?, robots, laser),
         })
@@ -113,6 +134,53 @@ impl InProcess {
             Self::Office { .. } => STEP_MS * 1e-3,
         }
     }
+}
+
+/// A world that is measured bit by bit.
+struct Stretch {
+    world: InProcess,
+    rig: Rig,
+    clock: Clock,
+    /// The fingerprint after its first ticks.
+    hash: u64,
+    samples: Vec<Sample>,
+}
+
+impl Stretch {
+    /// After its first ticks.
+    fn begin(world: InProcess, threads: usize) -> Result<Self, Unfit> {
+        let mut rig = world.rig()?;
+        rig.set_threads(threads)?;
+        rig.run(world.probe_ticks());
+        check(&rig)?;
+        let hash = rig.world().hash();
+        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
+        Ok(Self { world, rig, clock, hash, samples: Vec::new() })
+    }
+
+    fn measure(&mut self, effort: Effort, progress: impl FnMut(u32)) -> Result<(), Unfit> {
+        let samples = measure::rate(effort, self.clock, progress, |ticks| {
+            self.rig.run(ticks);
+            Ok::<_, Unfit>(())
+        })?;
+        check(&self.rig)?;
+        let units = self.world.units_a_tick();
+        self.samples
+            .extend(samples.into_iter().map(|sample| Sample { value: sample.value * units, ..sample }));
+        Ok(())
+    }
+}
+
+/// What a robot of a crowd costs, in terms of one among few: pairs that were measured one after the other.
+fn growth(few: &[Sample], crowd: &[Sample]) -> String {
+    let costs: Vec<_> = few.iter().zip(crowd).map(|(few, crowd)| few.value / crowd.value).collect();
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = costs.iter().copied().fold(0.0, f64::max);
+    format!(
+        "a robot among {CROWD} costs {:.2} times as much as one among {FEW} ({least:.2} to {most:.2}, {} pairs)",
+        measure::median(costs.iter().copied()),
+        costs.len()
+    )
 }
 
 /// Whether every robot drives, is somewhere, and reads its sensors as often as it should.
@@ -165,6 +233,10 @@ fn period_ns(sensor: &baudbot_sim::sensor::Sensor) -> u64 {
     sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns)
 }
 
+/// Robots of the largest world, and of the one that it is compared with.
+const CROWD: usize = 10_000;
+const FEW: usize = 100;
+
 const STEP_MS: f64 = 10.0;
 
 /// Slower than this in the mean, each robot in its first minute and all of them in the whole run, something is wrong.
@@ -179,7 +251,7 @@ mod tests {
 
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
     /// (docs/determinism.md), and for another scenario or driver here; never for speed.
-    const FINGERPRINTS: [(&str, u64); 11] = [
+    const FINGERPRINTS: [(&str, u64); 12] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),
         ("W2", 0x8de7_4c97_9d08_5e62),
@@ -191,6 +263,7 @@ mod tests {
         ("W4", 0x87e9_5567_be0c_9434),
         ("W4s/onboard", 0x2ac8_7bf4_aac6_12aa),
         ("W4s/cable", 0xb034_51d2_5da0_2c4a),
+        ("G", 0xb4eb_3d15_1ccd_73d7),
     ];
 
     #[test]
@@ -217,6 +290,9 @@ mod tests {
         };
         assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
         assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));
+        // A hundred floors of ten boxes each, with the walls around and between them.
+        let crowd = InProcess::Infrared { robots: CROWD, cable: Cable::Onboard };
+        assert_eq!(facts(crowd), (100 * 10 * 4 + 2 * 11 * 10, 10_000, 8, true));
         assert_eq!(
             facts(InProcess::Office { robots: 1, laser: Laser::Still { period_ms: 10 } }),
             (100, 1, 683, true)

@@ -4,6 +4,7 @@ use std::process::{Command, ExitCode};
 
 use crate::catalogue::{self, Kind, Workload};
 use crate::child::{Child, ChildError, Task, tell, tell_repeat};
+use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
 use crate::outcome::{Beside, Outcome};
 use crate::{network, process};
@@ -38,13 +39,8 @@ fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Resu
     let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
     let mut outcome = Outcome::new(workload.name, workload.unit, threads);
     match workload.kind {
-        Kind::InProcess(world) => {
-            let run = world.run(effort, threads, tell_repeat).map_err(|error| error.to_string())?;
-            outcome.samples = run.samples;
-            outcome.hash = Some(format!("{:016x}", run.hash));
-            outcome.hash_ticks = Some(run.probe_ticks);
-            outcome.peak_memory_bytes = process::peak_memory_bytes();
-        }
+        Kind::InProcess(world) => note(&mut outcome, world.run(effort, threads, tell_repeat))?,
+        Kind::Learner(learner) => note(&mut outcome, learner.run(effort, tell_repeat))?,
         Kind::Network(network) => {
             let (found, notes) =
                 network.run(effort, command, tell_repeat).map_err(|error| error.to_string())?;
@@ -58,4 +54,16 @@ fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Resu
         }
     }
     Ok(outcome)
+}
+
+/// What came of a run in this process.
+fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
+    let run = run.map_err(|error| error.to_string())?;
+    outcome.samples = run.samples;
+    outcome.hash = Some(format!("{:016x}", run.hash));
+    outcome.hash_ticks = Some(run.probe_ticks);
+    outcome.peak_memory_bytes = process::peak_memory_bytes();
+    outcome.beside = run.beside;
+    outcome.notes = run.notes;
+    Ok(())
 }
