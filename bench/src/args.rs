@@ -20,10 +20,13 @@ pub(crate) struct Args {
     /// Repeats, of which the table has the median
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) repeats: u32,
-    /// Threads that step a world of W1 to W4
+    /// Threads that step a world of W1 to W4 and G
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub(crate) threads: u16,
-    /// Run each of W1 to W4 for exactly so many ticks and measure nothing: for profilers
+    /// The program `baudbot` that R runs [default: that beside this program]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) program: Option<PathBuf>,
+    /// Run each of W1 to W4, G and V for exactly so many ticks and measure nothing: for profilers
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["json", "csv"])]
     pub(crate) ticks: Option<u64>,
     /// Write all that was measured as JSON; `-` is stdout, and the table is then left out

@@ -1,6 +1,7 @@
 //! The workloads by name.
 
 use crate::child::Streams;
+use crate::gallery::Gallery;
 use crate::in_process::{InProcess, Unfit};
 use crate::learner::Learner;
 use crate::network::Network;
@@ -33,6 +34,7 @@ pub struct Anchor {
 pub(crate) enum Kind {
     InProcess(InProcess),
     Learner(Learner),
+    Gallery(Gallery),
     Network(Network),
 }
 
@@ -45,7 +47,7 @@ impl Workload {
         match self.kind {
             Kind::InProcess(world) => world.run_ticks(ticks, threads),
             Kind::Learner(learner) => learner.run_ticks(ticks),
-            Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
+            Kind::Gallery(_) | Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
         }
     }
 }
@@ -186,6 +188,83 @@ pub const WORKLOADS: &[Workload] = &[
         unit: "resets/s",
         anchors: &[],
         kind: Kind::Learner(Learner::Resets),
+    },
+    Workload {
+        name: "R/wander",
+        summary: "`baudbot run`: one robot across 9600 baud",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "avoid",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/wander.toml"),
+        }),
+    },
+    Workload {
+        name: "R/khepera",
+        summary: "the same: one robot, eight IR sensors",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "avoid",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/khepera.toml"),
+        }),
+    },
+    Workload {
+        name: "R/sweeper",
+        summary: "the same: a brain of behaviours that sweeps a room",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "sweeper",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/sweeper.toml"),
+        }),
+    },
+    Workload {
+        name: "R/explore-office",
+        summary: "the same: an office explored by laser, until it is known",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "explore",
+            ticks: 90_000,
+            scenario: include_str!("../../scenarios/explore-office.toml"),
+        }),
+    },
+    Workload {
+        name: "R/tour",
+        summary: "the same: a robot that localizes itself by laser",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "tour",
+            ticks: 24_000,
+            scenario: include_str!("../../scenarios/tour.toml"),
+        }),
+    },
+    Workload {
+        name: "R/mower",
+        summary: "the same: a mower with a laser",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "mower",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/mower.toml"),
+        }),
+    },
+    Workload {
+        name: "R/ecoli",
+        summary: "the same: 100 bacteria",
+        unit: "× real time",
+        anchors: &[],
+        kind: Kind::Gallery(Gallery {
+            brain: "ecoli",
+            ticks: 3_000,
+            scenario: include_str!("../../scenarios/ecoli.toml"),
+        }),
     },
     Workload {
         name: "N1",

@@ -31,8 +31,8 @@ pub enum Unfit {
     /// There are not as many threads as asked for.
     #[error(transparent)]
     Threads(#[from] NoThreads),
-    /// It has a server, and a number of ticks means nothing.
-    #[error("`{0}` has a server and takes no --ticks; W1 to W4 do")]
+    /// It has other processes, and a number of ticks means nothing.
+    #[error("`{0}` has other processes and takes no --ticks; W1 to W4, G and V do")]
     NotInProcess(&'static str),
     /// What ran is not the workload.
     #[error("the run is not what it should be: {0}")]

@@ -2,7 +2,7 @@
 //!
 //! 1. [`plan`] reads the floor plans in `bench/geometry`, [`scenario`] makes scenarios of them.
 //! 2. [`driver`] steers robots by what they sense, [`rig`] is a world with its drivers in one thread.
-//! 3. `in_process` measures those, `learner` many worlds at once; `network` measures servers whose brains are in another process.
+//! 3. `in_process` measures those, `learner` many worlds at once; `gallery` runs of the program, `network` measures servers whose brains are in another process.
 //! 4. [`catalogue`] has the workloads by name. [`worker`] runs each in a process of its own (`child`) and says what came of
 //!    it, an [`outcome`].
 //! 5. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod catalogue;
 mod child;
 pub mod driver;
+mod gallery;
 mod in_process;
 mod learner;
 pub mod measure;
@@ -23,6 +24,7 @@ pub mod rig;
 pub mod scenario;
 pub mod worker;
 
-pub use child::ChildError;
+pub use child::{ChildError, Means};
+pub use gallery::GalleryError;
 pub use in_process::Unfit;
 pub use network::NetworkError;

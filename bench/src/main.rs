@@ -6,14 +6,14 @@ mod table;
 
 use std::fs;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use anyhow::Context;
 use baudbot_bench::catalogue::{self, Workload};
 use baudbot_bench::measure::Effort;
 use baudbot_bench::outcome::Outcome;
-use baudbot_bench::worker;
+use baudbot_bench::{Means, worker};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -81,12 +81,13 @@ fn measure(
 ) -> anyhow::Result<(Vec<(&'static Workload, Outcome)>, usize)> {
     let effort = Effort { seconds: args.seconds, repeats: args.repeats };
     let bar = progress(args.quiet, chosen.len() as u64 * u64::from(args.repeats));
+    let means = Means { threads: args.threads.into(), program: program(args)? };
     let (mut measured, mut failed) = (Vec::new(), 0);
     for (i, &workload) in chosen.iter().enumerate() {
         let before = i as u64 * u64::from(args.repeats);
         bar.set_message(format!("{}: warm-up", workload.name));
         bar.set_position(before);
-        let outcome = worker::measure(child_command()?, workload, effort, args.threads.into(), |repeat| {
+        let outcome = worker::measure(child_command()?, workload, effort, means.clone(), |repeat| {
             bar.set_message(format!("{}: repeat {repeat} of {}", workload.name, args.repeats));
             bar.set_position(before + u64::from(repeat) - 1);
         });
@@ -102,9 +103,19 @@ fn measure(
     Ok((measured, failed))
 }
 
+/// The program that R runs.
+fn program(args: &Args) -> anyhow::Result<PathBuf> {
+    let beside = || Ok::<_, anyhow::Error>(this_program()?.with_file_name("baudbot"));
+    args.program.clone().map_or_else(beside, Ok)
+}
+
+fn this_program() -> anyhow::Result<PathBuf> {
+    std::env::current_exe().context("cannot find this program")
+}
+
 /// Begins a process that does what its last argument says.
 fn child_command() -> anyhow::Result<Command> {
-    let mut command = Command::new(std::env::current_exe().context("cannot find this program")?);
+    let mut command = Command::new(this_program()?);
     command.arg("--child");
     Ok(command)
 }

@@ -3,7 +3,7 @@
 use std::process::{Command, ExitCode};
 
 use crate::catalogue::{self, Kind, Workload};
-use crate::child::{Child, ChildError, Task, tell, tell_repeat};
+use crate::child::{Child, ChildError, Means, Task, tell, tell_repeat};
 use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
 use crate::outcome::{Beside, Outcome};
@@ -18,29 +18,32 @@ pub fn measure(
     command: Command,
     workload: &Workload,
     effort: Effort,
-    threads: usize,
+    means: Means,
     progress: impl FnMut(u32),
 ) -> Result<Outcome, ChildError> {
-    let task = Task::Workload { name: workload.name.to_owned(), effort, threads };
+    let task = Task::Workload { name: workload.name.to_owned(), effort, means };
     Child::start(command, &task)?.end(progress)
 }
 
 /// What a child process does with its last argument. `command` begins a process like itself.
 pub fn serve(task: &str, command: Command) -> ExitCode {
     match serde_json::from_str::<Task>(task) {
-        Ok(Task::Workload { name, effort, threads }) => tell(perform(&name, effort, threads, command)),
+        Ok(Task::Workload { name, effort, means }) => tell(perform(&name, effort, &means, command)),
         Ok(Task::Brains { address, what }) => tell(network::perform(&address, &what, tell_repeat)),
         Err(error) => tell::<()>(Err(format!("`{task}` is no task: {error}"))),
     }
 }
 
-fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Result<Outcome, String> {
+fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Result<Outcome, String> {
     let workload = catalogue::WORKLOADS.iter().find(|workload| workload.name == name);
     let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
-    let mut outcome = Outcome::new(workload.name, workload.unit, threads);
+    let mut outcome = Outcome::new(workload.name, workload.unit, means.threads);
     match workload.kind {
-        Kind::InProcess(world) => note(&mut outcome, world.run(effort, threads, tell_repeat))?,
+        Kind::InProcess(world) => note(&mut outcome, world.run(effort, means.threads, tell_repeat))?,
         Kind::Learner(learner) => note(&mut outcome, learner.run(effort, tell_repeat))?,
+        Kind::Gallery(gallery) => gallery
+            .run(&means.program, &mut outcome, effort, tell_repeat)
+            .map_err(|error| error.to_string())?,
         Kind::Network(network) => {
             let (found, notes) =
                 network.run(effort, command, tell_repeat).map_err(|error| error.to_string())?;

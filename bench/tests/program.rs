@@ -74,6 +74,6 @@ fn what_cannot_be_measured_is_refused() {
     };
     refused(&["W9"], "error: no workload `W9`; there are: W1/onboard, W1/ideal,");
     refused(&["--seconds", "0"], "must be above 0 and at most 3600, is 0");
-    refused(&["N1", "--ticks", "10"], "`N1` has a server and takes no --ticks; W1 to W4 do");
+    refused(&["N1", "--ticks", "10"], "`N1` has other processes and takes no --ticks; W1 to W4, G and V do");
     refused(&["--repeats", "0"], "0 is not in 1..=1000");
 }
