@@ -8,6 +8,7 @@ use crate::outcome::Beside;
 use crate::plan::{Plan, PlanError};
 use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
+use crate::scale::Scale;
 use crate::scenario::{Cable, Infrared, Laser, office, parse, plans};
 
 /// A world that runs as fast as it can.
@@ -125,6 +126,21 @@ impl InProcess {
             Self::Office { robots: 1, .. } => 200,
             Self::Office { .. } => 30,
         }
+    }
+
+    /// Two numbers of ticks with whole scans, and no more than valgrind goes through in some seconds.
+    pub(crate) fn scale(self) -> Scale {
+        let (ticks, units_a_tick, unit) = match self {
+            Self::Infrared { robots: 1, .. } => ([2000, 12_000], 1.0, "step"),
+            Self::Infrared { robots: CROWD, .. } => ([2, 6], CROWD as f64, "robot-step"),
+            Self::Infrared { robots, .. } => {
+                ([2000 / robots as u64, 12_000 / robots as u64], robots as f64, "robot-step")
+            }
+            Self::Office { robots: 1, .. } => ([200, 1200], self.units_a_tick(), "ray"),
+            Self::Office { robots, laser: Laser::Still { .. } } => ([10, 60], robots as f64, "robot-tick"),
+            Self::Office { robots, laser: Laser::Swept { .. } } => ([20, 40], robots as f64, "robot-tick"),
+        };
+        Scale { ticks, units_a_tick, unit }
     }
 
     fn units_a_tick(self) -> f64 {

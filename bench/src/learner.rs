@@ -14,6 +14,7 @@ use baudbot_wire::{frame, write_command};
 use crate::in_process::{Run, Unfit};
 use crate::measure::{self, Effort};
 use crate::process::Clock;
+use crate::scale::Scale;
 use crate::scenario::parse;
 
 /// What a learner does with its worlds.
@@ -75,8 +76,19 @@ impl Learner {
         }
     }
 
+    /// Two numbers of whole cycles, or of resets.
+    pub(crate) fn scale(self) -> Scale {
+        let (ticks, unit) = match self {
+            Self::Cycles { worlds: 1 } => ([2000, 12_000], "control cycle"),
+            Self::Cycles { .. } => ([4, 20], "control cycle"),
+            // All of worlds that have run.
+            Self::Resets => ([100, RESETS_AMONG as u64], "reset"),
+        };
+        Scale { ticks, units_a_tick: self.units_a_tick(), unit }
+    }
+
     /// Control cycles of all worlds in a tick of each, or resets in one.
-    pub(crate) fn units_a_tick(self) -> f64 {
+    fn units_a_tick(self) -> f64 {
         match self {
             Self::Cycles { worlds } => worlds as f64 / TICKS_A_CYCLE as f64,
             Self::Resets => 1.0,
@@ -230,7 +242,7 @@ const SCENARIO: &str = include_str!("../../scenarios/wander.toml");
 const SENSORS: usize = 5;
 
 /// A frame every 20 ms, in steps of 10 ms.
-pub(crate) const TICKS_A_CYCLE: u64 = 2;
+const TICKS_A_CYCLE: u64 = 2;
 
 /// A frame of readings up, a command down.
 const BYTES: [u64; 2] = [19, 8];

@@ -6,14 +6,16 @@
 //! 4. [`catalogue`] has the workloads by name. [`worker`] runs each in a process of its own (`child`) and says what came of
 //!    it, an [`outcome`].
 //! 5. [`measure`] repeats and takes medians, [`calibration`] is what figures are compared with, [`process`] is what the
-//!    operating system says.
+//!    operating system says. [`beside`] is another program by turns, [`instructions`] counts what does not depend on the clock.
 
+pub mod beside;
 pub mod calibration;
 pub mod catalogue;
 mod child;
 pub mod driver;
 mod gallery;
 mod in_process;
+pub mod instructions;
 mod learner;
 pub mod measure;
 mod network;
@@ -21,6 +23,7 @@ pub mod outcome;
 pub mod plan;
 pub mod process;
 pub mod rig;
+mod scale;
 pub mod scenario;
 pub mod worker;
 

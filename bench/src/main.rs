@@ -1,7 +1,9 @@
 //! The program `baudbot-bench`: how fast worlds and the path to their brains are.
 
 mod args;
+mod count;
 mod files;
+mod pairs;
 mod table;
 
 use std::fs;
@@ -17,7 +19,7 @@ use baudbot_bench::{Means, worker};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::args::Args;
+use crate::args::{Action, Args};
 
 /// The arguments name what cannot be measured. Exit code 2, as for options that do not exist.
 #[derive(Debug, thiserror::Error)]
@@ -38,10 +40,16 @@ fn bench(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
         return Ok(worker::serve(task, child_command()?));
     }
+    if let Some(Action::Beside(beside)) = &args.action {
+        return pairs::run(args, beside);
+    }
     let chosen = catalogue::select(&args.workloads).map_err(|error| Refused(error.to_string()))?;
     if args.list {
         print(&table::list(&chosen))?;
         return Ok(ExitCode::SUCCESS);
+    }
+    if args.instructions {
+        return count::run(args, &chosen);
     }
     if let Some(ticks) = args.ticks {
         run_ticks(&chosen, ticks, args)?;

@@ -6,8 +6,9 @@ use crate::catalogue::{self, Kind, Workload};
 use crate::child::{Child, ChildError, Means, Task, tell, tell_repeat};
 use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
+use crate::network::{self, Found, NetworkError};
 use crate::outcome::{Beside, Outcome};
-use crate::{network, process};
+use crate::process;
 
 /// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
 /// number of each repeat before it begins, from 1.
@@ -44,17 +45,8 @@ fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Resul
         Kind::Gallery(gallery) => gallery
             .run(&means.program, &mut outcome, effort, tell_repeat)
             .map_err(|error| error.to_string())?,
-        Kind::Network(network) => {
-            let (found, notes) =
-                network.run(effort, command, tell_repeat).map_err(|error| error.to_string())?;
-            outcome.samples = found.samples;
-            outcome.notes = notes;
-            outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
-            if !found.ping.is_empty() {
-                let what = "a bare ping-pong of 64 bytes".to_owned();
-                outcome.beside = Some(Beside { what, samples: found.ping });
-            }
-        }
+        Kind::Network(network) => note_found(&mut outcome, network.run(effort, command, tell_repeat))?,
+        Kind::Worlds(worlds) => note_found(&mut outcome, worlds.run(effort, tell_repeat))?,
     }
     Ok(outcome)
 }
@@ -68,5 +60,21 @@ fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
     outcome.peak_memory_bytes = process::peak_memory_bytes();
     outcome.beside = run.beside;
     outcome.notes = run.notes;
+    Ok(())
+}
+
+/// What came of a run with a server.
+fn note_found(
+    outcome: &mut Outcome,
+    found: Result<(Found, Vec<String>), NetworkError>,
+) -> Result<(), String> {
+    let (found, notes) = found.map_err(|error| error.to_string())?;
+    outcome.samples = found.samples;
+    outcome.notes = notes;
+    outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
+    if !found.ping.is_empty() {
+        let what = "a bare ping-pong of 64 bytes".to_owned();
+        outcome.beside = Some(Beside { what, samples: found.ping });
+    }
     Ok(())
 }
