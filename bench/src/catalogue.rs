@@ -1,9 +1,12 @@
 //! The workloads by name.
 
 use crate::child::Streams;
+use crate::gallery::Gallery;
 use crate::in_process::{InProcess, Unfit};
-use crate::network::Network;
-use crate::scenario::Cable;
+use crate::learner::Learner;
+use crate::network::{Network, Worlds};
+use crate::scale::Scale;
+use crate::scenario::{Cable, Laser};
 
 /// A workload: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,24 +17,16 @@ pub struct Workload {
     pub summary: &'static str,
     /// Unit of its figure.
     pub unit: &'static str,
-    /// What other simulators did with it, in the same unit.
-    pub anchors: &'static [Anchor],
     pub(crate) kind: Kind,
-}
-
-/// What another simulator did, measured on a quiet core, in one thread, as a median.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Anchor {
-    /// Its name.
-    pub name: &'static str,
-    /// Its figure.
-    pub value: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     InProcess(InProcess),
+    Learner(Learner),
+    Gallery(Gallery),
     Network(Network),
+    Worlds(Worlds),
 }
 
 impl Workload {
@@ -42,7 +37,24 @@ impl Workload {
     pub fn run_ticks(&self, ticks: u64, threads: usize) -> Result<u64, Unfit> {
         match self.kind {
             Kind::InProcess(world) => world.run_ticks(ticks, threads),
-            Kind::Network(_) => Err(Unfit::NotInProcess(self.name)),
+            Kind::Learner(learner) => learner.run_ticks(ticks),
+            Kind::Gallery(_) | Kind::Network(_) | Kind::Worlds(_) => Err(Unfit::NotInProcess(self.name)),
+        }
+    }
+}
+
+impl Workload {
+    /// Whether it is a world or worlds in one process, whose ticks can be run by number.
+    pub fn has_ticks(&self) -> bool {
+        self.scale().is_some()
+    }
+
+    /// How its instructions are counted; `None` if they are those of several processes.
+    pub(crate) fn scale(&self) -> Option<Scale> {
+        match self.kind {
+            Kind::InProcess(world) => Some(world.scale()),
+            Kind::Learner(learner) => Some(learner.scale()),
+            Kind::Gallery(_) | Kind::Network(_) | Kind::Worlds(_) => None,
         }
     }
 }
@@ -73,109 +85,227 @@ pub fn select(names: &[String]) -> Result<Vec<&'static Workload>, NoWorkload> {
     Ok(WORKLOADS.iter().filter(wanted).collect())
 }
 
-const fn anchor(name: &'static str, value: f64) -> Anchor {
-    Anchor { name, value }
-}
-
 /// All of them.
 pub const WORKLOADS: &[Workload] = &[
     Workload {
         name: "W1/onboard",
         summary: "one small robot, 8 IR sensors of 3 rays, brain on board",
         unit: "steps/s",
-        anchors: &[anchor("Enki", 74e3), anchor("Stage", 39e3)],
         kind: Kind::InProcess(InProcess::Infrared { robots: 1, cable: Cable::Onboard }),
     },
     Workload {
         name: "W1/ideal",
         summary: "the same behind an ideal cable",
         unit: "steps/s",
-        anchors: &[anchor("Enki", 74e3), anchor("Stage", 39e3)],
         kind: Kind::InProcess(InProcess::Infrared { robots: 1, cable: Cable::Ideal }),
     },
     Workload {
         name: "W2",
         summary: "office, one robot, a scan of 683 rays in every step",
         unit: "rays/s",
-        anchors: &[anchor("Enki", 2.45e6), anchor("Stage", 1.3e6), anchor("a bitmap lidar", 4.0e6)],
-        kind: Kind::InProcess(InProcess::Office { robots: 1, period_ms: 10 }),
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Still { period_ms: 10 } }),
+    },
+    Workload {
+        name: "W2s/onboard",
+        summary: "the same with a URG-04LX as its preset sweeps, ten scans of 682 rays a second",
+        unit: "rays/s",
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Swept { cable: false } }),
+    },
+    Workload {
+        name: "W2s/cable",
+        summary: "the same, each scan over the preset's cable, 2,137 bytes",
+        unit: "rays/s",
+        kind: Kind::InProcess(InProcess::Office { robots: 1, laser: Laser::Swept { cable: true } }),
     },
     Workload {
         name: "W3/10",
         summary: "10 of W1's robots",
         unit: "robot-steps/s",
-        anchors: &[anchor("Enki", 67e3), anchor("Stage", 84e3)],
         kind: Kind::InProcess(InProcess::Infrared { robots: 10, cable: Cable::Onboard }),
     },
     Workload {
         name: "W3/100",
         summary: "100 of W1's robots",
         unit: "robot-steps/s",
-        anchors: &[anchor("Enki", 22e3), anchor("Stage", 36e3)],
         kind: Kind::InProcess(InProcess::Infrared { robots: 100, cable: Cable::Onboard }),
     },
     Workload {
         name: "W3/1000",
         summary: "1,000 of W1's robots",
         unit: "robot-steps/s",
-        anchors: &[anchor("Enki", 3.1e3), anchor("Stage", 31e3)],
         kind: Kind::InProcess(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }),
     },
     Workload {
         name: "W4",
         summary: "office, 100 robots, each with 10 scans of 683 rays a second",
         unit: "× real time",
-        anchors: &[anchor("Enki", 7.4), anchor("Stage", 0.83)],
-        kind: Kind::InProcess(InProcess::Office { robots: 100, period_ms: 100 }),
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } }),
+    },
+    Workload {
+        name: "W4s/onboard",
+        summary: "the same, each with a URG-04LX as its preset sweeps",
+        unit: "× real time",
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Swept { cable: false } }),
+    },
+    Workload {
+        name: "W4s/cable",
+        summary: "the same, each scan over the preset's cable, 2,137 bytes",
+        unit: "× real time",
+        kind: Kind::InProcess(InProcess::Office { robots: 100, laser: Laser::Swept { cable: true } }),
+    },
+    Workload {
+        name: "G",
+        summary: "10,000 of W1's robots, W3/100's floor a hundred times, beside 100 of them",
+        unit: "robot-steps/s",
+        kind: Kind::InProcess(InProcess::Infrared { robots: 10_000, cable: Cable::Onboard }),
+    },
+    Workload {
+        name: "V/1",
+        summary: "a learner steps a world of the scenario `wander`, 27 bytes a cycle at 9600 baud",
+        unit: "control cycles/s",
+        kind: Kind::Learner(Learner::Cycles { worlds: 1 }),
+    },
+    Workload {
+        name: "V/1024",
+        summary: "the same with 1,024 worlds, one after the other in one thread",
+        unit: "control cycles/s",
+        kind: Kind::Learner(Learner::Cycles { worlds: 1024 }),
+    },
+    Workload {
+        name: "V/reset",
+        summary: "a learner takes one of those worlds back to its start, with another seed",
+        unit: "resets/s",
+        kind: Kind::Learner(Learner::Resets),
+    },
+    Workload {
+        name: "R/wander",
+        summary: "`baudbot run`: one robot across 9600 baud",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "avoid",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/wander.toml"),
+        }),
+    },
+    Workload {
+        name: "R/khepera",
+        summary: "the same: one robot, eight IR sensors",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "avoid",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/khepera.toml"),
+        }),
+    },
+    Workload {
+        name: "R/sweeper",
+        summary: "the same: a brain of behaviours that sweeps a room",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "sweeper",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/sweeper.toml"),
+        }),
+    },
+    Workload {
+        name: "R/explore-office",
+        summary: "the same: an office explored by laser, until it is known",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "explore",
+            ticks: 90_000,
+            scenario: include_str!("../../scenarios/explore-office.toml"),
+        }),
+    },
+    Workload {
+        name: "R/tour",
+        summary: "the same: a robot that localizes itself by laser",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "tour",
+            ticks: 24_000,
+            scenario: include_str!("../../scenarios/tour.toml"),
+        }),
+    },
+    Workload {
+        name: "R/mower",
+        summary: "the same: a mower with a laser",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "mower",
+            ticks: 60_000,
+            scenario: include_str!("../../scenarios/mower.toml"),
+        }),
+    },
+    Workload {
+        name: "R/ecoli",
+        summary: "the same: 100 bacteria",
+        unit: "× real time",
+        kind: Kind::Gallery(Gallery {
+            brain: "ecoli",
+            ticks: 3_000,
+            scenario: include_str!("../../scenarios/ecoli.toml"),
+        }),
     },
     Workload {
         name: "N1",
         summary: "one brain in lockstep over TCP, a reading and a command in every step of 1 ms",
         unit: "ticks/s",
-        anchors: &[],
         kind: Kind::Network(Network::Alone),
     },
     Workload {
         name: "N2/off",
         summary: "the same at 9600 baud, the world waits in every step",
         unit: "ticks/s",
-        anchors: &[],
         kind: Kind::Network(Network::Serial { lookahead: false }),
     },
     Workload {
         name: "N2/on",
         summary: "the same with lookahead",
         unit: "ticks/s",
-        anchors: &[],
         kind: Kind::Network(Network::Serial { lookahead: true }),
     },
     Workload {
         name: "N3/connections",
         summary: "22 brains in lockstep, 8 IR sensors and encoders each, a connection each",
         unit: "ticks/s",
-        anchors: &[anchor("rcssserver", 240.0)],
         kind: Kind::Network(Network::Team(Streams::Connections)),
     },
     Workload {
         name: "N3/streams",
         summary: "the same, 22 streams on one connection",
         unit: "ticks/s",
-        anchors: &[anchor("rcssserver", 240.0)],
         kind: Kind::Network(Network::Team(Streams::OneConnection)),
     },
     Workload {
         name: "N3/fleet",
         summary: "the same, all on one stream",
         unit: "ticks/s",
-        anchors: &[anchor("rcssserver", 240.0)],
         kind: Kind::Network(Network::Team(Streams::OneStream)),
     },
     Workload {
         name: "N4",
         summary: "1,000 robots with 8 IR sensors in real time, steps of 10 ms, brains on 10 streams",
         unit: "% of ticks on time",
-        anchors: &[],
         kind: Kind::Network(Network::Crowd),
+    },
+    Workload {
+        name: "M/free",
+        summary: "200 worlds of the scenario `khepera` in one server, as fast as they can, nobody attached",
+        unit: "ticks/s",
+        kind: Kind::Worlds(Worlds::Free),
+    },
+    Workload {
+        name: "M/stepped",
+        summary: "the same, stepped by eight clients, a tick a call",
+        unit: "ticks/s",
+        kind: Kind::Worlds(Worlds::Stepped),
+    },
+    Workload {
+        name: "M/real-time",
+        summary: "1,000 of them in real time",
+        unit: "% of ticks on time",
+        kind: Kind::Worlds(Worlds::RealTime),
     },
 ];
 

@@ -1,6 +1,7 @@
 //! A process that does a task: the task is its last argument, and what happens comes back on stdout, a line of JSON each.
 
 use std::io::{self, BufRead, BufReader, Write};
+use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
 
 use serde::de::DeserializeOwned;
@@ -11,10 +12,19 @@ use crate::measure::Effort;
 /// What a child process is to do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Task {
-    /// Measure the workload of this name, with so many threads that step the world.
-    Workload { name: String, effort: Effort, threads: usize },
+    /// Measure the workload of this name.
+    Workload { name: String, effort: Effort, means: Means },
     /// Be the brains of the server at this address.
     Brains { address: String, what: Brains },
+}
+
+/// What workloads are measured with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Means {
+    /// Threads that step a world, if it has no server.
+    pub threads: usize,
+    /// The program `baudbot`, for workloads that run it.
+    pub program: PathBuf,
 }
 
 /// What the process with the brains is to do.

@@ -10,11 +10,6 @@ use serde_json::json;
 pub(super) fn json(measured: &[(&Workload, Outcome)]) -> anyhow::Result<String> {
     let workload = |(workload, outcome): &(&Workload, Outcome)| {
         let [min, max] = outcome.spread();
-        let anchors: Vec<_> = workload
-            .anchors
-            .iter()
-            .map(|anchor| json!({ "name": anchor.name, "value": anchor.value }))
-            .collect();
         json!({
             "workload": outcome.workload,
             "summary": workload.summary,
@@ -31,7 +26,6 @@ pub(super) fn json(measured: &[(&Workload, Outcome)]) -> anyhow::Result<String> 
             "beside": outcome.beside,
             "median_ratio_to_beside": outcome.beside.as_ref().map(|beside| beside.median_ratio(outcome)),
             "notes": outcome.notes,
-            "others": anchors,
         })
     };
     let all = json!({

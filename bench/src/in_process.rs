@@ -4,10 +4,12 @@ use baudbot_scenario::ScenarioError;
 use baudbot_sim::model::RobotSpec;
 
 use crate::measure::{self, Effort, Sample};
+use crate::outcome::Beside;
 use crate::plan::{Plan, PlanError};
 use crate::process::Clock;
 use crate::rig::{NoThreads, Rig};
-use crate::scenario::{Cable, Infrared, LASER_RAYS, office, parse, plans};
+use crate::scale::Scale;
+use crate::scenario::{Cable, Infrared, Laser, office, parse, plans};
 
 /// A world that runs as fast as it can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +17,7 @@ pub(crate) enum InProcess {
     /// Small robots with infra-red sensors, 1, 10, 100 or 1,000 of them; in steps of a robot.
     Infrared { robots: usize, cable: Cable },
     /// Robots with lasers in an office; one in rays a second, many as a multiple of real time.
-    Office { robots: usize, period_ms: u32 },
+    Office { robots: usize, laser: Laser },
 }
 
 /// Why a workload could not be measured.
@@ -30,8 +32,8 @@ pub enum Unfit {
     /// There are not as many threads as asked for.
     #[error(transparent)]
     Threads(#[from] NoThreads),
-    /// It has a server, and a number of ticks means nothing.
-    #[error("`{0}` has a server and takes no --ticks; W1 to W4 do")]
+    /// It has other processes, and a number of ticks means nothing.
+    #[error("`{0}` has other processes and takes no --ticks; W1 to W4, G and V do")]
     NotInProcess(&'static str),
     /// What ran is not the workload.
     #[error("the run is not what it should be: {0}")]
@@ -44,28 +46,46 @@ pub(crate) struct Run {
     /// Ticks of the first stretch, and the world's fingerprint after it: the same for every build and machine.
     pub(crate) probe_ticks: u64,
     pub(crate) hash: u64,
+    /// What was measured by turns with it.
+    pub(crate) beside: Option<Beside>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl InProcess {
-    /// Measures it.
-    pub(crate) fn run(self, effort: Effort, threads: usize, progress: impl FnMut(u32)) -> Result<Run, Unfit> {
-        let mut rig = self.rig()?;
-        rig.set_threads(threads)?;
-        let probe_ticks = self.probe_ticks();
-        rig.run(probe_ticks);
-        check(&rig)?;
-        let hash = rig.world().hash();
-        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
-        let mut samples = measure::rate(effort, clock, progress, |ticks| {
-            rig.run(ticks);
-            Ok::<_, Unfit>(())
-        })?;
-        check(&rig)?;
-        let units = self.units_a_tick();
-        for sample in &mut samples {
-            sample.value *= units;
+    /// Measures it. A crowd of 10,000 is measured by turns with 100 of them.
+    pub(crate) fn run(
+        self,
+        effort: Effort,
+        threads: usize,
+        mut progress: impl FnMut(u32),
+    ) -> Result<Run, Unfit> {
+        let mut own = Stretch::begin(self, threads)?;
+        let mut few = match self {
+            Self::Infrared { robots: CROWD, cable } => {
+                Some(Stretch::begin(Self::Infrared { robots: FEW, cable }, threads)?)
+            }
+            Self::Infrared { .. } | Self::Office { .. } => None,
+        };
+        match &mut few {
+            None => own.measure(effort, progress)?,
+            Some(few) => {
+                for repeat in 1..=effort.repeats {
+                    progress(repeat);
+                    let once = Effort { repeats: 1, ..effort };
+                    few.measure(once, |_| {})?;
+                    own.measure(once, |_| {})?;
+                }
+            }
         }
-        Ok(Run { samples, probe_ticks, hash })
+        let what = || format!("{FEW} robots");
+        let beside = few.map(|few| Beside { what: what(), samples: few.samples });
+        Ok(Run {
+            notes: beside.iter().map(|few| growth(&few.samples, &own.samples)).collect(),
+            samples: own.samples,
+            probe_ticks: self.probe_ticks(),
+            hash: own.hash,
+            beside,
+        })
     }
 
     /// So many ticks from the start, and the world's fingerprint after them.
@@ -84,17 +104,17 @@ impl InProcess {
     fn scenario(self) -> Result<String, PlanError> {
         Ok(match self {
             Self::Infrared { robots, cable } => {
-                let plan = match robots {
+                let plan: Plan = match robots {
                     1 => plans::IR_1,
                     10 => plans::IR_10,
-                    100 => plans::IR_100,
-                    _ => plans::IR_1000,
-                };
-                Infrared::new(cable).scenario(&plan.parse()?)
+                    1000 => plans::IR_1000,
+                    _ => plans::IR_100,
+                }
+                .parse()?;
+                let side = (robots / plan.robots.len()).isqrt();
+                Infrared::new(cable).scenario(&plan.tiled(side))
             }
-            Self::Office { robots, period_ms } => {
-                office(&plans::OFFICE.parse::<Plan>()?, robots, period_ms.into())
-            }
+            Self::Office { robots, laser } => office(&plans::OFFICE.parse::<Plan>()?, robots, laser),
         })
     }
 
@@ -108,13 +128,75 @@ impl InProcess {
         }
     }
 
+    /// Two numbers of ticks with whole scans, and no more than valgrind goes through in some seconds.
+    pub(crate) fn scale(self) -> Scale {
+        let (ticks, units_a_tick, unit) = match self {
+            Self::Infrared { robots: 1, .. } => ([2000, 12_000], 1.0, "step"),
+            Self::Infrared { robots: CROWD, .. } => ([2, 6], CROWD as f64, "robot-step"),
+            Self::Infrared { robots, .. } => {
+                ([2000 / robots as u64, 12_000 / robots as u64], robots as f64, "robot-step")
+            }
+            Self::Office { robots: 1, .. } => ([200, 1200], self.units_a_tick(), "ray"),
+            Self::Office { robots, laser: Laser::Still { .. } } => ([10, 60], robots as f64, "robot-tick"),
+            Self::Office { robots, laser: Laser::Swept { .. } } => ([20, 40], robots as f64, "robot-tick"),
+        };
+        Scale { ticks, units_a_tick, unit }
+    }
+
     fn units_a_tick(self) -> f64 {
         match self {
             Self::Infrared { robots, .. } => robots as f64,
-            Self::Office { robots: 1, .. } => LASER_RAYS as f64,
-            Self::Office { .. } => STEP_S,
+            Self::Office { robots: 1, laser } => laser.rays() as f64 * STEP_MS / f64::from(laser.period_ms()),
+            Self::Office { .. } => STEP_MS * 1e-3,
         }
     }
+}
+
+/// A world that is measured bit by bit.
+struct Stretch {
+    world: InProcess,
+    rig: Rig,
+    clock: Clock,
+    /// The fingerprint after its first ticks.
+    hash: u64,
+    samples: Vec<Sample>,
+}
+
+impl Stretch {
+    /// After its first ticks.
+    fn begin(world: InProcess, threads: usize) -> Result<Self, Unfit> {
+        let mut rig = world.rig()?;
+        rig.set_threads(threads)?;
+        rig.run(world.probe_ticks());
+        check(&rig)?;
+        let hash = rig.world().hash();
+        let clock = if threads == 1 { Clock::Processor } else { Clock::Wall };
+        Ok(Self { world, rig, clock, hash, samples: Vec::new() })
+    }
+
+    fn measure(&mut self, effort: Effort, progress: impl FnMut(u32)) -> Result<(), Unfit> {
+        let samples = measure::rate(effort, self.clock, progress, |ticks| {
+            self.rig.run(ticks);
+            Ok::<_, Unfit>(())
+        })?;
+        check(&self.rig)?;
+        let units = self.world.units_a_tick();
+        self.samples
+            .extend(samples.into_iter().map(|sample| Sample { value: sample.value * units, ..sample }));
+        Ok(())
+    }
+}
+
+/// What a robot of a crowd costs, in terms of one among few: pairs that were measured one after the other.
+fn growth(few: &[Sample], crowd: &[Sample]) -> String {
+    let costs: Vec<_> = few.iter().zip(crowd).map(|(few, crowd)| few.value / crowd.value).collect();
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = costs.iter().copied().fold(0.0, f64::max);
+    format!(
+        "a robot among {CROWD} costs {:.2} times as much as one among {FEW} ({least:.2} to {most:.2}, {} pairs)",
+        measure::median(costs.iter().copied()),
+        costs.len()
+    )
 }
 
 /// Whether every robot drives, is somewhere, and reads its sensors as often as it should.
@@ -167,7 +249,11 @@ fn period_ns(sensor: &baudbot_sim::sensor::Sensor) -> u64 {
     sensor.own_clock.map_or_else(|| sensor.schedule.period_ns(), |clock| clock.period_ns)
 }
 
-const STEP_S: f64 = 0.01;
+/// Robots of the largest world, and of the one that it is compared with.
+const CROWD: usize = 10_000;
+const FEW: usize = 100;
+
+const STEP_MS: f64 = 10.0;
 
 /// Slower than this in the mean, each robot in its first minute and all of them in the whole run, something is wrong.
 const SLOWEST_M_S: f64 = 1e-3;
@@ -181,14 +267,19 @@ mod tests {
 
     /// Fingerprints after the first ticks. They change for the reasons for which golden hashes may
     /// (docs/determinism.md), and for another scenario or driver here; never for speed.
-    const FINGERPRINTS: [(&str, u64); 7] = [
+    const FINGERPRINTS: [(&str, u64); 12] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),
         ("W2", 0x8de7_4c97_9d08_5e62),
+        ("W2s/onboard", 0x8fef_1cb1_f0d5_39eb),
+        ("W2s/cable", 0x04e1_c970_ba67_52cb),
         ("W3/10", 0x4e2a_ad67_32f7_059a),
         ("W3/100", 0xe5ad_d17b_065b_3ddb),
         ("W3/1000", 0x3fe7_3622_421f_6263),
         ("W4", 0x87e9_5567_be0c_9434),
+        ("W4s/onboard", 0x2ac8_7bf4_aac6_12aa),
+        ("W4s/cable", 0xb034_51d2_5da0_2c4a),
+        ("G", 0xb4eb_3d15_1ccd_73d7),
     ];
 
     #[test]
@@ -215,8 +306,32 @@ mod tests {
         };
         assert_eq!(facts(InProcess::Infrared { robots: 1, cable: Cable::Ideal }), (8, 1, 8, true));
         assert_eq!(facts(InProcess::Infrared { robots: 1000, cable: Cable::Onboard }), (404, 1000, 8, true));
-        assert_eq!(facts(InProcess::Office { robots: 1, period_ms: 10 }), (100, 1, LASER_RAYS, true));
-        assert_eq!(facts(InProcess::Office { robots: 100, period_ms: 100 }), (100, 100, LASER_RAYS, true));
+        // A hundred floors of ten boxes each, with the walls around and between them.
+        let crowd = InProcess::Infrared { robots: CROWD, cable: Cable::Onboard };
+        assert_eq!(facts(crowd), (100 * 10 * 4 + 2 * 11 * 10, 10_000, 8, true));
+        assert_eq!(
+            facts(InProcess::Office { robots: 1, laser: Laser::Still { period_ms: 10 } }),
+            (100, 1, 683, true)
+        );
+        assert_eq!(
+            facts(InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } }),
+            (100, 100, 683, true)
+        );
+        let swept = |cable| facts(InProcess::Office { robots: 1, laser: Laser::Swept { cable } });
+        assert_eq!([false, true].map(swept), [(100, 1, 682, true); 2]);
+    }
+
+    #[test]
+    fn a_swept_laser_is_the_presets_but_for_its_cable() {
+        let laser = |cable| {
+            let rig = InProcess::Office { robots: 1, laser: Laser::Swept { cable } }.rig().unwrap();
+            let sensor = &rig.world().scenario().robots[0].sensors[0];
+            let is_on_a_cable = sensor.port.is_some();
+            (is_on_a_cable, format!("{:?}", (&sensor.device, &sensor.own_clock, &sensor.noise)))
+        };
+        let [(on_board, own), (on_a_cable, presets)] = [false, true].map(laser);
+        assert_eq!((on_board, on_a_cable), (false, true));
+        assert_eq!(own, presets);
     }
 
     #[test]
@@ -231,7 +346,7 @@ mod tests {
         for world in [
             InProcess::Infrared { robots: 100, cable: Cable::Ideal },
             InProcess::Infrared { robots: 1000, cable: Cable::Onboard },
-            InProcess::Office { robots: 100, period_ms: 100 },
+            InProcess::Office { robots: 100, laser: Laser::Still { period_ms: 100 } },
         ] {
             let alone = world.run_ticks(15, 1).unwrap();
             for threads in [2, 4, 16] {

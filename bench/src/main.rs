@@ -1,23 +1,25 @@
 //! The program `baudbot-bench`: how fast worlds and the path to their brains are.
 
 mod args;
+mod count;
 mod files;
+mod pairs;
 mod table;
 
 use std::fs;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use anyhow::Context;
 use baudbot_bench::catalogue::{self, Workload};
 use baudbot_bench::measure::Effort;
 use baudbot_bench::outcome::Outcome;
-use baudbot_bench::worker;
+use baudbot_bench::{Means, worker};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::args::Args;
+use crate::args::{Action, Args};
 
 /// The arguments name what cannot be measured. Exit code 2, as for options that do not exist.
 #[derive(Debug, thiserror::Error)]
@@ -38,10 +40,16 @@ fn bench(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(task) = &args.child {
         return Ok(worker::serve(task, child_command()?));
     }
+    if let Some(Action::Beside(beside)) = &args.action {
+        return pairs::run(args, beside);
+    }
     let chosen = catalogue::select(&args.workloads).map_err(|error| Refused(error.to_string()))?;
     if args.list {
         print(&table::list(&chosen))?;
         return Ok(ExitCode::SUCCESS);
+    }
+    if args.instructions {
+        return count::run(args, &chosen);
     }
     if let Some(ticks) = args.ticks {
         run_ticks(&chosen, ticks, args)?;
@@ -81,12 +89,13 @@ fn measure(
 ) -> anyhow::Result<(Vec<(&'static Workload, Outcome)>, usize)> {
     let effort = Effort { seconds: args.seconds, repeats: args.repeats };
     let bar = progress(args.quiet, chosen.len() as u64 * u64::from(args.repeats));
+    let means = Means { threads: args.threads.into(), program: program(args)? };
     let (mut measured, mut failed) = (Vec::new(), 0);
     for (i, &workload) in chosen.iter().enumerate() {
         let before = i as u64 * u64::from(args.repeats);
         bar.set_message(format!("{}: warm-up", workload.name));
         bar.set_position(before);
-        let outcome = worker::measure(child_command()?, workload, effort, args.threads.into(), |repeat| {
+        let outcome = worker::measure(child_command()?, workload, effort, means.clone(), |repeat| {
             bar.set_message(format!("{}: repeat {repeat} of {}", workload.name, args.repeats));
             bar.set_position(before + u64::from(repeat) - 1);
         });
@@ -102,9 +111,19 @@ fn measure(
     Ok((measured, failed))
 }
 
+/// The program that R runs.
+fn program(args: &Args) -> anyhow::Result<PathBuf> {
+    let beside = || Ok::<_, anyhow::Error>(this_program()?.with_file_name("baudbot"));
+    args.program.clone().map_or_else(beside, Ok)
+}
+
+fn this_program() -> anyhow::Result<PathBuf> {
+    std::env::current_exe().context("cannot find this program")
+}
+
 /// Begins a process that does what its last argument says.
 fn child_command() -> anyhow::Result<Command> {
-    let mut command = Command::new(std::env::current_exe().context("cannot find this program")?);
+    let mut command = Command::new(this_program()?);
     command.arg("--child");
     Ok(command)
 }

@@ -69,6 +69,24 @@ impl Plan {
         Ok(())
     }
 
+    /// Floors like this side by side, so many in each direction. What two of them have between them stands there once.
+    pub fn tiled(&self, side: usize) -> Self {
+        let mut all = Self { size: self.size.map(|length| length * side as f64), ..Self::default() };
+        for (column, row) in (0..side * side).map(|i| (i % side, i / side)) {
+            let (dx, dy) = (column as f64 * self.size[0], row as f64 * self.size[1]);
+            let is_first = |&[x0, y0, x1, y1]: &[f64; 4]| {
+                (column == 0 || x0 > 0.0 || x1 > 0.0) && (row == 0 || y0 > 0.0 || y1 > 0.0)
+            };
+            let walls = self.walls.iter().filter(|wall| is_first(wall));
+            all.walls.extend(walls.map(|[x0, y0, x1, y1]| [x0 + dx, y0 + dy, x1 + dx, y1 + dy]));
+            all.boxes
+                .extend(self.boxes.iter().map(|[x, y, width, height]| [x + dx, y + dy, *width, *height]));
+            all.cylinders.extend(self.cylinders.iter().map(|[x, y]| [x + dx, y + dy]));
+            all.robots.extend(self.robots.iter().map(|[x, y, heading]| [x + dx, y + dy, *heading]));
+        }
+        all
+    }
+
     /// How many segments its walls and boxes have.
     pub fn segments(&self) -> usize {
         self.walls.len() + 4 * self.boxes.len()
@@ -102,6 +120,19 @@ mod tests {
     fn outer_walls_stand_for_the_rectangle() {
         let plan: Plan = "size 2 1\nouter 0 0 2 0\nwall 1 0 1 0.5\ndesk 1 1 0.5 0.25".parse().unwrap();
         assert_eq!((plan.walls.len(), plan.segments()), (2, 6));
+    }
+
+    #[test]
+    fn floors_side_by_side_share_the_walls_between_them() {
+        let plan: Plan =
+            "size 2 1\nwall 1 0 1 0.5\nbox 0.5 0.5\ncyl 1 0.75\nrobot 1.5 0.5 3.0\n".parse().unwrap();
+        let four = plan.tiled(2);
+        assert_eq!(four.size, [4.0, 2.0]);
+        assert_eq!((four.walls.len(), four.segments()), (12 + 4, 12 + 4 + 16));
+        assert!(four.walls.contains(&[3.0, 1.0, 3.0, 1.5]), "{:?}", four.walls);
+        assert_eq!(four.robots[3], [3.5, 1.5, 3.0]);
+        assert_eq!((four.boxes[1][0], four.cylinders[2]), (2.5, [1.0, 1.75]));
+        assert_eq!(plan.tiled(1), plan);
     }
 
     #[test]

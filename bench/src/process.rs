@@ -30,8 +30,17 @@ pub fn usage() -> Usage {
 
 /// The most memory that this process has had so far, in bytes; `None` where the system does not say.
 pub fn peak_memory_bytes() -> Option<u64> {
+    of_status("VmHWM:")
+}
+
+/// The memory that this process has now, in bytes; `None` where the system does not say.
+pub fn memory_bytes() -> Option<u64> {
+    of_status("VmRSS:")
+}
+
+fn of_status(field: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(field))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024)
 }
@@ -73,6 +82,7 @@ mod tests {
     fn memory_is_that_of_a_process() {
         let Some(bytes) = peak_memory_bytes() else { return };
         assert!((1 << 20..1 << 34).contains(&bytes), "{bytes}");
+        assert!(memory_bytes().is_some_and(|now| (1 << 20..=peak_memory_bytes().unwrap()).contains(&now)));
         assert!(cpu_time() > Duration::ZERO);
     }
 }

@@ -42,8 +42,61 @@ impl Cable {
     }
 }
 
-/// Rays of the laser of [`office`].
-pub const LASER_RAYS: usize = 683;
+/// The laser of each robot of an [`office`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Laser {
+    /// All rays of a scan at once, a scan every so many milliseconds, handed to the brain without a cable: as in
+    /// simulators that hand a controller in their own process the distances.
+    Still {
+        /// Between two scans.
+        period_ms: u32,
+    },
+    /// A URG-04LX by its preset, with the device's own clock, ten scans a second: its mirror turns for 66.5 ms of each,
+    /// while the robot drives on.
+    Swept {
+        /// Whether it has the preset's cable, too, which carries 2,137 bytes a scan; else a scan is handed to the brain as
+        /// that of the still laser is.
+        cable: bool,
+    },
+}
+
+impl Laser {
+    /// Rays of a scan.
+    pub const fn rays(self) -> usize {
+        match self {
+            Self::Still { .. } => 683,
+            Self::Swept { .. } => 682,
+        }
+    }
+
+    /// Time between two scans, in milliseconds.
+    pub const fn period_ms(self) -> u32 {
+        match self {
+            Self::Still { period_ms } => period_ms,
+            Self::Swept { .. } => 100,
+        }
+    }
+
+    /// That of robot `i`: devices that nobody synchronised, so that the scans of many robots are spread over their period.
+    fn toml(self, i: usize) -> String {
+        let rays = self.rays();
+        match self {
+            Self::Still { period_ms } => {
+                let phase_ms = i as f64 * 10.0 % f64::from(period_ms);
+                format!(
+                    "[robots.sensors.laser]\nkind = \"laser\"\nmount = {{}}\nopening_rad = {LASER_OPENING_RAD}\n\
+                     rays = {rays}\nrange_m = 4.0\nsweep_ms = 0.0\nperiod_ms = {period_ms}\nphase_ms = {phase_ms}\n\
+                     noise = {{ additive = 0.01 }}\n"
+                )
+            }
+            // As scenarios/explore-office.toml has it. Its clock begins anywhere.
+            Self::Swept { cable: true } => {
+                "[robots.sensors.laser]\npreset = \"urg-04lx\"\nmount = {}\nrange_m = 4.0\n".to_owned()
+            }
+            Self::Swept { cable: false } => URG_WITHOUT_ITS_CABLE.to_owned(),
+        }
+    }
+}
 
 /// What small robots are, besides their bodies and motors, which are an e-puck's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,20 +159,14 @@ impl Infrared {
     }
 }
 
-/// The first `robots` robots of a plan, each with a laser that scans every `period_ms`; steps of 10 ms.
-pub fn office(plan: &Plan, robots: usize, period_ms: f64) -> String {
+/// The first `robots` robots of a plan, each with a laser and its brain on board; steps of 10 ms.
+pub fn office(plan: &Plan, robots: usize, laser: Laser) -> String {
     let mut toml = head("office", 10.0);
     arena(&mut toml, plan);
     for (i, &start) in plan.robots.iter().take(robots).enumerate() {
         robot(&mut toml, i, start);
-        // Devices that nobody synchronised: the scans of many robots are spread over their period.
-        let phase_ms = i as f64 * 10.0 % period_ms;
-        let _ = write!(
-            toml,
-            "[robots.sensors.laser]\nkind = \"laser\"\nmount = {{}}\nopening_rad = {LASER_OPENING_RAD}\n\
-             rays = {LASER_RAYS}\nrange_m = 4.0\nsweep_ms = 0.0\nperiod_ms = {period_ms}\nphase_ms = {phase_ms}\n\
-             noise = {{ additive = 0.01 }}\n{LASER_WAY}"
-        );
+        toml += &laser.toml(i);
+        toml += "[robots.link]\nkind = \"onboard\"\n";
     }
     toml
 }
@@ -180,9 +227,20 @@ const IR_OPENING_RAD: f64 = std::f64::consts::PI / 6.0;
 /// 240°, and so many rays that two neighbours are 0.352° apart.
 const LASER_OPENING_RAD: f64 = 240.0 * std::f64::consts::PI / 180.0;
 
-/// How a scan comes to the brain: as in the simulators compared, which hand a controller in their own process the
-/// distances, without a cable.
-const LASER_WAY: &str = "[robots.link]\nkind = \"onboard\"\n";
+/// scenario/presets/urg-04lx.toml but for its port, which a file cannot take from a preset.
+const URG_WITHOUT_ITS_CABLE: &str = "\
+[robots.sensors.laser]
+kind = \"laser\"
+mount = {}
+opening_rad = 4.178564
+rays = 682
+min_m = 0.02
+range_m = 4.0
+sweep_ms = 66.5039
+clock = { period_ms = 100.0 }
+period_ms = 100.0
+noise = { multiplicative = 0.004, additive = 0.003 }
+";
 
 /// Places on the body and bearings of the small robot's sensors, as on an e-puck.
 const SENSORS_M_DEG: [[f64; 3]; 8] = [

@@ -1,7 +1,7 @@
 //! What was measured, for people.
 
-use baudbot_bench::catalogue::{Anchor, Workload};
-use baudbot_bench::outcome::{Beside, Outcome};
+use baudbot_bench::catalogue::Workload;
+use baudbot_bench::outcome::Outcome;
 
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -11,15 +11,15 @@ pub(super) fn list(workloads: &[&Workload]) -> String {
     workloads.iter().map(|workload| format!("{:<width$}  {}\n", workload.name, workload.summary)).collect()
 }
 
-/// A row a workload, then what other simulators did, then what else there is to say.
+/// A row a workload, then what was measured by turns with it, then what else there is to say.
 pub(super) fn text(measured: &[(&Workload, Outcome)]) -> String {
     let head = ["workload", "median", "min", "max", "unit", "peak memory", "per 10^6 rounds"];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(measured.iter().map(|(_, outcome)| row(outcome)));
     let mut text = table("", &rows);
-    let others: Vec<_> = measured.iter().flat_map(|(workload, outcome)| others(workload, outcome)).collect();
+    let others: Vec<_> = measured.iter().filter_map(|(_, outcome)| beside(outcome)).collect();
     if !others.is_empty() {
-        text += "\nin comparison; other simulators on a quiet core (docs/performance.md)\n";
+        text += "\nby turns with it in the same run\n";
         text += &table("  ", &others);
     }
     let hashes: Vec<_> = measured.iter().filter_map(|(_, outcome)| hash(outcome)).collect();
@@ -60,16 +60,10 @@ fn row(outcome: &Outcome) -> [String; 7] {
     ]
 }
 
-fn others(workload: &Workload, outcome: &Outcome) -> Vec<[String; 4]> {
-    let row = |anchor: &Anchor| {
-        let ratio = format!("{} ×", figure(outcome.median() / anchor.value));
-        [workload.name.to_owned(), anchor.name.to_owned(), figure(anchor.value), ratio]
-    };
-    let beside = |beside: &Beside| {
-        let ratio = format!("{} ×", figure(beside.median_ratio(outcome)));
-        [workload.name.to_owned(), format!("{}, here", beside.what), figure(beside.median()), ratio]
-    };
-    workload.anchors.iter().map(row).chain(outcome.beside.iter().map(beside)).collect()
+fn beside(outcome: &Outcome) -> Option<[String; 4]> {
+    let beside = outcome.beside.as_ref()?;
+    let ratio = format!("{} ×", figure(beside.median_ratio(outcome)));
+    Some([outcome.workload.clone(), beside.what.clone(), figure(beside.median()), ratio])
 }
 
 fn hash(outcome: &Outcome) -> Option<[String; 3]> {
@@ -81,7 +75,7 @@ fn hash(outcome: &Outcome) -> Option<[String; 3]> {
 const NOTHING: &str = "—";
 
 /// A number with four digits that count, thousands apart.
-fn figure(number: f64) -> String {
+pub(super) fn figure(number: f64) -> String {
     if !number.is_finite() {
         return NOTHING.to_owned();
     }

@@ -3,10 +3,12 @@
 use std::process::{Command, ExitCode};
 
 use crate::catalogue::{self, Kind, Workload};
-use crate::child::{Child, ChildError, Task, tell, tell_repeat};
+use crate::child::{Child, ChildError, Means, Task, tell, tell_repeat};
+use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
+use crate::network::{self, Found, NetworkError};
 use crate::outcome::{Beside, Outcome};
-use crate::{network, process};
+use crate::process;
 
 /// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
 /// number of each repeat before it begins, from 1.
@@ -17,45 +19,62 @@ pub fn measure(
     command: Command,
     workload: &Workload,
     effort: Effort,
-    threads: usize,
+    means: Means,
     progress: impl FnMut(u32),
 ) -> Result<Outcome, ChildError> {
-    let task = Task::Workload { name: workload.name.to_owned(), effort, threads };
+    let task = Task::Workload { name: workload.name.to_owned(), effort, means };
     Child::start(command, &task)?.end(progress)
 }
 
 /// What a child process does with its last argument. `command` begins a process like itself.
 pub fn serve(task: &str, command: Command) -> ExitCode {
     match serde_json::from_str::<Task>(task) {
-        Ok(Task::Workload { name, effort, threads }) => tell(perform(&name, effort, threads, command)),
+        Ok(Task::Workload { name, effort, means }) => tell(perform(&name, effort, &means, command)),
         Ok(Task::Brains { address, what }) => tell(network::perform(&address, &what, tell_repeat)),
         Err(error) => tell::<()>(Err(format!("`{task}` is no task: {error}"))),
     }
 }
 
-fn perform(name: &str, effort: Effort, threads: usize, command: Command) -> Result<Outcome, String> {
+fn perform(name: &str, effort: Effort, means: &Means, command: Command) -> Result<Outcome, String> {
     let workload = catalogue::WORKLOADS.iter().find(|workload| workload.name == name);
     let workload = workload.ok_or_else(|| format!("there is no workload `{name}`"))?;
-    let mut outcome = Outcome::new(workload.name, workload.unit, threads);
+    let mut outcome = Outcome::new(workload.name, workload.unit, means.threads);
     match workload.kind {
-        Kind::InProcess(world) => {
-            let run = world.run(effort, threads, tell_repeat).map_err(|error| error.to_string())?;
-            outcome.samples = run.samples;
-            outcome.hash = Some(format!("{:016x}", run.hash));
-            outcome.hash_ticks = Some(run.probe_ticks);
-            outcome.peak_memory_bytes = process::peak_memory_bytes();
-        }
-        Kind::Network(network) => {
-            let (found, notes) =
-                network.run(effort, command, tell_repeat).map_err(|error| error.to_string())?;
-            outcome.samples = found.samples;
-            outcome.notes = notes;
-            outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
-            if !found.ping.is_empty() {
-                let what = "a bare ping-pong of 64 bytes".to_owned();
-                outcome.beside = Some(Beside { what, samples: found.ping });
-            }
-        }
+        Kind::InProcess(world) => note(&mut outcome, world.run(effort, means.threads, tell_repeat))?,
+        Kind::Learner(learner) => note(&mut outcome, learner.run(effort, tell_repeat))?,
+        Kind::Gallery(gallery) => gallery
+            .run(&means.program, &mut outcome, effort, tell_repeat)
+            .map_err(|error| error.to_string())?,
+        Kind::Network(network) => note_found(&mut outcome, network.run(effort, command, tell_repeat))?,
+        Kind::Worlds(worlds) => note_found(&mut outcome, worlds.run(effort, tell_repeat))?,
     }
     Ok(outcome)
+}
+
+/// What came of a run in this process.
+fn note(outcome: &mut Outcome, run: Result<Run, Unfit>) -> Result<(), String> {
+    let run = run.map_err(|error| error.to_string())?;
+    outcome.samples = run.samples;
+    outcome.hash = Some(format!("{:016x}", run.hash));
+    outcome.hash_ticks = Some(run.probe_ticks);
+    outcome.peak_memory_bytes = process::peak_memory_bytes();
+    outcome.beside = run.beside;
+    outcome.notes = run.notes;
+    Ok(())
+}
+
+/// What came of a run with a server.
+fn note_found(
+    outcome: &mut Outcome,
+    found: Result<(Found, Vec<String>), NetworkError>,
+) -> Result<(), String> {
+    let (found, notes) = found.map_err(|error| error.to_string())?;
+    outcome.samples = found.samples;
+    outcome.notes = notes;
+    outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
+    if !found.ping.is_empty() {
+        let what = "a bare ping-pong of 64 bytes".to_owned();
+        outcome.beside = Some(Beside { what, samples: found.ping });
+    }
+    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use baudbot_bench::plan::Plan;
 use baudbot_bench::rig::Rig;
-use baudbot_bench::scenario::{Cable, Infrared, office, parse, plans};
+use baudbot_bench::scenario::{Cable, Infrared, Laser, office, parse, plans};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
@@ -28,5 +28,5 @@ fn infrared(bencher: Bencher<'_, '_>, robots: usize) {
 #[divan::bench]
 fn laser(bencher: Bencher<'_, '_>) {
     let plan: Plan = plans::OFFICE.parse().expect("a floor plan");
-    ticks(bencher, &office(&plan, 1, 10.0));
+    ticks(bencher, &office(&plan, 1, Laser::Still { period_ms: 10 }));
 }

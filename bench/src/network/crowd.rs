@@ -28,13 +28,13 @@ pub(super) fn run(
     let ticks = Ticks::default();
     let heard = ticks.clone();
     let world = WorldConfig::new(WORLD, scenario).pace(Pace::REAL_TIME).paused(true);
-    let server = Running::start(world.on_tick(Box::new(move |_| heard.note())))?;
+    let server = Running::start(vec![world.on_tick(Box::new(move |_| heard.note()))])?;
     let what = Brains::RealTime { robots, streams: STREAMS };
     let child = Child::start(command, &Task::Brains { address: server.address(), what })?;
     wait_for_brains(&server)?;
     // Once, as long as nothing moves: later it would take the processor from what is measured.
     let calibration_per_s = calibration::rounds_per_second();
-    server.go()?;
+    server.go(WORLD)?;
     std::thread::sleep(Duration::from_secs_f64(effort.seconds / 4.0));
     let (start, cpu) = (Instant::now(), process::cpu_time());
     let mut samples = Vec::new();
@@ -71,16 +71,16 @@ fn told(lateness: &[Duration], status: &WorldStatus) -> String {
 
 /// When each tick began.
 #[derive(Clone, Default)]
-struct Ticks(Arc<Mutex<Vec<Instant>>>);
+pub(super) struct Ticks(Arc<Mutex<Vec<Instant>>>);
 
 impl Ticks {
-    fn note(&self) {
+    pub(super) fn note(&self) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Instant::now());
     }
 
     /// How long after its time each tick ended that ended since then: as the next one began. The first one's beginning
     /// starts the clock.
-    fn lateness(&self, step: Duration, since: Instant) -> Vec<Duration> {
+    pub(super) fn lateness(&self, step: Duration, since: Instant) -> Vec<Duration> {
         let begun = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(&first) = begun.first() else { return Vec::new() };
         let ends = begun.iter().enumerate().filter(|(_, at)| **at >= since);
@@ -88,7 +88,7 @@ impl Ticks {
     }
 }
 
-fn percent(lateness: &[Duration], is: impl Fn(Duration) -> bool) -> f64 {
+pub(super) fn percent(lateness: &[Duration], is: impl Fn(Duration) -> bool) -> f64 {
     let some = lateness.iter().filter(|late| is(**late)).count();
     // A world that is far behind may not have finished a tick at all.
     100.0 * some as f64 / lateness.len().max(1) as f64

@@ -2,12 +2,13 @@
 //!
 //! The server runs here, as in `baudbot serve`: its services on one thread, its world on another. The brains run in a
 //! process of their own ([`brains`]), which also takes the time where the world waits for them. [`crowd`] is for real
-//! time, where nobody waits. [`ping`] is what the path is compared with.
+//! time, where nobody waits, [`worlds`] for many worlds without brains. [`ping`] is what the path is compared with.
 
 mod brains;
 mod crowd;
 mod ping;
 mod server;
+mod worlds;
 
 use std::process::Command;
 
@@ -23,6 +24,7 @@ use crate::scenario::{Cable, Infrared, parse, plans};
 use server::{Running, WORLD};
 
 pub(crate) use brains::perform;
+pub(crate) use worlds::Worlds;
 
 /// A world behind a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +78,7 @@ impl Network {
             return crowd::run(scenario, robots, effort, command, progress);
         }
         let streams = if let Self::Team(streams) = self { streams } else { Streams::Connections };
-        let server = Running::start(WorldConfig::new(WORLD, scenario).pace(pace(lookahead)))?;
+        let server = Running::start(vec![WorldConfig::new(WORLD, scenario).pace(pace(lookahead))])?;
         let ping = if self == Self::Alone { Some(server.ping()?) } else { None };
         let what = Brains::Lockstep { robots, streams, ping, lookahead, effort };
         let child = Child::start(command, &Task::Brains { address: server.address(), what })?;

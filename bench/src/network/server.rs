@@ -1,4 +1,4 @@
-//! A server with one world, on a thread of its own, as in `baudbot serve`.
+//! A server with its worlds, on a thread of its own, as in `baudbot serve`.
 
 use std::thread::JoinHandle;
 
@@ -7,25 +7,29 @@ use baudbot_proto::v1::{GetWorldRequest, StartWorldRequest, WorldStatus};
 use baudbot_server::{Server, WorldConfig};
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
+use tonic::Status;
 use tonic::transport::Channel;
 
 use super::{NetworkError, ping};
 
-/// The world's name.
+/// The name of a world that is alone.
 pub(super) const WORLD: &str = "w";
+
+/// What an operator calls.
+pub(super) type Operator = ControlServiceClient<Channel>;
 
 /// A server that runs.
 pub(super) struct Running {
     handle: Handle,
     address: String,
-    operator: ControlServiceClient<Channel>,
+    operator: Operator,
     stop: oneshot::Sender<()>,
     thread: JoinHandle<()>,
 }
 
 impl Running {
     /// Starts it on a free port of this machine.
-    pub(super) fn start(world: WorldConfig) -> Result<Self, NetworkError> {
+    pub(super) fn start(worlds: Vec<WorldConfig>) -> Result<Self, NetworkError> {
         let failed = |error: &dyn std::fmt::Display| NetworkError::Server(error.to_string());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
@@ -33,7 +37,9 @@ impl Running {
         let address = "127.0.0.1:0".parse().map_err(|error| failed(&error))?;
         let (server, operator) = runtime
             .block_on(async {
-                let server = Server::builder().world(world).listen(address).serve().await?;
+                let builder =
+                    worlds.into_iter().fold(Server::builder(), |builder, world| builder.world(world));
+                let server = builder.listen(address).serve().await?;
                 let operator =
                     ControlServiceClient::new(server.channel().await?).max_decoding_message_size(LARGEST);
                 Ok((server, operator))
@@ -63,20 +69,29 @@ impl Running {
         Ok(address.map_err(|error| NetworkError::Server(error.to_string()))?.to_string())
     }
 
-    /// How the world is.
+    /// What an operator calls; each has its own.
+    pub(super) fn operator(&self) -> Operator {
+        self.operator.clone()
+    }
+
+    /// Does this on this thread, with the server beside it.
+    pub(super) fn block_on<F: Future>(&self, work: F) -> F::Output {
+        self.handle.block_on(work)
+    }
+
+    /// How the world is that is alone.
     pub(super) fn status(&self) -> Result<WorldStatus, NetworkError> {
         let request = GetWorldRequest { world: WORLD.to_owned() };
         let response = self.handle.block_on(self.operator.clone().get_world(request));
-        let status =
-            response.map_err(|status| NetworkError::Server(status.message().to_owned()))?.into_inner();
+        let status = response.map_err(|status| failed(&status))?.into_inner();
         Ok(status.status.unwrap_or_default())
     }
 
-    /// Lets the world go on.
-    pub(super) fn go(&self) -> Result<(), NetworkError> {
-        let request = StartWorldRequest { world: WORLD.to_owned() };
+    /// Lets a world go on.
+    pub(super) fn go(&self, world: &str) -> Result<(), NetworkError> {
+        let request = StartWorldRequest { world: world.to_owned() };
         let response = self.handle.block_on(self.operator.clone().start_world(request));
-        response.map_err(|status| NetworkError::Server(status.message().to_owned()))?;
+        response.map_err(|status| failed(&status))?;
         Ok(())
     }
 
@@ -85,6 +100,11 @@ impl Running {
         let _ = self.stop.send(());
         let _ = self.thread.join();
     }
+}
+
+/// What a call was answered with that failed.
+pub(super) fn failed(status: &Status) -> NetworkError {
+    NetworkError::Server(status.message().to_owned())
 }
 
 /// A status of a thousand robots is not short.
