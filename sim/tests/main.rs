@@ -2,6 +2,7 @@
 
 mod adapters;
 mod airtight;
+mod answers;
 mod common;
 mod coverage;
 mod cycles;

@@ -4,6 +4,7 @@
 //! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
+mod at_once;
 mod channel;
 mod devices;
 mod khepera;
@@ -267,6 +268,9 @@ impl Microcontroller {
     /// Takes the oldest byte that the receiver holds at `now`, or in no time as many as end a message. What arrived while the receiver was full is
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> Taken {
+        if let Some((_, command)) = downlink.take_command(now) {
+            return self.receive_command(spec, now, &command, &mut downlink.counters);
+        }
         downlink.overrun(&spec.link, now);
         self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
         loop {
@@ -299,13 +303,21 @@ impl Microcontroller {
             }
         };
         counters.bad_messages += self.decoder.cut_short() - before;
+        found.map_or(Taken::Part, |found| self.take_request(spec, found, counters))
+    }
+
+    fn take_request(
+        &mut self,
+        spec: &RobotSpec,
+        found: Result<Request, Refusal>,
+        counters: &mut LineCounters,
+    ) -> Taken {
         match found {
-            None => Taken::Part,
-            Some(Ok(request)) => {
+            Ok(request) => {
                 counters.messages += 1;
                 self.obey(spec, request)
             }
-            Some(Err(refusal)) => {
+            Err(refusal) => {
                 self.refuse(spec, refusal);
                 Taken::Nonsense
             }
