@@ -17,6 +17,7 @@ mod lookahead;
 mod motors;
 mod named_tests;
 mod onboard;
+mod ring;
 mod saved;
 mod sight;
 mod statistics;

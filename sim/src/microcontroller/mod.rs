@@ -128,19 +128,20 @@ impl Microcontroller {
         if self.frame.next <= due {
             (due, task) = (self.frame.next, Task::SendReadings);
         }
-        for (i, channel) in self.channels.iter().enumerate().rev() {
-            if channel.due.next <= due {
-                (due, task) = (channel.due.next, Task::Acquire(i));
-            }
+        let first = self.channels.iter().map(|channel| channel.due.next).min().unwrap_or(SimTime::NEVER);
+        if first <= due
+            && let Some(i) = self.channels.iter().position(|channel| channel.due.next == first)
+        {
+            (due, task) = (first, Task::Acquire(i));
         }
         (due.max(self.free_at), task)
     }
 
     /// What comes next once sensor `i` has been read that was due at `due`, if that is another sensor which was due just
     /// then: sensors come first at an instant, in their order.
-    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, Task)> {
+    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, usize)> {
         let behind = self.channels[i + 1..].iter().position(|channel| channel.due.next == due)?;
-        Some((due.max(self.free_at), Task::Acquire(i + 1 + behind)))
+        Some((due.max(self.free_at), i + 1 + behind))
     }
 
     /// When sensor `i` is due next.

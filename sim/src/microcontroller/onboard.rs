@@ -21,13 +21,11 @@ impl Microcontroller {
                 continue;
             }
             let reading = &mut laptop.readings[i];
-            reading.values.clear();
-            reading
-                .values
-                .extend(sensor.encodings.iter().zip(&channel.values).map(|(to, v)| to.quantise(*v)));
-            // Before the first sample, where all values are told.
-            let lacking = &sensor.encodings[reading.values.len()..];
-            reading.values.extend(lacking.iter().map(|to| to.quantise(0.0)));
+            reading.values.resize(sensor.encodings.len(), 0.0);
+            for (k, (to, told)) in sensor.encodings.iter().zip(&mut reading.values).enumerate() {
+                // Before the first sample there are no values, and all may be told.
+                *told = to.quantise(channel.values.get(k).copied().unwrap_or(0.0));
+            }
             reading.sampled_at = ages.then(|| told_at(now, channel.sampled_at)).flatten();
             reading.sequence = if repeats { reading.sequence.wrapping_add(1) } else { self.sequence };
             reading.readable = true;
