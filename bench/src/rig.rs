@@ -1,9 +1,7 @@
 //! A world and what steers its robots, in one process, as fast as it goes.
 
-use std::ops::Range;
-
-use baudbot_sim::{Input, Scenario, SimTime, World};
-use baudbot_wire::{frame, write_command};
+use baudbot_sim::drive::Wheels;
+use baudbot_sim::{Answer, Scenario, World, Written};
 
 use crate::driver::Driver;
 
@@ -12,9 +10,8 @@ pub struct Rig {
     world: World,
     drivers: Vec<Driver>,
     sequence: u8,
-    /// The bytes of all commands of a tick, one after the other, and whose they are and when they are sent.
-    bytes: Vec<u8>,
-    commands: Vec<(usize, SimTime, Range<usize>)>,
+    /// The commands of a tick.
+    commands: Vec<Answer<'static>>,
     /// The threads that the world steps its robots in, if there are several.
     threads: Option<rayon::ThreadPool>,
 }
@@ -25,7 +22,7 @@ impl Rig {
         let drivers = scenario.robots.iter().map(Driver::for_robot).collect();
         let mut world = World::new(scenario.into());
         world.keep_timeline(0);
-        Self { world, drivers, sequence: 0, bytes: Vec::new(), commands: Vec::new(), threads: None }
+        Self { world, drivers, sequence: 0, commands: Vec::new(), threads: None }
     }
 
     /// The world.
@@ -60,30 +57,17 @@ impl Rig {
     pub fn tick(&mut self) {
         self.world.begin();
         self.think();
-        let input = |(robot, at, range): &(usize, SimTime, Range<usize>)| Input {
-            robot: *robot,
-            at: *at,
-            bytes: &self.bytes[range.clone()],
-        };
-        let inputs: Vec<_> = self.commands.iter().map(input).collect();
-        self.world.finish(&inputs);
+        self.world.finish_answers(&self.commands);
     }
 
-    /// The command that answers each turn, framed as any brain's are.
+    /// The command that answers each turn.
     fn think(&mut self) {
-        self.bytes.clear();
         self.commands.clear();
-        let robots = &self.world.scenario().robots;
-        let (mut payload, mut framed) = ([0; frame::MAX_PAYLOAD], [0; frame::MAX_FRAME]);
         for turn in self.world.turns() {
-            let signals = self.drivers[turn.robot].steer(self.world.robot(turn.robot).readings());
-            let layout = robots[turn.robot].firmware.layout();
-            // Neither can fail: a scenario is read only if its messages fit their frames.
-            let len = write_command(&layout, self.sequence, signals, &mut payload).unwrap_or(0);
-            let len = frame::encode(&payload[..len], &mut framed).unwrap_or(0);
-            let begin = self.bytes.len();
-            self.bytes.extend_from_slice(&framed[..len]);
-            self.commands.push((turn.robot, turn.at, begin..self.bytes.len()));
+            let [left, right] = self.drivers[turn.robot].steer(self.world.robot(turn.robot).readings());
+            let wheels = Wheels { left, right };
+            let written = Written::Command { sequence: self.sequence, wheels, others: &[] };
+            self.commands.push(Answer { robot: turn.robot, at: turn.at, written });
         }
         self.sequence = self.sequence.wrapping_add(1);
     }

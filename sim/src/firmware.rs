@@ -4,10 +4,10 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use baudbot_wire::khepera::{self, Lines};
-use baudbot_wire::{BareDecoder, Encoding, Layout, frame};
+use baudbot_wire::{BareDecoder, Encoding, Layout, frame, write_command, write_values};
 use serde::{Deserialize, Serialize};
 
-use crate::link::{LEAST_BAUD, Uart};
+use crate::link::{Command, LEAST_BAUD, Uart};
 pub(crate) use crate::registers::{Owed, Refusal, Registers, Say};
 use crate::schedule::Schedule;
 use crate::time::{SECOND_NS, SimTime};
@@ -130,6 +130,23 @@ impl Firmware {
         bits_ns.div_ceil(character_ns).max(LEAST_BAUD)
     }
 
+    /// The bytes of a command, in `out`; none if it has not a signal for each actuator.
+    pub(crate) fn command<'a>(&self, command: &Command, out: &'a mut [u8; frame::MAX_FRAME]) -> &'a [u8] {
+        let layout = self.layout();
+        let signals =
+            [command.wheels.left, command.wheels.right].into_iter().chain(command.others.iter().copied());
+        let len = match self.protocol {
+            Protocol::Bare { .. } => write_values(layout.motors, signals, out).unwrap_or(0),
+            Protocol::Khepera => khepera::write_exchange(&layout, signals, out).unwrap_or(0),
+            Protocol::Framed { .. } => {
+                let mut payload = [0; frame::MAX_PAYLOAD];
+                let len = write_command(&layout, command.sequence, signals, &mut payload);
+                len.map_or(0, |len| frame::encode(&payload[..len], out).unwrap_or(0))
+            }
+        };
+        &out[..len]
+    }
+
     /// How one motor signal is encoded.
     pub fn motor_encoding(&self) -> Encoding {
         self.fields.motors[0]
@@ -193,6 +210,14 @@ impl Decoder {
                 Some(Ok(line)) => Found::Payload(line),
                 Some(Err(_)) => Found::BadFrame,
             },
+        }
+    }
+
+    /// Whether it decodes frames and the next byte begins one.
+    pub(crate) fn is_between_frames(&self) -> bool {
+        match self {
+            Self::Framed(framed) => framed.is_between_frames(),
+            Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } => false,
         }
     }
 

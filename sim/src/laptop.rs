@@ -149,6 +149,17 @@ impl Laptop {
         None
     }
 
+    /// The bytes of a message arrive that is [told](Self::note_message) besides; false, and nothing is done, if it matters which
+    /// they are.
+    pub(crate) fn take_at_once(&mut self, spec: &RobotSpec, bytes: &[u8]) -> bool {
+        let has_room = self.unread.len() + bytes.len() <= spec.link.laptop_buffer();
+        let is_taken = has_room && self.decoder.is_between_frames();
+        if is_taken {
+            self.unread.extend_from_slice(bytes);
+        }
+        is_taken
+    }
+
     /// A message has come without a cable, of a control cycle that began at `begun`.
     pub(crate) fn note_message(&mut self, begun: SimTime) {
         self.has_message = true;

@@ -92,6 +92,7 @@ impl RobotSpec {
     }
 
     /// What is wrong with this sensor. One whose signal is lost cannot stick.
+    #[inline]
     pub(crate) fn fault_effect(&self, sensor: usize, at: SimTime) -> Option<FaultEffect> {
         let of = |fault: &Fault| {
             let effect = match &fault.kind {
@@ -102,6 +103,9 @@ impl RobotSpec {
             };
             fault.when.until(at).map(|_| effect)
         };
+        if self.faults.is_empty() {
+            return None;
+        }
         let all = || self.faults.iter().filter_map(of);
         all().find(|effect| *effect == FaultEffect::Lost).or_else(|| all().next())
     }

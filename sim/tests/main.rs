@@ -2,6 +2,7 @@
 
 mod adapters;
 mod airtight;
+mod answers;
 mod common;
 mod coverage;
 mod cycles;
@@ -16,6 +17,7 @@ mod lookahead;
 mod motors;
 mod named_tests;
 mod onboard;
+mod ring;
 mod saved;
 mod sight;
 mod statistics;

@@ -74,6 +74,11 @@ pub struct Decoder {
 }
 
 impl Decoder {
+    /// Whether the next byte is the first of a frame.
+    pub fn is_between_frames(&self) -> bool {
+        self.collected.len() == 0 && self.dropped == 0
+    }
+
     /// A decoder that has seen nothing.
     pub const fn new() -> Self {
         Self { collected: Buffer::new(), dropped: 0 }
@@ -171,6 +176,9 @@ fn unstuff(frame: &mut [u8]) -> Result<usize, FrameError> {
 pub(crate) const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
 const CRC_LEN: usize = 2;
+
+/// The length of the frame of a payload that is not longer does not depend on its bytes.
+pub const SHORT_PAYLOAD: usize = 252;
 
 #[cfg(test)]
 mod tests {

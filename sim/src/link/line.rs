@@ -1,6 +1,7 @@
 //! One direction of a link: the bytes on their way.
 
 use alloc::collections::VecDeque;
+use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,7 @@ use super::transport_path::{Direction, SOON_NS, TransportPath};
 use super::{LineCounters, Link};
 use crate::random::Stream;
 use crate::time::SimTime;
+use crate::wheels::Wheels;
 
 /// One direction of a link.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,6 +26,26 @@ pub struct Line {
     /// What the bytes pass besides the wire; nothing on a plain cable.
     pub(super) transport_path: Option<TransportPath>,
     pub(crate) counters: LineCounters,
+    /// Under way as it is: nothing else is then, and at the tick's end it becomes bytes.
+    #[serde(skip)]
+    command: Option<Whole>,
+}
+
+/// A command to a microcontroller.
+#[derive(Clone, Debug)]
+pub(crate) struct Command {
+    pub(crate) sequence: u8,
+    pub(crate) wheels: Wheels,
+    /// For the other actuators.
+    pub(crate) others: Vec<f64>,
+}
+
+/// A command that is on the line as it is, in place of so many bytes.
+#[derive(Clone, Debug)]
+struct Whole {
+    arrival: SimTime,
+    bytes: u64,
+    command: Command,
 }
 
 impl Line {
@@ -46,6 +68,7 @@ impl Line {
             errors: Stream::new(seed, name),
             transport_path: link.has_detour().then(|| TransportPath::new(link, seed, name, direction)),
             counters: LineCounters::default(),
+            command: None,
         }
     }
 
@@ -120,6 +143,54 @@ impl Line {
         (from, until)
     }
 
+    /// Whether nothing is under way, and bytes would take no time and come as they are.
+    pub(crate) fn is_idle_and_instant(&self, link: &Link) -> bool {
+        let is_instant = matches!(link, Link::Ideal | Link::Onboard) && self.transport_path.is_none();
+        is_instant && self.in_flight.is_empty() && self.command.is_none()
+    }
+
+    /// As [`send_message`](Self::send_message) on a line that is [idle and instant](Self::is_idle_and_instant), with a command in
+    /// place of so many bytes.
+    pub(crate) fn send_command(
+        &mut self,
+        (now, bytes): (SimTime, usize),
+        command: Command,
+        message: Message,
+    ) -> (SimTime, SimTime) {
+        self.messages.forget(self.over());
+        let (from, begin, bytes) = (self.transmission.end().max(now), self.sent, bytes as u64);
+        let arrival = self.transmission.put_at_once(now, bytes);
+        self.sent += bytes;
+        self.command = Some(Whole { arrival, bytes, command });
+        let until = self.transmission.end().max(from);
+        self.messages.push((begin, self.sent), Message { on_wire_until: until, ..message });
+        (from, until)
+    }
+
+    /// Takes the command that is under way as it is, with the instant of its arrival, if that is not after `now`.
+    pub(crate) fn take_command(&mut self, now: SimTime) -> Option<(SimTime, Command)> {
+        let Whole { arrival, bytes, command } = self.command.take_if(|whole| whole.arrival <= now)?;
+        self.counters.bytes += bytes;
+        Some((arrival, command))
+    }
+
+    /// A command that was [taken](Self::take_command) is under way after all, as these bytes.
+    pub(crate) fn lay_down(&mut self, arrival: SimTime, bytes: &[u8]) {
+        self.counters.bytes -= bytes.len() as u64;
+        self.in_flight.extend(bytes.iter().map(|&byte| (arrival, byte)));
+    }
+
+    /// So many bytes of a message are sent at `now` and taken at once, on a line that is
+    /// [idle and instant](Self::is_idle_and_instant).
+    pub(crate) fn pass_message(&mut self, now: SimTime, bytes: usize) {
+        let bytes = bytes as u64;
+        self.transmission.put_at_once(now, bytes);
+        self.sent += bytes;
+        self.counters.bytes += bytes;
+        self.counters.messages += 1;
+        self.messages.forget(self.over());
+    }
+
     /// The message whose last byte has just arrived. What it tells is the truth, which is for statistics and not for
     /// the brain.
     pub(crate) fn message(&mut self) -> Option<Message> {
@@ -146,7 +217,8 @@ impl Line {
     /// Bytes that wait for the wire or are on it.
     pub(crate) fn under_way(&self) -> u64 {
         let asking = self.transport_path.as_ref().map_or(0, |transport_path| transport_path.asking.len());
-        (self.in_flight.len() + asking) as u64
+        let whole = self.command.as_ref().map_or(0, |whole| whole.bytes);
+        (self.in_flight.len() + asking) as u64 + whole
     }
 
     /// From when on the wire is free for more, as far as can be told now.
@@ -179,7 +251,11 @@ impl Line {
     #[inline]
     pub fn arrival(&self, link: &Link) -> SimTime {
         match &self.transport_path {
-            None => self.in_flight.front().map_or(SimTime::NEVER, |(at, _)| *at),
+            None => match (&self.command, self.in_flight.front()) {
+                (Some(whole), _) => whole.arrival,
+                (None, Some((at, _))) => *at,
+                (None, None) => SimTime::NEVER,
+            },
             Some(transport_path) => self.arrival_by_detour(link, transport_path),
         }
     }

@@ -33,6 +33,7 @@ use alloc::vec::Vec;
 
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
+pub(crate) use line::Command;
 pub use line::Line;
 pub(crate) use messages::Message;
 pub use outage::Outage;

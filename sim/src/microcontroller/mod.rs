@@ -4,6 +4,7 @@
 //! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
+mod at_once;
 mod channel;
 mod devices;
 mod khepera;
@@ -127,19 +128,20 @@ impl Microcontroller {
         if self.frame.next <= due {
             (due, task) = (self.frame.next, Task::SendReadings);
         }
-        for (i, channel) in self.channels.iter().enumerate().rev() {
-            if channel.due.next <= due {
-                (due, task) = (channel.due.next, Task::Acquire(i));
-            }
+        let first = self.channels.iter().map(|channel| channel.due.next).min().unwrap_or(SimTime::NEVER);
+        if first <= due
+            && let Some(i) = self.channels.iter().position(|channel| channel.due.next == first)
+        {
+            (due, task) = (first, Task::Acquire(i));
         }
         (due.max(self.free_at), task)
     }
 
     /// What comes next once sensor `i` has been read that was due at `due`, if that is another sensor which was due just
     /// then: sensors come first at an instant, in their order.
-    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, Task)> {
+    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, usize)> {
         let behind = self.channels[i + 1..].iter().position(|channel| channel.due.next == due)?;
-        Some((due.max(self.free_at), Task::Acquire(i + 1 + behind)))
+        Some((due.max(self.free_at), i + 1 + behind))
     }
 
     /// When sensor `i` is due next.
@@ -267,6 +269,9 @@ impl Microcontroller {
     /// Takes the oldest byte that the receiver holds at `now`, or in no time as many as end a message. What arrived while the receiver was full is
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> Taken {
+        if let Some((_, command)) = downlink.take_command(now) {
+            return self.receive_command(spec, now, &command, &mut downlink.counters);
+        }
         downlink.overrun(&spec.link, now);
         self.free_at = now + if spec.is_onboard() { 0 } else { spec.processor.receiving_ns_per_byte };
         loop {
@@ -299,13 +304,21 @@ impl Microcontroller {
             }
         };
         counters.bad_messages += self.decoder.cut_short() - before;
+        found.map_or(Taken::Part, |found| self.take_request(spec, found, counters))
+    }
+
+    fn take_request(
+        &mut self,
+        spec: &RobotSpec,
+        found: Result<Request, Refusal>,
+        counters: &mut LineCounters,
+    ) -> Taken {
         match found {
-            None => Taken::Part,
-            Some(Ok(request)) => {
+            Ok(request) => {
                 counters.messages += 1;
                 self.obey(spec, request)
             }
-            Some(Err(refusal)) => {
+            Err(refusal) => {
                 self.refuse(spec, refusal);
                 Taken::Nonsense
             }

@@ -24,13 +24,12 @@ impl Microcontroller {
             reading.values.clear();
             if sensor.encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
                 reading.values.extend_from_slice(&channel.values);
-            } else {
-                let quantised = sensor.encodings.iter().zip(&channel.values).map(|(to, v)| to.quantise(*v));
-                reading.values.extend(quantised);
             }
-            // Before the first sample, where all values are told.
-            let lacking = &sensor.encodings[reading.values.len()..];
-            reading.values.extend(lacking.iter().map(|to| to.quantise(0.0)));
+            // Before the first sample there are no values, and all may be told.
+            let done = reading.values.len();
+            let values = channel.values.iter().copied().chain(core::iter::repeat(0.0)).skip(done);
+            let rest = sensor.encodings[done..].iter().zip(values);
+            reading.values.extend(rest.map(|(to, value)| to.quantise(value)));
             reading.sampled_at = ages.then(|| told_at(now, channel.sampled_at)).flatten();
             reading.sequence = if repeats { reading.sequence.wrapping_add(1) } else { self.sequence };
             reading.readable = true;

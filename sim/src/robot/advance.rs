@@ -15,7 +15,7 @@ use super::{Robot, Tick};
 use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
-use crate::link::{Link, Message};
+use crate::link::Message;
 use crate::microcontroller::{Order, Taken, Task};
 use crate::model::{OnLate, RobotSpec};
 use crate::sensor::{Event, Measurement};
@@ -153,24 +153,34 @@ impl Robot {
         None
     }
 
+    /// Reads sensor `i` and those behind it that are due at the same instant, as long as reading takes no time.
     fn acquire(
         &mut self,
         spec: &RobotSpec,
         tick: &Tick<'_>,
         now: SimTime,
-        i: usize,
+        mut i: usize,
     ) -> Option<(SimTime, Task)> {
-        let Self { microcontroller, motion, actuators, battery, .. } = self;
-        let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
-        let at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
-        let ping = microcontroller.acquire(spec, i, &at);
-        self.pings[0] = ping.or(self.pings[0]);
-        let (sensor, until) = (i as u16, microcontroller.free_at());
-        if microcontroller.channels()[i].missed() != missed {
-            self.recorder.note(now, now, What::Missed { sensor });
+        let Self { microcontroller, motion, actuators, battery, pings, recorder, .. } = self;
+        let mut at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
+        loop {
+            at.sector = spec.sensors.sector(i);
+            let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
+            let ping = microcontroller.acquire(spec, i, &at);
+            pings[0] = ping.or(pings[0]);
+            let (sensor, until) = (i as u16, microcontroller.free_at());
+            if microcontroller.channels()[i].missed() != missed {
+                recorder.note(now, now, What::Missed { sensor });
+            }
+            recorder.note(now, until, What::Acquire { sensor });
+            if !spec.sensors.own_clocks().is_empty() {
+                return None;
+            }
+            match microcontroller.next_sensor(i, due)? {
+                (start, behind) if start == now => i = behind,
+                (start, behind) => return Some((start, Task::Acquire(behind))),
+            }
         }
-        self.recorder.note(now, until, What::Acquire { sensor });
-        self.microcontroller.next_sensor(i, due).filter(|_| spec.sensors.own_clocks().is_empty())
     }
 
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
@@ -195,6 +205,14 @@ impl Robot {
     }
 
     fn send_message(&mut self, spec: &RobotSpec, now: SimTime) {
+        let Self { microcontroller, uplink, laptop, .. } = self;
+        if let Some((bytes, begun)) = microcontroller.send_at_once(spec, now, uplink, laptop) {
+            self.cycles.open(begun);
+            let bytes = bytes as u32;
+            self.recorder.note(now, now, What::Frame { bytes });
+            self.recorder.note(now, now, What::Up { bytes });
+            return;
+        }
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let spare = core::mem::take(&mut self.spare);
         let wheels = (&self.motion, self.signals);
@@ -262,53 +280,12 @@ impl Robot {
         }
     }
 
-    /// When a brain is done that thinks from `begun` to `until`: on board it waits for the processor first.
-    pub(crate) fn think(&mut self, spec: &RobotSpec, begun: SimTime, until: SimTime) -> SimTime {
-        match spec.link {
-            Link::Onboard => self.microcontroller.think(begun, until.since(begun)),
-            Link::Ideal | Link::Uart(_) | Link::Usb(_) => until,
-        }
-    }
-
-    /// What the brain hands to its port at `at`.
-    pub(crate) fn answer(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        let begun = self.laptop.busy_until;
-        let at = self.think(spec, begun, at.max(begun));
-        self.laptop.busy_until = at;
-        self.write(spec, at, bytes);
-    }
-
     /// What has happened on it in this tick is over, and it begins to move.
     pub(crate) fn start_moving(&mut self, spec: &RobotSpec, noise: bool) {
         self.collided = false;
         self.pings = [None, self.pings[0].or(self.pings[1])];
         if noise {
             self.motor_noise.tick(&spec.drive.motor_noise);
-        }
-    }
-
-    /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
-    pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
-        self.laptop.has_stepped = true;
-        let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
-        let taken = bytes.len().min(room);
-        self.downlink.counters.refused_bytes += (bytes.len() - taken) as u64;
-        if taken == 0 {
-            return;
-        }
-        let message = Message { cycle: self.laptop.answer(), ..Message::default() };
-        let (_, until) = self.downlink.send_message(&spec.link, at, &bytes[..taken], message);
-        self.recorder.note(at, until, What::Down { bytes: taken as u32 });
-    }
-
-    /// The brain's step that began at `begun` is over: it has written what it wanted to.
-    pub(crate) fn step_over(&mut self, spec: &RobotSpec, begun: SimTime) {
-        let informed = self.laptop.informed;
-        if core::mem::take(&mut self.laptop.has_stepped) {
-            self.recorder.note(begun, self.laptop.busy_until, What::Think { informed });
-        }
-        if let Some(cycle) = self.laptop.left_unanswered() {
-            self.cycles.leave(&spec.deadline, cycle);
         }
     }
 
@@ -385,6 +362,7 @@ fn measurement<'a>(
         battery: spec.battery.as_ref().zip(battery),
         noise: tick.noise,
         now,
+        sector: None,
         tick_start: tick.start,
         tick_end: tick.end,
     }

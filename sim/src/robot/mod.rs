@@ -1,8 +1,10 @@
 //! The state of a robot.
 //!
-//! What happens on it within a tick is in `advance`, what its control cycles are in `cycles`.
+//! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, what its control cycles are in
+//! `cycles`.
 
 mod advance;
+mod brain_end;
 mod cycles;
 mod onboard;
 mod recorder;
@@ -13,6 +15,7 @@ use alloc::vec::Vec;
 use baudbot_geometry::Pose;
 use serde::{Deserialize, Serialize};
 
+pub use brain_end::Written;
 pub use cycles::Cycles;
 pub(crate) use recorder::Recorder;
 

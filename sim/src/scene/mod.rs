@@ -1,6 +1,7 @@
 //! The scene that sensors look at: the arena and all that moves in it, frozen at the start of the tick.
 
 mod neighbors;
+mod sector;
 
 use alloc::vec::Vec;
 use core::cell::OnceCell;
@@ -16,6 +17,8 @@ use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
 use neighbors::Neighbors;
 pub(crate) use neighbors::Reach;
+pub(crate) use sector::Sector;
+use sector::Strokes;
 
 /// A body in the scene: a robot, or a thing that moves.
 #[derive(Clone, Debug)]
@@ -68,6 +71,7 @@ pub(crate) struct Scene<'a> {
     reach: Option<Reach>,
     /// What is near it, once somebody asks; `None` if there is too much.
     neighbors: OnceCell<Option<Neighbors>>,
+    strokes: OnceCell<Option<Strokes>>,
     facing: OnceCell<Direction>,
 }
 
@@ -79,7 +83,8 @@ impl<'a> Scene<'a> {
         own: usize,
         reach: Option<Reach>,
     ) -> Self {
-        Self { arena, surroundings, frozen, own, reach, neighbors: OnceCell::new(), facing: OnceCell::new() }
+        let (neighbors, strokes, facing) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Self { arena, surroundings, frozen, own, reach, neighbors, strokes, facing }
     }
 
     /// The robot's heading, at `pose`, as a direction. It has the same pose all the time that the scene is frozen.
@@ -90,9 +95,12 @@ impl<'a> Scene<'a> {
     /// What is near the robot, if all within this disc is.
     fn neighbors(&self, disc: &Circle, layer: usize) -> Option<&Neighbors> {
         let reach = self.reach.filter(|reach| reach.layer == layer && reach.radius_m >= disc.radius)?;
-        let collect = || Neighbors::of(reach, self.own, self.arena.seen(layer), self.frozen);
-        let neighbors = self.neighbors.get_or_init(collect).as_ref();
-        neighbors.filter(|neighbors| neighbors.covers(disc, layer))
+        self.all_neighbors(reach).filter(|neighbors| neighbors.covers(disc, layer))
+    }
+
+    fn all_neighbors(&self, reach: Reach) -> Option<&Neighbors> {
+        let collect = || Neighbors::of(reach, self.own, self.arena.seen(reach.layer), self.frozen);
+        self.neighbors.get_or_init(collect).as_ref()
     }
 
     /// A look from `from`, at a height whose layer of the arena is `layer`, as far as `range_m`.

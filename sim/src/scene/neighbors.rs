@@ -18,9 +18,9 @@ pub(crate) struct Reach {
 #[derive(Debug)]
 pub(crate) struct Neighbors {
     around: Circle,
-    layer: usize,
+    pub(super) layer: usize,
     /// By their places in the layer's index.
-    shapes: ArrayVec<Shape, MOST_SHAPES>,
+    pub(super) shapes: ArrayVec<Shape, MOST_SHAPES>,
     /// By their places among the frozen bodies.
     pub(crate) bodies: ArrayVec<u32, MOST_BODIES>,
 }
@@ -95,4 +95,4 @@ const MOST_SHAPES: usize = 24;
 
 const MOST_BODIES: usize = 12;
 
-const SLACK: f64 = 1e-9;
+pub(super) const SLACK: f64 = 1e-9;

@@ -138,6 +138,9 @@ fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
 
 impl Infrared {
     fn reflected(&self, at: &Measurement<'_>, c1_m2: f64, c2: f64) -> f64 {
+        if at.sector.is_some_and(|sector| at.scene.is_clear(sector, &at.motion.pose)) {
+            return 0.0;
+        }
         let pose = self.mount.world_from_sensor(at);
         let viewpoint = self.mount.look(at, &pose, self.range_m);
         let reading = |d: f64, cos_kappa: f64| {

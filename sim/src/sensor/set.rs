@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::ops::Deref;
 
 use super::Sensor;
-use crate::scene::Reach;
+use crate::scene::{Reach, Sector};
 
 /// The sensors of a robot: those that the microcontroller reads, in the order of the wire, then those with a cable of their
 /// own. A clone shares them.
@@ -18,6 +18,8 @@ struct Parts {
     own_clocks: Vec<usize>,
     ports: Vec<usize>,
     reach: Option<Reach>,
+    /// Of each sensor that `reach` is of, if it has one.
+    sectors: Vec<Option<Sector>>,
 }
 
 impl Sensors {
@@ -35,6 +37,11 @@ impl Sensors {
     pub(crate) fn reach(&self) -> Option<Reach> {
         self.0.reach
     }
+
+    /// Where the rays of sensor `i` run, if it is one of those that `reach` is of, and does not turn on the body.
+    pub(crate) fn sector(&self, i: usize) -> Option<&Sector> {
+        self.0.sectors[i].as_ref()
+    }
 }
 
 impl From<Vec<Sensor>> for Sensors {
@@ -45,7 +52,8 @@ impl From<Vec<Sensor>> for Sensors {
         let own_clocks = indices(|sensor| sensor.own_clock.is_some());
         let ports = indices(|sensor| sensor.port.is_some());
         let reach = reach_of(&all);
-        Self(Arc::new(Parts { all, own_clocks, ports, reach }))
+        let sectors = all.iter().map(|sensor| sector_of(sensor, reach?)).collect();
+        Self(Arc::new(Parts { all, own_clocks, ports, reach, sectors }))
     }
 }
 
@@ -69,6 +77,12 @@ fn reach_of(sensors: &[Sensor]) -> Option<Reach> {
     let here = looks.filter(|(other, _)| *other == layer);
     let farthest_m = here.clone().map(|(_, reach_m)| reach_m).fold(0.0, f64::max);
     (here.count() > 1).then(|| Reach::new(farthest_m, layer))
+}
+
+fn sector_of(sensor: &Sensor, reach: Reach) -> Option<Sector> {
+    let (mount, fan) = (sensor.device.mount()?, sensor.device.fan()?);
+    let is_there = mount.turret.is_none() && mount.height.layer == reach.layer && fan.len() <= FEW_RAYS;
+    is_there.then(|| Sector::new(&mount.pose, fan, sensor.device.range_m()?))?
 }
 
 /// Sensors with more rays than this look for themselves.

@@ -2,8 +2,6 @@
 
 use alloc::vec::Vec;
 
-use super::Input;
-
 /// The places of a tick's inputs, robot by robot. Its memory serves all ticks.
 #[derive(Debug, Default)]
 pub(super) struct InputsByRobot {
@@ -13,12 +11,16 @@ pub(super) struct InputsByRobot {
 }
 
 impl InputsByRobot {
-    /// Takes the inputs of so many robots; an index that no robot has is left out.
-    pub(super) fn note(&mut self, inputs: &[Input<'_>], robots: usize) {
+    /// Takes the inputs of so many robots, of each its robot; an index that no robot has is left out.
+    pub(super) fn note(
+        &mut self,
+        inputs: impl DoubleEndedIterator<Item = usize> + ExactSizeIterator + Clone,
+        robots: usize,
+    ) {
         self.starts.clear();
         self.starts.resize(robots + 1, 0);
-        let known = || inputs.iter().enumerate().filter(|(_, input)| input.robot < robots);
-        known().for_each(|(_, input)| self.starts[input.robot] += 1);
+        let known = || inputs.clone().enumerate().filter(|(_, robot)| *robot < robots);
+        known().for_each(|(_, robot)| self.starts[robot] += 1);
         let mut end = 0;
         for start in &mut self.starts {
             end += *start;
@@ -27,8 +29,8 @@ impl InputsByRobot {
         self.places.clear();
         self.places.resize(end as usize, 0);
         // From behind, so that those of one robot keep their order.
-        for (place, input) in known().rev() {
-            let start = &mut self.starts[input.robot];
+        for (place, robot) in known().rev() {
+            let start = &mut self.starts[robot];
             *start -= 1;
             self.places[*start as usize] = place as u32;
         }
@@ -44,18 +46,17 @@ impl InputsByRobot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::SimTime;
 
     #[test]
     fn each_robot_has_its_own_in_their_order() {
-        let inputs = [2, 0, 9, 2, 0, 2].map(|robot| Input { robot, at: SimTime::ZERO, bytes: &[] });
+        let inputs = [2, 0, 9, 2, 0, 2];
         let mut inputs_by_robot = InputsByRobot::default();
         for _ in 0..2 {
-            inputs_by_robot.note(&inputs, 3);
+            inputs_by_robot.note(inputs.into_iter(), 3);
             let found: Vec<Vec<_>> = (0..3).map(|robot| inputs_by_robot.of(robot).collect()).collect();
             assert_eq!(found, [alloc::vec![1, 4], alloc::vec![], alloc::vec![0, 3, 5]]);
         }
-        inputs_by_robot.note(&[], 1);
+        inputs_by_robot.note([].into_iter(), 1);
         assert_eq!(inputs_by_robot.of(0).count(), 0);
     }
 }

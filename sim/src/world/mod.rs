@@ -1,5 +1,6 @@
 //! The world: the flow of Fig. 3.1 in two halves, with the brains between them.
 
+mod answer;
 mod ending;
 mod frozen;
 mod inputs_by_robot;
@@ -24,6 +25,7 @@ use crate::scenario::Scenario;
 use crate::scene::Frozen;
 use crate::time::SimTime;
 use crate::view::{RobotView, ThingView};
+pub use answer::Answer;
 pub use ending::Ending;
 use inputs_by_robot::InputsByRobot;
 use intervention::Altered;
@@ -217,6 +219,15 @@ impl World {
     /// arrived, motors push, bodies move, collisions and the scenario's ends are looked at. Does nothing
     /// unless [`begin`](Self::begin) came first, and nothing once the run has ended.
     pub fn finish(&mut self, inputs: &[Input<'_>]) {
+        self.finish_with(inputs, |&input| Answer::from(input));
+    }
+
+    /// Second half of a tick, with whatever the brains' answers are read from.
+    fn finish_with<'a, T: Sync>(
+        &mut self,
+        inputs: &'a [T],
+        answer: impl Fn(&'a T) -> Answer<'a> + Sync + Send,
+    ) {
         if !self.state.begun || self.state.ending.is_some() {
             return;
         }
@@ -225,7 +236,7 @@ impl World {
         let Self { scenario, state, spare, ahead, is_parallel, .. } = self;
         let scenario = &**scenario;
         spare.note_steps(&state.turns, state.robots.len());
-        spare.inputs_by_robot.note(inputs, state.robots.len());
+        spare.inputs_by_robot.note(inputs.iter().map(|input| answer(input).robot), state.robots.len());
         let tick = state.tick;
         // All of a robot's at once: it is seldom that a crowd is in the processor's near memory.
         let Spare { inputs_by_robot, steps, .. } = spare;
@@ -234,13 +245,16 @@ impl World {
             if let Some(at) = *step {
                 robot.hand_over(tick, at);
             }
-            inputs_by_robot.of(own).for_each(|i| robot.answer(spec, inputs[i].at, inputs[i].bytes));
+            for input in inputs_by_robot.of(own).map(|i| answer(&inputs[i])) {
+                robot.answer(spec, input.at, &input.written);
+            }
             if let Some(at) = step.filter(|&at| !ahead.holds(&Turn { robot: own, at })) {
                 robot.step_over(spec, at);
             }
             let scene = scenario.scene(&frozen, own);
             let tick = Tick { scene: &scene, noise: scenario.noise, start, end };
             robot.advance(spec, &tick, end, None);
+            robot.lay_down_command(spec);
             robot.look_for_losses(end);
             robot.start_moving(spec, scenario.noise);
         });
