@@ -184,10 +184,10 @@ mod tests {
 
     #[test]
     fn a_full_server_is_no_fault_of_the_run_but_a_brain_that_is_too_large_is() {
-        let full = Failure::of(&Status::resource_exhausted("a server has at most 1024 worlds"));
+        let full = Failure::of(&Status::resource_exhausted("a server has at most 4096 worlds"));
         let Failure::Server(error) = full else { panic!("it is journalled") };
         assert!(
-            error.to_string().starts_with("the server is full: a server has at most 1024 worlds; "),
+            error.to_string().starts_with("the server is full: a server has at most 4096 worlds; "),
             "{error}"
         );
         let status = |code| ClientError::Status { code, message: "hello: so it is".to_owned() };

@@ -398,9 +398,9 @@ fn a_search_that_takes_long_must_be_meant() {
 
 /// A server that is full of worlds, which are called `w0`, `w1` and so on.
 fn full_server(runtime: &tokio::runtime::Runtime) -> baudbot_server::Server {
-    use baudbot_server::{Server, WorldConfig};
+    use baudbot_server::{MAX_WORLDS, Server, WorldConfig};
     let scenario = std::sync::Arc::new(baudbot_scenario::parse("step_ms = 10.0").unwrap());
-    let worlds = (0..1024).map(|i| WorldConfig::new(format!("w{i}"), scenario.clone()).paused(true));
+    let worlds = (0..MAX_WORLDS).map(|i| WorldConfig::new(format!("w{i}"), scenario.clone()).paused(true));
     let builder = worlds.fold(Server::builder(), |builder, world| builder.world(world));
     let address = "127.0.0.1:0".parse().unwrap();
     runtime.block_on(builder.listen(address).serve()).unwrap()

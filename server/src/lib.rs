@@ -73,4 +73,5 @@ pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
+pub use registry::MAX_WORLDS;
 pub use server::{Builder, Server, ServerError, WorldConfig};

@@ -12,7 +12,7 @@ use crate::pool::Pool;
 use crate::quote::{brief, list};
 
 /// Most worlds of one server. So many in real time are more than two processors can run.
-const MAX_WORLDS: usize = 4096;
+pub const MAX_WORLDS: usize = 4096;
 
 /// All worlds of a server. Clones share them.
 #[derive(Clone, Default)]
