@@ -21,15 +21,16 @@ impl Microcontroller {
                 continue;
             }
             let reading = &mut laptop.readings[i];
-            reading.values.clear();
-            if sensor.encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
-                reading.values.extend_from_slice(&channel.values);
+            if !channel.values.is_empty() && sensor.encodings.iter().all(|to| matches!(to, Encoding::Float64))
+            {
+                reading.values.clone_from(&channel.values);
+            } else {
+                reading.values.resize(sensor.encodings.len(), 0.0);
+                for (k, (to, told)) in sensor.encodings.iter().zip(&mut reading.values).enumerate() {
+                    // Before the first sample there are no values, and all may be told.
+                    *told = to.quantise(channel.values.get(k).copied().unwrap_or(0.0));
+                }
             }
-            // Before the first sample there are no values, and all may be told.
-            let done = reading.values.len();
-            let values = channel.values.iter().copied().chain(core::iter::repeat(0.0)).skip(done);
-            let rest = sensor.encodings[done..].iter().zip(values);
-            reading.values.extend(rest.map(|(to, value)| to.quantise(value)));
             reading.sampled_at = ages.then(|| told_at(now, channel.sampled_at)).flatten();
             reading.sequence = if repeats { reading.sequence.wrapping_add(1) } else { self.sequence };
             reading.readable = true;
