@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Reading, Turn};
+use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Reading, Signals, Turn};
 use baudbot_brains::catalogue::{self, CatalogueError};
+use baudbot_sim::drive::Wheels;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::{Input, RobotView, Scenario, SimTime, World};
+use baudbot_sim::{Answer, RobotView, Scenario, SimTime, World, Written};
 
 use crate::assignment::Assignment;
 
@@ -44,6 +45,12 @@ pub fn run(scenario: Scenario, assignments: &[Assignment]) -> Result<World, InPr
     local.run(u64::MAX);
     local.world.begin();
     Ok(local.world)
+}
+
+/// What a brain wants written.
+enum Output {
+    Bytes(Vec<u8>),
+    Command { sequence: u8, wheels: Wheels },
 }
 
 impl Driver {
@@ -103,22 +110,37 @@ impl InProcess {
     pub fn tick(&mut self, look: impl FnOnce(&World)) {
         let turns = self.world.begin().to_vec();
         look(&self.world);
-        let mut answers: Vec<(usize, SimTime, Vec<u8>)> = Vec::new();
+        let mut outputs: Vec<(usize, SimTime, Output)> = Vec::new();
         for turn in turns {
             let Some(driver) = &mut self.brains[turn.robot] else { continue };
             let view = self.world.robot(turn.robot);
             let action = driver.brain.step(&turn_of(&driver.body, &view, self.world.tick(), turn.at));
             let thinking_ns = thinking_ns(view.spec(), &action);
-            let bytes = match (action.signals, action.poll) {
-                (Some(signals), _) => driver.commands.command_with(signals, &action.others),
-                (None, true) => driver.commands.poll().unwrap_or_default(),
-                (None, false) => Vec::new(),
+            let output = match (action.signals, action.poll) {
+                (Some(Signals { left, right }), _) => {
+                    let sequence = driver.commands.next_command(&action.others);
+                    Output::Command { sequence, wheels: Wheels { left, right } }
+                }
+                (None, true) => Output::Bytes(driver.commands.poll().unwrap_or_default()),
+                (None, false) => Output::Bytes(Vec::new()),
             };
-            answers.push((turn.robot, turn.at + thinking_ns, bytes));
+            outputs.push((turn.robot, turn.at + thinking_ns, output));
         }
-        let inputs: Vec<_> =
-            answers.iter().map(|(robot, at, bytes)| Input { robot: *robot, at: *at, bytes }).collect();
-        self.world.finish(&inputs);
+        let others =
+            |robot: usize| self.brains[robot].as_ref().map_or(&[][..], |driver| driver.commands.others());
+        let answers: Vec<_> = outputs
+            .iter()
+            .map(|(robot, at, output)| {
+                let written = match output {
+                    Output::Bytes(bytes) => Written::Bytes(bytes),
+                    Output::Command { sequence, wheels } => {
+                        Written::Command { sequence: *sequence, wheels: *wheels, others: others(*robot) }
+                    }
+                };
+                Answer { robot: *robot, at: *at, written }
+            })
+            .collect();
+        self.world.finish_answers(&answers);
     }
 
     /// The belief of the brain of the robot in this place, as observers get it.

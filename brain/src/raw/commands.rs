@@ -40,10 +40,7 @@ impl RawCommands {
     /// The bytes of a command with signals for the actuators besides the wheels, in the order of
     /// [`Body::actuators`]. Those beyond the end of `others` get what was last sent to them, at first 0.
     pub fn command_with(&mut self, signals: Signals, others: &[f64]) -> Vec<u8> {
-        for (last, &new) in self.others.iter_mut().zip(others) {
-            *last = new;
-        }
-        let sequence = self.sequence;
+        let sequence = self.next_command(others);
         let signals = [signals.left, signals.right].into_iter().chain(self.others.iter().copied());
         let (layout, mut bytes) = (self.layout.borrow(), [0; frame::MAX_PAYLOAD]);
         // None can fail: the layout was checked and gets a value for each of its motors.
@@ -58,10 +55,27 @@ impl RawCommands {
             }
             Protocol::Framed { .. } => {
                 let len = write_command(&layout, sequence, signals, &mut bytes).unwrap_or(0);
-                self.next_sequence();
                 framed(&bytes[..len])
             }
         }
+    }
+
+    /// The sequence number of the next command, whose signals for the actuators besides the wheels are [`others`](Self::others)
+    /// from now on. For a brain in the process of its world, which hands its commands over without bytes.
+    pub fn next_command(&mut self, others: &[f64]) -> u8 {
+        for (last, &new) in self.others.iter_mut().zip(others) {
+            *last = new;
+        }
+        match self.protocol {
+            Protocol::Framed { .. } => self.next_sequence(),
+            // Their commands have no number.
+            Protocol::Bare { .. } | Protocol::Khepera => 0,
+        }
+    }
+
+    /// The last signals of the actuators besides the wheels, in the order of [`Body::actuators`].
+    pub fn others(&self) -> &[f64] {
+        &self.others
     }
 
     /// The bytes of a request for readings; `None` in the bare protocol, which has none.
