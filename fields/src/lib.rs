@@ -24,7 +24,7 @@ use printable::Printable;
 #[cfg(feature = "toml")]
 pub use read::{Misread, read};
 
-/// An error in a field. Path and problem are [printable](crate::printable), whatever they quote.
+/// An error in a field. Path and problem are [`printable`], whatever they quote.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{path}: {problem}")]
 pub struct FieldError {

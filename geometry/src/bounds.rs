@@ -37,6 +37,12 @@ impl Bounds {
         points.iter().map(|&point| Self { min: point, max: point }).reduce(|a, b| a.union(&b))
     }
 
+    /// Whether the point is in the box.
+    #[must_use]
+    pub fn contains(&self, point: Point) -> bool {
+        (self.min.x..=self.max.x).contains(&point.x) && (self.min.y..=self.max.y).contains(&point.y)
+    }
+
     /// The middle of the box.
     #[must_use]
     pub fn center(&self) -> Point {
@@ -93,5 +99,7 @@ mod tests {
         assert_eq!(bounds.size(), Vector::new(4.5, 2.5));
         assert_eq!(bounds.distance(Point::new(6.0, 6.0)), 5.0);
         assert_eq!(bounds.distance(Point::new(0.0, 0.0)), 0.0);
+        assert!(bounds.contains(Point::new(0.0, 0.0)) && bounds.contains(bounds.min));
+        assert!(!bounds.contains(Point::new(0.0, 2.1)) && !bounds.contains(Point::new(-1.6, 0.0)));
     }
 }

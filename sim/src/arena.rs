@@ -54,8 +54,18 @@ pub struct Arena {
     pillars: Vec<Pillar>,
     /// The first has everything; each of the others what is seen from some height.
     layers: Vec<Layer>,
-    /// Which polygons are solid, and discs around these.
-    solids: (Vec<usize>, Crowd),
+    solids: Solids,
+}
+
+/// The polygons that are solid.
+#[derive(Clone, Debug, Default)]
+struct Solids {
+    /// Their places, in order.
+    places: Vec<usize>,
+    /// The box around each.
+    bounds: Vec<Bounds>,
+    /// The disc around each.
+    discs: Crowd,
 }
 
 /// One of the arena's shapes, by its place in its list.
@@ -90,7 +100,7 @@ impl Arena {
     /// An arena of these shapes.
     pub fn new(polygons: Vec<Polygon>, pillars: Vec<Pillar>) -> Self {
         let all = Layer::new(&polygons, &pillars, 0.0);
-        let solids = solids(&polygons);
+        let solids = Solids::of(&polygons);
         Self { polygons, pillars, layers: alloc::vec![all], solids }
     }
 
@@ -165,16 +175,23 @@ impl Arena {
 
     /// The first solid polygon that a point is in, if any.
     pub(crate) fn solid_at(&self, point: Point) -> Option<Thing> {
-        let (places, around) = &self.solids;
+        let Solids { places, bounds, discs } = &self.solids;
         let mut first = None;
-        around.near(&Circle { center: point, radius: 0.0 }, |i| {
+        let mut look = |i: usize| {
             let place = places[i];
+            // Of a long wall the disc is large, and most of it is beside the wall.
             if first.is_none_or(|first| place < first)
+                && bounds[i].contains(point)
                 && polygon::contains(&self.polygons[place].points, point)
             {
                 first = Some(place);
             }
-        });
+        };
+        if places.len() <= FEW {
+            (0..places.len()).for_each(look);
+        } else {
+            discs.near(&Circle { center: point, radius: 0.0 }, &mut look);
+        }
         first.map(Thing::Polygon)
     }
 
@@ -195,16 +212,22 @@ impl Arena {
     }
 }
 
-fn solids(polygons: &[Polygon]) -> (Vec<usize>, Crowd) {
-    let places: Vec<_> = (0..polygons.len()).filter(|&i| polygons[i].solid).collect();
-    let around = |&i: &usize| {
-        let bounds = Bounds::of_points(&polygons[i].points)?;
-        let half = bounds.size() * 0.5;
-        Some(Circle { center: bounds.center(), radius: math::sqrt(half.norm_squared()) })
-    };
-    let mut crowd = Crowd::default();
-    crowd.rebuild(places.iter().filter_map(around));
-    (places, crowd)
+/// Of so many polygons all boxes are compared sooner than the cells are found in which their discs lie.
+const FEW: usize = 16;
+
+impl Solids {
+    fn of(polygons: &[Polygon]) -> Self {
+        let bounded = |i: usize| Some((i, Bounds::of_points(&polygons[i].points)?));
+        let solid = (0..polygons.len()).filter(|&i| polygons[i].solid);
+        let (places, bounds): (Vec<_>, Vec<_>) = solid.filter_map(bounded).unzip();
+        let around = |bounds: &Bounds| {
+            let half = bounds.size() * 0.5;
+            Circle { center: bounds.center(), radius: math::sqrt(half.norm_squared()) }
+        };
+        let mut discs = Crowd::default();
+        discs.rebuild(bounds.iter().map(around));
+        Self { places, bounds, discs }
+    }
 }
 
 impl Layer {
@@ -235,6 +258,8 @@ impl Polygon {
 mod tests {
     use baudbot_geometry::{Direction, Ray};
 
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -257,5 +282,25 @@ mod tests {
         let points: Vec<_> = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| Point::new(x, y)).to_vec();
         let line = Polygon { name: "l".into(), points, solid: false, closed: false, look: Look::WALL };
         assert_eq!(line.edges().count(), 2);
+    }
+
+    proptest! {
+        /// Of few solids and of many.
+        #[test]
+        fn the_first_solid_around_a_point_is_found(
+            boxes in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.1..6.0, 0.1..6.0, any::<bool>()), 0..3 * FEW),
+            x in -6.0..6.0, y in -6.0..6.0,
+        ) {
+            let polygon = |(left, low, wide, high, solid): (f64, f64, f64, f64, bool)| {
+                let corners = [(0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high)];
+                let points = corners.iter().map(|(x, y)| Point::new(left + x, low + y)).collect();
+                Polygon { name: String::new(), points, solid, closed: true, look: Look::WALL }
+            };
+            let polygons: Vec<_> = boxes.into_iter().map(polygon).collect();
+            let point = Point::new(x, y);
+            let expected = polygons.iter().position(|one| one.solid && polygon::contains(&one.points, point));
+            let arena = Arena::new(polygons, Vec::new());
+            prop_assert_eq!(arena.solid_at(point), expected.map(Thing::Polygon));
+        }
     }
 }
