@@ -2,15 +2,13 @@
 //! operator meanwhile.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use baudbot_proto::v1::{GetWorldRequest, ListWorldsRequest, StepWorldRequest};
-use baudbot_server::{Lockstep, Pace, WorldConfig};
+use baudbot_server::{Lockstep, Pace, Progress, WorldConfig};
 use tokio::task::JoinSet;
 use tonic::Status;
 
-use super::crowd::{Ticks, percent};
 use super::server::{Operator, Running, failed};
 use super::{Found, NetworkError};
 use crate::calibration;
@@ -26,7 +24,7 @@ pub(crate) enum Worlds {
     Free,
     /// Tick by tick, as clients ask for; ticks a second of all.
     Stepped,
-    /// By the wall clock; the share of ticks that begin less than a step late.
+    /// By the wall clock; the share of ticks that end less than a step late.
     RealTime,
 }
 
@@ -56,7 +54,7 @@ impl Worlds {
         let calibration_per_s = calibration::rounds_per_second();
         let before = process::memory_bytes();
         let seen = Seen::new(self.number());
-        let (server, step) = self.start(&seen)?;
+        let server = self.start(&seen)?;
         std::thread::sleep(Duration::from_secs_f64(effort.seconds / 4.0));
         let a_world = before.zip(process::memory_bytes());
         let a_world = a_world.map(|(before, after)| after.saturating_sub(before) / self.number() as u64);
@@ -64,20 +62,23 @@ impl Worlds {
         let (mut samples, mut asked) = (Vec::new(), Asked::default());
         for repeat in 1..=effort.repeats {
             progress(repeat);
-            let (from, counted) = (Instant::now(), seen.counted());
+            let (from, counted, late) = (Instant::now(), seen.counted(), late(&server)?);
             let until = from + Duration::from_secs_f64(effort.seconds);
-            server.block_on(self.ask(server.operator(), until, &seen, &mut asked))?;
+            server.block_on(self.ask(server.operator(), until, &mut asked))?;
             let value = match self {
                 Self::Free | Self::Stepped => {
                     (seen.counted() - counted) as f64 / from.elapsed().as_secs_f64()
                 }
-                Self::RealTime => percent(&seen.lateness(step, from), |late| late < step),
+                Self::RealTime => {
+                    let (ticks, late) = (seen.counted() - counted, self::late(&server)?.ticks - late.ticks);
+                    100.0 * (1.0 - late as f64 / ticks.max(1) as f64)
+                }
             };
             samples.push(Sample { value, calibration_per_s });
         }
         let mut notes = asked.told();
         if self == Self::RealTime {
-            notes.push(told(&seen.lateness(step, start), step));
+            notes.push(told(seen.counted(), &late(&server)?));
         }
         let processors = (process::cpu_time() - cpu).as_secs_f64() / start.elapsed().as_secs_f64();
         notes.push(format!(
@@ -92,30 +93,21 @@ impl Worlds {
         Ok((Found { samples, ping: Vec::new(), usage: Some(process::usage()) }, notes))
     }
 
-    /// A server with the worlds, each from a scenario of its own, as those have that operators create; and the length of a
-    /// step.
-    fn start(self, seen: &Seen) -> Result<(Running, Duration), NetworkError> {
-        let (mut worlds, mut step) = (Vec::new(), Duration::ZERO);
-        for (i, ticks) in seen.ticks.iter().enumerate() {
+    /// A server with the worlds, each from a scenario of its own, as those have that operators create. They have no hook, with
+    /// which each would have a thread.
+    fn start(self, seen: &Seen) -> Result<Running, NetworkError> {
+        let mut worlds = Vec::new();
+        for (i, progress) in seen.progress.iter().enumerate() {
             let scenario = parse(SCENARIO).map_err(Unfit::from)?;
-            step = Duration::from_nanos(scenario.step_ns);
             let world = WorldConfig::new(name(i), scenario).pace(self.pace()).paused(self == Self::RealTime);
-            let (count, ticks) = (Arc::clone(&seen.count), ticks.clone());
-            worlds.push(match self {
-                Self::Free => world.on_tick(Box::new(move |_| {
-                    count.fetch_add(1, Ordering::Relaxed);
-                })),
-                Self::RealTime => world.on_tick(Box::new(move |_| ticks.note())),
-                // Who asks for the ticks counts them.
-                Self::Stepped => world,
-            });
+            worlds.push(world.progress(Arc::clone(progress)));
         }
         let server = Running::start(worlds)?;
         // Worlds that wait for brains go on without them when they are told to.
         if self != Self::Free {
             (0..self.number()).try_for_each(|i| server.go(&name(i)))?;
         }
-        Ok((server, step))
+        Ok(server)
     }
 
     /// Asks for all worlds and for one of them by turns, and notes how long the answers take; beside it, clients step worlds
@@ -124,14 +116,13 @@ impl Worlds {
         self,
         mut operator: Operator,
         until: Instant,
-        seen: &Seen,
         asked: &mut Asked,
     ) -> Result<(), NetworkError> {
         let mut clients = JoinSet::new();
         if self == Self::Stepped {
             for client in 0..CLIENTS {
                 let names = (client..self.number()).step_by(CLIENTS).map(name).collect();
-                clients.spawn(step(operator.clone(), names, until, Arc::clone(&seen.count)));
+                clients.spawn(step(operator.clone(), names, until));
             }
         }
         for i in 0.. {
@@ -160,43 +151,47 @@ async fn answered<T>(call: impl Future<Output = Result<T, Status>>) -> Result<Du
 }
 
 /// Steps these worlds, one after the other, a tick each.
-async fn step(
-    mut operator: Operator,
-    worlds: Vec<String>,
-    until: Instant,
-    count: Arc<AtomicU64>,
-) -> Result<(), NetworkError> {
+async fn step(mut operator: Operator, worlds: Vec<String>, until: Instant) -> Result<(), NetworkError> {
     for world in worlds.iter().cycle() {
         if Instant::now() >= until {
             break;
         }
         let request = StepWorldRequest { world: world.clone(), ticks: 1 };
         operator.step_world(request).await.map_err(|status| failed(&status))?;
-        count.fetch_add(1, Ordering::Relaxed);
     }
     Ok(())
 }
 
 /// What is seen of the worlds from the inside.
 struct Seen {
-    /// Ticks of all.
-    count: Arc<AtomicU64>,
-    /// When each tick of each began.
-    ticks: Vec<Ticks>,
+    progress: Vec<Arc<Progress>>,
 }
 
 impl Seen {
     fn new(worlds: usize) -> Self {
-        Self { count: Arc::default(), ticks: std::iter::repeat_with(Ticks::default).take(worlds).collect() }
+        Self { progress: std::iter::repeat_with(Arc::default).take(worlds).collect() }
     }
 
+    /// Ticks of all.
     fn counted(&self) -> u64 {
-        self.count.load(Ordering::Relaxed)
+        self.progress.iter().map(|progress| progress.tick()).sum()
     }
+}
 
-    fn lateness(&self, step: Duration, since: Instant) -> Vec<Duration> {
-        self.ticks.iter().flat_map(|ticks| ticks.lateness(step, since)).collect()
-    }
+/// The ticks that ended a step late or more.
+struct Late {
+    ticks: u64,
+    most: Duration,
+}
+
+/// What the worlds count of their lateness, since their start.
+fn late(server: &Running) -> Result<Late, NetworkError> {
+    let list =
+        async { server.operator().list_worlds(ListWorldsRequest {}).await.map_err(|status| failed(&status)) };
+    let worlds = server.block_on(list)?.into_inner().worlds;
+    let pacing = || worlds.iter().filter_map(|world| world.pacing.as_ref());
+    let most_ns = pacing().map(|pacing| pacing.lateness_max_wall_ns).max().unwrap_or_default();
+    Ok(Late { ticks: pacing().map(|pacing| pacing.late_ticks).sum(), most: Duration::from_nanos(most_ns) })
 }
 
 /// How long answers took.
@@ -229,12 +224,11 @@ fn percentile(times: &[Duration], share: f64) -> Duration {
     times.get(place.saturating_sub(1)).copied().unwrap_or_default()
 }
 
-fn told(lateness: &[Duration], step: Duration) -> String {
+fn told(ticks: u64, late: &Late) -> String {
+    let most_ms = late.most.as_secs_f64() * 1e3;
     format!(
-        "{} ticks, {} of them late by a step or more, {:.1} ms at most",
-        lateness.len(),
-        lateness.iter().filter(|&&late| late >= step).count(),
-        lateness.iter().max().map_or(0.0, |most| most.as_secs_f64() * 1e3)
+        "{ticks} ticks since the start, {} of them late by a step or more, {most_ms:.1} ms at most",
+        late.ticks
     )
 }
 
@@ -269,8 +263,7 @@ mod tests {
 
     #[test]
     fn late_ticks_are_counted() {
-        let ms = Duration::from_millis;
-        let text = told(&[ms(0), ms(9), ms(10), ms(25)], ms(10));
-        assert_eq!(text, "4 ticks, 2 of them late by a step or more, 25.0 ms at most");
+        let text = told(4, &Late { ticks: 2, most: Duration::from_millis(25) });
+        assert_eq!(text, "4 ticks since the start, 2 of them late by a step or more, 25.0 ms at most");
     }
 }
