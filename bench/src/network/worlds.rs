@@ -65,14 +65,10 @@ impl Worlds {
             let (from, counted, late) = (Instant::now(), seen.counted(), late(&server)?);
             let until = from + Duration::from_secs_f64(effort.seconds);
             server.block_on(self.ask(server.operator(), until, &mut asked))?;
+            let ticks = (seen.counted() - counted) as f64;
             let value = match self {
-                Self::Free | Self::Stepped => {
-                    (seen.counted() - counted) as f64 / from.elapsed().as_secs_f64()
-                }
-                Self::RealTime => {
-                    let (ticks, late) = (seen.counted() - counted, self::late(&server)?.ticks - late.ticks);
-                    100.0 * (1.0 - late as f64 / ticks.max(1) as f64)
-                }
+                Self::Free | Self::Stepped => ticks / from.elapsed().as_secs_f64(),
+                Self::RealTime => on_time_percent(ticks, self::late(&server)?.ticks - late.ticks),
             };
             samples.push(Sample { value, calibration_per_s });
         }
@@ -182,6 +178,10 @@ impl Seen {
 struct Late {
     ticks: u64,
     most: Duration,
+}
+
+fn on_time_percent(ticks: f64, late: u64) -> f64 {
+    100.0 * (1.0 - late as f64 / ticks.max(1.0))
 }
 
 /// What the worlds count of their lateness, since their start.
