@@ -4,16 +4,16 @@
 //! of these is a region that grows. Where a stretch parts, or two join, regions end and others begin; and also where an end
 //! of a stretch jumps, so that no strip is left beside a step in a wall (that is not in Choset and Pignon).
 
-use baudbot_geometry::grid::{Cell, Rectangle};
+use baudbot_geometry::grid::Cell;
 
-use crate::planning::{Grid, Moves};
+use crate::planning::Grid;
 
 /// Stretches of free cells, line after line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
     first_line: usize,
-    /// The first and the last place on each line.
-    stretches: Vec<(usize, usize)>,
+    /// One on each line.
+    stretches: Vec<Stretch>,
 }
 
 /// Which way rows run.
@@ -30,14 +30,6 @@ impl Rows {
         match self {
             Self::AlongX => Cell { column: place as i32, row: line as i32 },
             Self::AlongY => Cell { column: line as i32, row: place as i32 },
-        }
-    }
-
-    /// How many lines there are, and how many places on each.
-    fn size(self, grid: &Grid) -> (usize, usize) {
-        match self {
-            Self::AlongX => (grid.rows(), grid.columns()),
-            Self::AlongY => (grid.columns(), grid.rows()),
         }
     }
 }
@@ -59,63 +51,97 @@ impl Region {
 /// The free cells of a grid in parts: from each cell of a part ways lead to all others of it, and to no others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parts {
-    cells: Rectangle,
-    /// Of each cell the part it belongs to, row by row.
-    numbers: Vec<Option<u32>>,
+    /// Row by row the stretches of free cells, each with the part that it belongs to.
+    rows: Vec<Vec<(Stretch, u32)>>,
 }
 
 impl Parts {
     /// Those of this grid.
     pub fn new(grid: &Grid) -> Self {
-        let mut parts = Self { cells: grid.extent(), numbers: vec![None; grid.len()] };
-        let mut number = 0;
-        for cell in grid.cells().filter(|&cell| grid.is_free(cell)) {
-            if parts.of(cell).is_none() {
-                parts.fill(grid, cell, number);
-                number += 1;
-            }
+        let rows = stretches(grid, Rows::AlongX);
+        let mut joined = Joined::default();
+        let mut below: Option<&Vec<Stretch>> = None;
+        for row in &rows {
+            joined.add(below.map_or(&[], Vec::as_slice), row);
+            below = Some(row);
         }
-        parts
+        let mut parts = joined.parts().into_iter();
+        let with_part = |row: Vec<Stretch>| row.into_iter().zip(parts.by_ref()).collect();
+        Self { rows: rows.into_iter().map(with_part).collect() }
     }
 
     /// To which part a cell of the grid belongs; a blocked one to none.
     pub fn of(&self, cell: Cell) -> Option<u32> {
-        self.numbers[self.cells.number(cell)?]
+        let (row, place) = (usize::try_from(cell.row).ok()?, usize::try_from(cell.column).ok()?);
+        let mut stretches = self.rows.get(row)?.iter();
+        stretches.find(|((from, to), _)| (*from..=*to).contains(&place)).map(|(_, part)| *part)
+    }
+}
+
+/// Stretches, numbered row by row, and which of them touch: each leads to one with a lesser number, or is the first of a part.
+#[derive(Default)]
+struct Joined {
+    leads_to: Vec<usize>,
+}
+
+impl Joined {
+    /// Adds the stretches of a row, above those of the row that was added last.
+    fn add(&mut self, below: &[Stretch], row: &[Stretch]) {
+        let first_above = self.leads_to.len();
+        let first_below = first_above - below.len();
+        self.leads_to.extend(first_above..first_above + row.len());
+        let (mut i, mut j) = (0, 0);
+        while let (Some(&under), Some(&over)) = (below.get(i), row.get(j)) {
+            if touch(under, over) {
+                self.join(first_below + i, first_above + j);
+            }
+            if under.1 < over.1 { i += 1 } else { j += 1 }
+        }
     }
 
-    fn fill(&mut self, grid: &Grid, from: Cell, number: u32) {
-        let mut open = vec![from];
-        while let Some(cell) = open.pop() {
-            if self.numbers[grid.number(cell)].replace(number).is_none() {
-                open.extend(Moves::Four.neighbours(grid, cell).map(|(next, _)| next));
-            }
+    fn first(&mut self, mut stretch: usize) -> usize {
+        while self.leads_to[stretch] != stretch {
+            // Halves the way for those who come after.
+            self.leads_to[stretch] = self.leads_to[self.leads_to[stretch]];
+            stretch = self.leads_to[stretch];
         }
+        stretch
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.leads_to[a.max(b)] = a.min(b);
+    }
+
+    /// The part of each stretch. They are numbered in the order of their first stretches.
+    fn parts(&self) -> Vec<u32> {
+        let (mut parts, mut count) = (Vec::with_capacity(self.leads_to.len()), 0);
+        for (stretch, &before) in self.leads_to.iter().enumerate() {
+            let is_first = before == stretch;
+            parts.push(if is_first { count } else { parts[before] });
+            count += u32::from(is_first);
+        }
+        parts
     }
 }
 
 /// The regions of the free cells. An end of a stretch that differs by more than `jump` cells from line to line begins
 /// another region.
 pub fn regions(grid: &Grid, rows: Rows, jump: usize) -> Vec<Region> {
-    let (lines, _) = rows.size(grid);
     let (mut done, mut open): (Vec<Region>, Vec<Region>) = (Vec::new(), Vec::new());
-    for line in 0..lines {
-        let stretches = stretches(grid, rows, line);
-        let mut next = Vec::new();
-        for &stretch in &stretches {
-            let region = match before(&open, &stretches, stretch, jump) {
-                Some(i) => {
-                    let mut region = open[i].clone();
-                    region.stretches.push(stretch);
-                    region
-                }
-                None => Region { first_line: line, stretches: vec![stretch] },
-            };
-            next.push(region);
+    for (line, stretches) in stretches(grid, rows).into_iter().enumerate() {
+        let before: Vec<_> =
+            stretches.iter().map(|&stretch| before(&open, &stretches, stretch, jump)).collect();
+        // At most one stretch goes on with a region.
+        let mut old: Vec<_> = open.into_iter().map(Some).collect();
+        open = Vec::with_capacity(stretches.len());
+        for (&stretch, before) in stretches.iter().zip(before) {
+            let region = before.and_then(|region| old[region].take());
+            let mut region = region.unwrap_or(Region { first_line: line, stretches: Vec::new() });
+            region.stretches.push(stretch);
+            open.push(region);
         }
-        // Those that do not go on.
-        let goes_on = |old: &Region| next.iter().any(|new| new.starts_as(old));
-        done.extend(open.into_iter().filter(|old| !goes_on(old)));
-        open = next;
+        done.extend(old.into_iter().flatten());
     }
     done.extend(open);
     done
@@ -127,48 +153,81 @@ impl Region {
         rows.cell(self.first_line, self.stretches[0].0)
     }
 
-    /// Whether this one is the other, a line later.
-    fn starts_as(&self, old: &Self) -> bool {
-        self.first_line == old.first_line && self.stretches.starts_with(&old.stretches)
-    }
-
-    fn last(&self) -> (usize, usize) {
+    fn last(&self) -> Stretch {
         self.stretches[self.stretches.len() - 1]
     }
 }
 
 /// The region that goes on with this stretch of the next line, by its place; `None` if it is a new one.
-fn before(
-    open: &[Region],
-    stretches: &[(usize, usize)],
-    stretch: (usize, usize),
-    jump: usize,
-) -> Option<usize> {
-    let touches = |a: (usize, usize), b: (usize, usize)| a.0 <= b.1 && b.0 <= a.1;
-    let mut below = (0..open.len()).filter(|&i| touches(open[i].last(), stretch));
+fn before(open: &[Region], stretches: &[Stretch], stretch: Stretch, jump: usize) -> Option<usize> {
+    let mut below = (0..open.len()).filter(|&i| touch(open[i].last(), stretch));
     let only = below.next().filter(|_| below.next().is_none())?;
     let last = open[only].last();
-    let above = stretches.iter().filter(|other| touches(last, **other)).count();
+    let above = stretches.iter().filter(|other| touch(last, **other)).count();
     let is_smooth = last.0.abs_diff(stretch.0) <= jump && last.1.abs_diff(stretch.1) <= jump;
     (above == 1 && is_smooth).then_some(only)
 }
 
-/// The stretches of free cells on a line.
-fn stretches(grid: &Grid, rows: Rows, line: usize) -> Vec<(usize, usize)> {
-    let (_, places) = rows.size(grid);
-    let mut found: Vec<(usize, usize)> = Vec::new();
-    for place in (0..places).filter(|&place| grid.is_free(rows.cell(line, place))) {
-        match found.last_mut() {
-            Some((_, last)) if *last + 1 == place => *last = place,
-            _ => found.push((place, place)),
-        }
+/// Free cells side by side on a line: the first place and the last.
+type Stretch = (usize, usize);
+
+/// Whether stretches of two lines that are next to each other have places in common.
+fn touch(a: Stretch, b: Stretch) -> bool {
+    a.0 <= b.1 && b.0 <= a.1
+}
+
+/// The stretches of free cells on each line.
+fn stretches(grid: &Grid, rows: Rows) -> Vec<Vec<Stretch>> {
+    let lines = grid.blocked().chunks(grid.columns());
+    match rows {
+        Rows::AlongX => lines.map(along).collect(),
+        Rows::AlongY => across(lines, grid.columns()),
+    }
+}
+
+/// Those of a row.
+fn along(blocked: &[bool]) -> Vec<Stretch> {
+    let (mut found, mut at) = (Vec::new(), 0);
+    let next = |from: usize, what: bool| blocked[from..].iter().position(|&blocked| blocked == what);
+    while let Some(free) = next(at, false) {
+        let first = at + free;
+        at = next(first, true).map_or(blocked.len(), |cells| first + cells);
+        found.push((first, at - 1));
     }
     found
+}
+
+/// Those of each column, from the rows.
+fn across<'a>(rows: impl Iterator<Item = &'a [bool]>, columns: usize) -> Vec<Vec<Stretch>> {
+    let mut found: Vec<Vec<Stretch>> = vec![Vec::new(); columns];
+    let before_all = vec![true; columns];
+    let (mut before, mut count) = (before_all.as_slice(), 0);
+    for (place, row) in rows.enumerate() {
+        for (column, (was_blocked, is_blocked)) in before.iter().zip(row).enumerate() {
+            if was_blocked != is_blocked {
+                turn(&mut found[column], place, *is_blocked);
+            }
+        }
+        (before, count) = (row, place + 1);
+    }
+    for (stretches, _) in found.iter_mut().zip(before).filter(|(_, is_blocked)| !**is_blocked) {
+        turn(stretches, count, true);
+    }
+    found
+}
+
+/// At this place a column becomes blocked, or free.
+fn turn(stretches: &mut Vec<Stretch>, place: usize, is_blocked: bool) {
+    match stretches.last_mut() {
+        Some((_, last)) if is_blocked => *last = place - 1,
+        _ => stretches.push((place, place)),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::planning::Moves;
 
     fn grid(text: &str) -> Grid {
         Grid::from_text(text).unwrap().grid
@@ -236,5 +295,48 @@ mod tests {
         assert_eq!(found[..4], [left, left, None, below]);
         assert_eq!(found[4..8], [left, left, None, None]);
         assert_eq!(found[8..], [left, left, None, above]);
+    }
+
+    /// A grid with so many blocked cells in a hundred.
+    fn random_grid(chance: &mut crate::Chance, percent: u32) -> Grid {
+        let [columns, rows] = [(); 2].map(|()| 1 + (chance.uniform() * 20.0) as usize);
+        let mut grid = Grid::new(columns, rows, 1.0, baudbot_geometry::Point::origin()).unwrap();
+        for cell in grid.extent().cells() {
+            if chance.uniform() * 100.0 < f64::from(percent) {
+                grid.block(cell);
+            }
+        }
+        grid
+    }
+
+    #[test]
+    fn parts_are_those_that_a_search_from_cell_to_cell_fills() {
+        let mut chance = crate::Chance::new(1, "parts");
+        for percent in [0, 10, 30, 40, 50, 70, 100].repeat(20) {
+            let grid = random_grid(&mut chance, percent);
+            let mut numbers = vec![None; grid.len()];
+            let mut number = 0;
+            for cell in grid.cells().filter(|&cell| grid.is_free(cell)) {
+                let (mut open, before) = (vec![cell], number);
+                while let Some(cell) = open.pop() {
+                    if numbers[grid.number(cell)].is_none() {
+                        numbers[grid.number(cell)] = Some(before);
+                        number = before + 1;
+                        open.extend(Moves::Four.neighbours(&grid, cell).map(|(next, _)| next));
+                    }
+                }
+            }
+            let parts = Parts::new(&grid);
+            let found: Vec<_> = grid.cells().map(|cell| parts.of(cell)).collect();
+            assert_eq!(found, numbers, "{grid:?}");
+        }
+    }
+
+    #[test]
+    fn beyond_the_grid_is_no_part() {
+        let parts = Parts::new(&grid("..\n.."));
+        for (column, row) in [(-1, 0), (0, -1), (2, 0), (0, 2)] {
+            assert_eq!(parts.of(Cell { column, row }), None);
+        }
     }
 }

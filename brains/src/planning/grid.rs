@@ -135,6 +135,11 @@ impl Grid {
         self.grid.cells.number(cell).is_some_and(|number| !self.blocked[number])
     }
 
+    /// Whether each cell is blocked, row by row.
+    pub(crate) fn blocked(&self) -> &[bool] {
+        &self.blocked
+    }
+
     /// Blocks a cell. One outside of the grid is blocked anyway.
     pub fn block(&mut self, cell: Cell) {
         if let Some(number) = self.grid.cells.number(cell) {

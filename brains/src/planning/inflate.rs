@@ -29,10 +29,8 @@ impl Grid {
     pub fn block_near(&mut self, wall: &Segment, clearance_m: f64) {
         let reach = Vector::new(clearance_m, clearance_m);
         let bounds = Bounds::of_segment(wall);
-        let near: Vec<_> = self.within(bounds.min - reach, bounds.max + reach).collect();
-        for cell in near {
-            let distance_m = self.distance_m(cell, wall);
-            if distance_m == 0.0 || distance_m < clearance_m - ROUNDING_M {
+        for cell in self.within(bounds.min - reach, bounds.max + reach) {
+            if self.is_free(cell) && self.is_near(cell, wall, clearance_m) {
                 self.block(cell);
             }
         }
@@ -66,21 +64,26 @@ impl Grid {
         rows.flat_map(move |row| columns.clone().map(move |column| Cell { column, row }))
     }
 
-    /// The distance between a cell, as a solid square, and a wall, in metres.
-    fn distance_m(&self, cell: Cell, wall: &Segment) -> f64 {
+    /// Whether the wall runs through a cell, or a point of the cell is nearer to it than `clearance_m`.
+    fn is_near(&self, cell: Cell, wall: &Segment, clearance_m: f64) -> bool {
+        let is_near = |distance_m: f64| distance_m == 0.0 || distance_m < clearance_m - ROUNDING_M;
         let corner = |columns, rows| self.corner(cell.offset(columns, rows));
-        let (low, high) = ([corner(0, 0), corner(1, 0)], [corner(0, 1), corner(1, 1)]);
-        // A straight line that cuts through a square parts one corner from the opposite one, so it crosses a
-        // diagonal.
-        let diagonals = [Segment { start: low[0], end: high[1] }, Segment { start: low[1], end: high[0] }];
-        if diagonals.iter().any(|diagonal| diagonal.touches(wall)) {
-            return 0.0;
+        let lowest = corner(0, 0);
+        let lowest_m = wall.distance(lowest);
+        // No point of the cell is farther from its corner than its diagonal.
+        if is_near(lowest_m) || lowest_m > clearance_m.max(0.0) + 1.5 * self.cell_m() {
+            return is_near(lowest_m);
         }
-        // Otherwise the nearest point of one of them is a corner or an end.
+        let (low, high) = ([lowest, corner(1, 0)], [corner(0, 1), corner(1, 1)]);
+        if [low[1], high[0], high[1]].into_iter().any(|corner| is_near(wall.distance(corner))) {
+            return true;
+        }
+        // If the nearest point is no corner it is an end of the wall, or the wall cuts through the square. Then it parts one
+        // corner from the opposite one, so it crosses a diagonal.
         let square = Bounds { min: low[0], max: high[1] };
-        let ends = [wall.start, wall.end].map(|end| square.distance(end));
-        let corners = [low[0], low[1], high[0], high[1]].map(|corner| wall.distance(corner));
-        ends.into_iter().chain(corners).fold(f64::INFINITY, f64::min)
+        let diagonals = [Segment { start: low[0], end: high[1] }, Segment { start: low[1], end: high[0] }];
+        [wall.start, wall.end].into_iter().any(|end| is_near(square.distance(end)))
+            || diagonals.iter().any(|diagonal| diagonal.touches(wall))
     }
 }
 
@@ -125,6 +128,43 @@ mod tests {
             }
         }
         assert!(free > 300, "{free}");
+    }
+
+    /// The distance between a cell, as a solid square, and a wall, in metres.
+    fn distance_m(grid: &Grid, cell: Cell, wall: &Segment) -> f64 {
+        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| grid.corner(cell.offset(x, y)));
+        let diagonals = [[0, 2], [1, 3]].map(|[a, b]| Segment { start: corners[a], end: corners[b] });
+        if diagonals.iter().any(|diagonal| diagonal.touches(wall)) {
+            return 0.0;
+        }
+        let square = Bounds { min: corners[0], max: corners[2] };
+        let ends = [wall.start, wall.end].map(|end| square.distance(end));
+        let corners = corners.map(|corner| wall.distance(corner));
+        ends.into_iter().chain(corners).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn blocked_are_the_cells_whose_distance_to_the_wall_is_less_than_the_clearance() {
+        let mut chance = crate::Chance::new(1, "inflate");
+        for i in 0..300 {
+            let grid = Grid::new(23, 17, 0.3, Point::new(-2.1, 0.7)).unwrap();
+            // Some along borders and corners of cells.
+            let part = if i % 3 == 0 { 1.0 } else { 0.37 };
+            let mut end = || {
+                let place = [23.0, 17.0].map(|count| math::floor(chance.uniform() * count) * part * 0.3);
+                grid.origin() + Vector::new(place[0], place[1])
+            };
+            let wall = Segment { start: end(), end: end() };
+            for clearance_m in [0.0, 0.1, 0.3, 0.65] {
+                let mut blocked = grid.clone();
+                blocked.block_near(&wall, clearance_m);
+                for cell in grid.cells() {
+                    let distance_m = distance_m(&grid, cell, &wall);
+                    let is_near = distance_m == 0.0 || distance_m < clearance_m - ROUNDING_M;
+                    assert_eq!(blocked.is_free(cell), !is_near, "{cell:?}: {distance_m}, {wall:?}");
+                }
+            }
+        }
     }
 
     #[test]
