@@ -2,13 +2,13 @@
 //! Tracing*, Eurographics 1987.
 //!
 //! *Deviations.* The first and the last cell are computed beforehand, so that the walk ends whatever is rounded.
-//! [`line`] adds up the distances from border to border, as the paper does; [`Grid::line`] computes each afresh
+//! [`line`] adds up the distances from border to border, as the paper does; [`Grid::visit_line`] computes each afresh
 //! from the border's number, so that nothing adds up. Where a line meets a corner, the two may differ in which of
 //! the cells beside it they visit; results that depend on the one must not change to the other.
 
 use core::iter;
 
-use super::{Cell, Grid};
+use super::{Cell, Grid, Rectangle, floor};
 use crate::math;
 use crate::pose::Point;
 
@@ -16,19 +16,37 @@ use crate::pose::Point;
 /// cells. Where it goes through a corner, it goes through one of the cells beside it too, so that neighbours in the
 /// list have a side in common.
 pub fn line(from: Point, to: Point) -> impl Iterator<Item = Cell> {
+    whole(from, to).cells()
+}
+
+fn whole(from: Point, to: Point) -> Staircase<impl FnMut() -> f64, impl FnMut() -> f64> {
     let (first, last) = (Cell::at(from), Cell::at(to));
     let way = to - from;
-    staircase(first, last, summed(from.x, way.x, first.column), summed(from.y, way.y, first.row))
+    Staircase { first, last, x: summed(from.x, way.x, first.column), y: summed(from.y, way.y, first.row) }
+}
+
+impl Rectangle {
+    /// Visits the cells of [`line`] by their numbers; none if the rectangle lacks the cell of one of the ends.
+    pub fn visit_line(&self, from: Point, to: Point, visit: impl FnMut(usize)) {
+        whole(from, to).visit(self, visit);
+    }
 }
 
 impl Grid {
-    /// Those cells of the grid that the line between two points runs through, in order, without a little of the line
-    /// at either end, in metres. None if the line is not longer than that, or not finite.
-    pub fn line(&self, from: Point, to: Point, left_out_m: f64) -> impl Iterator<Item = Cell> + use<> {
-        self.clipped(from, to, left_out_m).into_iter().flatten()
+    /// Visits the numbers of those cells of the grid that the line between two points runs through, in order, without a
+    /// little of the line at either end, in metres. None if the line is not longer than that, or not finite.
+    pub fn visit_line(&self, from: Point, to: Point, left_out_m: f64, visit: impl FnMut(usize)) {
+        if let Some(clipped) = self.clipped(from, to, left_out_m) {
+            clipped.visit(&self.cells, visit);
+        }
     }
 
-    fn clipped(&self, from: Point, to: Point, left_out_m: f64) -> Option<impl Iterator<Item = Cell> + use<>> {
+    fn clipped(
+        &self,
+        from: Point,
+        to: Point,
+        left_out_m: f64,
+    ) -> Option<Staircase<impl FnMut() -> f64 + use<>, impl FnMut() -> f64 + use<>>> {
         let origin = self.grid_from_world(from);
         let way = self.grid_from_world(to) - origin;
         let length = math::hypot(way.x, way.y);
@@ -48,42 +66,85 @@ impl Grid {
         }
         let cell = |distance| {
             let place = |origin, slope, (first, count)| {
-                (math::floor(origin + slope * distance) as i32).clamp(first, first + count - 1)
+                floor(origin + slope * distance).clamp(first, first + count - 1)
             };
             Cell { column: place(origin.x, slope.x, columns), row: place(origin.y, slope.y, rows) }
         };
         let (first, last) = (cell(inside.enter), cell(inside.leave));
         let x = exact(origin.x, slope.x, first.column, last.column);
         let y = exact(origin.y, slope.y, first.row, last.row);
-        Some(staircase(first, last, x, y))
+        Some(Staircase { first, last, x, y })
     }
 }
 
 /// The cells from one to another, with a side in common each. `x` and `y` are how far along the line its borders
 /// between columns and between rows are, one at each call: the nearer one is crossed next.
-fn staircase(
+struct Staircase<X, Y> {
     first: Cell,
     last: Cell,
-    mut x: impl FnMut() -> f64,
-    mut y: impl FnMut() -> f64,
-) -> impl Iterator<Item = Cell> {
-    let towards = |first: i32, last: i32| if last > first { 1 } else { -1 };
-    let (right, up) = (towards(first.column, last.column), towards(first.row, last.row));
-    let (mut next_x, mut next_y) = (x(), y());
-    let steps = first.column.abs_diff(last.column) + first.row.abs_diff(last.row);
-    let mut cell = first;
-    iter::once(first).chain((0..steps).map(move |_| {
-        // Near the end rounding may ask for a step beyond it.
-        let is_across = cell.row == last.row || (cell.column != last.column && next_x <= next_y);
-        if is_across {
-            cell.column += right;
-            next_x = x();
-        } else {
-            cell.row += up;
-            next_y = y();
+    x: X,
+    y: Y,
+}
+
+impl<X: FnMut() -> f64, Y: FnMut() -> f64> Staircase<X, Y> {
+    fn cells(self) -> impl Iterator<Item = Cell> {
+        let (right, up) = self.direction();
+        let Self { first, last, mut x, mut y } = self;
+        let (mut next_x, mut next_y) = (x(), y());
+        let steps = first.column.abs_diff(last.column) + first.row.abs_diff(last.row);
+        let mut cell = first;
+        iter::once(first).chain((0..steps).map(move |_| {
+            // Near the end rounding may ask for a step beyond it.
+            let is_across = cell.row == last.row || (cell.column != last.column && next_x <= next_y);
+            if is_across {
+                cell.column += right;
+                next_x = x();
+            } else {
+                cell.row += up;
+                next_y = y();
+            }
+            cell
+        }))
+    }
+
+    /// Visits the same cells by their numbers in a rectangle. It has all of them if it has the first and the last.
+    fn visit(mut self, cells: &Rectangle, mut visit: impl FnMut(usize)) {
+        let (Some(mut number), Some(_)) = (cells.number(self.first), cells.number(self.last)) else { return };
+        let direction = self.direction();
+        let (right, up) = (direction.0 as isize, direction.1 as isize * cells.columns as isize);
+        let mut columns = self.first.column.abs_diff(self.last.column);
+        let mut rows = self.first.row.abs_diff(self.last.row);
+        visit(number);
+        let (mut next_x, mut next_y) = ((self.x)(), (self.y)());
+        'both: while columns > 0 && rows > 0 {
+            while next_x <= next_y {
+                number = number.wrapping_add_signed(right);
+                visit(number);
+                next_x = (self.x)();
+                columns -= 1;
+                if columns == 0 {
+                    break 'both;
+                }
+            }
+            number = number.wrapping_add_signed(up);
+            visit(number);
+            next_y = (self.y)();
+            rows -= 1;
         }
-        cell
-    }))
+        // Near the end rounding may ask for a step beyond it.
+        for (steps, along) in [(columns, right), (rows, up)] {
+            for _ in 0..steps {
+                number = number.wrapping_add_signed(along);
+                visit(number);
+            }
+        }
+    }
+
+    /// What is added to the column, and what to the row.
+    fn direction(&self) -> (i32, i32) {
+        let towards = |first: i32, last: i32| if last > first { 1 } else { -1 };
+        (towards(self.first.column, self.last.column), towards(self.first.row, self.last.row))
+    }
 }
 
 /// The borders of columns, or of rows, from this place on, as parts of the way: each is the sum of those before.
@@ -161,6 +222,10 @@ mod tests {
             let (from, to) = (Point::new(x0, y0), Point::new(x1, y1));
             let cells: Vec<_> = line(from, to).collect();
             prop_assert_eq!(cells.last(), Some(&Cell::at(to)), "{} to {}", from, to);
+            let all = Rectangle { first: Cell { column: -11, row: -12 }, columns: 23, rows: 25 };
+            let mut numbers = Vec::new();
+            all.visit_line(from, to, |number| numbers.push(number));
+            prop_assert_eq!(numbers.into_iter().map(|number| all.cell(number)).collect::<Vec<_>>(), cells.clone());
             for pair in cells.windows(2) {
                 let (a, b) = (pair[0], pair[1]);
                 prop_assert_eq!(a.column.abs_diff(b.column) + a.row.abs_diff(b.row), 1, "{} to {}", from, to);
@@ -176,8 +241,12 @@ mod tests {
     /// Three columns and two rows, 1 m each; a hair of the ends is left out.
     fn walk(from: (f64, f64), to: (f64, f64)) -> Vec<usize> {
         let grid = Grid::over(&Bounds { min: Point::origin(), max: Point::new(3.0, 2.0) }, 1.0);
-        let cells = grid.line(Point::new(from.0, from.1), Point::new(to.0, to.1), 0.5e-9);
-        cells.filter_map(|cell| grid.cells.number(cell)).collect()
+        let (from, to) = (Point::new(from.0, from.1), Point::new(to.0, to.1));
+        let mut numbers = Vec::new();
+        grid.visit_line(from, to, 0.5e-9, |number| numbers.push(number));
+        let cells = grid.clipped(from, to, 0.5e-9).map(Staircase::cells).into_iter().flatten();
+        assert_eq!(cells.filter_map(|cell| grid.cells.number(cell)).collect::<Vec<_>>(), numbers);
+        numbers
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //!
 //! | | cells |
 //! |---|---|
-//! | [`line()`], [`Grid::line`] | that a straight line runs through, in order |
+//! | [`line()`], [`Rectangle::visit_line`], [`Grid::visit_line`] | that a straight line runs through, in order |
 //! | [`line_of_sight`] | whether all that a straight line touches are free, in whole numbers |
 //! | [`Grid::in_disc`], [`Grid::in_swept`], [`Grid::along`] | whose centres are in a shape, or that a segment touches |
 //! | [`cover`] | as few rectangles |
@@ -40,8 +40,7 @@ impl Cell {
     /// The cell around a point that is given in units of a cell's side.
     #[must_use]
     pub fn at(point: Point) -> Self {
-        // Conversions saturate, and what is not a number is 0.
-        Self { column: math::floor(point.x) as i32, row: math::floor(point.y) as i32 }
+        Self { column: floor(point.x), row: floor(point.y) }
     }
 
     /// The cell so many columns and rows away.
@@ -185,11 +184,29 @@ impl Grid {
     }
 }
 
+/// The greatest whole number that is not greater, or the one next to that that there is; what is not a number is 0.
+pub(crate) fn floor(x: f64) -> i32 {
+    // Towards zero. Conversions saturate.
+    let whole = x as i32;
+    whole.saturating_sub(i32::from(f64::from(whole) > x))
+}
+
 #[cfg(test)]
 mod tests {
     use alloc::vec::Vec;
 
     use super::*;
+
+    #[test]
+    fn a_whole_number_is_that_of_the_rounded_float() {
+        let large =
+            [1e9, 2_147_483_646.5, 2_147_483_647.0, 2_147_483_647.5, 2_147_483_648.5, 1e300, f64::INFINITY];
+        for x in [0.0, 1e-300, 0.3, 0.5, 1.0, 1.5, 7.999_999_999, f64::NAN].into_iter().chain(large) {
+            for x in [x, -x] {
+                assert_eq!(floor(x), math::floor(x) as i32, "{x}");
+            }
+        }
+    }
 
     fn bounds(width: f64, height: f64) -> Bounds {
         Bounds { min: Point::origin(), max: Point::new(width, height) }

@@ -26,6 +26,7 @@ impl Bits {
     }
 
     /// All numbers below `limit`.
+    #[cfg(test)]
     pub(super) fn full(limit: usize) -> Self {
         let mut all = Self::new(limit);
         all.insert_where(0..limit, |_| u64::MAX);
@@ -60,6 +61,15 @@ impl Bits {
                 true
             }
             Some(_) | None => false,
+        }
+    }
+
+    /// Inserts the number if it is in `allowed`.
+    pub(super) fn insert_allowed(&mut self, bit: usize, allowed: &Self) {
+        if let (Some(word), Some(allowed)) = (self.words.get_mut(bit / WORD), allowed.words.get(bit / WORD)) {
+            let new = allowed & !*word & 1 << (bit % WORD);
+            *word |= new;
+            self.count += usize::from(new != 0);
         }
     }
 
@@ -172,6 +182,10 @@ mod tests {
         bits.insert_range(0..200, &of(200, &[(15, 69), (100, 100)]));
         assert_eq!(bits, of(200, &[(10, 69), (100, 100)]));
         assert_eq!(bits.count(), 61);
+        let allowed = of(128, &[(15, 69), (77, 80)]);
+        (0..200).for_each(|bit| bits.insert_allowed(bit, &allowed));
+        assert_eq!(bits, of(200, &[(10, 69), (77, 80), (100, 100)]));
+        assert_eq!(bits.count(), 65);
     }
 
     #[test]

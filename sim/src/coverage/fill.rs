@@ -8,7 +8,9 @@
 //! centres of cells, a step that comes as near as a millionth of a cell's side to a wall is taken to cross
 //! it. So no path leaks through a wall; a centre on a wall is on neither side of it, and not free.
 
+use alloc::vec;
 use alloc::vec::Vec;
+use core::mem;
 
 use baudbot_geometry::grid::{Cell, Grid, MARGIN};
 use baudbot_geometry::{Circle, Point, Segment, Shape, polygon};
@@ -18,24 +20,16 @@ use crate::arena::Arena;
 
 /// The cells that can be reached.
 pub(super) fn free(arena: &Arena, grid: &Grid, starts: &[Point]) -> Bits {
-    let barriers = Barriers::new(arena, grid);
+    let mut barriers = Barriers::new(arena, grid);
     let mut found = Bits::new(grid.cells.count());
     let mut open = Vec::new();
-    let mut find = |open: &mut Vec<Cell>, cell| {
-        let number = grid.cells.number(cell).filter(|&number| !barriers.pillars.contains(number));
-        if number.is_some_and(|number| found.insert(number)) {
-            open.push(cell);
-        }
-    };
     for &start in starts {
-        for cell in first_cells(arena, grid, start) {
-            find(&mut open, cell);
-        }
+        let first = first_cells(arena, grid, start).into_iter().filter_map(|cell| grid.cells.number(cell));
+        first.for_each(|number| barriers.enter(number, &mut open));
     }
-    while let Some(cell) = open.pop() {
-        for next in barriers.steps(grid, cell).into_iter().flatten() {
-            find(&mut open, next);
-        }
+    while let Some(number) = open.pop() {
+        found.insert(number);
+        barriers.enter_beside(number, &mut open);
     }
     found
 }
@@ -71,24 +65,36 @@ fn is_in_sight(arena: &Arena, grid: &Grid, start: Point, center: Point) -> bool 
     free && !arena.polygons().iter().any(|shape| shape.solid && polygon::contains(&shape.points, center))
 }
 
-/// What stands between the cells.
+/// What stands between the cells, which are known by their numbers.
 struct Barriers {
-    /// The cells whose centre is in a pillar.
-    pillars: Bits,
-    /// The cells with a wall between their centre and that of the next one in the row.
-    right: Bits,
-    /// The cells with a wall between their centre and that of the one above.
-    above: Bits,
+    columns: usize,
+    cells: Vec<Sides>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    /// A wall is between its centre and that of the next one in the row, or there is none.
+    right: bool,
+    /// A wall is between its centre and that of the one above, or there is none.
+    above: bool,
+    /// Its centre is in a pillar, or it has been entered.
+    closed: bool,
 }
 
 impl Barriers {
     fn new(arena: &Arena, grid: &Grid) -> Self {
-        let none = || Bits::new(grid.cells.count());
-        let mut barriers = Self { pillars: none(), right: none(), above: none() };
-        let all = Bits::full(grid.cells.count());
-        for circle in arena.index().circles() {
-            grid.in_disc(circle, |cells| barriers.pillars.insert_range(cells, &all));
+        let columns = grid.cells.columns as usize;
+        let mut cells = vec![Sides::default(); grid.cells.count()];
+        for row in cells.chunks_mut(columns) {
+            row[columns - 1].right = true;
         }
+        for cell in cells.iter_mut().rev().take(columns) {
+            cell.above = true;
+        }
+        for circle in arena.index().circles() {
+            grid.in_disc(circle, |range| cells[range].iter_mut().for_each(|cell| cell.closed = true));
+        }
+        let mut barriers = Self { columns, cells };
         for wall in arena.index().segments() {
             barriers.add(grid, wall);
         }
@@ -104,25 +110,36 @@ impl Barriers {
         // A wall meets a step in one of the two cells that the step joins.
         grid.along(&wall, |cell| {
             for number in [cell, cell.offset(-1, 0)].into_iter().filter_map(|cell| blocks(cell, true)) {
-                self.right.insert(number);
+                self.cells[number].right = true;
             }
             for number in [cell, cell.offset(0, -1)].into_iter().filter_map(|cell| blocks(cell, false)) {
-                self.above.insert(number);
+                self.cells[number].above = true;
             }
         });
     }
 
-    /// Where one can go from a cell; some of it may be beyond the grid.
-    fn steps(&self, grid: &Grid, cell: Cell) -> [Option<Cell>; 4] {
-        let is_open =
-            |walls: &Bits, cell| grid.cells.number(cell).is_some_and(|number| !walls.contains(number));
-        let (left, below) = (cell.offset(-1, 0), cell.offset(0, -1));
-        [
-            is_open(&self.right, cell).then_some(cell.offset(1, 0)),
-            is_open(&self.above, cell).then_some(cell.offset(0, 1)),
-            is_open(&self.right, left).then_some(left),
-            is_open(&self.above, below).then_some(below),
-        ]
+    /// Adds a cell to those that are open, unless it is closed; now it is.
+    fn enter(&mut self, number: usize, open: &mut Vec<usize>) {
+        if !mem::replace(&mut self.cells[number].closed, true) {
+            open.push(number);
+        }
+    }
+
+    /// Enters the cells to which one can go from a cell.
+    fn enter_beside(&mut self, number: usize, open: &mut Vec<usize>) {
+        let here = self.cells[number];
+        if !here.right {
+            self.enter(number + 1, open);
+        }
+        if !here.above {
+            self.enter(number + self.columns, open);
+        }
+        if number > 0 && !self.cells[number - 1].right {
+            self.enter(number - 1, open);
+        }
+        if number >= self.columns && !self.cells[number - self.columns].above {
+            self.enter(number - self.columns, open);
+        }
     }
 }
 

@@ -77,12 +77,7 @@ impl Coverage {
     /// Half a nanometre at either end is left out: an obstacle often stands on the border of a cell, and what
     /// is behind it must not be sensed because of a rounding. Walls are not looked for.
     pub fn sense_ray(&mut self, floor: &Floor, from: Point, to: Point) {
-        let grid = floor.grid();
-        let numbers = grid.line(from, to, HAIR_M).filter_map(|cell| grid.cells.number(cell));
-        // Not a `for` loop: rays are many, and this walks through the parts of the iterator one after the other.
-        numbers.filter(|&number| floor.free().contains(number)).for_each(|number| {
-            self.sensed.insert(number);
-        });
+        floor.grid().visit_line(from, to, HAIR_M, |number| self.sensed.insert_allowed(number, floor.free()));
     }
 
     /// The part of the free cells that is covered, in [0, 1].
