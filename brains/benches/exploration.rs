@@ -76,7 +76,7 @@ fn last_steps<E: Explorer + Clone>(mut explorer: E, count: usize) -> Vec<(E, Pla
     let mut pose = Pose::new(1.0, 1.0, std::f64::consts::FRAC_PI_4);
     let mut steps = std::collections::VecDeque::new();
     for _ in 0..20_000 {
-        let placed = PlacedScan { world_from_robot: pose, scan: scan(&map, &laser, &pose, &mut chance) };
+        let placed = PlacedScan::new(pose, scan(&map, &laser, &pose, &mut chance));
         if steps.len() == count {
             steps.pop_front();
         }
@@ -94,7 +94,7 @@ fn bench_steps<E: Explorer + Clone>(bencher: Bencher<'_, '_>, explorer: E) {
     let steps = last_steps(explorer, 200);
     let mut next = steps.iter().cycle();
     bencher.with_inputs(|| next.next().expect("a step").clone()).bench_local_refs(|(explorer, placed)| {
-        explorer.step(&Input { world_from_robot: placed.world_from_robot, scan: Some(placed), near: false })
+        explorer.step(&Input { world_from_robot: placed.world_from_robot(), scan: Some(placed), near: false })
     });
 }
 
@@ -115,9 +115,9 @@ fn mapped() -> (Slam, Occupancy, Pose) {
     for (world_from_robot, _) in last_steps(Frontiers::new(frontiers::Parameters::default()), usize::MAX)
         .into_iter()
         .step_by(5)
-        .map(|(_, placed)| (placed.world_from_robot, placed.scan))
+        .map(|(_, placed)| (placed.world_from_robot(), placed.scan().clone()))
     {
-        grid.add(&PlacedScan { world_from_robot, scan: scan(&map, &laser, &world_from_robot, &mut chance) });
+        grid.add(&PlacedScan::new(world_from_robot, scan(&map, &laser, &world_from_robot, &mut chance)));
     }
     (Slam::new(slam::Parameters::default()), grid, Pose::new(6.0, 5.2, 0.4))
 }

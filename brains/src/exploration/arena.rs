@@ -104,23 +104,19 @@ impl Arena {
     }
 
     fn scan(&self, world_from_robot: Pose) -> PlacedScan {
-        let mut scan = PlacedScan {
-            world_from_robot,
-            scan: Scan {
-                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
-                opening_rad: 4.0 * PI / 3.0,
-                range_m: RANGE_M,
-                distances_m: vec![f64::INFINITY; RAYS],
-            },
+        let mut scan = Scan {
+            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: 4.0 * PI / 3.0,
+            range_m: RANGE_M,
+            distances_m: vec![f64::INFINITY; RAYS],
         };
         let forward = world_from_robot.direction();
         for i in 0..RAYS {
-            let direction = forward.rotate(Direction::from_angle(scan.scan.bearing_rad(i)));
+            let direction = forward.rotate(Direction::from_angle(scan.bearing_rad(i)));
             let ray = Ray { origin: world_from_robot.position, direction };
-            scan.scan.distances_m[i] =
-                self.seen.cast(&ray, RANGE_M).map_or(f64::INFINITY, |hit| hit.distance);
+            scan.distances_m[i] = self.seen.cast(&ray, RANGE_M).map_or(f64::INFINITY, |hit| hit.distance);
         }
-        scan
+        PlacedScan::new(world_from_robot, scan)
     }
 
     /// Whether something would be almost touched a little farther ahead.

@@ -227,15 +227,15 @@ mod tests {
 
     /// A scan of 60 degrees from the origin in this direction, with a ray each 2 degrees.
     fn scan(heading: f64, distance_m: impl Fn(usize) -> f64) -> PlacedScan {
-        PlacedScan {
-            world_from_robot: baudbot_geometry::Pose::new(0.0, 0.0, heading),
-            scan: Scan {
+        PlacedScan::new(
+            baudbot_geometry::Pose::new(0.0, 0.0, heading),
+            Scan {
                 robot_from_laser: baudbot_geometry::Pose::new(0.0, 0.0, 0.0),
                 opening_rad: 60_f64.to_radians(),
                 range_m: 4.0,
                 distances_m: (0..=30).map(distance_m).collect(),
             },
-        }
+        )
     }
 
     #[test]

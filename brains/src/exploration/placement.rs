@@ -87,7 +87,7 @@ impl Placement {
     /// Where a scan allows nodes, in the world. Other nodes may be too near.
     #[must_use]
     pub fn places(&self, scan: &PlacedScan) -> Vec<Point> {
-        let intervals = self.intervals(&scan.scan);
+        let intervals = self.intervals(scan.scan());
         let bearings_rad = intervals.iter().flat_map(|interval| self.directions(interval));
         bearings_rad.map(|bearing_rad| place(scan, bearing_rad, self.distance_m)).collect()
     }
@@ -120,7 +120,7 @@ mod tests {
     fn scan_of(distances_m: Vec<f64>) -> PlacedScan {
         let robot_from_laser = Pose::new(0.0, 0.0, 0.0);
         let scan = Scan { robot_from_laser, opening_rad: PI, range_m: 4.0, distances_m };
-        PlacedScan { world_from_robot: Pose::new(2.0, 3.0, 0.5 * PI), scan }
+        PlacedScan::new(Pose::new(2.0, 3.0, 0.5 * PI), scan)
     }
 
     /// The figure: two feasible intervals, of which one is wide enough for two nodes.
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn the_figures_intervals_get_one_node_and_two() {
-        let intervals = PLACEMENT.intervals(&figure().scan);
+        let intervals = PLACEMENT.intervals(figure().scan());
         let degrees =
             |i: &Interval| [i.from_rad, i.to_rad].map(|angle: f64| angle.to_degrees().round() + 90.0);
         assert_eq!(intervals.iter().map(degrees).collect::<Vec<_>>(), [[20.0, 60.0], [90.0, 180.0]]);

@@ -168,18 +168,16 @@ mod tests {
     fn corridor(cell_m: f64) -> Occupancy {
         let mut grid = Occupancy::new(cell_m);
         let rays = 1000;
-        let mut scan = PlacedScan {
-            world_from_robot: Pose::new(0.03, 0.03, 0.0),
-            scan: Scan {
-                robot_from_laser: Pose::new(0.0, 0.0, 0.0),
-                opening_rad: PI,
-                range_m: 3.0,
-                distances_m: vec![f64::INFINITY; rays],
-            },
+        let mut scan = Scan {
+            robot_from_laser: Pose::new(0.0, 0.0, 0.0),
+            opening_rad: PI,
+            range_m: 3.0,
+            distances_m: vec![f64::INFINITY; rays],
         };
         for i in 0..rays {
-            scan.scan.distances_m[i] = 1.0 / scan.scan.bearing_rad(i).sin().abs();
+            scan.distances_m[i] = 1.0 / scan.bearing_rad(i).sin().abs();
         }
+        let scan = PlacedScan::new(Pose::new(0.03, 0.03, 0.0), scan);
         assert!(grid.add(&scan));
         grid
     }

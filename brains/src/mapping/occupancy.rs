@@ -56,6 +56,25 @@ impl Ends {
     }
 }
 
+/// The changes that a scan makes.
+struct Change<'a> {
+    log_odds: &'a mut [f32],
+    changed: &'a mut [u32],
+    /// Its number.
+    scan: u32,
+}
+
+impl Change<'_> {
+    /// Changes the cell at a place, unless this scan already did.
+    #[inline]
+    fn change(&mut self, place: usize, by: f32) {
+        if self.changed[place] != self.scan {
+            self.changed[place] = self.scan;
+            self.log_odds[place] = (self.log_odds[place] + by).clamp(-MOST, MOST);
+        }
+    }
+}
+
 impl Occupancy {
     /// A grid of cells with this side, in metres, of which nothing is known.
     ///
@@ -157,10 +176,14 @@ impl Occupancy {
         self.scans += 1;
         for &(end, _) in ends.iter().filter(|(_, met)| *met) {
             self.met(end);
-            self.change(self.cell(end), HIT);
+            if let Some(place) = self.place(self.cell(end)) {
+                self.scan().change(place, HIT);
+            }
         }
+        let (grid, mut scan) = (self.grid, self.scan());
+        let from = grid.grid_from_world(from);
         for (end, _) in ends {
-            self.line(from, end).for_each(|cell| self.change(cell, MISS));
+            grid.cells.visit_line(from, grid.grid_from_world(end), |place| scan.change(place, MISS));
         }
         true
     }
@@ -176,8 +199,10 @@ impl Occupancy {
         for row in low.row..=high.row {
             for column in low.column..=high.column {
                 let cell = Cell { column, row };
-                if (self.center(cell) - center).norm() <= radius_m {
-                    self.change(cell, MISS);
+                if let Some(place) = self.place(cell)
+                    && (self.center(cell) - center).norm() <= radius_m
+                {
+                    self.scan().change(place, MISS);
                 }
             }
         }
@@ -203,14 +228,9 @@ impl Occupancy {
         Some(self.center(cell) + baudbot_geometry::Vector::new(x, y) * self.grid.cell_m)
     }
 
-    /// Changes a cell, unless this scan already did.
-    #[inline]
-    fn change(&mut self, cell: Cell, by: f32) {
-        let Some(place) = self.place(cell) else { return };
-        if self.changed[place] != self.scans {
-            self.changed[place] = self.scans;
-            self.log_odds[place] = (self.log_odds[place] + by).clamp(-MOST, MOST);
-        }
+    /// The present scan.
+    fn scan(&mut self) -> Change<'_> {
+        Change { log_odds: &mut self.log_odds, changed: &mut self.changed, scan: self.scans }
     }
 
     /// Makes the grid so large that it has these points' cells; says whether that is not too large.
@@ -274,15 +294,15 @@ mod tests {
     use crate::scan::Scan;
 
     fn scan(x: f64, distances_m: &[f64]) -> PlacedScan {
-        PlacedScan {
-            world_from_robot: Pose::new(x, 0.05, 0.0),
-            scan: Scan {
+        PlacedScan::new(
+            Pose::new(x, 0.05, 0.0),
+            Scan {
                 robot_from_laser: Pose::new(0.0, 0.0, 0.0),
                 opening_rad: 0.0,
                 range_m: 2.0,
                 distances_m: distances_m.to_vec(),
             },
-        }
+        )
     }
 
     fn states(grid: &Occupancy, columns: Range<i32>) -> String {

@@ -7,12 +7,18 @@ use crate::scan::Scan;
 /// A scan, and the pose at which it is believed to have been taken.
 ///
 /// All rays count as taken at once: [`Scanner`](crate::scanner::Scanner) sees to that.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PlacedScan {
-    /// The robot's pose when the scan was taken.
-    pub world_from_robot: Pose,
-    /// The scan from there.
-    pub scan: Scan,
+    world_from_robot: Pose,
+    scan: Scan,
+    /// Where rays end, and whether they met something there.
+    ends: Vec<(Point, bool)>,
+}
+
+impl PartialEq for PlacedScan {
+    fn eq(&self, other: &Self) -> bool {
+        (self.world_from_robot, &self.scan) == (other.world_from_robot, &other.scan)
+    }
 }
 
 /// What a scan says about a path.
@@ -27,6 +33,33 @@ pub enum View {
 }
 
 impl PlacedScan {
+    /// A scan that was taken at this pose of the robot.
+    #[must_use]
+    pub fn new(world_from_robot: Pose, scan: Scan) -> Self {
+        let world_from_laser = world_from_robot.compose(&scan.robot_from_laser);
+        let forward = world_from_laser.direction();
+        let known = scan.distances_m.iter().enumerate().filter(|(_, distance_m)| !distance_m.is_nan());
+        let ends = known.map(|(i, distance_m)| {
+            let direction = forward.rotate(Direction::from_angle(scan.bearing_rad(i)));
+            let end = world_from_laser.position + direction.vector() * distance_m.min(scan.range_m);
+            (end, *distance_m <= scan.range_m)
+        });
+        let ends = ends.collect();
+        Self { world_from_robot, scan, ends }
+    }
+
+    /// The robot's pose when the scan was taken.
+    #[must_use]
+    pub fn world_from_robot(&self) -> Pose {
+        self.world_from_robot
+    }
+
+    /// The scan from there.
+    #[must_use]
+    pub fn scan(&self) -> &Scan {
+        &self.scan
+    }
+
     /// The laser's pose when the scan was taken.
     #[must_use]
     pub fn world_from_laser(&self) -> Pose {
@@ -36,15 +69,7 @@ impl PlacedScan {
     /// The end of each ray in the world, and whether it met something there. A ray that met nothing ends at the
     /// range; one of which nothing is known has no end.
     pub fn ends(&self) -> impl Iterator<Item = (Point, bool)> {
-        let Scan { range_m, distances_m, .. } = &self.scan;
-        let world_from_laser = self.world_from_laser();
-        let forward = world_from_laser.direction();
-        let known = distances_m.iter().enumerate().filter(|(_, distance_m)| !distance_m.is_nan());
-        known.map(move |(i, distance_m)| {
-            let direction = forward.rotate(Direction::from_angle(self.scan.bearing_rad(i)));
-            let end = world_from_laser.position + direction.vector() * distance_m.min(*range_m);
-            (end, distance_m <= range_m)
-        })
+        self.ends.iter().copied()
     }
 
     /// Whether it was taken from about here: within 5 cm and 0.1 rad.
@@ -94,15 +119,15 @@ mod tests {
 
     /// Five rays over half a turn, from (1, 2), looking up.
     fn scan(distances_m: [f64; 5]) -> PlacedScan {
-        PlacedScan {
-            world_from_robot: Pose::new(1.0, 2.0, FRAC_PI_2),
-            scan: Scan {
+        PlacedScan::new(
+            Pose::new(1.0, 2.0, FRAC_PI_2),
+            Scan {
                 robot_from_laser: Pose::new(0.0, 0.0, 0.0),
                 opening_rad: PI,
                 range_m: 4.0,
                 distances_m: distances_m.to_vec(),
             },
-        }
+        )
     }
 
     #[test]

@@ -71,7 +71,7 @@ mod tests {
         let scan = Scan { robot_from_laser, opening_rad: 1.0, range_m: 2.0, distances_m: vec![0.5] };
         let mut grid = Occupancy::new(0.1);
         assert!(grid.shown().cells.is_empty());
-        assert!(grid.add(&PlacedScan { world_from_robot: Pose::new(-1.0, 0.02, 0.0), scan }));
+        assert!(grid.add(&PlacedScan::new(Pose::new(-1.0, 0.02, 0.0), scan)));
         let shown = grid.shown();
         let at = |point: Point| {
             let [column, row] = [point.x - shown.x_m, point.y - shown.y_m].map(|path| (path / 0.1) as u32);
@@ -91,7 +91,7 @@ mod tests {
             let distances_m = vec![8.0; 100];
             let scan = Scan { robot_from_laser, opening_rad: 6.2, range_m: 9.0, distances_m };
             let world_from_robot = Pose::new(4.0 * f64::from(x), 0.0, 0.0);
-            assert!(grid.add(&PlacedScan { world_from_robot, scan }));
+            assert!(grid.add(&PlacedScan::new(world_from_robot, scan)));
         }
         let shown = grid.shown();
         assert!(

@@ -82,7 +82,7 @@ impl Slam {
         };
         let world_from_robot = estimate.world_from_robot;
         if self.has_moved(&world_from_robot) {
-            let is_added = grid.add(&PlacedScan { world_from_robot, scan: scan.clone() });
+            let is_added = grid.add(&PlacedScan::new(world_from_robot, scan.clone()));
             self.added = Some(world_from_robot).filter(|_| is_added);
             self.added?;
         }

@@ -20,7 +20,7 @@ fn mapped(map: &Map, laser: &VirtualLaser, here: Pose) -> (Slam, Occupancy) {
     for turn in [0.0, 2.0, 4.0] {
         let pose = Pose { heading: angle::wrap(here.heading + turn), ..here };
         let scan = laser.scan(map, &pose);
-        grid.add(&PlacedScan { world_from_robot: own(pose), scan });
+        grid.add(&PlacedScan::new(own(pose), scan));
     }
     slam.added = Some(own(here));
     (slam, grid)

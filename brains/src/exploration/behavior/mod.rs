@@ -73,7 +73,7 @@ impl ExploreFloor {
         let Some(odometry) = &context.beliefs.odometry else { return };
         while let Some((at_ns, scan)) = self.scanner.take(odometry) {
             if let Some(estimate) = odometry.at(at_ns) {
-                self.scan = Some(PlacedScan { world_from_robot: estimate.world_from_robot, scan });
+                self.scan = Some(PlacedScan::new(estimate.world_from_robot, scan));
             }
         }
     }

@@ -58,7 +58,7 @@ fn it_goes_by_the_believed_pose_once_that_has_come_to_the_end_of_a_scan() {
     assert!(signals.left == -signals.right && signals.right.abs() > 0.1, "{signals:?}");
     assert_eq!(beliefs.intention, "turns");
     let placed = explore.scan.as_ref().unwrap();
-    assert_eq!(placed.world_from_robot, Pose::new(2.0, 1.0, 0.3));
+    assert_eq!(placed.world_from_robot(), Pose::new(2.0, 1.0, 0.3));
 }
 
 #[test]

@@ -97,7 +97,7 @@ impl Explore {
                 estimate = found;
             }
             let Estimate { world_from_robot, .. } = estimate;
-            self.scan = Some(PlacedScan { world_from_robot, scan });
+            self.scan = Some(PlacedScan::new(world_from_robot, scan));
         }
     }
 

@@ -68,8 +68,8 @@ fn a_scan_goes_with_the_pose_of_the_end_of_its_sweep() {
     assert_eq!(robot.brain.scan, None, "it has only begun");
     robot.step([0.0, 0.0, 0.2], None, 1.0);
     let placed = robot.brain.scan.as_ref().unwrap();
-    assert!((placed.world_from_robot.heading - 0.1665).abs() < 1e-9, "{placed:?}");
-    let known: Vec<_> = placed.scan.distances_m.iter().filter(|distance_m| !distance_m.is_nan()).collect();
+    assert!((placed.world_from_robot().heading - 0.1665).abs() < 1e-9, "{placed:?}");
+    let known: Vec<_> = placed.scan().distances_m.iter().filter(|distance_m| !distance_m.is_nan()).collect();
     assert!(known.len() > 95 && known.iter().all(|distance_m| (**distance_m - 0.5).abs() < 1e-9));
 }
 

@@ -178,7 +178,7 @@ impl Frontiers {
             self.state = State::Ended(Command::Failed(Failure::TooLarge));
         }
         let Parameters { radius_m, cell_m, .. } = self.parameters;
-        self.grid.free_disc(scan.world_from_robot.position, radius_m - cell_m);
+        self.grid.free_disc(scan.world_from_robot().position, radius_m - cell_m);
         match &self.state {
             State::Go { plan: Plan { look_at, .. }, .. } | State::Look { at: look_at }
                 if !is_edge(&self.grid, *look_at) =>
@@ -258,7 +258,7 @@ impl Frontiers {
     /// How far to look, and for what, one after the other. Cells side by side are mostly seen from the same places.
     fn views(&self, wanted: &[Cell]) -> [(f64, Vec<Cell>); 3] {
         let Parameters { view_m, cell_m, .. } = self.parameters;
-        let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan.range_m);
+        let range_m = self.last_scan.as_ref().map_or(view_m, |scan| scan.scan().range_m);
         // What is just at the end of the laser's range it may not see.
         let view_m = view_m.min(range_m - 2.0 * cell_m).max(cell_m);
         // No line is longer than what is known.

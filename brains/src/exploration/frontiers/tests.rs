@@ -51,15 +51,15 @@ fn an_office_is_seen_from_30_random_starts() {
 fn what_only_proximity_sees_is_gone_around() {
     let mut explorer = Frontiers::new(Parameters::default());
     let here = Pose::new(0.0, 0.0, 0.0);
-    let scan = PlacedScan {
-        world_from_robot: here,
-        scan: Scan {
+    let scan = PlacedScan::new(
+        here,
+        Scan {
             robot_from_laser: Pose::new(0.0, 0.0, 0.0),
             opening_rad: 6.2,
             range_m: 3.0,
             distances_m: vec![f64::INFINITY; 401],
         },
-    };
+    );
     let mut step = |pose, near| explorer.step(&Input { world_from_robot: pose, scan: Some(&scan), near });
     let heading = |command| match command {
         Command::Turn { heading_rad } => heading_rad,

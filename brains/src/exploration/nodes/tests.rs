@@ -102,15 +102,15 @@ fn an_arena_without_walls_is_given_up() {
     let mut nodes = Nodes::new(Parameters::default());
     let mut here = Pose::new(0.0, 0.0, 0.0);
     for _ in 0..20_000 {
-        let scan = PlacedScan {
-            world_from_robot: here,
-            scan: Scan {
+        let scan = PlacedScan::new(
+            here,
+            Scan {
                 robot_from_laser: Pose::new(0.0, 0.0, 0.0),
                 opening_rad: 4.0,
                 range_m: 4.0,
                 distances_m: vec![f64::INFINITY; 41],
             },
-        };
+        );
         // It is at once where it wants to be.
         match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: false }) {
             Command::Turn { heading_rad } => here.heading = heading_rad,
@@ -128,15 +128,15 @@ fn a_robot_that_can_go_nowhere_is_done() {
         let mut nodes = Nodes::new(Parameters::default());
         let mut here = Pose::new(0.0, 0.0, 0.0);
         for _ in 0..1000 {
-            let scan = PlacedScan {
-                world_from_robot: here,
-                scan: Scan {
+            let scan = PlacedScan::new(
+                here,
+                Scan {
                     robot_from_laser: Pose::new(0.0, 0.0, 0.0),
                     opening_rad: 4.0,
                     range_m: 4.0,
                     distances_m: vec![distance_m; 41],
                 },
-            };
+            );
             match nodes.step(&Input { world_from_robot: here, scan: Some(&scan), near: true }) {
                 Command::Turn { heading_rad } => here.heading = heading_rad,
                 Command::Drive { .. } => panic!("drives though something is near"),
@@ -163,15 +163,15 @@ fn knowing(nodes: &[(f64, f64)], paths: &[(usize, usize)]) -> Nodes {
 }
 
 fn seen(world_from_robot: Pose, distance_m: f64) -> PlacedScan {
-    PlacedScan {
+    PlacedScan::new(
         world_from_robot,
-        scan: Scan {
+        Scan {
             robot_from_laser: Pose::new(0.0, 0.0, 0.0),
             opening_rad: 4.0,
             range_m: 4.0,
             distances_m: vec![distance_m; 101],
         },
-    }
+    )
 }
 
 /// Lets it turn where it stands until it wants something else.
