@@ -41,16 +41,23 @@ struct End {
 }
 
 /// The scan as if it had been taken at `at_ns`, by the poses at earlier instants, world from robot; for these
-/// [`Odometry::pose_at`](crate::odometry::Odometry::pose_at) is made. `None` if one of these is not known.
+/// [`Track::pose_at`](crate::odometry::Track::pose_at) is made. `None` if one of these is not known.
 #[must_use]
-pub fn deskew(scan: &Scan, sweep: Sweep, at_ns: u64, pose_at: impl Fn(u64) -> Option<Pose>) -> Option<Scan> {
+pub fn deskew(
+    scan: &Scan,
+    sweep: Sweep,
+    at_ns: u64,
+    mut pose_at: impl FnMut(u64) -> Option<Pose>,
+) -> Option<Scan> {
     let laser_from_world = pose_at(at_ns)?.compose(&scan.robot_from_laser).inverse();
+    let facing = laser_from_world.direction();
     let last = scan.distances_m.len().saturating_sub(1);
     let spacing = scan.spacing_rad();
     let mut ends = Vec::with_capacity(scan.distances_m.len());
     for (i, distance) in scan.distances_m.iter().enumerate() {
         let world_from_robot = pose_at(sweep.at_ns(i as f64 / last.max(1) as f64))?;
-        let then = laser_from_world.compose(&world_from_robot.compose(&scan.robot_from_laser));
+        let world_from_laser = world_from_robot.compose(&scan.robot_from_laser);
+        let then = laser_from_world.compose_facing(facing, &world_from_laser);
         ends.push(end(&then, scan.bearing_rad(i), *distance, scan.range_m));
     }
     let mut distances_m = vec![f64::NAN; scan.distances_m.len()];

@@ -27,6 +27,7 @@ mod arrivals;
 mod step;
 #[cfg(test)]
 mod tests;
+mod track;
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -38,6 +39,7 @@ use crate::awaited::Awaited;
 use crate::estimate::Estimate;
 use arrivals::Arrivals;
 use step::Step;
+pub use track::Track;
 
 /// What must be known of the wheels, and how much is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +74,14 @@ struct Past {
     at_ns: u64,
     step: Step,
     estimate: Estimate,
+}
+
+/// An instant of the past.
+enum Place<'a> {
+    /// It is that of this estimate, or later than all of them.
+    At(&'a Estimate),
+    /// It is between these.
+    Between(&'a Past, &'a Past),
 }
 
 /// The last reading, to which the next one is compared.
@@ -217,26 +227,32 @@ impl Odometry {
         Some(step.map_or(*from, |step| self.stepped(from, &step)))
     }
 
-    /// The pose of [`at`](Self::at), world from robot, without the work for its covariance.
+    /// The poses of [`at`](Self::at), world from robot, without the work for their covariances.
     #[must_use]
-    pub fn pose_at(&self, at_ns: u64) -> Option<Pose> {
-        let (from, step) = self.step_to(at_ns)?;
-        Some(step.map_or(from.world_from_robot, |step| step.pose_after(&from.world_from_robot)))
+    pub fn track(&self) -> Track<'_> {
+        Track { odometry: self, leg: None }
     }
 
     /// The estimate from which the robot went to where it was at an instant, and its step from there; no step if it was there.
     fn step_to(&self, at_ns: u64) -> Option<(&Estimate, Option<Step>)> {
+        Some(match self.place(at_ns)? {
+            Place::At(estimate) => (estimate, None),
+            Place::Between(before, next) => {
+                (&before.estimate, Some(next.step.part(fraction(before.at_ns, at_ns, next.at_ns))))
+            }
+        })
+    }
+
+    /// Where an instant is in the past.
+    fn place(&self, at_ns: u64) -> Option<Place<'_>> {
         let after = self.past.partition_point(|past| past.at_ns < at_ns);
-        let Some(next) = self.past.get(after) else { return Some((&self.newest().estimate, None)) };
+        let Some(next) = self.past.get(after) else { return Some(Place::At(&self.newest().estimate)) };
         if next.at_ns == at_ns {
-            return Some((&next.estimate, None));
+            return Some(Place::At(&next.estimate));
         }
         let before = &self.past[after.checked_sub(1)?];
-        if next.at_ns.saturating_sub(before.at_ns) > EVEN_NS && !next.step.is_small() {
-            return None;
-        }
-        let part = next.step.part(fraction(before.at_ns, at_ns, next.at_ns));
-        Some((&before.estimate, Some(part)))
+        let is_even = next.at_ns.saturating_sub(before.at_ns) <= EVEN_NS || next.step.is_small();
+        is_even.then_some(Place::Between(before, next))
     }
 
     /// The same, if nothing later was corrected: only then it can be [corrected](Self::correct).

@@ -286,3 +286,20 @@ fn where_a_robot_was_while_nothing_came_for_long_nobody_knows_if_it_moved() {
     assert!(after_s(0.5, turned).at(300 * MS).is_some(), "not for long");
     assert!(after_s(2.0, [10.0, -10.0]).at(1100 * MS).is_some(), "hardly moved");
 }
+
+#[test]
+fn a_track_has_the_same_poses_in_whatever_order() {
+    let mut odometry = odometry(PARAMETERS, Pose::new(1.0, 2.0, 0.6));
+    let ms = 1_000_000;
+    for i in 1..=20_u32 {
+        odometry.encoders(u64::from(i) * 20 * ms, [f64::from(i * i), f64::from(i * (30 - i))]);
+    }
+    odometry.correct(70 * ms, Estimate::exact(Pose::new(0.0, 0.0, 3.0)));
+    let mut chance = crate::Chance::new(1, "track");
+    let mut track = odometry.track();
+    let at_random = (0..500).map(|_| (chance.uniform() * 450.0) as u64 * ms);
+    for at_ns in (0..450).map(|at_ms| at_ms * ms + 1).chain(at_random) {
+        let expected = odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
+        assert_eq!(track.pose_at(at_ns), expected, "{at_ns}");
+    }
+}

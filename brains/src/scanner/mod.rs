@@ -83,12 +83,13 @@ impl Scanner {
         let sweep = self.sweep;
         let is_covered =
             |waiting: &mut (u64, Scan)| waiting.0.saturating_add(sweep.duration_ns) <= odometry.at_ns();
-        let pose_at = |at_ns| odometry.pose_at(at_ns);
+        let mut track = odometry.track();
         while let Some((begun_ns, scan)) = self.waiting.pop_front_if(is_covered) {
             let ended_ns = begun_ns.saturating_add(sweep.duration_ns);
             let [right_ns, left_ns] =
                 if sweep.clockwise { [ended_ns, begun_ns] } else { [begun_ns, ended_ns] };
-            let mended = deskew(&scan, deskew::Sweep { right_ns, left_ns }, ended_ns, pose_at);
+            let mended =
+                deskew(&scan, deskew::Sweep { right_ns, left_ns }, ended_ns, |at_ns| track.pose_at(at_ns));
             if let Some(mended) = mended {
                 return Some((ended_ns, mended));
             }
