@@ -168,9 +168,9 @@ fn shows(scan: &PlacedScan, here: &Pose, echo: &Echo) -> bool {
     let world_from_sonar = here.compose(&echo.robot_from_sensor);
     scan.ends().any(|(end, met)| {
         let offset = end - world_from_sonar.position;
-        let aside = angle::difference(math::atan2(offset.y, offset.x), world_from_sonar.heading);
+        let aside = || angle::difference(math::atan2(offset.y, offset.x), world_from_sonar.heading);
         let is_there = (offset.norm() - echo.distance_m).abs() <= SAME_M;
-        met && is_there && aside.abs() <= echo.half_rad + SAME_RAD
+        met && is_there && aside().abs() <= echo.half_rad + SAME_RAD
     })
 }
 
