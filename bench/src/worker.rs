@@ -7,7 +7,7 @@ use crate::child::{Child, ChildError, Means, Task, tell, tell_repeat};
 use crate::in_process::{Run, Unfit};
 use crate::measure::Effort;
 use crate::network::{self, Found, NetworkError};
-use crate::outcome::{Beside, Outcome};
+use crate::outcome::Outcome;
 use crate::process;
 
 /// Measures a workload in a process that `command` begins; [`serve`] gets its last argument. `progress` hears the
@@ -72,9 +72,6 @@ fn note_found(
     outcome.samples = found.samples;
     outcome.notes = notes;
     outcome.peak_memory_bytes = found.usage.and_then(|usage| usage.peak_memory_bytes);
-    if !found.ping.is_empty() {
-        let what = "a bare ping-pong of 64 bytes".to_owned();
-        outcome.beside = Some(Beside { what, samples: found.ping });
-    }
+    outcome.beside = found.beside;
     Ok(())
 }

@@ -5,11 +5,12 @@ use tokio::runtime::Runtime;
 use tokio::task::JoinSet;
 
 use super::Found;
-use super::ping::Player;
+use super::ping::{self, Players};
 use super::server::WORLD;
 use crate::child::{Brains, Streams};
 use crate::driver::by_infrared;
 use crate::measure::{self, Effort};
+use crate::outcome::Beside;
 use crate::process::{self, Clock};
 
 /// Does what the server's process asks for.
@@ -24,9 +25,14 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
             let mut brains =
                 runtime.block_on(AttachedBrains::attach(address, robots, *streams)).map_err(text)?;
             brains.waits = *lookahead;
-            let ping = ping.as_deref().map(|address| runtime.block_on(Player::connect(address)));
-            let ping = ping.transpose().map_err(|status| format!("the ping-pong: {}", status.message()))?;
-            lockstep(&runtime, brains, ping, *effort, progress)?
+            let connect = |address| runtime.block_on(Players::connect(address, robots.len(), *streams));
+            let ping = ping.as_deref().map(connect).transpose();
+            let ping = ping.map_err(|status| format!("the ping-pong: {}", status.message()))?;
+            let mut found = lockstep(&runtime, brains, ping, *effort, progress)?;
+            if let Some(beside) = &mut found.beside {
+                beside.what = told(robots.len(), *streams);
+            }
+            found
         }
         Brains::RealTime { robots, streams } => {
             runtime.block_on(real_time(address, robots, *streams)).map_err(text)?;
@@ -41,17 +47,18 @@ pub(crate) fn perform(address: &str, what: &Brains, progress: impl FnMut(u32)) -
 fn lockstep(
     runtime: &Runtime,
     mut brains: AttachedBrains,
-    mut ping: Option<Player>,
+    mut ping: Option<Players>,
     effort: Effort,
     mut progress: impl FnMut(u32),
 ) -> Result<Found, String> {
-    let mut found = Found::default();
+    let beside = ping.is_some().then(|| Beside { what: String::new(), samples: Vec::new() });
+    let mut found = Found { beside, ..Found::default() };
     let once = Effort { repeats: 1, ..effort };
     for repeat in 1..=effort.repeats {
         progress(repeat);
-        if let Some(player) = &mut ping {
-            let play = |times| runtime.block_on(player.play(times));
-            found.ping.extend(
+        if let Some((players, beside)) = ping.as_mut().zip(found.beside.as_mut()) {
+            let play = |times| runtime.block_on(players.play(times));
+            beside.samples.extend(
                 measure::rate(once, Clock::Wall, |_| {}, play)
                     .map_err(|status| status.message().to_owned())?,
             );
@@ -60,6 +67,19 @@ fn lockstep(
         found.samples.extend(measure::rate(once, Clock::Wall, |_| {}, work).map_err(text)?);
     }
     Ok(found)
+}
+
+/// What a ping-pong is with streams like those of so many robots.
+fn told(robots: usize, streams: Streams) -> String {
+    let bytes = ping::BYTES;
+    if robots == 1 {
+        return format!("a bare ping-pong of {bytes} bytes");
+    }
+    match streams {
+        Streams::Connections => format!("a bare barrier of {robots} connections, {bytes} bytes each"),
+        Streams::OneConnection => format!("a bare barrier of {robots} streams, {bytes} bytes each"),
+        Streams::OneStream => format!("a bare ping-pong of {} bytes", bytes * robots),
+    }
 }
 
 /// Brains that hold their robots.

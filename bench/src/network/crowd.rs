@@ -55,7 +55,7 @@ pub(super) fn run(
     let mut notes =
         vec![told(&lateness, &status), format!("server {usage}; {processors:.2} processors while measured")];
     notes.extend(brains.usage.map(|usage| format!("brains {usage}")));
-    Ok((Found { samples, ping: Vec::new(), usage: Some(usage) }, notes))
+    Ok((Found { samples, beside: None, usage: Some(usage) }, notes))
 }
 
 /// What the figure does not say.

@@ -6,6 +6,7 @@
 
 mod brains;
 mod crowd;
+mod heartbeat;
 mod ping;
 mod server;
 mod worlds;
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::child::{Brains, Child, ChildError, Streams, Task};
 use crate::in_process::Unfit;
 use crate::measure::{Effort, Sample};
+use crate::outcome::Beside;
 use crate::plan::Plan;
 use crate::process;
 use crate::scenario::{Cable, Infrared, parse, plans};
@@ -33,7 +35,7 @@ pub(crate) enum Network {
     Alone,
     /// The same at 9600 baud.
     Serial { lookahead: bool },
-    /// 22 brains in lockstep.
+    /// 22 brains in lockstep, beside a bare barrier.
     Team(Streams),
     /// 1,000 robots in real time, on 10 streams.
     Crowd,
@@ -43,8 +45,8 @@ pub(crate) enum Network {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Found {
     pub(crate) samples: Vec<Sample>,
-    /// Of the ping-pong.
-    pub(crate) ping: Vec<Sample>,
+    /// A ping-pong of the same messages.
+    pub(crate) beside: Option<Beside>,
     pub(crate) usage: Option<process::Usage>,
 }
 
@@ -79,7 +81,12 @@ impl Network {
         }
         let streams = if let Self::Team(streams) = self { streams } else { Streams::Connections };
         let server = Running::start(vec![WorldConfig::new(WORLD, scenario).pace(pace(lookahead))])?;
-        let ping = if self == Self::Alone { Some(server.ping()?) } else { None };
+        let pings = match self {
+            Self::Alone | Self::Team(Streams::OneStream) => Some(1),
+            Self::Team(Streams::Connections | Streams::OneConnection) => Some(TEAM),
+            Self::Serial { .. } | Self::Crowd => None,
+        };
+        let ping = pings.map(|streams| server.ping(streams)).transpose()?;
         let what = Brains::Lockstep { robots, streams, ping, lookahead, effort };
         let child = Child::start(command, &Task::Brains { address: server.address(), what })?;
         let mut found: Found = child.end(progress)?;

@@ -1,27 +1,31 @@
-//! A bare bidirectional stream of tonic's: every message comes back.
+//! Bare bidirectional streams of tonic's. Alone, every message comes back; of several streams all are answered as soon as each
+//! has brought a message: a barrier.
 
 use std::net::SocketAddr;
 use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::net::TcpListener;
 use tokio::sync::mpsc;
+use tokio::task::JoinSet;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::transport::server::TcpIncoming;
-use tonic::transport::{Endpoint, Server};
+use tonic::transport::{Channel, Endpoint, Server};
 use tonic::{Request, Response, Status, Streaming};
 
 use self::contract::Ball;
 use self::contract::ping_service_client::PingServiceClient;
 use self::contract::ping_service_server::{PingService, PingServiceServer};
+use crate::child::Streams;
 
 #[allow(missing_docs, unreachable_pub, unused_qualifications, clippy::all, reason = "generated code")]
 mod contract {
     include!("generated/baudbot.bench.rs");
 }
 
-/// Bytes of a message.
-const BYTES: usize = 64;
+/// Bytes of a message, for each robot on its stream.
+pub(super) const BYTES: usize = 64;
 
 struct Wall;
 
@@ -35,41 +39,118 @@ impl PingService for Wall {
     }
 }
 
-/// Serves it on a free port of this machine, in the runtime that this is called in, and says where.
-pub(super) async fn serve() -> std::io::Result<SocketAddr> {
+/// Answers so many streams together.
+struct Barrier {
+    streams: usize,
+    /// What has come, and to whom the answers go.
+    waiting: Arc<Mutex<Vec<Waiting>>>,
+}
+
+type Waiting = (Ball, mpsc::Sender<Result<Ball, Status>>);
+
+#[tonic::async_trait]
+impl PingService for Barrier {
+    type PlayStream = ReceiverStream<Result<Ball, Status>>;
+
+    async fn play(&self, request: Request<Streaming<Ball>>) -> Result<Response<Self::PlayStream>, Status> {
+        let (streams, waiting) = (self.streams, Arc::clone(&self.waiting));
+        let (back, answers) = mpsc::channel(1);
+        let mut balls = request.into_inner();
+        tokio::spawn(async move {
+            while let Ok(Some(ball)) = balls.message().await {
+                let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+                waiting.push((ball, back.clone()));
+                if waiting.len() == streams {
+                    // There is room: each has taken the answer to its last message. Who is gone gets none.
+                    waiting.drain(..).for_each(|(ball, back)| drop(back.try_send(Ok(ball))));
+                }
+            }
+        });
+        Ok(Response::new(ReceiverStream::new(answers)))
+    }
+}
+
+/// Serves so many streams on a free port of this machine, in the runtime that this is called in, and says where.
+pub(super) async fn serve(streams: usize) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind("127.0.0.1:0").await?;
     let address = listener.local_addr()?;
     let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-    tokio::spawn(Server::builder().add_service(PingServiceServer::new(Wall)).serve_with_incoming(incoming));
+    let mut server = Server::builder();
+    let server = if streams == 1 {
+        server.add_service(PingServiceServer::new(Wall))
+    } else {
+        server.add_service(PingServiceServer::new(Barrier { streams, waiting: Arc::default() }))
+    };
+    tokio::spawn(server.serve_with_incoming(incoming));
     Ok(address)
+}
+
+/// Connects to the address.
+pub(super) async fn connect(address: &str) -> Result<Channel, Status> {
+    let unavailable = |error: &dyn std::fmt::Display| Status::unavailable(error.to_string());
+    let endpoint = Endpoint::from_shared(format!("http://{address}")).map_err(|e| unavailable(&e))?;
+    endpoint.tcp_nodelay(true).connect().await.map_err(|e| unavailable(&e))
 }
 
 /// One who throws and catches.
 pub(super) struct Player {
     throw: mpsc::Sender<Ball>,
     catch: Streaming<Ball>,
+    bytes: usize,
 }
 
 impl Player {
-    /// Connects to the address.
-    pub(super) async fn connect(address: &str) -> Result<Self, Status> {
-        let unavailable = |error: &dyn std::fmt::Display| Status::unavailable(error.to_string());
-        let endpoint = Endpoint::from_shared(format!("http://{address}")).map_err(|e| unavailable(&e))?;
-        let channel = endpoint.tcp_nodelay(true).connect().await.map_err(|e| unavailable(&e))?;
+    /// Opens a stream for messages of so many bytes. The answer to the call comes at once.
+    pub(super) async fn new(channel: Channel, bytes: usize) -> Result<Self, Status> {
         let (throw, balls) = mpsc::channel(1);
         let call = PingServiceClient::new(channel).play(ReceiverStream::new(balls)).await?;
-        Ok(Self { throw, catch: call.into_inner() })
+        Ok(Self { throw, catch: call.into_inner(), bytes })
     }
 
     /// So many times there and back.
     pub(super) async fn play(&mut self, times: u64) -> Result<(), Status> {
         for _ in 0..times {
-            let ball = Ball { bytes: vec![1; BYTES] };
+            let ball = Ball { bytes: vec![1; self.bytes] };
             self.throw.send(ball).await.map_err(|_| Status::aborted("the ping-pong's stream is closed"))?;
             let back = self.catch.message().await?;
-            if back.is_none_or(|ball| ball.bytes.len() != BYTES) {
+            if back.is_none_or(|ball| ball.bytes.len() != self.bytes) {
                 return Err(Status::data_loss("the ping-pong lost a ball"));
             }
+        }
+        Ok(())
+    }
+}
+
+/// Players on streams of their own.
+pub(super) struct Players(Vec<Player>);
+
+impl Players {
+    /// As many as there are robots, with streams like theirs, each message of [`BYTES`] for each robot on the stream.
+    pub(super) async fn connect(address: &str, robots: usize, streams: Streams) -> Result<Self, Status> {
+        let first = connect(address).await?;
+        if streams == Streams::OneStream {
+            return Ok(Self(vec![Player::new(first, BYTES * robots).await?]));
+        }
+        let mut players = Vec::new();
+        for i in 0..robots {
+            let alone = streams == Streams::Connections && i > 0;
+            let channel = if alone { connect(address).await? } else { first.clone() };
+            players.push(Player::new(channel, BYTES).await?);
+        }
+        Ok(Self(players))
+    }
+
+    /// So many times there and back, each in a task of its own if there are several.
+    pub(super) async fn play(&mut self, times: u64) -> Result<(), Status> {
+        if let [alone] = self.0.as_mut_slice() {
+            return alone.play(times).await;
+        }
+        let mut tasks = JoinSet::new();
+        for mut player in std::mem::take(&mut self.0) {
+            tasks.spawn(async move { player.play(times).await.map(|()| player) });
+        }
+        while let Some(done) = tasks.join_next().await {
+            self.0.push(done.expect("a player does not panic")?);
         }
         Ok(())
     }

@@ -63,9 +63,9 @@ impl Running {
         self.address.clone()
     }
 
-    /// Serves a ping-pong on the same thread, and says where.
-    pub(super) fn ping(&self) -> Result<String, NetworkError> {
-        let address = self.handle.block_on(ping::serve());
+    /// Serves a ping-pong with so many streams on the same thread, and says where.
+    pub(super) fn ping(&self, streams: usize) -> Result<String, NetworkError> {
+        let address = self.handle.block_on(ping::serve(streams));
         Ok(address.map_err(|error| NetworkError::Server(error.to_string()))?.to_string())
     }
 

@@ -9,6 +9,7 @@ use baudbot_server::{Lockstep, Pace, Progress, WorldConfig};
 use tokio::task::JoinSet;
 use tonic::Status;
 
+use super::heartbeat::Heartbeat;
 use super::server::{Operator, Running, failed};
 use super::{Found, NetworkError};
 use crate::calibration;
@@ -54,6 +55,7 @@ impl Worlds {
         let calibration_per_s = calibration::rounds_per_second();
         let before = process::memory_bytes();
         let seen = Seen::new(self.number());
+        let heartbeat = (self == Self::RealTime).then(Heartbeat::start);
         let server = self.start(&seen)?;
         std::thread::sleep(Duration::from_secs_f64(effort.seconds / 4.0));
         let a_world = before.zip(process::memory_bytes());
@@ -73,8 +75,8 @@ impl Worlds {
             samples.push(Sample { value, calibration_per_s });
         }
         let mut notes = asked.told();
-        if self == Self::RealTime {
-            notes.push(told(seen.counted(), &late(&server)?));
+        if let Some(heartbeat) = heartbeat {
+            notes.extend([told(seen.counted(), &late(&server)?), heartbeat.told()]);
         }
         let processors = (process::cpu_time() - cpu).as_secs_f64() / start.elapsed().as_secs_f64();
         notes.push(format!(
@@ -86,7 +88,7 @@ impl Worlds {
         if samples.iter().any(|sample| sample.value <= 0.0) {
             return Err(Unfit::NotReal("no world went on".to_owned()).into());
         }
-        Ok((Found { samples, ping: Vec::new(), usage: Some(process::usage()) }, notes))
+        Ok((Found { samples, beside: None, usage: Some(process::usage()) }, notes))
     }
 
     /// A server with the worlds, each from a scenario of its own, as those have that operators create. They have no hook, with
