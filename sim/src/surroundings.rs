@@ -164,6 +164,10 @@ impl Surroundings {
     /// How much each of a robot's wheels slips where it stands, if anything is slippery at all.
     #[inline]
     pub(crate) fn slip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
+        if self.zones.is_empty() { None } else { self.slip_in_zones(drive, motion) }
+    }
+
+    fn slip_in_zones(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
         if !self.zones.iter().any(|zone| zone.slip > 0.0) {
             return None;
         }

@@ -37,7 +37,7 @@ impl World {
     /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
     pub(super) fn move_all(&mut self) {
         let scenario = Arc::clone(&self.scenario);
-        let mut lists = core::mem::take(&mut self.spare.lists);
+        let mut lists = self.spare.lists.take().unwrap_or_default();
         let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
         let scored = scenario.rules.floor.is_some() || !scenario.surroundings.zones.is_empty();
@@ -53,7 +53,7 @@ impl World {
         if scored {
             self.keep_score(&lists.at_start);
         }
-        self.spare.lists = lists;
+        self.spare.lists = Some(lists);
     }
 
     fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
