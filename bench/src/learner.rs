@@ -80,6 +80,8 @@ impl Learner {
     pub(crate) fn scale(self) -> Scale {
         let (ticks, unit) = match self {
             Self::Cycles { worlds: 1 } => ([2000, 12_000], "control cycle"),
+            // So near the start no robot sees a wall yet, which spares a cycle the rays that hit one. What a cycle costs in a
+            // long run is counted of one world.
             Self::Cycles { .. } => ([4, 20], "control cycle"),
             // All of worlds that have run.
             Self::Resets => ([100, RESETS_AMONG as u64], "reset"),

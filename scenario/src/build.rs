@@ -65,7 +65,7 @@ pub(super) fn scenario(raw: raw::Scenario, source: Source) -> Result<Scenario> {
         },
         rules: rules(&path, &raw.end, &raw.metrics, (&arena, &surroundings), &robots)?,
         end: end(&path.field("end"), raw.end)?,
-        arena,
+        arena: arena.into(),
         surroundings,
         movers,
         movables,

@@ -1,5 +1,5 @@
-//! The laptop's end of a brain's ports: what a brain writes is checked when it comes, and turned into bytes of the wire when
-//! the world takes it.
+//! The laptop's end of a brain's ports: what a brain writes is checked when it comes, and becomes a message when the world
+//! takes it.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use baudbot_sim::drive::Wheels;
 use baudbot_sim::firmware::Protocol;
 use baudbot_sim::link::Link;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::{Scenario, SimTime};
+use baudbot_sim::{Scenario, SimTime, Written};
 use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;
 
@@ -173,7 +173,7 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
     }
 }
 
-/// The writing end of a robot's port, where the server encodes for its brain.
+/// The writing end of a robot's port, where the server writes messages for its brain.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sender {
     /// Of the next message.
@@ -188,13 +188,13 @@ impl Sender {
         Self { sequence: 0, others: others.collect() }
     }
 
-    /// The bytes of an output that was checked.
-    pub(crate) fn encode(&mut self, spec: &RobotSpec, output: Option<Output>) -> Vec<u8> {
+    /// What an output that was checked puts on the port.
+    pub(crate) fn send(&mut self, spec: &RobotSpec, output: Option<Output>) -> Sent {
         match output {
-            None => Vec::new(),
-            Some(Output::Raw(bytes)) => bytes,
-            Some(Output::Command(signals)) => self.command(spec, signals),
-            Some(Output::Poll) => self.poll(spec.firmware.protocol),
+            None => Sent::Bytes(Vec::new()),
+            Some(Output::Raw(bytes)) => Sent::Bytes(bytes),
+            Some(Output::Command(signals)) => self.command(spec.firmware.protocol, signals),
+            Some(Output::Poll) => Sent::Bytes(self.poll(spec.firmware.protocol)),
         }
     }
 
@@ -207,12 +207,53 @@ impl Sender {
         }
     }
 
-    fn command(&mut self, spec: &RobotSpec, Signals { wheels, others }: Signals) -> Vec<u8> {
+    fn command(&mut self, protocol: Protocol, Signals { wheels, others }: Signals) -> Sent {
         if !others.is_empty() {
             self.others = others;
         }
-        let sequence = self.sequence;
-        let signals = [wheels.left, wheels.right].into_iter().chain(self.others.iter().copied());
+        let sequence = match protocol {
+            Protocol::Framed { .. } => self.next(),
+            Protocol::Bare { .. } | Protocol::Khepera => self.sequence,
+        };
+        Sent::Command { sequence, signals: Signals { wheels, others: self.others.clone() } }
+    }
+
+    fn next(&mut self) -> u8 {
+        let now = self.sequence;
+        self.sequence = now.wrapping_add(1);
+        now
+    }
+}
+
+/// What goes to a robot's port.
+pub(crate) enum Sent {
+    Bytes(Vec<u8>),
+    /// A command with a signal for each actuator. Its bytes are made only where somebody sees them.
+    Command {
+        /// Of the message, if the protocol has one.
+        sequence: u8,
+        signals: Signals,
+    },
+}
+
+impl Sent {
+    /// As the world takes it.
+    pub(crate) fn written(&self) -> Written<'_> {
+        match self {
+            Self::Bytes(bytes) => Written::Bytes(bytes),
+            Self::Command { sequence, signals: Signals { wheels, others } } => {
+                Written::Command { sequence: *sequence, wheels: *wheels, others }
+            }
+        }
+    }
+
+    /// Its bytes on the wire of this robot.
+    pub(crate) fn into_bytes(self, spec: &RobotSpec) -> Vec<u8> {
+        let (sequence, Signals { wheels, others }) = match self {
+            Self::Bytes(bytes) => return bytes,
+            Self::Command { sequence, signals } => (sequence, signals),
+        };
+        let signals = [wheels.left, wheels.right].into_iter().chain(others);
         let layout = spec.firmware.layout();
         let mut payload = [0; frame::MAX_PAYLOAD];
         match spec.firmware.protocol {
@@ -226,16 +267,9 @@ impl Sender {
             }
             Protocol::Framed { .. } => {
                 let n = write_command(&layout, sequence, signals, &mut payload).expect(FITS);
-                self.next();
                 in_frame(&payload[..n])
             }
         }
-    }
-
-    fn next(&mut self) -> u8 {
-        let now = self.sequence;
-        self.sequence = now.wrapping_add(1);
-        now
     }
 }
 

@@ -195,6 +195,19 @@ impl Arena {
         first.map(Thing::Polygon)
     }
 
+    /// A radius around a point within which nothing stands, by more than any rounding; not positive if there is none.
+    pub(crate) fn free_around(&self, point: Point) -> f64 {
+        let (Some((_, distance)), Some(bounds)) = (self.index().nearest_point(point), self.index().bounds())
+        else {
+            return f64::INFINITY;
+        };
+        if self.solid_at(point).is_some() {
+            return 0.0;
+        }
+        let largest = [point, bounds.min, bounds.max].map(|corner| corner.coords.abs().sum());
+        distance - ROUNDING * largest.into_iter().sum::<f64>()
+    }
+
     /// The polygon or pillar that a shape of the index belongs to.
     pub(crate) fn owner_of(&self, shape: Shape) -> Thing {
         match shape {
@@ -214,6 +227,9 @@ impl Arena {
 
 /// Of so many polygons all boxes are compared sooner than the cells are found in which their discs lie.
 const FEW: usize = 16;
+
+/// A generous bound on the rounding error of a distance, as a part of the coordinates that it is computed from.
+const ROUNDING: f64 = 1e-12;
 
 impl Solids {
     fn of(polygons: &[Polygon]) -> Self {

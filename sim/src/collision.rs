@@ -7,7 +7,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use baudbot_geometry::{Circle, Crowd, Pose, Vector, angle, math};
+use baudbot_geometry::{Circle, Crowd, Point, Pose, Vector, angle, math};
 use serde::{Deserialize, Serialize};
 
 use crate::arena::{Arena, Thing};
@@ -48,23 +48,69 @@ pub(crate) enum Met {
     Robot(usize),
 }
 
-/// The poses of all robots before and after a step, all free of each other and of the arena before it.
+/// A robot's way in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    pub(crate) before: Pose,
+    pub(crate) after: Pose,
+    pub(crate) room: Room,
+}
+
+/// A disc in which a robot is free of all that stands still, whatever its heading, while its middle is in there.
+///
+/// It is looked for anew when a robot leaves it. Where a wall is so near that there is none, the robot drives on a bit
+/// before the next look.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Room {
+    middle: Point,
+    radius_m: f64,
+    /// How far from the middle the next look is.
+    look_m: f64,
+}
+
+impl Room {
+    /// The room around a robot that is at `middle`, unless it has been there or near by already.
+    pub(crate) fn look(&mut self, arena: &Arena, form: &Form<'_>, middle: Point) {
+        if Self::is_within(self.look_m, self.middle, middle) {
+            return;
+        }
+        let reach_m = form.reach_m();
+        let radius_m = ALMOST_ALL * (arena.free_around(middle) - reach_m);
+        *self = Self { middle, radius_m, look_m: radius_m.max(LOOK_AGAIN * reach_m) };
+    }
+
+    fn contains(&self, pose: &Pose) -> bool {
+        Self::is_within(self.radius_m, self.middle, pose.position)
+    }
+
+    /// A robot that is nowhere is not in it, either.
+    fn is_within(radius_m: f64, middle: Point, point: Point) -> bool {
+        radius_m > 0.0 && (point - middle).norm_squared() < radius_m * radius_m
+    }
+}
+
+/// All robots' ways in a step: all are free of each other and of the arena before it.
 pub(crate) struct Step<'a> {
     pub(crate) arena: &'a Arena,
     /// What else robots can run into, such as doors.
     pub(crate) obstacles: &'a [Body],
     /// The robots' shapes.
     pub(crate) form: &'a (dyn Fn(usize) -> Form<'a> + Sync),
-    pub(crate) before: &'a [Pose],
-    pub(crate) after: &'a mut [Pose],
+    pub(crate) ways: &'a mut [Way],
     /// The robots with all their way: see [`swept`].
     pub(crate) crowd: &'a Crowd,
 }
 
 /// A disc that a robot is in before the step, after it, and on its way.
-pub(crate) fn swept(form: &Form<'_>, before: &Pose, after: &Pose) -> Circle {
-    let way = math::sqrt((after.position - before.position).norm_squared());
-    Circle { center: before.position, radius: form.reach_m() + way }
+pub(crate) fn swept(form: &Form<'_>, way: &Way) -> Circle {
+    let long = math::sqrt(way.vector().norm_squared());
+    Circle { center: way.before.position, radius: form.reach_m() + long }
+}
+
+impl Way {
+    fn vector(&self) -> Vector {
+        self.after.position - self.before.position
+    }
 }
 
 impl Step<'_> {
@@ -76,6 +122,9 @@ impl Step<'_> {
 
     /// The first of the other robots that this one runs into.
     fn robot_met(&self, own: usize) -> Option<Met> {
+        if self.ways.len() < 2 {
+            return None;
+        }
         let mut first = None;
         self.crowd.near(&self.crowd.discs()[own], |i| {
             if i != own && first.is_none_or(|first| i < first) && self.runs_into(own, i) {
@@ -90,27 +139,32 @@ impl Step<'_> {
     fn runs_into(&self, own: usize, other: usize) -> bool {
         let (form, its_form) = ((self.form)(own), (self.form)(other));
         let near = form.reach_m() + its_form.reach_m();
-        let gap = self.after[other].position - self.after[own].position;
-        if gap.norm_squared() >= near * near || self.before[own] == self.after[own] {
+        let (way, its_way) = (&self.ways[own], &self.ways[other]);
+        let gap = its_way.after.position - way.after.position;
+        if gap.norm_squared() >= near * near || way.before == way.after {
             return false;
         }
-        let (mine, its) = (form.at(&self.after[own]), its_form.at(&self.after[other]));
+        let (mine, its) = (form.at(&way.after), its_form.at(&its_way.after));
         if !mine.overlaps(&its) {
             return false;
         }
         if let (Form::Disc { .. }, Form::Disc { .. }) = (form, its_form) {
             // Discs that do not approach each other cannot come to overlap.
-            let towards = self.before[other].position - self.before[own].position;
-            return self.way(own).dot(&towards) > 0.0;
+            let towards = its_way.before.position - way.before.position;
+            return way.vector().dot(&towards) > 0.0;
         }
         // A corner reaches what the centre moves away from: it is asked what either could do alone.
-        mine.overlaps(&its_form.at(&self.before[other])) || !form.at(&self.before[own]).overlaps(&its)
+        mine.overlaps(&its_form.at(&its_way.before)) || !form.at(&way.before).overlaps(&its)
     }
 
     /// Half a radius is the longest way between two looks, of a body with corners its thickness, its farthest corner's
     /// turning included: it cannot get past anything in between.
     fn met_on_the_way(&self, own: usize) -> Option<Met> {
-        let (before, after, way) = (&self.before[own], &self.after[own], self.way(own));
+        let Way { before, after, room } = &self.ways[own];
+        if self.obstacles.is_empty() && room.contains(before) && room.contains(after) {
+            return None;
+        }
+        let way = self.ways[own].vector();
         let turn = angle::difference(after.heading, before.heading);
         let form = (self.form)(own);
         let looks = match form {
@@ -134,10 +188,6 @@ impl Step<'_> {
         body.arena_thing(self.arena).map(Met::Arena).or_else(|| obstacle().map(Met::Obstacle))
     }
 
-    fn way(&self, own: usize) -> Vector {
-        self.after[own].position - self.before[own].position
-    }
-
     /// Which robots must stay where they were, into `held`: those that would run into the arena or into one another,
     /// and those that would then run into one that stays. A disc may turn where it stands.
     ///
@@ -150,8 +200,8 @@ impl Step<'_> {
         is_parallel: bool,
     ) {
         held.clear();
-        held.resize(self.after.len(), None);
-        found.resize(self.after.len(), None);
+        held.resize(self.ways.len(), None);
+        found.resize(self.ways.len(), None);
         loop {
             let step = &*self;
             parallel::each(is_parallel, held, found, |own, held, found| {
@@ -161,7 +211,7 @@ impl Step<'_> {
                 return;
             }
             for (own, met) in found.iter().enumerate().filter(|(_, met)| met.is_some()) {
-                self.after[own] = self.before[own];
+                self.ways[own].after = self.ways[own].before;
                 held[own] = *met;
             }
         }
@@ -171,9 +221,15 @@ impl Step<'_> {
 /// A step of more than this many half radii is looked at in so many places; no robot is that fast.
 const MAX_LOOKS: f64 = 10_000.0;
 
+/// The part of what is free around a robot that it is given as room.
+const ALMOST_ALL: f64 = 0.999;
+
+/// A robot without room is looked at again after this part of its reach.
+const LOOK_AGAIN: f64 = 0.05;
+
 #[cfg(test)]
 mod tests {
-    use baudbot_geometry::{Circle, Point};
+    use proptest::prelude::*;
 
     use super::*;
     use crate::arena::{Look, Pillar, Polygon};
@@ -189,25 +245,26 @@ mod tests {
         arena: &Arena,
         forms: &[Form<'_>],
         before: &[Pose],
-        after: &mut [Pose],
+        after: &[Pose],
         look: impl FnOnce(Step<'_>) -> T,
     ) -> T {
         let mut crowd = Crowd::default();
-        let ways = forms.iter().zip(before).zip(&*after);
-        crowd.rebuild(ways.map(|((form, before), after)| swept(form, before, after)));
-        look(Step { arena, obstacles: &[], form: &|i| forms[i], before, after, crowd: &crowd })
+        let way = |(&before, &after)| Way { before, after, room: Room::default() };
+        let mut ways: Vec<_> = before.iter().zip(after).map(way).collect();
+        crowd.rebuild(forms.iter().zip(&ways).map(|(form, way)| swept(form, way)));
+        look(Step { arena, obstacles: &[], form: &|i| forms[i], ways: &mut ways, crowd: &crowd })
     }
 
-    fn held(forms: &[Form<'_>], before: &[Pose], after: &mut [Pose]) -> Vec<Option<Met>> {
+    fn held(forms: &[Form<'_>], before: &[Pose], after: &[Pose]) -> Vec<Option<Met>> {
         let (mut held, mut found) = (Vec::new(), Vec::new());
         look(&empty(), forms, before, after, |mut step| step.hold_back(&mut held, &mut found, false));
         held
     }
 
     /// What each of some discs runs into.
-    fn partners(arena: &Arena, before: &[Pose], after: &mut [Pose]) -> Vec<Option<Met>> {
+    fn partners(arena: &Arena, before: &[Pose], after: &[Pose]) -> Vec<Option<Met>> {
         let forms = alloc::vec![DISC; before.len()];
-        look(arena, &forms, before, after, |step| (0..before.len()).map(|own| step.partner(own)).collect())
+        look(arena, &forms, before, after, |step| (0..step.ways.len()).map(|own| step.partner(own)).collect())
     }
 
     fn empty() -> Arena {
@@ -218,19 +275,19 @@ mod tests {
     fn a_queue_that_runs_up_holds_back_one_after_the_other() {
         // The first two meet head on; the third would run into the second's old place; the fourth is free.
         let before = row(&[0.0, 1.2, 2.3, 9.0]);
-        let held = held(&[DISC; 4], &before, &mut row(&[0.15, 1.05, 2.1, 9.2]));
+        let held = held(&[DISC; 4], &before, &row(&[0.15, 1.05, 2.1, 9.2]));
         assert_eq!(held, [Some(Met::Robot(1)), Some(Met::Robot(0)), Some(Met::Robot(1)), None]);
     }
 
     #[test]
     fn only_the_robot_behind_is_held_back_in_a_rear_end_collision() {
         let before = row(&[0.0, 1.1]);
-        let held = held(&[DISC; 2], &before, &mut row(&[0.3, 1.2]));
+        let held = held(&[DISC; 2], &before, &row(&[0.3, 1.2]));
         assert_eq!(held, [Some(Met::Robot(1)), None]);
     }
 
     /// A bar across the way, and a disc beside its end.
-    fn bar_and_disc(before: &[Pose; 2], after: &mut [Pose; 2]) -> Vec<Option<Met>> {
+    fn bar_and_disc(before: &[Pose; 2], after: &[Pose; 2]) -> Vec<Option<Met>> {
         let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
         let forms = [Form::Polygon(&bar), Form::Disc { radius_m: 0.15 }];
         held(&forms, before, after)
@@ -240,25 +297,25 @@ mod tests {
     fn a_disc_runs_into_the_end_of_a_bar_while_it_moves_away_from_the_bars_middle() {
         let bar = Pose::new(0.0, 0.0, 0.0);
         let before = [bar, Pose::new(0.9, 0.3, 0.0)];
-        let held = bar_and_disc(&before, &mut [bar, Pose::new(1.0, 0.2, 0.0)]);
+        let held = bar_and_disc(&before, &[bar, Pose::new(1.0, 0.2, 0.0)]);
         assert_eq!(held, [None, Some(Met::Robot(0))]);
     }
 
     #[test]
     fn a_bar_that_sweeps_into_a_disc_is_held_back_and_the_disc_that_flees_is_not() {
         let before = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.9, 0.3, 0.0)];
-        let held = bar_and_disc(&before, &mut [Pose::new(0.0, 0.0, 0.3), Pose::new(0.9, 0.31, 0.0)]);
+        let held = bar_and_disc(&before, &[Pose::new(0.0, 0.0, 0.3), Pose::new(0.9, 0.31, 0.0)]);
         assert_eq!(held, [Some(Met::Robot(1)), None]);
         // Away from the other one, with corners or without.
-        let held = bar_and_disc(&before, &mut [Pose::new(0.0, -0.01, 0.0), Pose::new(0.9, 0.2, 0.0)]);
+        let held = bar_and_disc(&before, &[Pose::new(0.0, -0.01, 0.0), Pose::new(0.9, 0.2, 0.0)]);
         assert_eq!(held, [None, Some(Met::Robot(0))]);
     }
 
     #[test]
     fn touching_exactly_is_no_collision() {
         let before = row(&[-0.1, 1.0]);
-        assert_eq!(partners(&empty(), &before, &mut row(&[0.0, 1.0])), [None, None]);
-        let near = partners(&empty(), &before, &mut row(&[0.001, 1.0]));
+        assert_eq!(partners(&empty(), &before, &row(&[0.0, 1.0])), [None, None]);
+        let near = partners(&empty(), &before, &row(&[0.001, 1.0]));
         assert_eq!(near, [Some(Met::Robot(1)), None], "the other one stood still");
     }
 
@@ -272,9 +329,71 @@ mod tests {
         let arena = Arena::new(Vec::new(), alloc::vec![post]);
         let bar = [(1.0, -0.1), (1.0, 0.1), (-1.0, 0.1), (-1.0, -0.1)].map(|(x, y)| Point::new(x, y));
         let before = [Pose::new(0.0, 0.0, 0.0)];
-        let mut after = [Pose::new(0.0, 0.0, 1.5)];
-        let met = look(&arena, &[Form::Polygon(&bar)], &before, &mut after, |step| step.partner(0));
+        let after = [Pose::new(0.0, 0.0, 1.5)];
+        let met = look(&arena, &[Form::Polygon(&bar)], &before, &after, |step| step.partner(0));
         assert_eq!(met, Some(Met::Arena(Thing::Pillar(0))));
+    }
+
+    proptest! {
+        /// Near walls, in corners, in solids, and as a disc or with corners.
+        #[test]
+        fn nothing_stands_in_a_robots_room(
+            boxes in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.1..6.0, 0.1..6.0, any::<bool>()), 0..5),
+            pillars in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.1..1.0), 0..3),
+            (x, y, away, round) in (-6.0..6.0, -6.0..6.0, 0.0..1.2, -4.0..4.0),
+            (heading, is_disc) in (-4.0..4.0, any::<bool>()),
+        ) {
+            let polygon = |(left, low, wide, high, solid): (f64, f64, f64, f64, bool)| {
+                let corners = [(0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high)];
+                let points = corners.iter().map(|(x, y)| Point::new(left + x, low + y)).collect();
+                Polygon { name: String::new(), points, solid, closed: true, look: Look::WALL }
+            };
+            let pillar = |(x, y, radius): (f64, f64, f64)| {
+                let circle = Circle { center: Point::new(x, y), radius };
+                Pillar { name: String::new(), circle, look: Look::WALL }
+            };
+            let arena = Arena::new(
+                boxes.into_iter().map(polygon).collect(),
+                pillars.into_iter().map(pillar).collect(),
+            );
+            let bar = [(0.2, -0.05), (0.2, 0.05), (-0.1, 0.05), (-0.1, -0.05)].map(|(x, y)| Point::new(x, y));
+            let form = if is_disc { Form::Disc { radius_m: 0.2 } } else { Form::Polygon(&bar) };
+            let (mut room, middle) = (Room::default(), Point::new(x, y));
+            room.look(&arena, &form, middle);
+            let far = if room.look_m.is_finite() { away * room.look_m } else { 1e3 };
+            let (sin, cos) = math::sin_cos(round);
+            let pose = Pose::new(x + far * cos, y + far * sin, heading);
+            if room.contains(&pose) {
+                prop_assert_eq!(form.at(&pose).arena_thing(&arena), None);
+            }
+            // Where there is room, it reaches nearly up to what is nearest.
+            let touching = Form::Disc { radius_m: room.radius_m + 1.01 * form.reach_m() + 0.01 };
+            if room.radius_m > 0.0 && room.radius_m.is_finite() && room.radius_m < 1.0 {
+                prop_assert!(touching.at(&Pose::new(x, y, 0.0)).arena_thing(&arena).is_some());
+            }
+        }
+    }
+
+    #[test]
+    fn a_robot_without_room_is_looked_at_again_when_it_has_moved() {
+        let post = Pillar {
+            name: "post".into(),
+            circle: Circle { center: Point::new(0.0, 0.0), radius: 1.0 },
+            look: Look::WALL,
+        };
+        let arena = Arena::new(Vec::new(), alloc::vec![post]);
+        let mut room = Room::default();
+        let mut looks = |x: f64| {
+            let before = room.middle;
+            room.look(&arena, &DISC, Point::new(x, 0.0));
+            (room.middle != before, room.radius_m > 0.0)
+        };
+        assert_eq!(looks(1.4), (true, false), "it overlaps the post");
+        assert_eq!(looks(1.42), (false, false));
+        assert_eq!(looks(2.0), (true, true));
+        assert_eq!(looks(2.4), (false, true));
+        assert_eq!(looks(f64::NAN), (true, false));
+        assert!(!room.contains(&Pose::new(f64::NAN, 0.0, 0.0)));
     }
 
     #[test]
@@ -284,7 +403,7 @@ mod tests {
         let wall = Polygon { name: "wall".into(), points, solid: true, closed: true, look: Look::WALL };
         let arena = Arena::new(alloc::vec![wall], Vec::new());
         let before = row(&[0.0]);
-        let mut after = row(&[4.0]);
-        assert_eq!(partners(&arena, &before, &mut after), [Some(Met::Arena(Thing::Polygon(0)))]);
+        let after = row(&[4.0]);
+        assert_eq!(partners(&arena, &before, &after), [Some(Met::Arena(Thing::Polygon(0)))]);
     }
 }

@@ -122,7 +122,7 @@ impl Mover {
             returning: false,
             waits_until: SimTime::from_ns(pause_ns),
             blocked_ns: 0,
-            stream: Stream::new(seed, &alloc::format!("{}/path", self.name)),
+            stream: Stream::of(seed, &[&self.name, "/path"]),
         }
     }
 

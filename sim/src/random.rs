@@ -48,7 +48,13 @@ impl From<Place> for Stream {
 impl Stream {
     /// The stream called `name` of the run with this `seed`.
     pub fn new(seed: u64, name: &str) -> Self {
-        Place { key: seed ^ fnv1a(name.as_bytes()), drawn: 0 }.into()
+        Self::of(seed, &[name])
+    }
+
+    /// The stream of which these are the parts of its name, one behind the other.
+    pub(crate) fn of(seed: u64, name: &[&str]) -> Self {
+        let bytes = name.iter().flat_map(|part| part.bytes());
+        Place { key: seed ^ bytes.fold(FNV_OFFSET, fnv1a_step), drawn: 0 }.into()
     }
 
     /// The key that distinguishes this stream from all others of its kind.
@@ -135,13 +141,10 @@ impl SplitMix {
     }
 }
 
-/// 64-bit FNV-1a of some bytes.
-pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(FNV_OFFSET, |hash, &byte| fnv1a_step(hash, byte))
-}
-
+/// Where a 64-bit FNV-1a begins.
 pub(crate) const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
+/// What a byte makes of a 64-bit FNV-1a.
 pub(crate) const fn fnv1a_step(hash: u64, byte: u8) -> u64 {
     (hash ^ byte as u64).wrapping_mul(0x0000_0100_0000_01b3)
 }
@@ -153,6 +156,7 @@ mod tests {
     #[test]
     fn a_stream_depends_on_seed_and_name_only() {
         let draw = |seed, name| Stream::new(seed, name).uniform();
+        assert_eq!(Stream::of(3, &["alice", "/", "ir"]), Stream::new(3, "alice/ir"));
         assert_eq!(draw(1, "alice/ir"), draw(1, "alice/ir"));
         assert_ne!(draw(1, "alice/ir"), draw(2, "alice/ir"));
         assert_ne!(draw(1, "alice/ir"), draw(1, "bob/ir"));

@@ -42,7 +42,7 @@ pub struct Scenario {
     /// The rules that the referee applies.
     pub rules: Rules,
     /// Everything that stands still.
-    pub arena: Arena,
+    pub arena: Arc<Arena>,
     /// Zones, lights and fields.
     pub surroundings: Surroundings,
     /// Things that move by themselves.

@@ -162,7 +162,12 @@ impl Surroundings {
     }
 
     /// How much each of a robot's wheels slips where it stands, if anything is slippery at all.
+    #[inline]
     pub(crate) fn slip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
+        if self.zones.is_empty() { None } else { self.slip_in_zones(drive, motion) }
+    }
+
+    fn slip_in_zones(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
         if !self.zones.iter().any(|zone| zone.slip > 0.0) {
             return None;
         }
@@ -171,6 +176,7 @@ impl Surroundings {
     }
 
     /// A robot's true motion, which is that of its rolling wheels but for slip.
+    #[inline]
     pub(crate) fn over_ground(&self, drive: &Drive, motion: &Motion) -> Twist {
         let rolled = motion.rolled();
         self.slip_of(drive, motion).map_or(rolled, |slip| drive.slipping(rolled, slip))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use baudbot_sim::{Input, Scenario, SimTime, World};
+use baudbot_sim::{Answer, Input, Scenario, SimTime, World};
 use proptest::prelude::*;
 
 fn robot(name: &str, x: f64, link: &str, thinking_us: u64) -> String {
@@ -125,8 +125,8 @@ impl Twins {
             }
         }
         self.went_ahead += left.len() as u64;
-        let inputs: Vec<_> = inputs(&answers);
-        self.ahead.finish_ahead(&inputs, &left);
+        let answers: Vec<_> = inputs(&answers).into_iter().map(Answer::from).collect();
+        self.ahead.finish_ahead(&answers, &left);
         if (chance >> 8).is_multiple_of(3) {
             self.supply(|_, robot, _| (chance >> (12 + robot)) & 1 == 0);
         }

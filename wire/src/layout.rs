@@ -41,7 +41,13 @@ impl<'a> Layout<'a> {
 
     /// Bytes of a readings message that holds all sensors; none is longer.
     pub fn readings_len_max(&self) -> usize {
-        let entries: usize = self.sensors().map(|components| self.entry_len(components)).sum();
+        self.readings_len(|_| true)
+    }
+
+    /// Bytes of a readings message that holds these sensors.
+    pub fn readings_len(&self, is_fresh: impl Fn(usize) -> bool) -> usize {
+        let fresh = self.sensors().enumerate().filter(|(sensor, _)| is_fresh(*sensor));
+        let entries: usize = fresh.map(|(_, components)| self.entry_len(components)).sum();
         READINGS_HEADER_LEN + self.mask_len() + entries
     }
 
@@ -129,6 +135,7 @@ mod tests {
         };
         assert_eq!(layout.check(), Ok(()));
         assert_eq!(layout.readings_len_max(), 4 + 1 + (1 + 1) + (1 + 4));
+        assert_eq!(layout.readings_len(|sensor| sensor == 1), 4 + 1 + (1 + 4));
         assert_eq!(layout.command_len(), 2 + 9);
         assert_eq!((layout.bare_readings_len(), layout.bare_command_len()), (5, 9));
     }

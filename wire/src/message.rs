@@ -259,11 +259,12 @@ pub fn write_readings<'s>(
     mut fresh: impl FnMut(usize) -> Option<Sample<'s>>,
     out: &mut [u8],
 ) -> Result<usize, WriteError> {
-    let no_room = NoRoom { needed: layout.readings_len_max(), room: out.len() };
+    let room = out.len();
+    let no_room = || NoRoom { needed: layout.readings_len_max(), room };
     let [low, high] = time_100us.to_le_bytes();
-    let (header, mut rest) = out.split_first_chunk_mut::<READINGS_HEADER_LEN>().ok_or(no_room)?;
+    let (header, mut rest) = out.split_first_chunk_mut::<READINGS_HEADER_LEN>().ok_or_else(no_room)?;
     *header = [READINGS, sequence, low, high];
-    let mask = rest.split_off_mut(..layout.mask_len()).ok_or(no_room)?;
+    let mask = rest.split_off_mut(..layout.mask_len()).ok_or_else(no_room)?;
     mask.fill(0);
     let mut len = header.len() + mask.len();
     for (sensor, encodings) in layout.sensors().enumerate() {
@@ -271,7 +272,7 @@ pub fn write_readings<'s>(
         if let Some(byte) = mask.get_mut(sensor / 8) {
             *byte |= 1 << (sensor % 8);
         }
-        let entry = rest.split_off_mut(..layout.entry_len(encodings)).ok_or(no_room)?;
+        let entry = rest.split_off_mut(..layout.entry_len(encodings)).ok_or_else(no_room)?;
         len += entry.len();
         let (age, values) = entry.split_at_mut(usize::from(layout.ages));
         age.fill(sample.age_100us);

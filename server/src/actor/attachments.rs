@@ -118,8 +118,8 @@ impl WorldActor {
             let at = self.written_at(robot, write.thinking);
             self.sessions.wait_until(robot, write.until);
             let spec = &self.world.scenario().robots[robot];
-            let bytes = self.ports.senders[robot].encode(spec, write.output);
-            self.ports.inputs.push(Pending { robot, at, bytes, tick });
+            let sent = self.ports.senders[robot].send(spec, write.output);
+            self.ports.inputs.push(Pending { robot, at, sent, tick });
         }
     }
 

@@ -89,9 +89,9 @@ impl DirectWorld {
         let spec = &actor.world.scenario().robots[turn.robot];
         let at = turn.at + write.thinking.on(spec);
         actor.sessions.wait_until(turn.robot, write.until);
-        let bytes = actor.ports.senders[turn.robot].encode(spec, write.output);
+        let sent = actor.ports.senders[turn.robot].send(spec, write.output);
         let tick = Some(actor.world.tick());
-        actor.ports.inputs.push(Pending { robot: turn.robot, at, bytes, tick });
+        actor.ports.inputs.push(Pending { robot: turn.robot, at, sent, tick });
         Ok(())
     }
 

@@ -79,9 +79,9 @@ impl WorldActor {
     fn stop(&mut self, robot: usize) {
         let wheels = Wheels { left: 0.0, right: 0.0 };
         let standstill = Output::Command(Signals { wheels, others: Vec::new() });
-        let bytes = self.ports.senders[robot].encode(&self.world.scenario().robots[robot], Some(standstill));
+        let sent = self.ports.senders[robot].send(&self.world.scenario().robots[robot], Some(standstill));
         // Between two ticks its brain's last step is in one that is over.
         let at = self.written_at(robot, Thinking::default()).max(self.world.time());
-        self.ports.inputs.push(Pending { robot, at, bytes, tick: None });
+        self.ports.inputs.push(Pending { robot, at, sent, tick: None });
     }
 }

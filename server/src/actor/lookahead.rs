@@ -110,8 +110,8 @@ impl WorldActor {
             let Some(robot) = self.sessions.robot(session, write.slot) else { continue };
             let Some(turn) = overtaken.steps.iter().find(|turn| turn.robot == robot) else { continue };
             let done = self.done_at(turn);
-            let ports = &mut self.ports;
-            let bytes = ports.senders[robot].encode(&self.world.scenario().robots[robot], write.output);
+            let (ports, spec) = (&mut self.ports, &self.world.scenario().robots[robot]);
+            let bytes = ports.senders[robot].send(spec, write.output).into_bytes(spec);
             // For the world, this was written before the tick that may have begun.
             ports.senders_at_begin[robot].clone_from(&ports.senders[robot]);
             self.sessions.wait_until(robot, write.until);

@@ -32,10 +32,11 @@ use std::sync::atomic::AtomicU32;
 use std::time::Instant;
 
 use baudbot_recording::Replay;
-use baudbot_sim::{Input, SimTime, Turn, World};
+use baudbot_sim::{Answer, SimTime, Turn, World};
 use tonic::Status;
 
 use crate::beliefs::Beliefs;
+use crate::endpoint::Sent;
 use crate::log::event;
 use crate::mailbox::Mailbox;
 use crate::message::{Message, RecordConfig, WorldHandle};
@@ -303,7 +304,8 @@ impl WorldActor {
         if sleeps {
             let thinking_ns = self.world.scenario().robots[turn.robot].thinking_ns;
             let at = turn.at + thinking_ns;
-            self.ports.inputs.push(Pending { robot: turn.robot, at, bytes: Vec::new(), tick: None });
+            let sent = Sent::Bytes(Vec::new());
+            self.ports.inputs.push(Pending { robot: turn.robot, at, sent, tick: None });
         }
         sleeps
     }
@@ -327,11 +329,13 @@ impl WorldActor {
                 self.world.answers(pending.robot, tick);
             }
         }
-        let inputs = self.ports.inputs.iter();
-        let inputs: Vec<Input<'_>> =
-            inputs.map(|p| Input { robot: p.robot, at: p.at, bytes: &p.bytes }).collect();
+        let answer = |p| {
+            let Pending { robot, at, sent, .. }: &Pending = p;
+            Answer { robot: *robot, at: *at, written: sent.written() }
+        };
+        let answers: Vec<_> = self.ports.inputs.iter().map(answer).collect();
         let began = (self.world.tick(), self.world.time());
-        self.world.finish_ahead(&inputs, open);
+        self.world.finish_ahead(&answers, open);
         self.record_inputs(began, open);
         self.ports.inputs.clear();
         self.sessions.reset_quotas();

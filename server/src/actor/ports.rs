@@ -3,11 +3,11 @@
 use baudbot_sim::{RobotView, SimTime, World};
 
 use super::final_command::FinalCommand;
-use crate::endpoint::Sender;
+use crate::endpoint::{Sender, Sent};
 
 /// The ports of all robots, by robot.
 pub(super) struct Ports {
-    /// Where the server encodes for brains. What they hold is on the wire, so they go back in time with the world.
+    /// Where the server writes messages for brains. What they hold is on the wire, so they go back in time with the world.
     pub(super) senders: Vec<Sender>,
     /// The senders as they were when the tick began, to which a snapshot goes back.
     pub(super) senders_at_begin: Vec<Sender>,
@@ -21,7 +21,7 @@ pub(super) struct Ports {
 pub(super) struct Pending {
     pub(super) robot: usize,
     pub(super) at: SimTime,
-    pub(super) bytes: Vec<u8>,
+    pub(super) sent: Sent,
     /// The tick whose Turn it answers, if that is known.
     pub(super) tick: Option<u64>,
 }

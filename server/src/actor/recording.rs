@@ -5,7 +5,7 @@ use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
-use super::{WorldActor, view};
+use super::{Pending, WorldActor, view};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
 use crate::recording::{Input, Recorder};
@@ -110,9 +110,11 @@ impl WorldActor {
             self.recording.overtaken_in[robot] = tick;
         }
         if let Some(recorder) = &mut self.recording.recorder {
-            let inputs = self.ports.inputs.drain(..);
-            let inputs =
-                inputs.map(|p| Input { robot: p.robot, at: p.at, bytes: p.bytes, answers_tick: p.tick });
+            let robots = &self.world.scenario().robots;
+            let inputs = self.ports.inputs.drain(..).map(|Pending { robot, at, sent, tick }| {
+                let bytes = sent.into_bytes(&robots[robot]);
+                Input { robot, at, bytes, answers_tick: tick }
+            });
             recorder.inputs((tick, start), inputs);
         }
     }

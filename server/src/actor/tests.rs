@@ -3,13 +3,16 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use baudbot_sim::World;
+use baudbot_brain::Action;
+use baudbot_sim::drive::Wheels;
+use baudbot_sim::{Input, World};
 
 use tokio::sync::mpsc;
 
-use super::{NewWorld, Next, WorldActor};
+use super::{DirectWorld, NewWorld, Next, WorldActor};
+use crate::endpoint::{Output, Sender, Signals};
 use crate::message::{Message, Watch};
-use crate::pace::{Pace, Timed};
+use crate::pace::{Lockstep, Pace, Timed};
 
 /// Simulated milliseconds of a tick.
 const TICK_MS: u64 = 10;
@@ -98,4 +101,39 @@ fn a_world_keeps_a_short_timeline_until_somebody_looks_at_it() {
     let until = now + minute;
     go_on(&mut actor, &mut now, until);
     assert_eq!(kept(&actor), actor.world.usual_timeline());
+}
+
+/// Over links that take no time, commands are handed over as such.
+#[test]
+fn a_world_driven_directly_is_the_one_that_the_bytes_of_its_commands_make() {
+    let wander = include_str!("../../../scenarios/wander.toml");
+    let (head, cable) = wander.split_once("[robots.link]").unwrap();
+    for (link, is_free) in [(cable, false), ("kind = \"ideal\"", true), ("kind = \"onboard\"", true)] {
+        let head = if is_free { head.replace("receiving_us_per_byte = 5.0", "") } else { head.to_owned() };
+        let scenario = Arc::new(baudbot_scenario::parse(&format!("{head}[robots.link]\n{link}")).unwrap());
+        let spec = &scenario.robots[0];
+        let mut by_bytes = World::new(Arc::clone(&scenario));
+        let new = NewWorld::new("w".into(), by_bytes.clone(), Pace::Lockstep(Lockstep::default()));
+        let mut direct = DirectWorld::start(new).unwrap();
+        direct.attach("brain", &[0]);
+        let mut sender = Sender::new([].into_iter());
+        for tick in 0..100 {
+            let mut bytes = Vec::new();
+            assert_eq!(direct.begin(), by_bytes.begin());
+            let turn = by_bytes.turns()[0];
+            let (left, right) = (0.3, 0.001 * f64::from(tick));
+            let mut action = Action::wait();
+            if tick % 3 > 0 {
+                let signals = Signals { wheels: Wheels { left, right }, others: Vec::new() };
+                bytes = sender.send(spec, Some(Output::Command(signals))).into_bytes(spec);
+                assert!(!bytes.is_empty());
+                action = Action::drive(left, right);
+            }
+            direct.act(turn, action).unwrap();
+            direct.finish();
+            by_bytes.finish(&[Input { robot: 0, at: turn.at + spec.thinking_ns, bytes: &bytes }]);
+            assert_eq!(direct.world().hash(), by_bytes.hash(), "tick {tick} over {link}");
+        }
+        assert!(by_bytes.robot(0).commands() > 10, "{}", by_bytes.robot(0).commands());
+    }
 }

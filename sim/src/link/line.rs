@@ -49,23 +49,23 @@ struct Whole {
 }
 
 impl Line {
-    /// The line to the laptop, with random streams of this name.
-    pub fn up(link: &Link, seed: u64, name: &str) -> Self {
+    /// The line to the laptop, with random streams of the name that has these parts.
+    pub fn up(link: &Link, seed: u64, name: &[&str]) -> Self {
         Self::new(link, seed, name, Direction::Up)
     }
 
-    /// The line to the microcontroller, with random streams of this name.
-    pub fn down(link: &Link, seed: u64, name: &str) -> Self {
+    /// The line to the microcontroller, with random streams of the name that has these parts.
+    pub fn down(link: &Link, seed: u64, name: &[&str]) -> Self {
         Self::new(link, seed, name, Direction::Down)
     }
 
-    fn new(link: &Link, seed: u64, name: &str, direction: Direction) -> Self {
+    fn new(link: &Link, seed: u64, name: &[&str], direction: Direction) -> Self {
         Self {
             in_flight: VecDeque::new(),
             messages: Messages::default(),
             sent: 0,
             transmission: Transmission::default(),
-            errors: Stream::new(seed, name),
+            errors: Stream::of(seed, name),
             transport_path: link.has_detour().then(|| TransportPath::new(link, seed, name, direction)),
             counters: LineCounters::default(),
             command: None,
@@ -97,7 +97,7 @@ impl Line {
     }
 
     /// From now on the cable can be out.
-    pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str, direction: Direction) {
+    pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &[&str], direction: Direction) {
         if link.has_detour() && self.transport_path.is_none() {
             self.transport_path = Some(TransportPath::new(link, seed, name, direction));
         }
@@ -120,8 +120,10 @@ impl Line {
             self.sent += bytes.len() as u64;
             return;
         }
+        let rate = link.byte_error_rate(now);
+        self.in_flight.reserve(bytes.len());
         for &byte in bytes {
-            let byte = self.disturb(link, now, byte);
+            let byte = self.disturb(rate, byte);
             self.in_flight.push_back((self.transmission.put(link, now), byte));
         }
         self.sent += bytes.len() as u64;
@@ -141,6 +143,11 @@ impl Line {
         let until = self.free_at(link).max(from);
         self.messages.push((begin, self.sent), Message { on_wire_until: until, ..message });
         (from, until)
+    }
+
+    /// Whether nothing that is sent later changes when its bytes are delivered.
+    pub(crate) fn is_direct(&self) -> bool {
+        self.transport_path.is_none()
     }
 
     /// Whether nothing is under way, and bytes would take no time and come as they are.
@@ -291,8 +298,8 @@ impl Line {
         self.transmission.drained_to(link, link.transmit_depth())
     }
 
-    pub(super) fn disturb(&mut self, link: &Link, now: SimTime, byte: u8) -> u8 {
-        let rate = link.byte_error_rate(now);
+    /// What becomes of a byte on a wire with this rate of errors.
+    pub(super) fn disturb(&mut self, rate: f64, byte: u8) -> u8 {
         if rate == 0.0 || self.errors.uniform() >= rate {
             return byte;
         }
@@ -352,7 +359,7 @@ mod tests {
         let mut line = line(&link);
         let mut bits = [0; 8];
         for _ in 0..SAMPLES {
-            match line.disturb(&link, SimTime::ZERO, 0) {
+            match line.disturb(link.byte_error_rate(SimTime::ZERO), 0) {
                 0 => {}
                 byte => {
                     assert!(byte.is_power_of_two(), "{byte:#010b}");

@@ -123,8 +123,12 @@ impl Link {
         match self {
             Self::Ideal | Self::Onboard => 0,
             Self::Uart(uart) => {
-                let bits = u128::from(n) * u128::from(uart.bits_per_character);
-                let ns = (bits * u128::from(SECOND_NS)).div_ceil(u128::from(uart.baud));
+                let bit_ns = u64::from(uart.bits_per_character) * SECOND_NS;
+                // Seldom are there so many characters that 64 bits are too few.
+                if let Some(bits_ns) = n.checked_mul(bit_ns) {
+                    return bits_ns.div_ceil(u64::from(uart.baud));
+                }
+                let ns = (u128::from(n) * u128::from(bit_ns)).div_ceil(u128::from(uart.baud));
                 u64::try_from(ns).unwrap_or(u64::MAX)
             }
             Self::Usb(usb) => n.div_ceil(u64::from(usb.bytes_per_frame)).saturating_mul(usb.frame_ns),

@@ -58,11 +58,11 @@ fn with_outages(mut link: Link, windows: &[(u64, u64)]) -> Link {
 }
 
 pub(super) fn line(link: &Link) -> Line {
-    Line::up(link, 1, "test")
+    Line::up(link, 1, &["test"])
 }
 
 pub(super) fn down(link: &Link) -> Line {
-    Line::down(link, 1, "test")
+    Line::down(link, 1, &["test"])
 }
 
 /// What is delivered until `now`, by instants.
@@ -82,7 +82,7 @@ fn what_would_arrive_in_an_outage_is_lost_and_counted() {
     // A character takes 0.1 ms: the third and the fourth arrive at 0.3 and 0.4 ms.
     let link = with_outages(uart(100_000, 10), &[(300_000, 400_001)]);
     for line in [Line::up, Line::down] {
-        let mut line = line(&link, 1, "test");
+        let mut line = line(&link, 1, &["test"]);
         line.send(&link, SimTime::ZERO, &[1, 2, 3, 4, 5]);
         assert_eq!(line.waiting(&link, SimTime::from_ns(250_000)), 3, "the driver knows of no outage");
         let delivered: Vec<u8> = delivered(&mut line, &link, 1_000_000).concat_bytes();

@@ -5,7 +5,6 @@
 //! byte is taken only once its instant has come, and then all that could have changed it has been sent.
 
 use alloc::collections::VecDeque;
-use alloc::format;
 
 use serde::{Deserialize, Serialize};
 
@@ -42,10 +41,10 @@ pub(super) struct TransportPath {
 }
 
 impl TransportPath {
-    pub(super) fn new(link: &Link, seed: u64, name: &str, direction: Direction) -> Self {
+    pub(super) fn new(link: &Link, seed: u64, name: &[&str], direction: Direction) -> Self {
         let latencies = match link.adapter() {
             Adapter::Bluetooth(radio) => {
-                Some(Latencies::new(radio, Stream::new(seed, &format!("{name}:radio"))))
+                Some(Latencies::new(radio, Stream::of(seed, &[&name.concat(), ":radio"])))
             }
             Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => None,
         };
@@ -116,7 +115,7 @@ impl Line {
     pub(super) fn send_by_detour(&mut self, link: &Link, now: SimTime, bytes: &[u8]) {
         self.lose_first(link, now);
         for &byte in bytes {
-            let byte = self.disturb(link, now, byte);
+            let byte = self.disturb(link.byte_error_rate(now), byte);
             let Some(transport_path) = &mut self.transport_path else { return };
             let ready = transport_path.ready(link, now);
             if transport_path.direction == Direction::Down && link.turnaround_ns().is_some() {

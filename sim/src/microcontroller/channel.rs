@@ -38,10 +38,9 @@ pub(crate) struct Channel {
 
 impl Channel {
     pub(super) fn new(spec: &RobotSpec, sensor: &Sensor, seed: u64, noise: bool) -> Self {
-        let name = alloc::format!("{}/{}", spec.name, sensor.name);
         // What differs from one specimen to the next has a stream of its own, so that the noise does not depend on
         // it.
-        let specimen = &mut Stream::new(seed, &alloc::format!("{name}:specimen"));
+        let specimen = &mut Stream::of(seed, &[&spec.name, "/", &sensor.name, ":specimen"]);
         let due = if sensor.is_on_wire() {
             sensor.schedule.start()
         } else {
@@ -52,7 +51,7 @@ impl Channel {
             noise: sensor.noise.start(sensor.device.values(), specimen),
             running: sensor.own_clock.as_ref().map(|clock| Box::new(Running::start(clock, specimen, noise))),
             memory: sensor.device.remember(&spec.start.pose, specimen),
-            stream: Stream::new(seed, &name),
+            stream: Stream::of(seed, &[&spec.name, "/", &sensor.name]),
             values: vec![],
             sampled_at: SimTime::ZERO,
             measured_at: SimTime::ZERO,

@@ -247,11 +247,11 @@ impl Microcontroller {
     }
 
     /// A frame and the instant at which it is closed, which is the time that stands in it. That depends on
-    /// the frame's length, so the payload is laid out once to learn it.
+    /// the frame's length.
     fn write_frame(&self, firmware: &Firmware, now: SimTime, cost: u64, out: &mut [u8]) -> (usize, SimTime) {
+        let len = firmware.layout().readings_len(|i| self.channels[i].fresh);
+        let closed = now + frame::encoded_len_max(len) as u64 * cost;
         let mut payload = [0; frame::MAX_PAYLOAD];
-        let n = self.write_payload(firmware, now, &mut payload);
-        let closed = now + frame::encoded_len_max(n) as u64 * cost;
         let n = self.write_payload(firmware, closed, &mut payload);
         (frame::encode(&payload[..n], out).expect(FITS), closed)
     }

@@ -105,9 +105,12 @@ impl Robot {
                 }
                 continue;
             }
-            self.hear(spec, arrival, port);
+            let heard = match port {
+                None => self.hear(spec, arrival, on_robot.0.min(end)),
+                Some(port) => self.hear_port(spec, arrival, port),
+            };
             if step.is_none() && self.laptop.has_message {
-                step = earliest.map(|earliest| earliest.max(arrival));
+                step = earliest.map(|earliest| earliest.max(heard));
             }
         }
     }
@@ -262,22 +265,34 @@ impl Robot {
         }
     }
 
-    fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
-        let Some(k) = port else {
-            while let Some(arrival) = self.uplink.take(&spec.link, now) {
-                let message = self.laptop.receive(spec, arrival, &mut self.uplink);
-                let Some(Message { on_wire_until, sampled, .. }) = message else { continue };
-                self.spare = sampled;
-                if on_wire_until < now {
-                    self.recorder.note(on_wire_until, now, What::Adapter);
-                }
+    /// Takes the bytes that arrive at the laptop from `first` on, up to the first message since the brain's last step and
+    /// `before` anything else happens. Says when the last of them came.
+    fn hear(&mut self, spec: &RobotSpec, first: SimTime, before: SimTime) -> SimTime {
+        let alone = self.ports.is_empty() && self.uplink.is_direct();
+        let last = if alone { SimTime::from_ns(before.as_ns() - 1) } else { first };
+        let had_message = self.laptop.has_message;
+        let mut now = first;
+        while self.laptop.has_message == had_message
+            && let Some((at, byte)) = self.uplink.take(&spec.link, last)
+        {
+            now = at.max(first);
+            let message = self.laptop.receive(spec, (at, byte), &mut self.uplink);
+            let Some(Message { on_wire_until, sampled, .. }) = message else { continue };
+            self.spare = sampled;
+            if on_wire_until < now {
+                self.recorder.note(on_wire_until, now, What::Adapter);
             }
-            return;
-        };
+        }
+        now
+    }
+
+    /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
+    fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
         let i = spec.sensors.ports()[k];
         while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
             self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
         }
+        now
     }
 
     /// What has happened on it in this tick is over, and it begins to move.

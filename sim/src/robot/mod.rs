@@ -9,7 +9,6 @@ mod cycles;
 mod onboard;
 mod recorder;
 
-use alloc::format;
 use alloc::vec::Vec;
 
 use baudbot_geometry::Pose;
@@ -88,7 +87,6 @@ pub struct RobotCounters {
 
 impl Robot {
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
-        let name = |part: &str| format!("{}/{part}", spec.name);
         let Start { pose, speed_m_s, turn_rate_rad_s, wheels_at_rest } = spec.start;
         let mut motion = spec.drive.place(pose, speed_m_s, turn_rate_rad_s);
         if wheels_at_rest {
@@ -97,12 +95,15 @@ impl Robot {
         Self {
             motion,
             signals: Wheels::default(),
-            motor_noise: NoiseState::new(&spec.drive.motor_noise, Stream::new(seed, &name("motors:noise"))),
+            motor_noise: NoiseState::new(
+                &spec.drive.motor_noise,
+                Stream::of(seed, &[&spec.name, "/motors:noise"]),
+            ),
             collided: false,
             contacts: Vec::new(),
             microcontroller: Microcontroller::new(spec, seed, noise),
-            uplink: Line::up(&spec.link, seed, &name("link:up")),
-            downlink: Line::down(&spec.link, seed, &name("link:down")),
+            uplink: Line::up(&spec.link, seed, &[&spec.name, "/link:up"]),
+            downlink: Line::down(&spec.link, seed, &[&spec.name, "/link:down"]),
             laptop: Laptop::new(spec.sensors.len(), &spec.firmware),
             ports: spec
                 .sensors
@@ -133,8 +134,8 @@ impl Robot {
 
     /// The cable to its brain is one that can be out.
     pub(crate) fn watch_outages(&mut self, link: &Link, seed: u64, name: &str) {
-        self.uplink.watch_outages(link, seed, &format!("{name}/link:up"), Direction::Up);
-        self.downlink.watch_outages(link, seed, &format!("{name}/link:down"), Direction::Down);
+        self.uplink.watch_outages(link, seed, &[name, "/link:up"], Direction::Up);
+        self.downlink.watch_outages(link, seed, &[name, "/link:down"], Direction::Down);
     }
 
     /// The cable to its brain has another rate from now on.

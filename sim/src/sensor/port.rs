@@ -1,7 +1,6 @@
 //! A device's own cable to the laptop, past the microcontroller (Fig. 1.18): what a laser range finder, a camera
 //! or a satellite receiver says on it, byte by byte.
 
-use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -59,7 +58,7 @@ impl PortState {
     /// Of a robot's sensor that has a port.
     pub(crate) fn new(sensor: &Sensor, seed: u64, robot: &str) -> Self {
         let link = sensor.port.as_ref().map_or(&Link::Ideal, |port| &port.link);
-        let line = Line::up(link, seed, &format!("{robot}/{}:port", sensor.name));
+        let line = Line::up(link, seed, &[robot, "/", &sensor.name, ":port"]);
         Self { line, message: Vec::new(), unread: Vec::new(), sequence: 0 }
     }
 

@@ -9,7 +9,7 @@
 
 use alloc::vec::Vec;
 
-use super::{Input, Turn, World};
+use super::{Answer, Turn, World};
 use crate::time::SimTime;
 
 /// Steps that are not over though the world has gone on. They are no part of the state: once they are supplied, it is
@@ -47,16 +47,16 @@ impl World {
         state.downlink.reach(&self.scenario.robots[robot].link, done)
     }
 
-    /// As [`finish`](Self::finish), without the answers of the robots in `open`, each with when its brain is done. Each
-    /// of them must be [supplied](Self::supply) before the world is taken beyond the robot's [`reach`](Self::reach), and
+    /// As [`finish_answers`](Self::finish_answers), without the answers of the robots in `open`, each with when its brain is
+    /// done. Each of them must be [supplied](Self::supply) before the world is taken beyond the robot's [`reach`](Self::reach), and
     /// before [`hash`](Self::hash) or anybody else looks at the world. Tick by tick the world is then as if `finish` had
     /// had the answer.
-    pub fn finish_ahead(&mut self, inputs: &[Input<'_>], open: &[(usize, SimTime)]) {
+    pub fn finish_ahead(&mut self, answers: &[Answer<'_>], open: &[(usize, SimTime)]) {
         if !self.state.begun || self.state.ending.is_some() {
             return;
         }
         if open.is_empty() && self.ahead.0.is_empty() {
-            return self.finish(inputs);
+            return self.finish_answers(answers);
         }
         for turn in self.state.turns.clone() {
             // A brain answers one step after the other: the one before counts as answered with nothing.
@@ -65,7 +65,7 @@ impl World {
                 self.ahead.0.push(turn);
             }
         }
-        self.finish(inputs);
+        self.finish_answers(answers);
         for &(robot, done) in open {
             if let Some(robot) = self.state.robots.get_mut(robot) {
                 robot.laptop.busy_until = robot.laptop.busy_until.max(done);

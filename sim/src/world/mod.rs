@@ -10,6 +10,7 @@ mod motion;
 mod saved;
 mod score;
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -66,17 +67,17 @@ pub struct World {
     pub(crate) altered: Altered,
     state: State,
     /// What sensors see in the tick that is begun: it follows from the state, and is kept for the tick's second half.
-    seen: Option<Frozen>,
+    seen: Option<Box<Frozen>>,
     ahead: Ahead,
     spare: Spare,
     is_parallel: bool,
 }
 
-/// Memory that ticks use again and again. A clone begins with none.
+/// Memory that ticks use again and again, boxed where it is large, as it is taken and put back. A clone begins with none.
 #[derive(Debug, Default)]
 struct Spare {
-    frozen: Frozen,
-    lists: Lists,
+    frozen: Option<Box<Frozen>>,
+    lists: Option<Box<Lists>>,
     /// When each robot's brain steps in the tick, if it does.
     steps: Vec<Option<SimTime>>,
     inputs_by_robot: InputsByRobot,
@@ -195,7 +196,7 @@ impl World {
     pub fn begin(&mut self) -> &[Turn] {
         if !core::mem::replace(&mut self.state.begun, true) {
             self.state.turns.clear();
-            let mut frozen = core::mem::take(&mut self.spare.frozen);
+            let mut frozen = self.spare.frozen.take().unwrap_or_default();
             self.freeze(&mut frozen);
             let mut steps = core::mem::take(&mut self.spare.steps);
             steps.clear();
@@ -231,7 +232,7 @@ impl World {
         if !self.state.begun || self.state.ending.is_some() {
             return;
         }
-        let frozen = self.seen.take().unwrap_or_else(|| self.frozen());
+        let frozen = self.seen.take().unwrap_or_else(|| Box::new(self.frozen()));
         let (start, end) = (self.time(), self.tick_end());
         let Self { scenario, state, spare, ahead, is_parallel, .. } = self;
         let scenario = &**scenario;
@@ -258,7 +259,7 @@ impl World {
             robot.look_for_losses(end);
             robot.start_moving(spec, scenario.noise);
         });
-        self.spare.frozen = frozen;
+        self.spare.frozen = Some(frozen);
         self.move_all();
         self.state.tick += 1;
         self.state.begun = false;

@@ -8,7 +8,7 @@ use baudbot_geometry::{Circle, Crowd, Point, Pose, polygon};
 
 use super::{Ending, World};
 use crate::actuator::ActuatorKind;
-use crate::collision::{Collision, CollisionPolicy, Met, Partner, Step, swept};
+use crate::collision::{Collision, CollisionPolicy, Met, Partner, Room, Step, Way, swept};
 use crate::drive::Wheels;
 use crate::model::RobotSpec;
 use crate::motor::Motors;
@@ -19,14 +19,12 @@ use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::time::{SECOND_NS, SimTime};
 
-/// Lists that serve all substeps of all ticks, so that these need no new memory. Nothing in them lasts.
+/// Lists that serve all substeps of all ticks, so that these need no new memory. But for the robots' rooms nothing in them
+/// lasts.
 #[derive(Debug, Default)]
 pub(super) struct Lists {
     at_start: Vec<Pose>,
-    /// Where each robot was and is.
-    ways: Vec<[Pose; 2]>,
-    before: Vec<Pose>,
-    after: Vec<Pose>,
+    ways: Vec<Way>,
     crowd: Crowd,
     held: Vec<Option<Met>>,
     /// Those that were held before anybody was pushed.
@@ -39,7 +37,7 @@ impl World {
     /// The bodies move, in substeps; a command that arrived within the tick acts from the next substep on.
     pub(super) fn move_all(&mut self) {
         let scenario = Arc::clone(&self.scenario);
-        let mut lists = core::mem::take(&mut self.spare.lists);
+        let mut lists = self.spare.lists.take().unwrap_or_default();
         let (now, dt_ns) = (self.time(), scenario.step_ns / u64::from(scenario.substeps));
         self.state.collisions.clear();
         let scored = scenario.rules.floor.is_some() || !scenario.surroundings.zones.is_empty();
@@ -55,7 +53,7 @@ impl World {
         if scored {
             self.keep_score(&lists.at_start);
         }
-        self.spare.lists = lists;
+        self.spare.lists = Some(lists);
     }
 
     fn substep(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
@@ -65,7 +63,9 @@ impl World {
         gather(scenario, lists);
         if !scenario.movables.is_empty() {
             self.push(scenario, lists, dt);
-            self.note_poses(&mut lists.after);
+            for (way, robot) in lists.ways.iter_mut().zip(&self.state.robots) {
+                way.after = robot.motion.pose;
+            }
             gather(scenario, lists);
         }
         match scenario.collision {
@@ -79,38 +79,35 @@ impl World {
 
     /// Each robot drives as if it were alone; where it was and where it is then.
     fn drive_all(&mut self, scenario: &Scenario, lists: &mut Lists, now: SimTime, dt: f64) {
-        let Lists { ways, before, after, .. } = lists;
-        let nowhere = Pose::new(0.0, 0.0, 0.0);
-        ways.resize(self.state.robots.len(), [nowhere; 2]);
-        let specs = &scenario.robots;
-        parallel::each(self.is_parallel, &mut self.state.robots, ways, |own, robot, way| {
-            way[0] = robot.motion.pose;
-            robot.drive(&specs[own], scenario, now, dt);
-            way[1] = robot.motion.pose;
+        let still = Pose::new(0.0, 0.0, 0.0);
+        let unknown = Way { before: still, after: still, room: Room::default() };
+        lists.ways.resize(self.state.robots.len(), unknown);
+        parallel::each(self.is_parallel, &mut self.state.robots, &mut lists.ways, |own, robot, way| {
+            let spec = &scenario.robots[own];
+            way.before = robot.motion.pose;
+            robot.drive(spec, scenario, now, dt);
+            way.after = robot.motion.pose;
+            way.room.look(&scenario.arena, &spec.form(), way.after.position);
         });
-        before.clear();
-        before.extend(ways.iter().map(|way| way[0]));
-        after.clear();
-        after.extend(ways.iter().map(|way| way[1]));
     }
 
     /// Robots push what can be pushed, those first held back that something else stops: nobody pushes who cannot
     /// move.
     fn push(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
         if scenario.collision == CollisionPolicy::StopRobot {
-            let Lists { before, after, crowd, held_first, found, obstacles, .. } = lists;
+            let Lists { ways, crowd, held_first, found, obstacles, .. } = lists;
             let is_parallel = self.is_parallel;
-            step(scenario, obstacles, before, after, crowd, |mut step| {
+            step(scenario, obstacles, ways, crowd, |mut step| {
                 step.hold_back(held_first, found, is_parallel);
             });
             for own in (0..held_first.len()).filter(|&own| held_first[own].is_some()) {
-                self.hold(own, &before[own]);
+                self.hold(own, &ways[own].before);
             }
         }
-        let before = &lists.before;
+        let ways = &lists.ways;
         let fixed = Fixed { arena: &scenario.arena, bodies: &lists.obstacles };
-        let robots = self.state.robots.iter().zip(&scenario.robots).zip(before);
-        let pushers: Vec<_> = robots.map(|((robot, spec), before)| pusher(robot, spec, before)).collect();
+        let robots = self.state.robots.iter().zip(&scenario.robots).zip(ways);
+        let pushers: Vec<_> = robots.map(|((robot, spec), way)| pusher(robot, spec, &way.before)).collect();
         let reactions = movable::step(&scenario.movables, &mut self.state.movables, &fixed, &pushers, dt);
         for (i, reaction) in reactions.into_iter().enumerate().filter(|(_, r)| r.touched.is_some()) {
             let motion = &mut self.state.robots[i].motion;
@@ -118,8 +115,9 @@ impl World {
                 (motion.pose.position - reaction.pose.position).dot(&motion.pose.direction().vector());
             motion.travel_m.left -= missed;
             motion.travel_m.right -= missed;
-            let made =
-                (reaction.pose.position - before[i].position).dot(&motion.pose.direction().vector()) / dt;
+            let made = (reaction.pose.position - ways[i].before.position)
+                .dot(&motion.pose.direction().vector())
+                / dt;
             motion.pose = reaction.pose;
             motion.speed_m_s = reaction.speed_m_s;
             // Who is kept from moving does not keep a speed that would not move it.
@@ -150,12 +148,12 @@ impl World {
     }
 
     fn stop_run(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
-        let Lists { before, after, crowd, held, obstacles, .. } = lists;
-        step(scenario, obstacles, before, after, crowd, |step| {
+        let Lists { ways, crowd, held, obstacles, .. } = lists;
+        step(scenario, obstacles, ways, crowd, |step| {
             held.clear();
-            held.extend((0..step.before.len()).map(|own| step.partner(own)));
+            held.extend((0..step.ways.len()).map(|own| step.partner(own)));
         });
-        for own in 0..lists.before.len() {
+        for own in 0..lists.held.len() {
             self.note_contact(own, lists.held[own], lists);
             self.note_way(scenario, own, dt);
         }
@@ -163,15 +161,15 @@ impl World {
     }
 
     fn stop_robots(&mut self, scenario: &Scenario, lists: &mut Lists, dt: f64) {
-        let Lists { before, after, crowd, held, found, obstacles, .. } = lists;
+        let Lists { ways, crowd, held, found, obstacles, .. } = lists;
         let is_parallel = self.is_parallel;
-        step(scenario, obstacles, before, after, crowd, |mut step| {
+        step(scenario, obstacles, ways, crowd, |mut step| {
             step.hold_back(held, found, is_parallel);
         });
         for own in 0..lists.held.len() {
             let met = lists.held[own];
             if met.is_some() {
-                self.hold(own, &lists.before[own]);
+                self.hold(own, &lists.ways[own].before);
             }
             let earlier = || lists.held_first.get(own).copied().flatten();
             self.note_contact(own, met.or_else(earlier), lists);
@@ -264,21 +262,23 @@ impl World {
 
 /// Who is near whom on the way.
 fn gather(scenario: &Scenario, lists: &mut Lists) {
-    let ways = lists.before.iter().zip(&lists.after).zip(&scenario.robots);
-    lists.crowd.rebuild(ways.map(|((before, after), spec)| swept(&spec.form(), before, after)));
+    if lists.ways.len() < 2 {
+        return;
+    }
+    let ways = lists.ways.iter().zip(&scenario.robots);
+    lists.crowd.rebuild(ways.map(|(way, spec)| swept(&spec.form(), way)));
 }
 
 /// Looks at a step of all robots.
 fn step<T>(
     scenario: &Scenario,
     obstacles: &[Body],
-    before: &[Pose],
-    after: &mut [Pose],
+    ways: &mut [Way],
     crowd: &Crowd,
     look: impl FnOnce(Step<'_>) -> T,
 ) -> T {
     let form = |i: usize| scenario.robots[i].form();
-    look(Step { arena: &scenario.arena, obstacles, form: &form, before, after, crowd })
+    look(Step { arena: &scenario.arena, obstacles, form: &form, ways, crowd })
 }
 
 fn pusher<'a>(robot: &Robot, spec: &'a RobotSpec, before: &Pose) -> Pusher<'a> {
