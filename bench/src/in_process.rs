@@ -270,15 +270,15 @@ mod tests {
     const FINGERPRINTS: [(&str, u64); 12] = [
         ("W1/onboard", 0x5648_f963_c49a_2ab1),
         ("W1/ideal", 0x152c_5060_4948_4df9),
-        ("W2", 0x8de7_4c97_9d08_5e62),
-        ("W2s/onboard", 0x8fef_1cb1_f0d5_39eb),
-        ("W2s/cable", 0x04e1_c970_ba67_52cb),
+        ("W2", 0x45ee_5ce9_f659_d455),
+        ("W2s/onboard", 0x58de_0822_51d9_b808),
+        ("W2s/cable", 0x84c2_38de_93f5_94a7),
         ("W3/10", 0x4e2a_ad67_32f7_059a),
         ("W3/100", 0xe5ad_d17b_065b_3ddb),
         ("W3/1000", 0x3fe7_3622_421f_6263),
-        ("W4", 0x87e9_5567_be0c_9434),
-        ("W4s/onboard", 0x2ac8_7bf4_aac6_12aa),
-        ("W4s/cable", 0xb034_51d2_5da0_2c4a),
+        ("W4", 0x4f9c_fedc_3b58_b8a1),
+        ("W4s/onboard", 0xd1d8_143e_a7c7_826b),
+        ("W4s/cable", 0x3f9e_c01b_9cea_acc4),
         ("G", 0xb4eb_3d15_1ccd_73d7),
     ];
 

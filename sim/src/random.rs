@@ -4,9 +4,10 @@
 //! seed and that name. So adding a sensor changes no other sensor's noise, and the order in which parts are
 //! read changes nothing. The generator is PCG-64, named explicitly because `rand`'s standard generator may
 //! change between versions; the normal deviate is our own on `libm`, because a platform's `ln` and `cos`
-//! differ in the last bits.
+//! differ in the last bits. For the many values of a scan the stream draws the states of several generators, which then
+//! run side by side.
 
-use baudbot_geometry::{normal, vectors};
+use baudbot_geometry::normal::{self, Lanes};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -83,20 +84,11 @@ impl Stream {
         normal::deviate(u, v)
     }
 
-    /// Changes each value with a normal deviate of its own, as if these were drawn one by one.
-    pub fn each_normal(&mut self, values: &mut [f64], change: impl Fn(f64, f64) -> f64 + Copy) {
-        let (mut us, mut vs, mut deviates) = ([0.0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
-        for values in values.chunks_mut(AT_ONCE) {
-            let n = values.len();
-            let mut generator = self.generator.clone();
-            for (u, v) in us[..n].iter_mut().zip(&mut vs[..n]) {
-                (*u, *v) = (unit(generator.next_u64()), unit(generator.next_u64()));
-            }
-            self.generator = generator;
-            self.place.drawn += 2 * n as u64;
-            normal::deviates(&us[..n], &vs[..n], &mut deviates[..n]);
-            vectors::each_with(values, &deviates, change);
-        }
+    /// Changes each value with a normal deviate of its own. These are made in lanes, whose states are drawn from the
+    /// stream: so they are others than [`normal`](Self::normal) would draw.
+    pub fn each_normal(&mut self, values: &mut [f64], change: impl Fn(f64, f64) -> f64) {
+        let words = core::array::from_fn(|_| core::array::from_fn(|_| self.draw()));
+        Lanes::new(words).each_normal(values, change);
     }
 
     /// No normal deviate is larger than this, since no uniform one is nearer to 1 than 2^-53.
@@ -119,9 +111,6 @@ fn unit(bits: u64) -> f64 {
     // Signed, as processors have that at less cost.
     (bits >> 11).cast_signed() as f64 * (1.0 / (1_u64 << 53) as f64)
 }
-
-/// So many normal deviates are computed at once.
-const AT_ONCE: usize = 64;
 
 /// 64 random bits that follow from a number alone.
 pub(crate) fn spread(number: u64) -> u64 {
@@ -151,7 +140,33 @@ pub(crate) const fn fnv1a_step(hash: u64, byte: u8) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use alloc::vec;
+    use alloc::vec::Vec;
+
     use super::Stream;
+    use crate::statistics::{assert_distributed, assert_rate, correlation, normal, rate};
+
+    /// The deviates of so many scans, one after the other.
+    fn scans(seed: u64, name: &str, scans: usize) -> Vec<[f64; RAYS]> {
+        let mut stream = Stream::new(seed, name);
+        let scan = || {
+            let mut values = [0.0; RAYS];
+            stream.each_normal(&mut values, |_, deviate| deviate);
+            values
+        };
+        core::iter::repeat_with(scan).take(scans).collect()
+    }
+
+    const RAYS: usize = 682;
+
+    #[track_caller]
+    fn assert_independent(what: &str, pairs: &[(f64, f64)]) {
+        let limit = 4.5 / (pairs.len() as f64).sqrt();
+        let squares: Vec<_> = pairs.iter().map(|(a, b)| (a * a, b * b)).collect();
+        for found in [correlation(pairs), correlation(&squares)] {
+            assert!(found.abs() < limit, "{what}: {found}, of {limit}");
+        }
+    }
 
     #[test]
     fn a_stream_depends_on_seed_and_name_only() {
@@ -190,6 +205,82 @@ mod tests {
         assert!((sum / n).abs() < 0.01, "mean {}", sum / n);
         assert!((squares / n - 1.0).abs() < 0.02, "variance {}", squares / n);
         assert!((beyond_two as f64 / n - 0.0455).abs() < 0.003, "tail {beyond_two}");
+    }
+
+    #[test]
+    fn deviates_of_scans_have_the_moments_and_the_tails_of_normal_ones() {
+        let mut samples = scans(7, "test", 2000).as_flattened().to_vec();
+        let n = samples.len() as f64;
+        let moment = |power| samples.iter().map(|x: &f64| x.powi(power)).sum::<f64>() / n;
+        // The variance of the mean of x^k is (E x^2k − (E x^k)²) / n.
+        for (power, expected, variance) in [
+            (1, 0.0, 1.0),
+            (2, 1.0, 2.0),
+            (3, 0.0, 15.0),
+            (4, 3.0, 96.0),
+            (5, 0.0, 945.0),
+            (6, 15.0, 10_170.0),
+        ] {
+            let (found, limit) = (moment(power), 4.0 * f64::sqrt(variance / n));
+            assert!((found - expected).abs() < limit, "moment {power}: {found}");
+        }
+        let n = samples.len() as u64;
+        let beyond = |least: f64, side: f64| samples.iter().filter(|x| **x * side > least).count() as u64;
+        for (least, probability) in [(1.0, 0.158_655_3), (2.0, 0.022_750_1)] {
+            assert_rate(beyond(least, 1.0), n, probability);
+            assert_rate(beyond(least, -1.0), n, probability);
+        }
+        for (least, probability) in [(3.0, 1.349_90e-3), (4.0, 3.167_12e-5)] {
+            let found = [1.0, -1.0].map(|side| beyond(least, side));
+            assert!(found.iter().all(|hits| rate(*hits, n, probability).fits()), "{least}: {found:?}");
+        }
+        assert_distributed(&mut samples, |scale| normal(0.0, scale));
+    }
+
+    #[test]
+    fn each_ray_of_scans_has_normal_deviates() {
+        let scans = scans(8, "test", 4000);
+        // Of each part that is made at once, and the last one, which is not whole: first and second values of pairs.
+        for ray in [0, 1, 7, 8, 63, 64, 65, 127, 128, 300, 511, 639, 640, 660, 661, 681] {
+            let mut samples: Vec<_> = scans.iter().map(|scan| scan[ray]).collect();
+            let outcome = crate::statistics::kolmogorov_smirnov(&mut samples, normal(0.0, 1.0));
+            assert!(outcome.fits(), "ray {ray}: {outcome:?}");
+        }
+    }
+
+    #[test]
+    fn deviates_of_scans_are_independent() {
+        let alice = scans(9, "alice/laser", 300);
+        // Of rays beside each other; of the same lane, or of two values of a pair; and more.
+        for apart in (1..=16).chain([21, 32, 42, 63, 64, 65, 128, 256, 640]) {
+            let pairs: Vec<_> = alice
+                .iter()
+                .flat_map(|scan| scan.iter().copied().zip(scan[apart..].iter().copied()))
+                .collect();
+            assert_independent(&std::format!("{apart} apart"), &pairs);
+        }
+        let beside = |others: &[[f64; RAYS]]| -> Vec<_> {
+            alice.as_flattened().iter().copied().zip(others.as_flattened().iter().copied()).collect()
+        };
+        assert_independent("scans", &beside(&alice[1..]));
+        assert_independent("streams", &beside(&scans(9, "bob/laser", 300)));
+        assert_independent("seeds", &beside(&scans(10, "alice/laser", 300)));
+    }
+
+    #[test]
+    fn scans_go_on_where_a_snapshot_left_them() {
+        let mut stream = Stream::new(3, "alice/laser");
+        let draw = |stream: &mut Stream| {
+            let mut values = vec![1.0; 100];
+            stream.each_normal(&mut values, |value, deviate| value + 0.1 * deviate);
+            (values, stream.uniform())
+        };
+        draw(&mut stream);
+        let saved = postcard::to_allocvec(&stream).unwrap();
+        assert!(saved.len() < 16, "a place, not the generators: {} bytes", saved.len());
+        let mut restored: Stream = postcard::from_bytes(&saved).unwrap();
+        assert_eq!(draw(&mut stream), draw(&mut restored));
+        assert_eq!(stream, restored);
     }
 
     #[test]

@@ -20,6 +20,8 @@
 //! - Kinds that are off draw nothing. Those that are on draw equally often at each reading, whether a spike
 //!   or a dropout happens or not; so two runs that differ in nothing but a probability or a standard
 //!   deviation have otherwise the same noise.
+//! - For a value S of a scan of 32 and more S N(1, σₘ) + N(0, σₐ) is drawn as what it is, N(S, √(σₘ² S² + σₐ²)): it takes
+//!   one deviate.
 //! - Nothing is clamped or wrapped here. The device knows what its readings can be.
 
 use alloc::boxed::Box;
@@ -175,13 +177,7 @@ impl Noise {
         pair(values, &state.offsets, |value, offset| value + offset);
         pair(values, &state.drifts, |value, bias| value + bias);
         if values.len() >= MANY {
-            let (multiplicative, additive) = (self.multiplicative, self.additive);
-            if multiplicative != 0.0 {
-                stream.each_normal(values, move |value, deviate| value * (1.0 + multiplicative * deviate));
-            }
-            if additive != 0.0 {
-                stream.each_normal(values, move |value, deviate| value + additive * deviate);
-            }
+            self.disturb_many(values, stream);
         } else {
             each(values, |value| multiplicative(value, self.multiplicative, stream));
             each(values, |value| additive(value, self.additive, stream));
@@ -200,6 +196,22 @@ impl Noise {
             && stream.uniform() < dropout.probability
         {
             values.fill(dropout.value);
+        }
+    }
+
+    /// The normal noise of the many values of a scan.
+    fn disturb_many(&self, values: &mut [f64], stream: &mut Stream) {
+        let (multiplicative, additive) = (self.multiplicative, self.additive);
+        if multiplicative != 0.0 && additive != 0.0 {
+            let variance = additive * additive;
+            stream.each_normal(values, move |value, deviate| {
+                let sigma = multiplicative * value;
+                value + math::sqrt(sigma * sigma + variance) * deviate
+            });
+        } else if multiplicative != 0.0 {
+            stream.each_normal(values, move |value, deviate| value * (1.0 + multiplicative * deviate));
+        } else if additive != 0.0 {
+            stream.each_normal(values, move |value, deviate| value + additive * deviate);
         }
     }
 
@@ -263,8 +275,8 @@ pub(crate) fn additive(reading: f64, sigma: f64, stream: &mut Stream) -> f64 {
     reading + sigma * stream.normal()
 }
 
-/// So many components have their normal noise computed at once.
-const MANY: usize = 8;
+/// From so many components on, their normal noise is made at once.
+const MANY: usize = 32;
 
 /// So many N(mean, σ); none, and nothing is drawn, if σ is 0.
 fn spread(components: usize, mean: f64, sigma: f64, stream: &mut Stream) -> Box<[f64]> {
@@ -560,6 +572,33 @@ mod tests {
         noise.disturb(&mut state, SimTime::ZERO, &mut values, &mut stream);
         assert_eq!(values, [super::multiplicative(0.7, 0.02, &mut alone)]);
         assert_eq!((stream, specimen), (alone, Stream::new(1, "a:specimen")));
+    }
+
+    #[test]
+    fn the_values_of_a_scan_have_the_noise_of_one_alone_and_draw_as_often_whatever_it_is() {
+        const N: usize = 64;
+        let truth = core::array::from_fn(|i| 0.5 * i as f64);
+        for (multiplicative, additive) in [(0.02, 0.0), (0.0, 0.1), (0.02, 0.1)] {
+            let noise = Noise { multiplicative, additive, ..Noise::default() };
+            let mut streams = [Stream::new(4, "a"), Stream::new(4, "a")];
+            streams[1].each_normal(&mut [0.0; N], |value, _| value);
+            let mut state = noise.start(N, &mut Stream::new(4, "a:specimen"));
+            let mut samples = Vec::new();
+            for round in 0..SAMPLES / N {
+                let mut values: [f64; N] = truth;
+                noise.disturb(&mut state, SimTime::ZERO, &mut values, &mut streams[0]);
+                if round == 0 {
+                    assert_eq!(streams[0], streams[1]);
+                }
+                // The first value is 0, which a factor leaves as it is.
+                let scaled = values.iter().zip(truth).skip(1).map(|(value, truth)| {
+                    let [factor, offset] = [multiplicative * truth, additive];
+                    (value - truth) / math::sqrt(factor * factor + offset * offset)
+                });
+                samples.extend(scaled);
+            }
+            assert_distributed(&mut samples, |scale| normal(0.0, scale));
+        }
     }
 
     #[test]

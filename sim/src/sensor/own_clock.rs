@@ -135,7 +135,7 @@ impl Running {
         effect: Option<FaultEffect>,
     ) {
         let Parts { memory, noise, stream } = parts;
-        self.scan.resize(sensor.device.values(), 0.0);
+        self.scan.resize(sensor.encodings.len(), 0.0);
         let end = if let Device::Laser(laser) = &sensor.device {
             let which = self.taken..laser.taken_before(self.begins, at.tick_end).max(self.taken);
             laser.take(at, which.clone(), self.begins, &mut self.scan);
