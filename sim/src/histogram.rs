@@ -23,9 +23,17 @@ pub struct Histogram {
 impl Histogram {
     /// Counts a duration.
     pub fn note(&mut self, ns: u64) {
-        let bucket = bucket(ns);
         self.count += 1;
         self.sum_ns = self.sum_ns.saturating_add(ns);
+        // All alike so far, and so is this.
+        if let [n] = &mut self.buckets[..]
+            && ns == self.min_ns
+            && ns == self.max_ns
+        {
+            *n = n.saturating_add(1);
+            return;
+        }
+        let bucket = bucket(ns);
         let place = bucket.wrapping_sub(self.first) as usize;
         if let Some(n) = self.buckets.get_mut(place) {
             *n = n.saturating_add(1);

@@ -166,9 +166,11 @@ impl Laptop {
         self.heard = Some(begun);
     }
 
-    /// When the reading of sensor `i` that has come was truly sampled.
-    pub(crate) fn note_age(&mut self, i: usize, sampled_at: Option<SimTime>) {
-        self.sampled[i] = sampled_at.or(self.sampled[i]);
+    /// Each sensor's reading, and when that was truly sampled.
+    pub(crate) fn readings_with_truth(
+        &mut self,
+    ) -> impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)> {
+        self.readings.iter_mut().zip(&mut self.sampled)
     }
 
     /// When the reading of sensor `i` was truly sampled that the brain has not been given yet.
@@ -231,13 +233,14 @@ impl Laptop {
         self.unread.clear();
         self.informed = core::mem::take(&mut self.has_message);
         self.busy_until = at;
-        for (i, reading) in self.readings.iter_mut().enumerate() {
+        for ((reading, sampled_at), freshness) in
+            self.readings.iter_mut().zip(&mut self.sampled).zip(&mut self.freshness)
+        {
             if !core::mem::take(&mut reading.readable) {
                 continue;
             }
-            let freshness = &mut self.freshness[i];
             freshness.readable += 1;
-            if let Some(sampled_at) = self.sampled[i].take() {
+            if let Some(sampled_at) = sampled_at.take() {
                 freshness.ages.note(at.since(sampled_at));
             }
         }

@@ -53,7 +53,9 @@ impl Due {
 
     /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for.
     pub fn serve(&mut self, schedule: &Schedule, now: SimTime) {
-        let missed = now.since(self.next) / schedule.period_ns;
+        let late_ns = now.since(self.next);
+        // Seldom is a division needed.
+        let missed = if late_ns < schedule.period_ns { 0 } else { late_ns / schedule.period_ns };
         self.missed += missed;
         self.next = self.next + (missed + 1) * schedule.period_ns;
     }

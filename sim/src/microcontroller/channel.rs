@@ -85,7 +85,9 @@ impl Channel {
 
     /// Takes a reading: of the device now, or of what it holds.
     pub(super) fn read(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> Effect {
-        self.values.resize(sensor.encodings.len(), 0.0);
+        if self.values.len() != sensor.encodings.len() {
+            self.values.resize(sensor.encodings.len(), 0.0);
+        }
         if let Some(running) = &self.running {
             match running.held() {
                 Some(held) => {
@@ -98,6 +100,13 @@ impl Channel {
                 }
             }
             return Effect::default();
+        }
+        if at.near.is_some_and(|near| near.is_clear())
+            && (!at.noise || sensor.noise.leaves_0(&mut self.stream))
+        {
+            self.values[0] = 0.0;
+            self.measured_at = at.now;
+            return Effect::NONE;
         }
         let effect = sensor.device.read(at, &mut self.memory, &mut self.stream, &mut self.values);
         sensor.disturb(at.noise, &mut self.noise, at.now, &mut self.values, &mut self.stream);

@@ -153,34 +153,27 @@ impl Robot {
         None
     }
 
-    /// Reads sensor `i` and those behind it that are due at the same instant, as long as reading takes no time.
+    /// Reads sensor `first` and those behind it that are due at the same instant, as long as reading takes no time.
     fn acquire(
         &mut self,
         spec: &RobotSpec,
         tick: &Tick<'_>,
         now: SimTime,
-        mut i: usize,
+        first: usize,
     ) -> Option<(SimTime, Task)> {
         let Self { microcontroller, motion, actuators, battery, pings, recorder, .. } = self;
         let mut at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
-        loop {
-            at.sector = spec.sensors.sector(i);
-            let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
-            let ping = microcontroller.acquire(spec, i, &at);
-            pings[0] = ping.or(pings[0]);
-            let (sensor, until) = (i as u16, microcontroller.free_at());
-            if microcontroller.channels()[i].missed() != missed {
+        let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
+            let sensor = acquired.sensor as u16;
+            if acquired.ping.is_some() {
+                pings[0] = acquired.ping;
+            }
+            if acquired.has_missed {
                 recorder.note(now, now, What::Missed { sensor });
             }
-            recorder.note(now, until, What::Acquire { sensor });
-            if !spec.sensors.own_clocks().is_empty() {
-                return None;
-            }
-            match microcontroller.next_sensor(i, due)? {
-                (start, behind) if start == now => i = behind,
-                (start, behind) => return Some((start, Task::Acquire(behind))),
-            }
-        }
+            recorder.note(now, acquired.until, What::Acquire { sensor });
+        });
+        next.map(|(start, behind)| (start, Task::Acquire(behind)))
     }
 
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
@@ -362,7 +355,7 @@ fn measurement<'a>(
         battery: spec.battery.as_ref().zip(battery),
         noise: tick.noise,
         now,
-        sector: None,
+        near: None,
         tick_start: tick.start,
         tick_end: tick.end,
     }
