@@ -4,7 +4,7 @@ use super::{Channel, Microcontroller};
 use crate::fault::FaultEffect;
 use crate::model::RobotSpec;
 use crate::scene::Ping;
-use crate::sensor::{Effect, Measurement, Sensor};
+use crate::sensor::{Measurement, Sensor};
 use crate::time::SimTime;
 
 /// A sensor has been read.
@@ -51,26 +51,33 @@ impl Microcontroller {
         mut note: impl FnMut(Acquired),
     ) -> Option<(SimTime, usize)> {
         let Self { channels, free_at, .. } = self;
-        let sensors = &spec.sensors;
+        let (model, now) = (&*spec.model, at.now);
         // A device with a clock of its own may come in between.
-        let is_one_by_one = !sensors.own_clocks().is_empty();
+        let is_one_by_one = !model.sensors.own_clocks().is_empty();
         let due = channels[first].due.next;
-        for (i, (channel, sensor)) in channels.iter_mut().zip(&**sensors).enumerate().skip(first) {
+        for (i, channel) in channels.iter_mut().enumerate().skip(first) {
             if channel.due.next != due {
                 continue;
             }
             if i > first {
                 let start = due.max(*free_at);
-                if start != at.now {
+                if start != now {
                     return Some((start, i));
                 }
             }
-            at.near = sensors.sector(i).and_then(|sector| at.scene.in_sector(sector, &at.motion.pose));
-            let missed = channel.due.missed;
-            let effect = channel.acquire(sensor, at, spec.fault_effect(i, at.now));
-            *free_at = at.now + channel.took_ns;
-            let has_missed = channel.due.missed != missed;
-            note(Acquired { sensor: i, has_missed, until: *free_at, ping: effect.ping });
+            let sensor = &model.sensors[i];
+            let missed = channel.due.serve(&sensor.schedule, now);
+            at.near = model.sensors.sector(i).and_then(|sector| at.scene.in_sector(sector, &at.motion.pose));
+            let ping = if model.faults.is_empty() && channel.sees_nothing(sensor, at) {
+                channel.values[0] = 0.0;
+                channel.measured_at = now;
+                channel.note_sample(sensor, now, 0);
+                None
+            } else {
+                channel.acquire(sensor, at, spec.fault_effect(i, now))
+            };
+            *free_at = now + channel.took_ns;
+            note(Acquired { sensor: i, has_missed: missed > 0, until: *free_at, ping });
             if is_one_by_one {
                 return None;
             }
@@ -80,22 +87,37 @@ impl Microcontroller {
 }
 
 impl Channel {
-    /// Takes a sample of a sensor with this fault.
-    fn acquire(&mut self, sensor: &Sensor, at: &Measurement<'_>, fault: Option<FaultEffect>) -> Effect {
-        self.due.serve(&sensor.schedule, at.now);
+    /// Whether the sensor's rays meet nothing, so that it reads 0 whatever its noise is. The noise is then drawn.
+    #[inline]
+    fn sees_nothing(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> bool {
+        at.near.is_some_and(|near| near.is_clear())
+            && self.values.len() == 1
+            && self.running.is_none()
+            && (!at.noise || sensor.noise.leaves_0(&mut self.stream))
+    }
+
+    /// Takes a sample of a sensor with this fault; gives back the pulse that it sent, if others can hear it.
+    #[inline(never)]
+    fn acquire(&mut self, sensor: &Sensor, at: &Measurement<'_>, fault: Option<FaultEffect>) -> Option<Ping> {
         let sticks = self.samples > 0 && fault == Some(FaultEffect::Sticks);
         let stuck = sticks.then(|| (self.values.clone(), self.measured_at));
         let effect = self.read(sensor, at);
+        self.note_sample(sensor, at.now, effect.wait_ns);
         if let Some((values, measured_at)) = stuck {
             (self.values, self.measured_at) = (values, measured_at);
         }
         if fault == Some(FaultEffect::Lost) {
             self.values.fill(0.0);
         }
-        self.sampled_at = at.now;
+        effect.ping
+    }
+
+    /// It holds a sample that was taken at `now`.
+    #[inline]
+    fn note_sample(&mut self, sensor: &Sensor, now: SimTime, wait_ns: u64) {
+        self.sampled_at = now;
         self.fresh = true;
         self.samples += 1;
-        self.took_ns = sensor.acquisition_ns + effect.wait_ns;
-        effect
+        self.took_ns = sensor.acquisition_ns + wait_ns;
     }
 }

@@ -178,7 +178,7 @@ impl Microcontroller {
     /// A frame is sent now: when is the next one due?
     fn serve_frame(&mut self, spec: &RobotSpec, now: SimTime) {
         match spec.firmware.mode {
-            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
+            Mode::Stream(schedule) => _ = self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
     }

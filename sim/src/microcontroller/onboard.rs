@@ -48,7 +48,14 @@ impl Microcontroller {
 fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut Vec<f64>) {
     if let ([Encoding::Float64], [value], [told]) = (encodings, sample, &mut told[..]) {
         *told = *value;
-    } else if !sample.is_empty() && encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
+    } else {
+        tell_several(encodings, sample, told);
+    }
+}
+
+#[inline(never)]
+fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut Vec<f64>) {
+    if !sample.is_empty() && encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
         told.clear();
         told.extend_from_slice(sample);
     } else {

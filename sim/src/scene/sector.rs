@@ -45,7 +45,8 @@ pub(super) struct Strokes(ArrayVec<Stroke, MOST_STROKES>);
 /// A shape by its place in its layer's index, or a body by its place among those that are frozen.
 #[derive(Clone, Copy, Debug)]
 enum Near {
-    Shape(Shape),
+    Segment(u32),
+    Circle(u32),
     Body(u32),
 }
 
@@ -105,6 +106,7 @@ impl Sector {
 impl Scene<'_> {
     /// What the rays of this sector may meet, on a robot at `pose` that has it among those that [`reach`](super::Reach) is of;
     /// `None` if too much is near.
+    #[inline]
     pub(crate) fn in_sector(&self, sector: &Sector, pose: &Pose) -> Option<InSector<'_>> {
         let strokes = self.strokes.get_or_init(|| {
             let (reach, facing) = (self.reach?, self.facing(pose));
@@ -133,8 +135,8 @@ impl InSector<'_> {
             let what = self.strokes.0[left.trailing_zeros() as usize].what;
             left &= left - 1;
             match what {
-                Near::Shape(Shape::Segment(i)) => pencil.segment(&index.segments()[i]),
-                Near::Shape(Shape::Circle(i)) => pencil.circle(&index.circles()[i]),
+                Near::Segment(i) => pencil.segment(&index.segments()[i as usize]),
+                Near::Circle(i) => pencil.circle(&index.circles()[i as usize]),
                 Near::Body(i) => {
                     let figure = &self.scene.frozen.bodies[i as usize];
                     match (figure.reaches(height), figure.outline.is_empty()) {
@@ -150,7 +152,7 @@ impl InSector<'_> {
 
 impl Strokes {
     fn of(neighbors: &Neighbors, scene: &Scene<'_>, pose: &Pose, facing: Direction) -> Option<Self> {
-        if neighbors.shapes.len() + neighbors.bodies.len() > MOST_STROKES {
+        if neighbors.len() > MOST_STROKES {
             return None;
         }
         let (origin, behind) = (pose.position, facing.inverse());
@@ -163,14 +165,14 @@ impl Strokes {
             Stroke { a, b, around: radius + SLACK * size, what }
         };
         let index = scene.arena.seen(neighbors.layer);
-        let shapes = neighbors.shapes.iter().map(|&shape| match shape {
-            Shape::Segment(i) => stroke(index.segments()[i], 0.0, Near::Shape(shape)),
+        let shapes = neighbors.shapes(index).map(|shape| match shape {
+            Shape::Segment(i) => stroke(index.segments()[i], 0.0, Near::Segment(i as u32)),
             Shape::Circle(i) => {
                 let circle = &index.circles()[i];
                 stroke(
                     Segment { start: circle.center, end: circle.center },
                     circle.radius,
-                    Near::Shape(shape),
+                    Near::Circle(i as u32),
                 )
             }
         });

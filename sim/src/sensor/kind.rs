@@ -224,7 +224,7 @@ pub(crate) struct Effect {
 
 impl Effect {
     /// Nothing besides.
-    pub(crate) const NONE: Self = Self { wait_ns: 0, ping: None };
+    pub(super) const NONE: Self = Self { wait_ns: 0, ping: None };
 }
 
 /// The state that a device keeps between two reads. It is part of the world's state: the order of its variants is the form in
