@@ -14,19 +14,22 @@ impl Microcontroller {
     pub(crate) fn tell(&mut self, spec: &RobotSpec, now: SimTime, laptop: &mut Laptop) -> SimTime {
         self.serve_frame(spec, now);
         let (ages, repeats) = (spec.firmware.layout().ages, spec.firmware.protocol.repeats());
+        let on_wire = spec.sensors.on_wire();
+        let channels = &mut self.channels[..on_wire.len()];
+        for ((sensor, channel), reading) in on_wire.iter().zip(&*channels).zip(&mut laptop.readings) {
+            if channel.fresh || repeats {
+                tell_values(&sensor.encodings, &channel.values, &mut reading.values);
+            }
+        }
         let mut reading_ns = 0;
         // Most were sampled at the same instant.
         let mut told = (SimTime::NEVER, None);
-        let on_wire = spec.sensors.iter().take_while(|sensor| sensor.is_on_wire());
-        for ((sensor, channel), (reading, truly_at)) in
-            on_wire.zip(&mut self.channels).zip(laptop.readings_with_truth())
-        {
+        for (channel, (reading, truly_at)) in channels.iter_mut().zip(laptop.readings_with_truth()) {
             let fresh = core::mem::take(&mut channel.fresh);
-            reading_ns += if fresh { channel.took_ns } else { 0 };
             if !fresh && !repeats {
                 continue;
             }
-            tell_values(&sensor.encodings, &channel.values, &mut reading.values);
+            reading_ns += if fresh { channel.took_ns } else { 0 };
             if ages && told.0 != channel.sampled_at {
                 told = (channel.sampled_at, told_at(now, channel.sampled_at));
             }

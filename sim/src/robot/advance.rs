@@ -138,6 +138,7 @@ impl Robot {
     }
 
     /// Does a task; says what comes next, if that is known without looking at all there is.
+    #[inline(never)]
     fn run(
         &mut self,
         spec: &RobotSpec,
@@ -154,6 +155,7 @@ impl Robot {
     }
 
     /// Reads sensor `first` and those behind it that are due at the same instant, as long as reading takes no time.
+    #[inline(never)]
     fn acquire(
         &mut self,
         spec: &RobotSpec,
@@ -176,6 +178,7 @@ impl Robot {
         next.map(|(start, behind)| (start, Task::Acquire(behind)))
     }
 
+    #[inline(never)]
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
         let taken = self.microcontroller.receive(spec, now, &mut self.downlink);
         self.recorder.receive(now, taken, self.microcontroller.free_at());
@@ -185,6 +188,7 @@ impl Robot {
         }
     }
 
+    #[inline(never)]
     fn send_readings(&mut self, spec: &RobotSpec, now: SimTime) {
         let missed = self.microcontroller.frames_missed();
         if spec.hands_over() {
@@ -226,6 +230,7 @@ impl Robot {
         self.recorder.note(sent.on_wire.0, sent.on_wire.1, What::Up { bytes });
     }
 
+    #[inline(never)]
     fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
         let sensor = &spec.sensors[i];
         match event {
@@ -255,6 +260,7 @@ impl Robot {
         }
     }
 
+    #[inline(never)]
     fn hear(&mut self, spec: &RobotSpec, now: SimTime, port: Option<usize>) {
         let Some(k) = port else {
             while let Some(arrival) = self.uplink.take(&spec.link, now) {

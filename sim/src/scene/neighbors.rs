@@ -55,7 +55,7 @@ impl Neighbors {
             }
         });
         frozen.crowd.near(&around, |i| {
-            let disc = &frozen.bodies[i].disc;
+            let disc = &frozen.crowd.discs()[i];
             let (i, is_own) = (i as u32, i == own);
             if !is_own && widened(&around, disc.center).overlaps_circle(disc) && !bodies.contains(&i) {
                 overflows |= bodies.try_push(i).is_err();

@@ -177,7 +177,7 @@ impl Strokes {
             }
         });
         let bodies = neighbors.bodies.iter().map(|&i| {
-            let disc = &scene.frozen.bodies[i as usize].disc;
+            let disc = &scene.frozen.crowd.discs()[i as usize];
             stroke(Segment { start: disc.center, end: disc.center }, disc.radius, Near::Body(i))
         });
         Some(Self(shapes.chain(bodies).collect()))

@@ -33,6 +33,11 @@ impl Sensors {
         &self.0.ports
     }
 
+    /// Those that the microcontroller reads.
+    pub(crate) fn on_wire(&self) -> &[Sensor] {
+        &self.0.all[..self.0.all.len() - self.0.ports.len()]
+    }
+
     /// How far the sensors look that see what is near; `None` if collecting that once for all of them would not pay.
     pub(crate) fn reach(&self) -> Option<Reach> {
         self.0.reach
