@@ -14,12 +14,13 @@ use crate::model::RobotSpec;
 use crate::sensor::Sensor;
 use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
+use crate::values::ReadingValues;
 
 /// The last reading of one sensor that reached the laptop.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// One value a component, in SI units, as the wire's quantisation left them; empty if none came yet.
-    pub values: Vec<f64>,
+    pub values: ReadingValues,
     /// When it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms); `None`
     /// if the protocol does not say, or the sample was 25.5 ms old or more when its frame was closed. A
     /// sample within a tick is of the scene at the tick's start.
@@ -200,7 +201,7 @@ impl Laptop {
         self.has_message = true;
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
-        *reading = Reading { values, sampled_at, sequence, readable: true };
+        *reading = Reading { values: values.into(), sampled_at, sequence, readable: true };
         if let Some(message) = state.line.message() {
             self.note_ages(&message);
         }

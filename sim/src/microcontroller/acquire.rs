@@ -69,8 +69,6 @@ impl Microcontroller {
             let missed = channel.due.serve(&sensor.schedule, now);
             at.near = model.sensors.sector(i).and_then(|sector| at.scene.in_sector(sector, &at.motion.pose));
             let ping = if model.faults.is_empty() && channel.sees_nothing(sensor, at) {
-                channel.values[0] = 0.0;
-                channel.measured_at = now;
                 channel.note_sample(sensor, now, 0);
                 None
             } else {
@@ -87,13 +85,17 @@ impl Microcontroller {
 }
 
 impl Channel {
-    /// Whether the sensor's rays meet nothing, so that it reads 0 whatever its noise is. The noise is then drawn.
+    /// Measures, if that is soon done: when the sensor's rays meet nothing, it reads 0 whatever its noise is, which is drawn.
     #[inline]
     fn sees_nothing(&mut self, sensor: &Sensor, at: &Measurement<'_>) -> bool {
-        at.near.is_some_and(|near| near.is_clear())
-            && self.values.len() == 1
-            && self.running.is_none()
-            && (!at.noise || sensor.noise.leaves_0(&mut self.stream))
+        let Self { values, stream, running: None, measured_at, .. } = self else { return false };
+        let [value] = &mut values[..] else { return false };
+        let reads_0 =
+            at.near.is_some_and(|near| near.is_clear()) && (!at.noise || sensor.noise.leaves_0(stream));
+        if reads_0 {
+            (*value, *measured_at) = (0.0, at.now);
+        }
+        reads_0
     }
 
     /// Takes a sample of a sensor with this fault; gives back the pulse that it sent, if others can hear it.

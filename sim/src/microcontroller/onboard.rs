@@ -1,13 +1,12 @@
 //! Readings for a brain on board: see `robot/onboard.rs`.
 
-use alloc::vec::Vec;
-
 use baudbot_wire::{Encoding, clock};
 
 use super::Microcontroller;
 use crate::laptop::Laptop;
 use crate::model::RobotSpec;
 use crate::time::SimTime;
+use crate::values::ReadingValues;
 
 impl Microcontroller {
     /// Hands over what is readable, and says when the control cycle began that it belongs to.
@@ -48,7 +47,7 @@ impl Microcontroller {
 }
 
 /// What a sample is once it has crossed the wire. Before the first one there are no values, and all may be told.
-fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut Vec<f64>) {
+fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
     if let ([Encoding::Float64], [value], [told]) = (encodings, sample, &mut told[..]) {
         *told = *value;
     } else {
@@ -57,7 +56,7 @@ fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut Vec<f64>) {
 }
 
 #[inline(never)]
-fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut Vec<f64>) {
+fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
     if !sample.is_empty() && encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
         told.clear();
         told.extend_from_slice(sample);

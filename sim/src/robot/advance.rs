@@ -125,6 +125,7 @@ impl Robot {
     }
 
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
+    #[inline(always)]
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
         let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
         let mut next = (start, Next::Task(task));
