@@ -3,6 +3,8 @@
 //! The distances are those of [`Ray::hit_segment`] and [`Ray::hit_circle`] to the last bit: the loops here do the same operations,
 //! for all rays and without branches, so that a compiler can make vectors of them. What is rare is left to those functions.
 
+use core::array::from_fn;
+
 use crate::circle::Circle;
 use crate::math;
 use crate::pose::{Direction, Point};
@@ -33,11 +35,10 @@ impl Pencil {
     #[inline]
     #[must_use]
     pub fn new(origin: Point, forward: Direction, relative: &[Direction], range: f64) -> Self {
-        let (mut cos, mut sin) = ([0.0; Self::RAYS], [0.0; Self::RAYS]);
-        for (i, (cos, sin)) in cos.iter_mut().zip(&mut sin).enumerate() {
-            let direction = forward.rotate(relative[i.min(relative.len() - 1)]);
-            (*cos, *sin) = (direction.cos, direction.sin);
-        }
+        let relative: [Direction; Self::RAYS] = from_fn(|i| relative[i.min(relative.len() - 1)]);
+        let directions = relative.map(|relative| forward.rotate(relative));
+        let (cos, sin) =
+            (directions.map(|direction| direction.cos), directions.map(|direction| direction.sin));
         Self { origin, cos, sin, range, distances: [f64::INFINITY; Self::RAYS] }
     }
 
