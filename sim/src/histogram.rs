@@ -103,18 +103,20 @@ impl Histogram {
 
     /// The smallest, in nanoseconds; `None` if there were none.
     pub fn min_ns(&self) -> Option<u64> {
-        (self.count() > 0).then(|| match &self.0 {
+        let min_ns = match &self.0 {
             Counts::Alike { ns, .. } => *ns,
             Counts::Spread(spread) => spread.min_ns,
-        })
+        };
+        (self.count() > 0).then_some(min_ns)
     }
 
     /// The largest, in nanoseconds; `None` if there were none.
     pub fn max_ns(&self) -> Option<u64> {
-        (self.count() > 0).then(|| match &self.0 {
+        let max_ns = match &self.0 {
             Counts::Alike { ns, .. } => *ns,
             Counts::Spread(spread) => spread.max_ns,
-        })
+        };
+        (self.count() > 0).then_some(max_ns)
     }
 
     /// The duration, in nanoseconds, that a share `q` of them, in [0, 1], does not exceed: by nearest rank, and to
