@@ -199,7 +199,7 @@ impl<'a> Timeline<'a> {
 
     fn send(&mut self, now: SimTime) {
         match self.plan.spec.firmware.mode {
-            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
+            Mode::Stream(schedule) => _ = self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
         self.up.claim_wire(&self.link, now, &mut self.down);

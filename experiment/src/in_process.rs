@@ -169,7 +169,7 @@ fn thinking_ns(spec: &RobotSpec, action: &Action) -> u64 {
 pub fn turn_of(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
     let reading = |reading: &baudbot_sim::Reading| {
         (!reading.values.is_empty()).then(|| Reading {
-            values: reading.values.clone(),
+            values: reading.values.to_vec(),
             sampled_at_ns: reading.sampled_at.map(SimTime::as_ns),
             sequence: reading.sequence.into(),
             readable: reading.readable,

@@ -17,6 +17,7 @@ pub struct Circle {
 
 impl Circle {
     /// Whether the point is strictly inside.
+    #[inline]
     #[must_use]
     pub fn contains(&self, point: Point) -> bool {
         (point - self.center).norm_squared() < self.radius * self.radius
@@ -24,12 +25,14 @@ impl Circle {
 
     /// Whether some point of the segment is strictly nearer to the centre than the radius. Touching is not
     /// overlapping.
+    #[inline]
     #[must_use]
     pub fn overlaps_segment(&self, segment: &Segment) -> bool {
         segment.distance_squared(self.center) < self.radius * self.radius
     }
 
     /// Whether the centres are strictly nearer than the sum of the radii. Touching is not overlapping.
+    #[inline]
     #[must_use]
     pub fn overlaps_circle(&self, other: &Self) -> bool {
         let reach = self.radius + other.radius;

@@ -9,7 +9,7 @@
 //! 4. [`segment`] and [`circle`] are the two shapes of which an arena is made; [`polygon`] is a closed
 //!    chain of segments, and [`bounds`] is the box around shapes.
 //! 5. [`ray`] finds how far one ray runs before it meets one shape, and [`fan`] spreads the rays of one
-//!    sensor.
+//!    sensor; [`pencil`] has a few rays at once.
 //! 6. [`index`] finds what one ray meets first among many shapes; [`grid`] is for what else is done with square cells.
 //! 7. [`wheels`] relates the speeds of two wheels to the motion between them.
 //!
@@ -46,6 +46,7 @@ pub mod grid;
 pub mod index;
 pub mod math;
 pub mod normal;
+pub mod pencil;
 pub mod polygon;
 pub mod pose;
 pub mod ray;
@@ -61,6 +62,7 @@ pub use circle::Circle;
 pub use crowd::Crowd;
 pub use fan::Fan;
 pub use index::{Hit, Index, Shape};
+pub use pencil::Pencil;
 pub use pose::{Direction, Point, Pose, Vector};
 pub use ray::Ray;
 pub use segment::Segment;

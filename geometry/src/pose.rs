@@ -55,6 +55,7 @@ impl Pose {
     }
 
     /// [`compose`](Self::compose) with the [`direction`](Self::direction) at hand, as if it were computed here.
+    #[inline]
     #[must_use]
     pub fn compose_facing(&self, direction: Direction, other: &Self) -> Self {
         let position = self.position + direction.apply(other.position.coords);

@@ -36,6 +36,7 @@ impl Ray {
     /// It is 0 if the origin lies on the segment, wherever the ray points. "On" means up to rounding: from a
     /// place a few roundings behind the wall the crossing would be computed as behind the origin too, and a
     /// robot that leans on a wall would look through it.
+    #[inline]
     #[must_use]
     pub fn hit_segment(&self, segment: &Segment) -> Option<f64> {
         let start = self.ray_from_world(segment.start);
@@ -59,6 +60,7 @@ impl Ray {
     ///
     /// It is 0 if the origin is strictly inside. A ray that starts on the rim meets the disc, at 0, unless
     /// it points away. A ray that only touches the rim meets it.
+    #[inline]
     #[must_use]
     pub fn hit_circle(&self, circle: &Circle) -> Option<f64> {
         if circle.contains(self.origin) {
@@ -84,6 +86,7 @@ impl Ray {
     }
 
     /// The point as seen along the ray: x metres ahead of the origin, and y metres to the left.
+    #[inline]
     fn ray_from_world(&self, point: Point) -> Point {
         Point::from(self.direction.inverse().apply(point - self.origin))
     }

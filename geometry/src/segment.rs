@@ -16,6 +16,7 @@ pub struct Segment {
 
 impl Segment {
     /// The point of the segment that is nearest to `to`; an end itself, not a rounded copy, where it is one.
+    #[inline]
     #[must_use]
     pub fn nearest_point(&self, to: Point) -> Point {
         let along = self.end - self.start;
@@ -38,6 +39,7 @@ impl Segment {
     }
 
     /// The square of [`distance`](Self::distance), in square metres, which spares a root in comparisons.
+    #[inline]
     #[must_use]
     pub fn distance_squared(&self, to: Point) -> f64 {
         (to - self.nearest_point(to)).norm_squared()

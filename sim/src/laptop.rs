@@ -14,12 +14,13 @@ use crate::model::RobotSpec;
 use crate::sensor::Sensor;
 use crate::sensor::port::{PortState, Received};
 use crate::time::SimTime;
+use crate::values::ReadingValues;
 
 /// The last reading of one sensor that reached the laptop.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// One value a component, in SI units, as the wire's quantisation left them; empty if none came yet.
-    pub values: Vec<f64>,
+    pub values: ReadingValues,
     /// When it was sampled, by the microcontroller's clock and to its resolution on the wire (0.1 ms); `None`
     /// if the protocol does not say, or the sample was 25.5 ms old or more when its frame was closed. A
     /// sample within a tick is of the scene at the tick's start.
@@ -166,9 +167,11 @@ impl Laptop {
         self.heard = Some(begun);
     }
 
-    /// When the reading of sensor `i` that has come was truly sampled.
-    pub(crate) fn note_age(&mut self, i: usize, sampled_at: Option<SimTime>) {
-        self.sampled[i] = sampled_at.or(self.sampled[i]);
+    /// Each sensor's reading, and when that was truly sampled.
+    pub(crate) fn readings_with_truth(
+        &mut self,
+    ) -> impl Iterator<Item = (&mut Reading, &mut Option<SimTime>)> {
+        self.readings.iter_mut().zip(&mut self.sampled)
     }
 
     /// When the reading of sensor `i` was truly sampled that the brain has not been given yet.
@@ -198,7 +201,7 @@ impl Laptop {
         self.has_message = true;
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
-        *reading = Reading { values, sampled_at, sequence, readable: true };
+        *reading = Reading { values: values.into(), sampled_at, sequence, readable: true };
         if let Some(message) = state.line.message() {
             self.note_ages(&message);
         }
@@ -231,13 +234,14 @@ impl Laptop {
         self.unread.clear();
         self.informed = core::mem::take(&mut self.has_message);
         self.busy_until = at;
-        for (i, reading) in self.readings.iter_mut().enumerate() {
+        for ((reading, sampled_at), freshness) in
+            self.readings.iter_mut().zip(&mut self.sampled).zip(&mut self.freshness)
+        {
             if !core::mem::take(&mut reading.readable) {
                 continue;
             }
-            let freshness = &mut self.freshness[i];
             freshness.readable += 1;
-            if let Some(sampled_at) = self.sampled[i].take() {
+            if let Some(sampled_at) = sampled_at.take() {
                 freshness.ages.note(at.since(sampled_at));
             }
         }

@@ -51,11 +51,15 @@ impl Due {
         crate::sound::count(self.missed)
     }
 
-    /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for.
-    pub fn serve(&mut self, schedule: &Schedule, now: SimTime) {
-        let missed = now.since(self.next) / schedule.period_ns;
+    /// Served at `now`, which is at or after `next`. What fell due meanwhile is missed, not made up for; says how much.
+    #[inline]
+    pub fn serve(&mut self, schedule: &Schedule, now: SimTime) -> u64 {
+        let late_ns = now.since(self.next);
+        // Seldom is a division needed.
+        let missed = if late_ns < schedule.period_ns { 0 } else { late_ns / schedule.period_ns };
         self.missed += missed;
         self.next = self.next + (missed + 1) * schedule.period_ns;
+        missed
     }
 }
 

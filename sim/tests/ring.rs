@@ -4,13 +4,14 @@ use baudbot_sim::World;
 use baudbot_sim::raycast::RayCaster;
 use baudbot_sim::sensor::{Device, Infrared, InfraredModel};
 
-/// Robots in a heap, between walls and posts, each with sensors that look everywhere and open differently.
+/// Robots in a heap, between walls, a post and a crate, each with sensors that look everywhere and open differently.
 fn heap() -> World {
     let mut toml = String::from(
         "noise = false\ncollision = \"stop-robot\"\n\
          [[arena.polygons]]\nname = \"room\"\nsolid = false\n\
          points_m = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\n\
          [[arena.polygons]]\nname = \"wall\"\nsolid = false\nclosed = false\npoints_m = [[0.05, -0.5], [0.06, 0.4]]\n\
+         [[arena.movables]]\nname = \"crate\"\nsize_m = [0.05, 0.06]\nx_m = -0.325\ny_m = -0.305\nmass_kg = 0.1\nfriction = 0.3\n\
          [[arena.circles]]\nname = \"post\"\nx_m = 0.24\ny_m = 0.27\nradius_m = 0.03\n\
          [[robots]]\nname = \"r\"\nlink = { kind = \"onboard\" }\nstarts = [\n",
     );

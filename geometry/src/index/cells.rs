@@ -36,6 +36,7 @@ impl Cells {
     }
 
     /// The shapes of a cell, in their order.
+    #[inline]
     pub(super) fn shapes(&self, cell: usize) -> impl Iterator<Item = Shape> {
         let list = self.starts[cell] as usize..self.starts[cell + 1] as usize;
         self.entries[list].iter().map(|&number| match number.checked_sub(self.segments) {

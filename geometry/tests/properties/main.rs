@@ -2,6 +2,7 @@
 
 mod arenas;
 mod index;
+mod pencil;
 mod polygons;
 mod poses;
 mod rays;

@@ -191,7 +191,7 @@ mod tests {
             let arrived = view.readings().iter().enumerate().filter(|(_, read)| !read.values.is_empty());
             let reading = |(sensor, read): (usize, &Reading)| v1::Reading {
                 sensor: sensor as u32,
-                values: read.values.clone(),
+                values: read.values.to_vec(),
                 sampled_at_ns: read.sampled_at.map(|at| at.as_ns()),
                 sequence: read.sequence.into(),
                 readable: read.readable,

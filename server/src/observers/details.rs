@@ -72,7 +72,7 @@ impl Detailed {
     ) -> SensorDetail {
         let (reading, spec) = (&view.readings()[i], view.spec());
         SensorDetail {
-            values: reading.values.clone(),
+            values: reading.values.to_vec(),
             sampled_at: self.sampled[i].or(reading.sampled_at),
             readable: reading.readable,
             samples: sensor.samples,

@@ -34,7 +34,8 @@ impl Microcontroller {
         if sensor.is_on_wire() {
             return None;
         }
-        channel.values.clone_from(&held.values);
+        channel.values.clear();
+        channel.values.extend_from_slice(&held.values);
         (channel.sampled_at, channel.measured_at) = (held.measured_at, held.truly_at);
         channel.samples += 1;
         Some((&channel.values, channel.sampled_at, channel.measured_at))

@@ -132,7 +132,7 @@ impl Microcontroller {
 
     /// What both encoders have counted when they were last read; 0 of a robot without.
     fn counts(&self, spec: &RobotSpec) -> [i64; 2] {
-        let values = Pulses::of(spec).map_or(&[][..], |pulses| &self.channels[pulses.sensor].values);
+        let values = Pulses::of(spec).map_or(&[][..], |pulses| &self.channels[pulses.sensor].values[..]);
         [0, 1].map(|side| values.get(side).copied().unwrap_or(0.0) as i64)
     }
 

@@ -4,6 +4,7 @@
 //! and send readings, take bytes from its receiver and obey them. What takes its time delays the rest; what
 //! fell due more than once meanwhile was missed; bytes that found the receiver full are lost.
 
+mod acquire;
 mod at_once;
 mod channel;
 mod devices;
@@ -14,19 +15,17 @@ mod request;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use acquire::first_due;
 use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
 use request::Request;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::{Motion, Wheels};
-use crate::fault::FaultEffect;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
-use crate::scene::Ping;
 use crate::schedule::Due;
-use crate::sensor::Measurement;
 use crate::sound;
 use crate::time::SimTime;
 
@@ -37,6 +36,9 @@ pub(crate) struct Microcontroller {
     channels: Vec<Channel>,
     /// When the next frame of readings is due; never in poll mode until somebody asks.
     frame: Due,
+    /// When the first sensor is due, and which that is, once one has been read.
+    #[serde(skip)]
+    first_due: Option<(SimTime, usize)>,
     sequence: u8,
     decoder: Decoder,
     orders: VecDeque<Order>,
@@ -93,6 +95,7 @@ impl Microcontroller {
             free_at: SimTime::ZERO,
             channels: spec.sensors.iter().map(|sensor| Channel::new(spec, sensor, seed, noise)).collect(),
             frame,
+            first_due: None,
             sequence: 0,
             decoder: spec.firmware.command_decoder(),
             orders: VecDeque::new(),
@@ -128,48 +131,11 @@ impl Microcontroller {
         if self.frame.next <= due {
             (due, task) = (self.frame.next, Task::SendReadings);
         }
-        let first = self.channels.iter().map(|channel| channel.due.next).min().unwrap_or(SimTime::NEVER);
-        if first <= due
-            && let Some(i) = self.channels.iter().position(|channel| channel.due.next == first)
-        {
+        let (first, i) = self.first_due.unwrap_or_else(|| first_due(&self.channels));
+        if first <= due && i < self.channels.len() {
             (due, task) = (first, Task::Acquire(i));
         }
         (due.max(self.free_at), task)
-    }
-
-    /// What comes next once sensor `i` has been read that was due at `due`, if that is another sensor which was due just
-    /// then: sensors come first at an instant, in their order.
-    pub(crate) fn next_sensor(&self, i: usize, due: SimTime) -> Option<(SimTime, usize)> {
-        let behind = self.channels[i + 1..].iter().position(|channel| channel.due.next == due)?;
-        Some((due.max(self.free_at), i + 1 + behind))
-    }
-
-    /// When sensor `i` is due next.
-    pub(crate) fn sensor_due(&self, i: usize) -> SimTime {
-        self.channels[i].due.next
-    }
-
-    /// Reads sensor `i`; gives back the pulse that it sent, if others can hear it.
-    pub(crate) fn acquire(&mut self, spec: &RobotSpec, i: usize, at: &Measurement<'_>) -> Option<Ping> {
-        let sensor = &spec.sensors[i];
-        let channel = &mut self.channels[i];
-        channel.due.serve(&sensor.schedule, at.now);
-        let fault = spec.fault_effect(i, at.now);
-        let sticks = channel.samples > 0 && fault == Some(FaultEffect::Sticks);
-        let stuck = sticks.then(|| (channel.values.clone(), channel.measured_at));
-        let effect = channel.read(sensor, at);
-        if let Some((values, measured_at)) = stuck {
-            (channel.values, channel.measured_at) = (values, measured_at);
-        }
-        if fault == Some(FaultEffect::Lost) {
-            channel.values.fill(0.0);
-        }
-        channel.sampled_at = at.now;
-        channel.fresh = true;
-        channel.samples += 1;
-        channel.took_ns = sensor.acquisition_ns + effect.wait_ns;
-        self.free_at = at.now + channel.took_ns;
-        effect.ping
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
@@ -212,7 +178,7 @@ impl Microcontroller {
     /// A frame is sent now: when is the next one due?
     fn serve_frame(&mut self, spec: &RobotSpec, now: SimTime) {
         match spec.firmware.mode {
-            Mode::Stream(schedule) => self.frame.serve(&schedule, now),
+            Mode::Stream(schedule) => _ = self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
     }

@@ -6,41 +6,65 @@ use super::Microcontroller;
 use crate::laptop::Laptop;
 use crate::model::RobotSpec;
 use crate::time::SimTime;
+use crate::values::ReadingValues;
 
 impl Microcontroller {
     /// Hands over what is readable, and says when the control cycle began that it belongs to.
     pub(crate) fn tell(&mut self, spec: &RobotSpec, now: SimTime, laptop: &mut Laptop) -> SimTime {
         self.serve_frame(spec, now);
         let (ages, repeats) = (spec.firmware.layout().ages, spec.firmware.protocol.repeats());
+        let on_wire = spec.sensors.on_wire();
+        let channels = &mut self.channels[..on_wire.len()];
+        for ((sensor, channel), reading) in on_wire.iter().zip(&*channels).zip(&mut laptop.readings) {
+            if channel.fresh || repeats {
+                tell_values(&sensor.encodings, &channel.values, &mut reading.values);
+            }
+        }
         let mut reading_ns = 0;
-        for (i, sensor) in spec.sensors.iter().enumerate().take_while(|(_, sensor)| sensor.is_on_wire()) {
-            let channel = &mut self.channels[i];
+        // Most were sampled at the same instant.
+        let mut told = (SimTime::NEVER, None);
+        for (channel, (reading, truly_at)) in channels.iter_mut().zip(laptop.readings_with_truth()) {
             let fresh = core::mem::take(&mut channel.fresh);
-            reading_ns += if fresh { channel.took_ns } else { 0 };
             if !fresh && !repeats {
                 continue;
             }
-            let reading = &mut laptop.readings[i];
-            if !channel.values.is_empty() && sensor.encodings.iter().all(|to| matches!(to, Encoding::Float64))
-            {
-                reading.values.clone_from(&channel.values);
-            } else {
-                reading.values.resize(sensor.encodings.len(), 0.0);
-                for (k, (to, told)) in sensor.encodings.iter().zip(&mut reading.values).enumerate() {
-                    // Before the first sample there are no values, and all may be told.
-                    *told = to.quantise(channel.values.get(k).copied().unwrap_or(0.0));
-                }
+            reading_ns += if fresh { channel.took_ns } else { 0 };
+            if ages && told.0 != channel.sampled_at {
+                told = (channel.sampled_at, told_at(now, channel.sampled_at));
             }
-            reading.sampled_at = ages.then(|| told_at(now, channel.sampled_at)).flatten();
+            reading.sampled_at = told.1;
             reading.sequence = if repeats { reading.sequence.wrapping_add(1) } else { self.sequence };
             reading.readable = true;
-            let truly_at = (channel.samples > 0).then_some(channel.measured_at);
-            laptop.note_age(i, truly_at);
+            if channel.samples > 0 {
+                *truly_at = Some(channel.measured_at);
+            }
         }
         self.sequence = self.sequence.wrapping_add(1);
         let begun = SimTime::from_ns(now.as_ns().saturating_sub(reading_ns));
         laptop.note_message(begun);
         begun
+    }
+}
+
+/// What a sample is once it has crossed the wire. Before the first one there are no values, and all may be told.
+fn tell_values(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
+    if let ([Encoding::Float64], [value], [told]) = (encodings, sample, &mut told[..]) {
+        *told = *value;
+    } else {
+        tell_several(encodings, sample, told);
+    }
+}
+
+#[inline(never)]
+fn tell_several(encodings: &[Encoding], sample: &[f64], told: &mut ReadingValues) {
+    if !sample.is_empty() && encodings.iter().all(|to| matches!(to, Encoding::Float64)) {
+        told.clear();
+        told.extend_from_slice(sample);
+    } else {
+        told.resize(encodings.len(), 0.0);
+        for (k, (to, told)) in encodings.iter().zip(told).enumerate() {
+            *told = to.quantise(sample.get(k).copied().unwrap_or(0.0));
+        }
     }
 }
 

@@ -128,6 +128,7 @@ impl Robot {
     }
 
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
+    #[inline(always)]
     fn next_on_robot(&self, spec: &RobotSpec) -> (SimTime, Next) {
         let (start, task) = self.microcontroller.next(&spec.link, &self.downlink);
         let mut next = (start, Next::Task(task));
@@ -141,6 +142,7 @@ impl Robot {
     }
 
     /// Does a task; says what comes next, if that is known without looking at all there is.
+    #[inline(never)]
     fn run(
         &mut self,
         spec: &RobotSpec,
@@ -156,36 +158,31 @@ impl Robot {
         None
     }
 
-    /// Reads sensor `i` and those behind it that are due at the same instant, as long as reading takes no time.
+    /// Reads sensor `first` and those behind it that are due at the same instant, as long as reading takes no time.
+    #[inline(never)]
     fn acquire(
         &mut self,
         spec: &RobotSpec,
         tick: &Tick<'_>,
         now: SimTime,
-        mut i: usize,
+        first: usize,
     ) -> Option<(SimTime, Task)> {
         let Self { microcontroller, motion, actuators, battery, pings, recorder, .. } = self;
         let mut at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
-        loop {
-            at.sector = spec.sensors.sector(i);
-            let (missed, due) = (microcontroller.channels()[i].missed(), microcontroller.sensor_due(i));
-            let ping = microcontroller.acquire(spec, i, &at);
-            pings[0] = ping.or(pings[0]);
-            let (sensor, until) = (i as u16, microcontroller.free_at());
-            if microcontroller.channels()[i].missed() != missed {
+        let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
+            let sensor = acquired.sensor as u16;
+            if acquired.ping.is_some() {
+                pings[0] = acquired.ping;
+            }
+            if acquired.has_missed {
                 recorder.note(now, now, What::Missed { sensor });
             }
-            recorder.note(now, until, What::Acquire { sensor });
-            if !spec.sensors.own_clocks().is_empty() {
-                return None;
-            }
-            match microcontroller.next_sensor(i, due)? {
-                (start, behind) if start == now => i = behind,
-                (start, behind) => return Some((start, Task::Acquire(behind))),
-            }
-        }
+            recorder.note(now, acquired.until, What::Acquire { sensor });
+        });
+        next.map(|(start, behind)| (start, Task::Acquire(behind)))
     }
 
+    #[inline(never)]
     fn receive(&mut self, spec: &RobotSpec, now: SimTime) {
         let taken = self.microcontroller.receive(spec, now, &mut self.downlink);
         self.recorder.receive(now, taken, self.microcontroller.free_at());
@@ -195,6 +192,7 @@ impl Robot {
         }
     }
 
+    #[inline(never)]
     fn send_readings(&mut self, spec: &RobotSpec, now: SimTime) {
         let missed = self.microcontroller.frames_missed();
         if spec.hands_over() {
@@ -236,6 +234,7 @@ impl Robot {
         self.recorder.note(sent.on_wire.0, sent.on_wire.1, What::Up { bytes });
     }
 
+    #[inline(never)]
     fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
         let sensor = &spec.sensors[i];
         match event {
@@ -267,6 +266,7 @@ impl Robot {
 
     /// Takes the bytes that arrive at the laptop from `first` on, up to the first message since the brain's last step and
     /// `before` anything else happens. Says when the last of them came.
+    #[inline(never)]
     fn hear(&mut self, spec: &RobotSpec, first: SimTime, before: SimTime) -> SimTime {
         let alone = self.ports.is_empty() && self.uplink.is_direct();
         let last = if alone { SimTime::from_ns(before.as_ns() - 1) } else { first };
@@ -287,6 +287,7 @@ impl Robot {
     }
 
     /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
+    #[inline(never)]
     fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
         let i = spec.sensors.ports()[k];
         while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
@@ -377,7 +378,7 @@ fn measurement<'a>(
         battery: spec.battery.as_ref().zip(battery),
         noise: tick.noise,
         now,
-        sector: None,
+        near: None,
         tick_start: tick.start,
         tick_end: tick.end,
     }

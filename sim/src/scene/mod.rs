@@ -17,8 +17,8 @@ use crate::surroundings::{Lit, Surroundings};
 use crate::time::SimTime;
 use neighbors::Neighbors;
 pub(crate) use neighbors::Reach;
-pub(crate) use sector::Sector;
 use sector::Strokes;
+pub(crate) use sector::{InSector, Sector};
 
 /// A body in the scene: a robot, or a thing that moves.
 #[derive(Clone, Debug)]
@@ -173,7 +173,7 @@ impl Viewpoint<'_> {
 
     /// Whether the body reaches up to the eye.
     fn sees(&self, figure: &Figure) -> bool {
-        figure.look.height_m >= self.height.above_floor_m
+        figure.reaches(self.height)
     }
 
     /// How far each of these rays of a fan runs from a sensor at `pose`, where this eye is: infinitely far if it meets
@@ -267,6 +267,11 @@ impl Default for Figure {
 }
 
 impl Figure {
+    /// Whether it reaches up to an eye at this height.
+    fn reaches(&self, height: Height) -> bool {
+        self.look.height_m >= height.above_floor_m
+    }
+
     /// How far along `ray` it is, if the ray meets it.
     pub(crate) fn hit(&self, ray: &Ray) -> Option<f64> {
         if self.outline.is_empty() {

@@ -19,8 +19,8 @@ pub(crate) struct Reach {
 pub(crate) struct Neighbors {
     around: Circle,
     pub(super) layer: usize,
-    /// By their places in the layer's index.
-    pub(super) shapes: ArrayVec<Shape, MOST_SHAPES>,
+    /// By their places in the layer's index: segments, then circles.
+    shapes: ArrayVec<u32, MOST_SHAPES>,
     /// By their places among the frozen bodies.
     pub(crate) bodies: ArrayVec<u32, MOST_BODIES>,
 }
@@ -49,12 +49,13 @@ impl Neighbors {
                     widened(&around, circle.center).overlaps_circle(circle)
                 }
             };
-            if is_near && !shapes.contains(&shape) {
-                overflows |= shapes.try_push(shape).is_err();
+            let number = number(index, shape);
+            if is_near && !shapes.contains(&number) {
+                overflows |= shapes.try_push(number).is_err();
             }
         });
         frozen.crowd.near(&around, |i| {
-            let disc = &frozen.bodies[i].disc;
+            let disc = &frozen.crowd.discs()[i];
             let (i, is_own) = (i as u32, i == own);
             if !is_own && widened(&around, disc.center).overlaps_circle(disc) && !bodies.contains(&i) {
                 overflows |= bodies.try_push(i).is_err();
@@ -69,6 +70,20 @@ impl Neighbors {
         layer == self.layer && left >= 0.0 && (disc.center - self.around.center).norm_squared() <= left * left
     }
 
+    /// How much there is.
+    pub(super) fn len(&self) -> usize {
+        self.shapes.len() + self.bodies.len()
+    }
+
+    /// The shapes of the layer's index.
+    pub(super) fn shapes(&self, index: &Index) -> impl Iterator<Item = Shape> {
+        let segments = index.segments().len();
+        self.shapes.iter().map(move |&number| match (number as usize).checked_sub(segments) {
+            None => Shape::Segment(number as usize),
+            Some(circle) => Shape::Circle(circle),
+        })
+    }
+
     /// Whether there is nothing.
     pub(crate) fn is_empty(&self) -> bool {
         self.shapes.is_empty() && self.bodies.is_empty()
@@ -76,12 +91,20 @@ impl Neighbors {
 
     /// Adds all shapes of the layer's index.
     pub(crate) fn sweep(&self, index: &Index, sweep: &mut Sweep<'_>) {
-        for shape in &self.shapes {
-            match *shape {
+        for shape in self.shapes(index) {
+            match shape {
                 Shape::Segment(i) => sweep.segment(&index.segments()[i]),
                 Shape::Circle(i) => sweep.circle(&index.circles()[i]),
             }
         }
+    }
+}
+
+/// Less than a place takes, as these are copied.
+fn number(index: &Index, shape: Shape) -> u32 {
+    match shape {
+        Shape::Segment(i) => i as u32,
+        Shape::Circle(i) => (index.segments().len() + i) as u32,
     }
 }
 

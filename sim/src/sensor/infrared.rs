@@ -10,7 +10,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use baudbot_geometry::Fan;
+use baudbot_geometry::{Fan, Pencil};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
@@ -138,11 +138,7 @@ fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
 
 impl Infrared {
     fn reflected(&self, at: &Measurement<'_>, c1_m2: f64, c2: f64) -> f64 {
-        if at.sector.is_some_and(|sector| at.scene.is_clear(sector, &at.motion.pose)) {
-            return 0.0;
-        }
         let pose = self.mount.world_from_sensor(at);
-        let viewpoint = self.mount.look(at, &pose, self.range_m);
         let reading = |d: f64, cos_kappa: f64| {
             if d >= self.range_m {
                 return 0.0;
@@ -152,7 +148,19 @@ impl Infrared {
             (cos_kappa * (c1_m2 / (d * d) + c2)).min(1.0)
         };
         let mut sum = 0.0;
-        viewpoint.each(&pose, &self.fan, |i, d| sum += reading(d, self.fan.cos_kappa(i)));
+        if let Some(near) = &at.near {
+            let forward = pose.direction();
+            for relative in self.fan.relative().chunks(Pencil::RAYS) {
+                let mut pencil = Pencil::new(pose.position, forward, relative, self.range_m);
+                near.meet(&mut pencil, self.mount.height);
+                for (d, kappa) in pencil.distances().iter().zip(relative) {
+                    sum += reading(*d, kappa.cos);
+                }
+            }
+        } else {
+            let viewpoint = self.mount.look(at, &pose, self.range_m);
+            viewpoint.each(&pose, &self.fan, |i, d| sum += reading(d, self.fan.cos_kappa(i)));
+        }
         sum / self.fan.len() as f64
     }
 

@@ -73,7 +73,7 @@ pub use crate::arena::Height;
 use crate::battery::{Battery, BatteryState};
 use crate::drive::{Drive, Motion};
 use crate::random::Stream;
-use crate::scene::{Scene, Sector};
+use crate::scene::{InSector, Scene};
 use crate::schedule::Schedule;
 use crate::time::SimTime;
 use baudbot_fields::{FieldError, Fields, Path};
@@ -110,8 +110,8 @@ pub(crate) struct Measurement<'a> {
     pub(crate) battery: Option<(&'a Battery, &'a BatteryState)>,
     pub(crate) noise: bool,
     pub(crate) now: SimTime,
-    /// Where the sensor's rays run, if that is known.
-    pub(crate) sector: Option<&'a Sector>,
+    /// What the sensor's rays may meet, if that is known.
+    pub(crate) near: Option<InSector<'a>>,
     /// The tick: from here …
     pub(crate) tick_start: SimTime,
     /// … to here, with the scene as it is at its start.

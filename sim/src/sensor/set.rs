@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Deref;
 
-use super::Sensor;
+use super::{Device, Infrared, InfraredModel, Sensor};
 use crate::scene::{Reach, Sector};
 
 /// The sensors of a robot: those that the microcontroller reads, in the order of the wire, then those with a cable of their
@@ -33,12 +33,18 @@ impl Sensors {
         &self.0.ports
     }
 
+    /// Those that the microcontroller reads.
+    pub(crate) fn on_wire(&self) -> &[Sensor] {
+        &self.0.all[..self.0.all.len() - self.0.ports.len()]
+    }
+
     /// How far the sensors look that see what is near; `None` if collecting that once for all of them would not pay.
     pub(crate) fn reach(&self) -> Option<Reach> {
         self.0.reach
     }
 
-    /// Where the rays of sensor `i` run, if it is one of those that `reach` is of, and does not turn on the body.
+    /// Where the rays of sensor `i` run, if it reads 0 where these meet nothing, is one of those that `reach` is of, and does not
+    /// turn on the body.
     pub(crate) fn sector(&self, i: usize) -> Option<&Sector> {
         self.0.sectors[i].as_ref()
     }
@@ -80,9 +86,13 @@ fn reach_of(sensors: &[Sensor]) -> Option<Reach> {
 }
 
 fn sector_of(sensor: &Sensor, reach: Reach) -> Option<Sector> {
-    let (mount, fan) = (sensor.device.mount()?, sensor.device.fan()?);
+    let Device::Infrared(Infrared { mount, fan, range_m, model: InfraredModel::Phenomenological { .. } }) =
+        &sensor.device
+    else {
+        return None;
+    };
     let is_there = mount.turret.is_none() && mount.height.layer == reach.layer && fan.len() <= FEW_RAYS;
-    is_there.then(|| Sector::new(&mount.pose, fan, sensor.device.range_m()?))?
+    is_there.then(|| Sector::new(&mount.pose, fan, *range_m))?
 }
 
 /// Sensors with more rays than this look for themselves.

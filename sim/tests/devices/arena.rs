@@ -335,7 +335,7 @@ fn a_gyroscope_does_not_feel_wheels_that_spin_on_ice() {
     ));
     run(&mut world, 100, -0.5, 0.5);
     assert!(world.robot(0).motion().turn_rate_rad_s > 0.1);
-    assert_eq!(world.robot(0).readings()[0].values, [0.0]);
+    assert_eq!(world.robot(0).readings()[0].values[..], [0.0]);
 }
 
 proptest! {

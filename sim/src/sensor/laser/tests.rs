@@ -173,7 +173,7 @@ proptest! {
             now: tick_start,
             tick_start,
             tick_end,
-            sector: None,
+            near: None,
         };
         let (a, b) = (which.0.index(laser.rays() + 1), which.1.index(laser.rays() + 1));
         let which = a.min(b)..a.max(b);
