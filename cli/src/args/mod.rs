@@ -108,7 +108,8 @@ pub(crate) struct RunArgs {
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
-    /// BRAIN is a name, or a brain's description file in TOML. By default every robot gets `avoid`, which needs IR
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which finds in
+    /// BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT where it is to attach. ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR
     /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,

@@ -19,7 +19,7 @@ use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::{ChangeArgs, Over, RunArgs};
-use crate::assignment::{self, Assignment};
+use crate::assignment::{self, Assigned};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::output_files::{self, Files, STDOUT};
@@ -34,7 +34,7 @@ use crate::{record, report, text};
 struct Plan {
     world: String,
     scenario: Arc<Scenario>,
-    assignments: Vec<Assignment>,
+    assigned: Assigned,
     pace: Pace,
     over: Over,
     /// Seed of the brains.
@@ -67,7 +67,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     // The world has closed the files, or its thread will at once.
     let status = outside.files.finish().await.and(status)?;
-    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assignments, plan.over);
+    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -115,11 +115,10 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let assignments = assignment::assign(&args.brains, &scenario.robots)?;
-        assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
+        let assigned = assignment::assign(&args.brains, &scenario.robots)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        Ok(Self { world, scenario: scenario.into(), assignments, pace, over, seed, frame, note })
+        Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note })
     }
 
     /// The world, which stands until its brains are there.

@@ -169,14 +169,15 @@ class Names(unittest.TestCase):
             "BAUDBOT_ROBOT": "a,b",
             "BAUDBOT_SEED": "7",
             "BAUDBOT_PARAMETERS": '{"speed": 0.25}',
+            "BAUDBOT_RECONNECT_S": "0",
         }
         found = Settings.find(environment=environment)
-        self.assertEqual(found, Settings("unix:/a", "w", ("a", "b"), 7, {"speed": 0.25}))
-        given = Settings.find("h:1", "v", "c", 8, {"turns": 2}, environment)
-        self.assertEqual(given, Settings("h:1", "v", ("c",), 8, {"speed": 0.25, "turns": 2}))
+        self.assertEqual(found, Settings("unix:/a", "w", ("a", "b"), 7, {"speed": 0.25}, 0))
+        given = Settings.find("h:1", "v", "c", 8, {"turns": 2}, 5.0, environment)
+        self.assertEqual(given, Settings("h:1", "v", ("c",), 8, {"speed": 0.25, "turns": 2}, 5.0))
         self.assertEqual(Settings.find(environment={}), Settings())
         for name, text, words in [
-            ("BAUDBOT_SEED", "x", "BAUDBOT_SEED must be a whole number, is 'x'"),
+            ("BAUDBOT_SEED", "x", "BAUDBOT_SEED must be a number, is 'x'"),
             ("BAUDBOT_PARAMETERS", "[1]", "BAUDBOT_PARAMETERS must be an object"),
             ("BAUDBOT_PARAMETERS", "{", "BAUDBOT_PARAMETERS is not JSON"),
         ]:

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 
 import grpc.aio
 
-from .attach import RECONNECT_S, Summary, brain_maker, closed, program_name
+from .attach import Summary, brain_maker, closed, program_name
 from .brain import Brain, Value
 from .channel import options, target
 from .errors import Error, Restart, from_rpc
@@ -30,14 +30,14 @@ async def attach(
     robots: str | Iterable[str] | None = None,
     seed: int | None = None,
     parameters: Mapping[str, Value] | None = None,
-    reconnect_s: float = RECONNECT_S,
+    reconnect_s: float | None = None,
     tell: Tell = tell_on_stderr,
 ) -> Summary:
     """As `baudbot.attach`. Cancelling it detaches the brains."""
-    settings = Settings.find(connect, world, robots, seed, parameters)
+    settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
     for name, value in settings.parameters.items():
         brain.parameter(name, value)
-    backoff, found = Backoff(reconnect_s, tell), None
+    backoff, found = Backoff(settings.reconnect_s, tell), None
     while True:
         try:
             async with _channel(settings.connect) as channel:

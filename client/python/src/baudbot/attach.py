@@ -24,8 +24,6 @@ from .v1 import control_pb2
 from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
 from .v1.control_pb2_grpc import ControlServiceStub
 
-#: For how long a brain tries to come back to a server that it has lost.
-RECONNECT_S = 600.0
 #: A call of an operator's is answered at once, or the server is in trouble.
 _PATIENCE_S = 30.0
 
@@ -48,7 +46,7 @@ def attach(
     robots: str | Iterable[str] | None = None,
     seed: int | None = None,
     parameters: Mapping[str, Value] | None = None,
-    reconnect_s: float = RECONNECT_S,
+    reconnect_s: float | None = None,
     tell: Tell = tell_on_stderr,
 ) -> Summary:
     """Drives robots, each with a brain of its own, until the run is over.
@@ -59,12 +57,12 @@ def attach(
 
     Raises an `Error`, whose text is a line for people.
     """
-    settings = Settings.find(connect, world, robots, seed, parameters)
+    settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
     for name, value in settings.parameters.items():
         brain.parameter(name, value)
     if inspect.iscoroutinefunction(brain.step):
         raise Error(f"{brain.__name__}.step is a coroutine; attach it with `await baudbot.aio.attach({brain.__name__})`")
-    backoff, found = Backoff(reconnect_s, tell), None
+    backoff, found = Backoff(settings.reconnect_s, tell), None
     while True:
         try:
             with _channel(settings.connect) as channel:

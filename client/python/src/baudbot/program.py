@@ -7,7 +7,7 @@ import inspect
 import math
 import sys
 
-from .attach import RECONNECT_S, attach
+from .attach import attach
 from .brain import Brain
 from .errors import Error
 
@@ -21,7 +21,7 @@ def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
     parser = _parser(brain)
     given = parser.parse_args(arguments)
     parameters = {name: value for name in brain.parameters() if (value := getattr(given, f"set_{name}")) is not None}
-    reconnect_s = 0.0 if given.reconnect == "off" else _seconds(parser, given.reconnect)
+    reconnect_s = None if given.reconnect is None else _seconds(parser, given.reconnect)
     try:
         summary = attach(
             brain,
@@ -49,8 +49,8 @@ def _parser(brain: type[Brain]) -> argparse.ArgumentParser:
     robot_help = "a robot, or several by a pattern such as 'cell-*'; may be given several times "
     parser.add_argument("--robot", action="append", help=robot_help + where % ("ROBOT", "the world's only one"))
     parser.add_argument("--seed", type=int, help="seed of the brain's random numbers " + where % ("SEED", "1"))
-    reconnect_help = "for how long to try to reconnect when the server is lost; `off` is not at all [default: %(default)s]"
-    parser.add_argument("--reconnect", metavar="S|off", default=f"{RECONNECT_S:g}", help=reconnect_help)
+    reconnect_help = "for how long to try to reconnect when the server is lost; `off` is not at all "
+    parser.add_argument("--reconnect", metavar="S|off", help=reconnect_help + where % ("RECONNECT_S", "600"))
     for name, default in brain.parameters().items():
         option = f"--{name.replace('_', '-')}"
         parser.add_argument(option, dest=f"set_{name}", metavar="VALUE", help=f"parameter [default: {default}]")
@@ -58,6 +58,8 @@ def _parser(brain: type[Brain]) -> argparse.ArgumentParser:
 
 
 def _seconds(parser: argparse.ArgumentParser, text: str) -> float:
+    if text == "off":
+        return 0.0
     try:
         seconds = float(text)
     except ValueError:

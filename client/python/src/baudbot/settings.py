@@ -29,6 +29,8 @@ class Settings:
     #: Seed of the brain's own random numbers.
     seed: int = 1
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    #: For how long a brain tries to come back to a server that it has lost; 0 is not at all.
+    reconnect_s: float = 600.0
 
     @classmethod
     def find(
@@ -38,10 +40,11 @@ class Settings:
         robots: str | Iterable[str] | None = None,
         seed: int | None = None,
         parameters: Mapping[str, Value] | None = None,
+        reconnect_s: float | None = None,
         environment: Mapping[str, str] = os.environ,
     ) -> Settings:
-        """What is given; for the rest `BAUDBOT_CONNECT`, `_WORLD`, `_ROBOT` (separated by commas), `_SEED` and `_PARAMETERS`
-        (JSON), which `baudbot run` sets for the programs that it starts; for the rest the defaults. Parameters that are
+        """What is given; for the rest `BAUDBOT_CONNECT`, `_WORLD`, `_ROBOT` (separated by commas), `_SEED`, `_PARAMETERS`
+        (JSON) and `_RECONNECT_S`, which `baudbot run` sets for the programs that it starts; for the rest the defaults. Parameters that are
         given are added to those of the environment.
         """
         if robots is None:
@@ -52,8 +55,9 @@ class Settings:
             connect=connect or environment.get("BAUDBOT_CONNECT") or DEFAULT_CONNECT,
             world=world or environment.get("BAUDBOT_WORLD") or None,
             robots=tuple(robots),
-            seed=_seed(environment) if seed is None else seed,
+            seed=int(_number("BAUDBOT_SEED", "1", environment)) if seed is None else seed,
             parameters=_parameters(environment) | dict(parameters or {}),
+            reconnect_s=_number("BAUDBOT_RECONNECT_S", "600", environment) if reconnect_s is None else reconnect_s,
         )
 
     def needs_look(self) -> bool:
@@ -75,12 +79,13 @@ class Settings:
         return world, matching(self.robots or there, there, f"robot of world `{world}`")
 
 
-def _seed(environment: Mapping[str, str]) -> int:
-    text = environment.get("BAUDBOT_SEED", "1")
+def _number(name: str, default: str, environment: Mapping[str, str]) -> float:
+    """A number of the environment; whole ones are exact."""
+    text = environment.get(name) or default
     try:
-        return int(text)
+        return int(text) if text.isdecimal() else float(text)
     except ValueError:
-        raise Refused(f"BAUDBOT_SEED must be a whole number, is {text!r}") from None
+        raise Refused(f"{name} must be a number, is {text!r}") from None
 
 
 def _parameters(environment: Mapping[str, str]) -> dict[str, Value]:
