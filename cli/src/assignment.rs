@@ -3,6 +3,7 @@
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
+pub(crate) use baudbot_experiment::assignment::NONE;
 use baudbot_experiment::assignment::{self, AssignmentError};
 use baudbot_sim::model::RobotSpec;
 
@@ -26,6 +27,11 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Resu
     // One that is not there, or whose file is wrong, is told before anything is started for it.
     assigned.brains.iter().try_for_each(|assignment| check_name(&assignment.brain))?;
     Ok(assigned)
+}
+
+/// Whether a `--brain` is for all robots that no other one names.
+pub(crate) fn is_for_all(brain: &str) -> bool {
+    assignment::split(brain).0.is_none()
 }
 
 /// An assignment that is being carried out.

@@ -113,6 +113,9 @@ pub(crate) struct RunArgs {
     /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
+    /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) external: Option<u16>,
     /// End after this much simulated time
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) seconds: Option<f64>,

@@ -115,7 +115,7 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let assigned = assignment::assign(&args.brains, &scenario.robots)?;
+        let assigned = assigned(args, &scenario)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
         Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note })
@@ -141,6 +141,24 @@ impl Plan {
         let after = self.scenario.end.after?;
         Some(after.as_ns().div_ceil(self.scenario.step_ns).max(1))
     }
+}
+
+/// Who drives the robots; with `--external` those that no brain is named for are left to others.
+fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
+    let Some(external) = args.external else { return assignment::assign(&args.brains, &scenario.robots) };
+    let mut brains = args.brains.clone();
+    if !brains.iter().any(|brain| assignment::is_for_all(brain)) {
+        brains.push(assignment::NONE.to_owned());
+    }
+    let assigned = assignment::assign(&brains, &scenario.robots)?;
+    let free = scenario.robots.iter().filter(|spec| assigned.brain_of(&spec.name).is_none()).count();
+    if free < external.into() {
+        return Err(Refused::error(format!(
+            "--external {external}: {} without a --brain; give fewer of them one, or ask for fewer",
+            baudbot_plot::quantity::count(free, "robot is")
+        )));
+    }
+    Ok(assigned)
 }
 
 /// Refuses outputs that would be written into each other.

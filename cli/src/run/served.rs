@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow};
 use baudbot_client::Client;
 use baudbot_experiment::assignment::START_PATIENCE;
 use baudbot_launch::{Crew, Held};
+use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use baudbot_server::{Address, OnTick, Pace, Progress, Server};
@@ -16,7 +17,7 @@ use tokio::task::JoinSet;
 use tonic::transport::Channel;
 
 use super::{Outside, Plan, progress};
-use crate::args::RunArgs;
+use crate::args::{DEFAULT_ADDRESS, RunArgs};
 use crate::assignment::AttachedBrains;
 use crate::error::{from_builder, from_server};
 use crate::text::tell;
@@ -46,8 +47,9 @@ async fn serve(
     private: Option<&Private>,
 ) -> anyhow::Result<Server> {
     let mut builder = args.listen.builder().world(plan.world(args, on_tick).progress(progress));
-    for address in &args.listen.listen {
-        builder = builder.listen(address.clone());
+    let default = args.external.filter(|_| args.listen.listen.is_empty()).map(|_| DEFAULT_ADDRESS.parse());
+    for address in args.listen.listen.iter().cloned().chain(default.transpose()?) {
+        builder = builder.listen(address);
     }
     if let Some(private) = private {
         builder = builder.listen(private.address.clone());
@@ -102,6 +104,7 @@ impl Running<'_, '_> {
             brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
         }
         let mut crew = self.crew(&mut control).await?;
+        self.external(&mut control).await?;
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
         let bar = progress(self.plan.ticks(), self.outside.args.quiet);
@@ -137,6 +140,28 @@ impl Running<'_, '_> {
         Ok(crew)
     }
 
+    /// Waits until programs from elsewhere hold as many robots as `--external` asks for.
+    async fn external(&mut self, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<()> {
+        let Some(wanted) = self.outside.args.external else { return Ok(()) };
+        if !self.outside.args.quiet {
+            tell!("waiting until programs hold {}", count(wanted.into(), "robot"));
+        }
+        let mut look = tokio::time::interval(LOOK);
+        while !self.outside.interrupted {
+            let request = v1::GetWorldRequest { world: self.plan.world.clone() };
+            let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
+            let robots = self.plan.assigned.held(&answer.into_inner().status.unwrap_or_default());
+            if robots.iter().filter(|robot| robot.held && !robot.expected).count() >= wanted.into() {
+                break;
+            }
+            tokio::select! {
+                _ = look.tick() => {}
+                () = self.outside.stop.wait() => self.outside.interrupted = true,
+            }
+        }
+        Ok(())
+    }
+
     /// The world's last state; a run that has ended is not changed by a pause.
     async fn pause(&self, mut control: ControlServiceClient<Channel>) -> anyhow::Result<v1::WorldStatus> {
         let request = v1::PauseWorldRequest { world: self.plan.world.clone() };
@@ -152,7 +177,9 @@ impl Running<'_, '_> {
         bar: &ProgressBar,
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);
-        let has_programs = self.private.is_some();
+        // A failure takes a moment to be told: what has begun of that is not begun again at each redraw.
+        let failed = crew.failed();
+        tokio::pin!(failed);
         while !self.outside.interrupted {
             tokio::select! {
                 // When the world is over, because an operator deleted it, so is the run.
@@ -162,7 +189,7 @@ impl Running<'_, '_> {
                     return Ok(());
                 }
                 error = self.outside.files.failure() => return Err(error),
-                failure = crew.failed(), if has_programs => {
+                failure = &mut failed => {
                     // A program ends with its run, and may be quicker than the news of it.
                     let over = tokio::time::timeout(NEWS, self.progress.ended()).await;
                     return over.map_err(|_| failure.into());
@@ -174,6 +201,9 @@ impl Running<'_, '_> {
         Ok(())
     }
 }
+
+/// How often is looked who holds the robots.
+const LOOK: Duration = Duration::from_millis(20);
 
 const REDRAW: Duration = Duration::from_millis(100);
 
