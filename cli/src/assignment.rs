@@ -3,16 +3,17 @@
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
+pub(crate) use baudbot_experiment::assignment::NONE;
 use baudbot_experiment::assignment::{self, AssignmentError};
 use baudbot_sim::model::RobotSpec;
 
-pub(crate) use baudbot_experiment::assignment::{Assignment, fitting_brain};
+pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, fitting_brain, named};
 
 use crate::error::Refused;
 
 /// Shares the robots out to the brains that `--brain` arguments name.
-pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Result<Vec<Assignment>> {
-    assignment::assign(arguments, robots).map_err(|error| {
+pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Result<Assigned> {
+    let assigned = assignment::assign(arguments, robots).map_err(|error| {
         Refused::error(if let AssignmentError::Blind { robot } = error {
             format!(
                 "robot `{robot}` has no IR sensors, so the default brain `{}` cannot drive it; give it another \
@@ -22,7 +23,15 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Resu
         } else {
             format!("--brain: {error}")
         })
-    })
+    })?;
+    // One that is not there, or whose file is wrong, is told before anything is started for it.
+    assigned.brains.iter().try_for_each(|assignment| check_name(&assignment.brain))?;
+    Ok(assigned)
+}
+
+/// Whether a `--brain` is for all robots that no other one names.
+pub(crate) fn is_for_all(brain: &str) -> bool {
+    assignment::split(brain).0.is_none()
 }
 
 /// An assignment that is being carried out.

@@ -29,7 +29,11 @@ pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
 async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let channel = connect::channel(&args.server.connect).await?;
     let world = connect::world(channel.clone(), &args.server).await?;
-    let robots = if args.robots.is_empty() { vec![only_robot(&world)?] } else { args.robots };
+    let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
+    let robots = match args.robots.as_slice() {
+        [] => vec![only_robot(&world)?],
+        patterns => assignment::named(patterns, &there)?,
+    };
     let names = robots.join(", ");
     let assignment = Assignment { brain, robots };
     let mut brains =

@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::Context;
 use baudbot_server::WorldConfig;
@@ -43,7 +44,8 @@ fn worlds(args: &ServeArgs, serving: &mut Serving<'_>) -> anyhow::Result<()> {
         let scenario = source.parse(&overrides)?;
         let world = source.world_name(&scenario);
         scenarios::warn(&scenario);
-        let config = WorldConfig::new(world.clone(), scenario.clone()).pace(pace).paused(args.paused);
+        let scenario = Arc::new(scenario);
+        let config = WorldConfig::new(world.clone(), Arc::clone(&scenario)).pace(pace).paused(args.paused);
         serving.add(&world, &scenario, record::add(config, &args.record));
     }
     Ok(())
@@ -58,7 +60,7 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
         )));
     }
     let (mut replay, mut world) = replay::open(file)?;
-    let recorded = std::sync::Arc::clone(replay.recorded());
+    let recorded = Arc::clone(replay.recorded());
     let pace = replay::pace(args.pace, &args.watchdog, &recorded)?;
     replay.seek(&mut world, recorded.last_tick()).context("the recording cannot be replayed")?;
     if let Some(difference) = replay.difference() {
@@ -67,7 +69,7 @@ fn resume(args: &ServeArgs, file: &Path, serving: &mut Serving<'_>) -> anyhow::R
     if let Some(problem) = recorded.problem() {
         tell!("note: {}: {problem}; the world continues from the end of what is left", file.display());
     }
-    let (name, scenario) = (recorded.header().world.clone(), std::sync::Arc::clone(world.scenario()));
+    let (name, scenario) = (recorded.header().world.clone(), Arc::clone(world.scenario()));
     tell!("world {name} continues at tick {}, {} s", world.tick(), world.time().as_seconds());
     let config = WorldConfig::from_state(name.clone(), world).pace(pace).paused(args.paused);
     serving.add(&name, &scenario, record::add(config, &args.record));

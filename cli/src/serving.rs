@@ -2,18 +2,21 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context;
+use baudbot_proto::v1;
 use baudbot_server::{Address, Builder, Server, WorldConfig};
 use baudbot_sim::Scenario;
 
-use crate::args::{DEFAULT_ADDRESS, ListenArgs};
-use crate::assignment;
+use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
+use crate::assignment::{self, Assigned};
 use crate::error::from_builder;
 use crate::signals::Stop;
+use crate::summary::Summary;
 use crate::text::tell;
-use crate::{text, viewer};
+use crate::{connect, report, text, viewer};
 
 /// Whether there is a page by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +32,8 @@ pub(crate) struct Serving<'a> {
     builder: Builder,
     listen: &'a ListenArgs,
     worlds: Vec<Described>,
+    /// The live worlds, of which a summary is told at the end.
+    live: Vec<(String, Arc<Scenario>)>,
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
@@ -36,7 +41,7 @@ type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
     pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self { builder: listen.builder(), listen, worlds: Vec::new() }
+        Self { builder: listen.builder(), listen, worlds: Vec::new(), live: Vec::new() }
     }
 
     /// Lets operators record into a folder.
@@ -45,9 +50,10 @@ impl<'a> Serving<'a> {
     }
 
     /// A world that brains can come to.
-    pub(crate) fn add(&mut self, name: &str, scenario: &Scenario, world: WorldConfig) {
+    pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
         let robot = scenario.robots.first().map(|spec| (spec.name.clone(), assignment::fitting_brain(spec)));
         self.worlds.push((name.to_owned(), describe(name, scenario), robot));
+        self.live.push((name.to_owned(), Arc::clone(scenario)));
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
 
@@ -59,7 +65,7 @@ impl<'a> Serving<'a> {
 
     /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
-        let Self { mut builder, listen, worlds } = self;
+        let Self { mut builder, listen, worlds, live } = self;
         let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
@@ -72,12 +78,33 @@ impl<'a> Serving<'a> {
         text::print(&greeting(&server, &worlds))?;
         stop.wait().await;
         tell!("stopping");
+        // As at the end of `run`. A server that does not answer keeps nobody from stopping it.
+        if let Ok(summaries) = tokio::time::timeout(PATIENCE, summaries(&server, &live)).await {
+            text::print(&summaries?)?;
+        }
         tokio::select! {
             () = server.shutdown() => {}
             () = tokio::time::sleep(PATIENCE) => tell!("note: a client kept its connection open; it was closed"),
         }
         Ok(())
     }
+}
+
+/// What has happened in the worlds that are still there and have begun.
+async fn summaries(server: &Server, worlds: &[(String, Arc<Scenario>)]) -> anyhow::Result<String> {
+    let mut control = connect::control(server.channel().await?);
+    let mut text = String::new();
+    for (name, scenario) in worlds {
+        let request = v1::GetWorldRequest { world: name.clone() };
+        // An operator may have deleted it.
+        let Ok(answer) = control.get_world(request).await else { continue };
+        let status = answer.into_inner().status.unwrap_or_default();
+        if status.tick > 0 {
+            let summary = Summary::new(scenario, &status, true, &Assigned::default(), Over::Grpc);
+            let _ = write!(text, "\n{}", report::text(&summary));
+        }
+    }
+    Ok(text)
 }
 
 fn addresses(args: &ListenArgs, viewing: Viewing) -> anyhow::Result<Vec<Address>> {

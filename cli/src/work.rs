@@ -42,6 +42,7 @@ pub(crate) fn read(args: &WorkArgs) -> anyhow::Result<Experiment> {
     };
     let mut experiment =
         Experiment::parse(&toml, stem, find).map_err(|error| Refused::error(format!("{path}: {error}")))?;
+    experiment.folder = folder.to_owned();
     if let Some(seeds) = &args.seeds {
         experiment.seeds = Seeds::parse(seeds).map_err(|error| Refused::error(format!("--{error}")))?;
     }

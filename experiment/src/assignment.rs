@@ -1,11 +1,24 @@
 //! Which brain drives which robot, and the brains at work, as gRPC clients like any other.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_client::{Brain, Client, Error, Fleet, Summary, run_fleet};
+use baudbot_launch::{BadProgram, EXEC, Held, Program, Task};
+use baudbot_proto::v1;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
+use wildmatch::WildMatch;
+
+/// Who drives the robots of a scenario.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Assigned {
+    /// Brains of the catalogue.
+    pub brains: Vec<Assignment>,
+    /// Programs of the user's own.
+    pub programs: Vec<Task>,
+}
 
 /// Robots that one kind of brain drives, each robot with a brain of its own, over one stream.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +27,26 @@ pub struct Assignment {
     pub brain: String,
     /// Their names.
     pub robots: Vec<String>,
+}
+
+impl Assigned {
+    /// What drives a robot, as it was asked for.
+    pub fn brain_of(&self, robot: &str) -> Option<String> {
+        let is_its = |robots: &[String]| robots.iter().any(|name| name == robot);
+        let brain = self.brains.iter().find(|brain| is_its(&brain.robots)).map(|brain| brain.brain.clone());
+        let program = || self.programs.iter().find(|task| is_its(&task.robots));
+        brain.or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
+    }
+
+    /// Which robots of a world are held, and whether they are to be.
+    pub fn held(&self, status: &v1::WorldStatus) -> Vec<Held> {
+        let held = |robot: &v1::RobotStatus| Held {
+            robot: robot.robot.clone(),
+            held: robot.attached,
+            expected: self.brain_of(&robot.robot).is_some(),
+        };
+        status.robots.iter().map(held).collect()
+    }
 }
 
 /// Why robots have not got their brains, or lost them.
@@ -45,52 +78,106 @@ pub enum AssignmentError {
     /// The catalogue has no such brain for a robot.
     #[error(transparent)]
     Brain(#[from] CatalogueError),
+    /// What stands behind `exec:` is no program.
+    #[error(transparent)]
+    Program(#[from] BadProgram),
     /// A stream to a server failed.
     #[error(transparent)]
     Client(#[from] Error),
 }
 
-/// Shares the robots out to brains: `NAME[:K=V,…]` for all that no `ROBOT=NAME[:K=V,…]` names. Without any for all,
-/// those that are not named get the default brain. The name of a table with `starts` is for all robots of that which are
-/// not named themselves.
+/// Shares the robots out to brains: `NAME[:K=V,…]`, or `exec:PROGRAM`, for all that no `ROBOT=BRAIN` names. Without any for
+/// all, those that are not named get the default brain. A robot may be named by a pattern (`cell-*`), too, and the name of a
+/// table with `starts` is for all robots of that: its own name comes first, then the table's, then the first pattern that
+/// matches.
 ///
 /// # Errors
-/// If a robot is not there, has two brains, or cannot see and is given none.
-pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Vec<Assignment>, AssignmentError> {
+/// If a robot is not there, has two brains, or cannot see and is given none; if a program cannot be read.
+pub fn assign(brains: &[String], robots: &[RobotSpec]) -> Result<Assigned, AssignmentError> {
     let brains = parse(brains)?;
-    for robot in brains.keys().flatten() {
-        if !robots.iter().any(|spec| spec.name == *robot || spec.table_name() == *robot) {
-            let known = robots.iter().map(|spec| spec.name.clone()).collect();
+    for (robot, _) in brains.iter().filter_map(|(robot, brain)| Some((robot.as_ref()?, brain))) {
+        let is_meant = |spec: &RobotSpec| {
+            spec.name == *robot || spec.table_name() == *robot || matches(robot, &spec.name)
+        };
+        if !robots.iter().any(is_meant) {
+            let mut known: Vec<_> = robots.iter().map(|spec| spec.name.clone()).collect();
+            alphanumeric_sort::sort_str_slice(&mut known);
             return Err(AssignmentError::Robot { robot: (*robot).to_owned(), known });
         }
     }
-    let mut assignments: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    let mut shared: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for spec in robots {
-        let whose = [Some(spec.name.as_str()), Some(spec.table_name()), None];
-        let brain = match whose.iter().find_map(|whose| brains.get(whose)) {
+        let brain = match brain_for(spec, &brains) {
             Some(brain) => brain,
             None if has_infrared(spec) => DEFAULT,
             None => return Err(AssignmentError::Blind { robot: spec.name.clone() }),
         };
         if brain != NONE {
-            assignments.entry(brain).or_default().push(spec.name.clone());
+            shared.entry(brain).or_default().push(spec.name.clone());
         }
     }
-    Ok(assignments
-        .into_iter()
-        .map(|(brain, robots)| Assignment { brain: brain.to_owned(), robots })
-        .collect())
+    let mut assigned = Assigned::default();
+    for (brain, robots) in shared {
+        match Program::of_brain(brain) {
+            None => assigned.brains.push(Assignment { brain: brain.to_owned(), robots }),
+            Some(program) => {
+                assigned.programs.push(Task { program: program?, robots, parameters: BTreeMap::new() });
+            }
+        }
+    }
+    Ok(assigned)
 }
 
-/// Brains by robot; `None` is every robot that is not named.
-fn parse(brains: &[String]) -> Result<BTreeMap<Option<&str>, &str>, AssignmentError> {
-    let mut all = BTreeMap::new();
+/// The brain that a robot is given.
+fn brain_for<'a>(spec: &RobotSpec, brains: &[(Option<&str>, &'a str)]) -> Option<&'a str> {
+    let named = |name: Option<&str>| brains.iter().find(|(robot, _)| *robot == name);
+    let by_pattern =
+        || brains.iter().find(|(robot, _)| robot.is_some_and(|robot| matches(robot, &spec.name)));
+    let found = named(Some(&spec.name)).or_else(|| named(Some(spec.table_name()))).or_else(by_pattern);
+    found.or_else(|| named(None)).map(|(_, brain)| *brain)
+}
+
+/// Whether a name is one that a pattern with `*` and `?` means.
+fn matches(pattern: &str, name: &str) -> bool {
+    pattern.contains(['*', '?']) && WildMatch::new(pattern).matches(name)
+}
+
+/// The names that are meant: a name itself, or those that a pattern matches, in their natural order (`cell-2` before
+/// `cell-10`), each once.
+///
+/// # Errors
+/// If one means none of those that are there.
+pub fn named(patterns: &[String], there: &[String]) -> Result<Vec<String>, AssignmentError> {
+    let mut sorted = there.to_vec();
+    alphanumeric_sort::sort_str_slice(&mut sorted);
+    let mut found: Vec<String> = Vec::new();
+    for pattern in patterns {
+        let before = found.len();
+        let meant = |name: &&String| *name == pattern || matches(pattern, name);
+        let mut any = false;
+        for name in sorted.iter().filter(meant) {
+            any = true;
+            if !found[..before].contains(name) {
+                found.push(name.clone());
+            }
+        }
+        if !any {
+            return Err(AssignmentError::Robot { robot: pattern.clone(), known: sorted });
+        }
+    }
+    Ok(found)
+}
+
+/// Brains with the robot that each is for; `None` is every robot that is not named.
+fn parse(brains: &[String]) -> Result<Vec<(Option<&str>, &str)>, AssignmentError> {
+    let mut all: Vec<(Option<&str>, &str)> = Vec::new();
     for text in brains {
         let (robot, brain) = split(text);
-        if all.insert(robot, brain).is_some() {
+        if all.iter().any(|(other, _)| *other == robot) {
             let whom = robot.map_or_else(|| "all robots".to_owned(), |robot| format!("robot `{robot}`"));
             return Err(AssignmentError::Twice { whom });
         }
+        all.push((robot, brain));
     }
     Ok(all)
 }
@@ -166,6 +253,9 @@ impl AttachedBrains {
 /// The brain of a robot that is given none.
 pub const DEFAULT: &str = "avoid";
 
+/// How long a program has until it holds its robots. Some load much before that.
+pub const START_PATIENCE: Duration = Duration::from_secs(60);
+
 /// The word for no brain.
 pub const NONE: &str = "none";
 
@@ -186,7 +276,7 @@ mod tests {
         let scenario = baudbot_scenario::parse(&toml).map_err(|error| error.to_string())?;
         let arguments: Vec<_> = arguments.iter().map(|&argument| argument.to_owned()).collect();
         let assignments = assign(&arguments, &scenario.robots).map_err(|error| error.to_string())?;
-        Ok(assignments.into_iter().map(|assignment| (assignment.brain, assignment.robots)).collect())
+        Ok(assignments.brains.into_iter().map(|assignment| (assignment.brain, assignment.robots)).collect())
     }
 
     fn assignment(brain: &str, robots: &[&str]) -> (String, Vec<String>) {
@@ -215,9 +305,46 @@ mod tests {
         let arguments = ["constant", "ant=wander", "queen=none"].map(str::to_owned);
         let assignments = assign(&arguments, &scenario.robots).unwrap();
         assert_eq!(
-            assignments,
+            assignments.brains,
             [Assignment { brain: "wander".to_owned(), robots: vec!["ant-1".into(), "ant-2".into()] }]
         );
+    }
+
+    #[test]
+    fn patterns_and_programs_have_their_robots() {
+        let brains =
+            ["*o*=wander", "alice=exec:python3 'my follow.py' --gain=2", "exec:./a"].map(str::to_owned);
+        let body = "body = { radius_m = 0.1, mass_kg = 1.0, inertia_kg_m2 = 0.1, wheel_radius_m = 0.1 }";
+        let robots: String = [("alice", 0), ("bob", 1), ("carol", 2), ("dan", 3)]
+            .map(|(name, x)| format!("[[robots]]\nname = \"{name}\"\nstart.x_m = {x}.0\n{body}\n"))
+            .concat();
+        let scenario = baudbot_scenario::parse(&robots).unwrap();
+        let assigned = assign(&brains, &scenario.robots).unwrap();
+        assert_eq!(
+            assigned.brains,
+            [Assignment { brain: "wander".to_owned(), robots: vec!["bob".into(), "carol".into()] }]
+        );
+        let programs: Vec<_> =
+            assigned.programs.iter().map(|task| (task.program.to_string(), task.robots.clone())).collect();
+        let expected = [("./a", "dan"), ("python3 'my follow.py' --gain=2", "alice")];
+        assert_eq!(programs, expected.map(|(program, robot)| (program.to_owned(), vec![robot.to_owned()])));
+        assert_eq!(assigned.brain_of("dan").unwrap(), "exec:./a");
+        assert_eq!(assigned.brain_of("bob").unwrap(), "wander");
+        let bad = assign(&["exec:".to_owned()], &scenario.robots).unwrap_err().to_string();
+        assert_eq!(bad, "`exec:` names no program; write it as in exec:python3 follow.py");
+    }
+
+    #[test]
+    fn names_have_patterns_and_a_natural_order() {
+        let there = ["cell-1", "cell-10", "cell-2", "ant"].map(str::to_owned);
+        let of = |patterns: &[&str]| {
+            let patterns: Vec<_> = patterns.iter().map(|&pattern| pattern.to_owned()).collect();
+            named(&patterns, &there).map_err(|error| error.to_string())
+        };
+        assert_eq!(of(&["cell-*"]).unwrap(), ["cell-1", "cell-2", "cell-10"]);
+        assert_eq!(of(&["cell-10", "*"]).unwrap(), ["cell-10", "ant", "cell-1", "cell-2"]);
+        let error = "there is no robot `bee-*`; there are: ant, cell-1, cell-2, cell-10";
+        assert_eq!(of(&["bee-*"]).unwrap_err(), error);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use baudbot_fields::Cause;
 use baudbot_scenario::ScenarioError;
 use baudbot_sim::Scenario;
 
-use crate::assignment::{self, AssignmentError};
+use crate::assignment::{self, Assigned, AssignmentError};
 use crate::design::Cell;
 use crate::error::Error;
 use crate::experiment::Experiment;
@@ -55,17 +55,21 @@ fn levels(experiment: &Experiment) -> impl Iterator<Item = (usize, Level)> {
 
 fn check_brains(experiment: &Experiment, scenario: &Scenario) -> Result<(), Error> {
     let field = if experiment.brains.len() == 1 { "brain" } else { "brains" };
-    let assignments = match assignment::assign(&experiment.brains, &scenario.robots) {
-        Ok(assignments) => assignments,
-        Err(error @ (AssignmentError::Robot { .. } | AssignmentError::Twice { .. })) => {
+    let assigned = match assignment::assign(&experiment.brains, &scenario.robots) {
+        Ok(assigned) => assigned,
+        Err(
+            error @ (AssignmentError::Robot { .. }
+            | AssignmentError::Twice { .. }
+            | AssignmentError::Program(_)),
+        ) => {
             return Err(Error::field(field, error.to_string()));
         }
         // A run may have another robot.
         Err(AssignmentError::Blind { .. } | AssignmentError::Brain(_) | AssignmentError::Client(_)) => {
-            Vec::new()
+            Assigned::default()
         }
     };
-    for assignment in &assignments {
+    for assignment in &assigned.brains {
         let robots = scenario.robots.iter().filter(|spec| assignment.robots.contains(&spec.name));
         for spec in robots {
             match catalogue::brain(&assignment.brain, 1, &Body::from(spec)) {
@@ -122,7 +126,8 @@ fn wrong_alone(experiment: &Experiment, task: &Task, place: usize) -> Option<Str
 fn wrong_path(setup: &Setup) -> Option<String> {
     let body = |robot: &String| setup.scenario.robots.iter().find(|spec| spec.name == *robot).map(Body::from);
     let mut all = setup
-        .assignments
+        .assigned
+        .brains
         .iter()
         .flat_map(|assignment| assignment.robots.iter().map(move |robot| (assignment, robot)));
     all.find_map(|(assignment, robot)| match catalogue::brain(&assignment.brain, 1, &body(robot)?) {

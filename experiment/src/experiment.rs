@@ -1,9 +1,14 @@
 //! An experiment, as its file describes it.
 
+use std::path::PathBuf;
+
+use baudbot_launch::EXEC;
+use toml::Value;
+
 use crate::assignment;
 use crate::design::{Cell, Design};
 use crate::error::Error;
-use crate::factor::{Choice, Field, Setting};
+use crate::factor::{Choice, Field, Level, Setting};
 use crate::figures::Figure;
 use crate::raw::{self, ChartKind, Wants};
 use crate::run_record::{self, Row, Task};
@@ -21,9 +26,11 @@ pub struct Experiment {
     pub description: String,
     /// The name of the scenario: a file, or one that is part of the program.
     pub scenario: String,
+    /// The folder that programs are started in; empty: the current one. Whoever read the experiment from a file sets it.
+    pub folder: PathBuf,
     /// The scenario's text, with all files that it refers to in it.
     pub text: String,
-    /// Brains: `NAME[:K=V,…]` for all robots, `ROBOT=NAME[:K=V,…]` for one.
+    /// Brains: `NAME[:K=V,…]` or `exec:PROGRAM` for all robots, `ROBOT=NAME[:K=V,…]` for one.
     pub brains: Vec<String>,
     /// Simulated length of a run, in seconds; `None` is what the scenario says.
     pub seconds: Option<f64>,
@@ -104,6 +111,7 @@ impl Experiment {
             name: raw.name.filter(|name| !name.is_empty()).unwrap_or_else(|| stem.to_owned()),
             description: raw.description,
             scenario: raw.scenario,
+            folder: PathBuf::new(),
             text,
             brains: brains(raw.brain, raw.brains)?,
             seconds: raw.seconds.map(seconds).transpose()?,
@@ -115,6 +123,19 @@ impl Experiment {
             fields,
             success,
         })
+    }
+
+    /// Whether any of its brains is a program.
+    pub fn has_programs(&self) -> bool {
+        let is_program = |text: &str| assignment::split(text).1.starts_with(EXEC);
+        let chosen = |level: &Level| {
+            level.settings.iter().any(|setting| matches!(setting, Setting::Brain(brain) if is_program(brain)))
+        };
+        let varied = |field: &Field| match &field.choice {
+            Choice::Levels(levels) => levels.iter().any(chosen),
+            Choice::Range(_) => false,
+        };
+        self.brains.iter().any(|brain| is_program(brain)) || self.fields.iter().any(varied)
     }
 
     /// How many runs there are.
@@ -198,13 +219,29 @@ fn unique(fields: &[Field]) -> Result<(), Error> {
     Ok(())
 }
 
-fn brains(one: Option<String>, many: Option<Vec<String>>) -> Result<Vec<String>, Error> {
+fn brains(one: Option<Value>, many: Option<Vec<String>>) -> Result<Vec<String>, Error> {
     match (one, many) {
         (Some(_), Some(_)) => Err(Error::field("brains", "conflicts with `brain`; give only one of them")),
-        (Some(brain), None) => Ok(vec![brain]),
+        (Some(brain), None) => Ok(vec![brain_text(brain)?]),
         (None, Some(brains)) => Ok(brains),
         (None, None) => Ok(vec![assignment::DEFAULT.to_owned()]),
     }
+}
+
+/// The brain of all robots: its name, or a program as a table.
+fn brain_text(brain: Value) -> Result<String, Error> {
+    if let Value::String(name) = brain {
+        return Ok(name);
+    }
+    let Value::Table(table) = brain else {
+        let problem = format!("must be the name of a brain, or a table with `exec`, is {brain}");
+        return Err(Error::field("brain", problem));
+    };
+    let program: raw::Program = baudbot_fields::read(table).map_err(|error| {
+        let problem = UnknownName::of(&error.cause).map(|unknown| unknown.to_string());
+        Error::field(format!("brain.{}", error.path), problem.unwrap_or(error.problem))
+    })?;
+    Ok(format!("{EXEC}{}", program.exec))
 }
 
 fn seconds(seconds: f64) -> Result<f64, Error> {

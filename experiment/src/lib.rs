@@ -36,6 +36,7 @@ mod outputs;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod pool;
+mod private_server;
 mod raw;
 mod remote;
 mod run_record;

@@ -9,13 +9,15 @@ use crate::metrics::Counted;
 use crate::run_record::{PANICKED, Ran, Row, Task};
 use crate::setup::Setup;
 
-/// Does a run. Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
+/// Does a run with brains of the catalogue; others need a server ([`Workers`](crate::Workers)). Whatever goes wrong in it, a panic too, is the row's error, and touches no other run: a run shares nothing
 /// with others but the experiment, which never changes.
 pub fn run(experiment: &Experiment, task: &Task) -> Row {
     let run = || -> Result<Ran, String> {
-        let Setup { scenario, assignments } =
-            Setup::new(experiment, task).map_err(|error| error.to_string())?;
-        let world = in_process::run(scenario, &assignments).map_err(|error| error.to_string())?;
+        let Setup { scenario, assigned } = Setup::new(experiment, task).map_err(|error| error.to_string())?;
+        if let Some(task) = assigned.programs.first() {
+            return Err(format!("`{}` is a program, which needs a server to attach to", task.program));
+        }
+        let world = in_process::run(scenario, &assigned.brains).map_err(|error| error.to_string())?;
         Ok(Ran::of(&Counted::of_world(&world)))
     };
     let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(panicked(&*panic)));

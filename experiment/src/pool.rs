@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::local_runner;
+use crate::private_server::PrivateServer;
 use crate::remote::Remote;
 use crate::run_record::{Row, Task};
 
@@ -42,6 +43,15 @@ impl Workers {
         stop: &AtomicBool,
         mut each: impl FnMut(Row, Duration) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        // A program attaches to a server, and to a private one if the user names none.
+        let private = match self.place {
+            Place::Here if experiment.has_programs() => Some(PrivateServer::start()?),
+            Place::Here | Place::Server(_) => None,
+        };
+        let address = private.as_ref().map(|server| server.address.as_str()).or(match &self.place {
+            Place::Here => None,
+            Place::Server(address) => Some(address),
+        });
         let (queue, halt) = (Mutex::new(tasks), AtomicBool::new(false));
         let is_over = || stop.load(Ordering::Relaxed) || halt.load(Ordering::Relaxed);
         let next = || {
@@ -53,7 +63,7 @@ impl Workers {
         thread::scope(|scope| {
             for _ in 0..self.jobs.max(1) {
                 let (send, next) = (send.clone(), &next);
-                scope.spawn(move || self.work_alone(experiment, next, &send));
+                scope.spawn(move || self.work_alone(experiment, address, next, &send));
             }
             drop(send);
             let (mut outcome, mut is_kept) = (Ok(()), true);
@@ -72,9 +82,15 @@ impl Workers {
     }
 
     /// One thread's work.
-    fn work_alone(&self, experiment: &Experiment, next: &impl Fn() -> Option<Task>, send: &Answers) {
+    fn work_alone(
+        &self,
+        experiment: &Experiment,
+        address: Option<&str>,
+        next: &impl Fn() -> Option<Task>,
+        send: &Answers,
+    ) {
         let mut remote = None;
-        if let Place::Server(address) = &self.place {
+        if let Some(address) = address {
             match Remote::connect(address, &self.name) {
                 Ok(connected) => remote = Some(connected),
                 Err(error) => return drop(send.send(Err(error))),

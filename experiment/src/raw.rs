@@ -11,7 +11,7 @@ pub(crate) struct Experiment {
     #[serde(default)]
     pub(crate) description: String,
     pub(crate) scenario: String,
-    pub(crate) brain: Option<String>,
+    pub(crate) brain: Option<Value>,
     pub(crate) brains: Option<Vec<String>>,
     pub(crate) seconds: Option<f64>,
     pub(crate) seeds: Option<Value>,
@@ -27,6 +27,13 @@ pub(crate) struct Experiment {
     pub(crate) tune: Option<Tune>,
     #[serde(default)]
     pub(crate) charts: Vec<Chart>,
+}
+
+/// A brain that is a program.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Program {
+    pub(crate) exec: String,
 }
 
 /// Which combinations of the fields' values are run.

@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use baudbot_client::{Client, Error as ClientError, connect};
+use baudbot_launch::{Crew, Failure as Broken, Held};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use tokio::runtime::Runtime;
 use tonic::transport::Channel;
 use tonic::{Code, Status};
 
-use crate::assignment::{AssignmentError, AttachedBrains};
+use crate::assignment::{Assigned, AssignmentError, AttachedBrains, START_PATIENCE};
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::metrics::Counted;
@@ -20,6 +21,8 @@ use crate::setup::{self, Setup};
 pub(crate) struct Remote {
     runtime: Runtime,
     client: Client,
+    /// Where the server is, for programs that attach to it.
+    address: String,
     name: String,
 }
 
@@ -37,7 +40,7 @@ impl Remote {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
         let client = runtime.block_on(connect(address)).map_err(|error| failed(&error))?;
-        Ok(Self { runtime, client, name: name.to_owned() })
+        Ok(Self { runtime, client, address: address.to_owned(), name: name.to_owned() })
     }
 
     /// Does a run in a world of its own, which is there only for it.
@@ -72,10 +75,13 @@ impl Remote {
     ) -> Result<Ran, Failure> {
         let seed = setup.scenario.seed;
         let mut attached = Vec::new();
-        for assignment in setup.assignments {
+        let wanted = setup.assigned.clone();
+        for assignment in setup.assigned.brains {
             let brains = AttachedBrains::attach(self.client.clone(), world, assignment, seed).await;
             attached.push(brains.map_err(Failure::of_attach)?);
         }
+        let mut crew = Crew::start(&setup.assigned.programs, &self.address, world, seed)?;
+        crew.attached(START_PATIENCE, async || held(control, world, &wanted).await).await?;
         let start = v1::StartWorldRequest { world: world.to_owned() };
         control.start_world(start).await.map_err(|status| Failure::of(&status))?;
         let mut driving = tokio::task::JoinSet::new();
@@ -83,10 +89,24 @@ impl Remote {
             // Brains hold their robots until all is over.
             driving.spawn(async move { brains.run().await.map(|_| brains) });
         }
-        for driven in driving.join_all().await {
-            driven.map_err(Failure::of_client)?;
-        }
-        let status = ended(control, world).await?;
+        let mut over = control.clone();
+        // A world whose program has gone waits for brains; that the program has gone is soon known.
+        let may_wait = !setup.assigned.programs.is_empty();
+        let status = tokio::select! {
+            biased;
+            status = async {
+                for driven in driving.join_all().await {
+                    driven.map_err(Failure::of_client)?;
+                }
+                ended(&mut over, world, may_wait).await
+            } => status?,
+            failure = crew.failed() => match status_of(control, world).await? {
+                // It has only been quicker than the look at the world.
+                status if status.state() == v1::WorldState::Ended => status,
+                _ => return Err(failure.into()),
+            },
+        };
+        crew.end().await?;
         Ok(Ran::of(&Counted::of_status(&status)))
     }
 }
@@ -118,15 +138,19 @@ async fn create(
     answer.map(|_| ()).map_err(|status| Failure::of(&status))
 }
 
-/// Waits for the end of the run, which no stream reports if the run has no brains.
-async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Result<v1::WorldStatus, Failure> {
+/// Waits for the end of the run, which no stream reports if the run has no brains of this process.
+async fn ended(
+    control: &mut ControlServiceClient<Channel>,
+    world: &str,
+    may_wait: bool,
+) -> Result<v1::WorldStatus, Failure> {
     let mut pause = Duration::from_millis(1);
     loop {
-        let answer = control.get_world(v1::GetWorldRequest { world: world.to_owned() }).await;
-        let status = answer.map_err(|status| Failure::of(&status))?.into_inner().status.unwrap_or_default();
+        let status = status_of(control, world).await?;
         match status.state() {
             v1::WorldState::Ended => return Ok(status),
             v1::WorldState::Running => {}
+            v1::WorldState::WaitingForBrains if may_wait => {}
             v1::WorldState::Unspecified | v1::WorldState::WaitingForBrains | v1::WorldState::Paused => {
                 return Err(Failure::Server(Error::Server(format!(
                     "world `{world}` was stopped on the server"
@@ -135,6 +159,30 @@ async fn ended(control: &mut ControlServiceClient<Channel>, world: &str) -> Resu
         }
         tokio::time::sleep(pause).await;
         pause = (2 * pause).min(LONGEST_PAUSE);
+    }
+}
+
+async fn status_of(
+    control: &mut ControlServiceClient<Channel>,
+    world: &str,
+) -> Result<v1::WorldStatus, Failure> {
+    let answer = control.get_world(v1::GetWorldRequest { world: world.to_owned() }).await;
+    Ok(answer.map_err(|status| Failure::of(&status))?.into_inner().status.unwrap_or_default())
+}
+
+/// Which robots are held.
+async fn held(
+    control: &mut ControlServiceClient<Channel>,
+    world: &str,
+    wanted: &Assigned,
+) -> Result<Vec<Held>, Failure> {
+    Ok(wanted.held(&status_of(control, world).await?))
+}
+
+impl From<Broken> for Failure {
+    /// A program that fails is the run's own fault. A table has a line for it.
+    fn from(failure: Broken) -> Self {
+        Self::Run(failure.to_string().replace('\n', " | "))
     }
 }
 

@@ -4,7 +4,7 @@ use baudbot_brains::catalogue;
 use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
-use crate::assignment::{self, Assignment, AssignmentError};
+use crate::assignment::{self, Assigned, AssignmentError};
 use crate::experiment::Experiment;
 use crate::factor::Setting;
 use crate::run_record::Task;
@@ -13,7 +13,7 @@ use crate::suggest::UnknownName;
 /// A run that can be done.
 pub(crate) struct Setup {
     pub(crate) scenario: Scenario,
-    pub(crate) assignments: Vec<Assignment>,
+    pub(crate) assigned: Assigned,
 }
 
 /// Why a run cannot be done, in a line.
@@ -37,8 +37,8 @@ impl Setup {
         if scenario.end.after.is_none() {
             return Err(SetupError::Endless);
         }
-        let assignments = assignments(experiment, task, &scenario)?;
-        Ok(Self { scenario, assignments })
+        let assigned = assigned(experiment, task, &scenario)?;
+        Ok(Self { scenario, assigned })
     }
 }
 
@@ -62,11 +62,7 @@ pub(crate) fn parse(experiment: &Experiment, overrides: &[String]) -> Result<Sce
 }
 
 /// The experiment's brains with what the task changes of them.
-fn assignments(
-    experiment: &Experiment,
-    task: &Task,
-    scenario: &Scenario,
-) -> Result<Vec<Assignment>, SetupError> {
+fn assigned(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result<Assigned, SetupError> {
     let mut brains = experiment.brains.clone();
     for setting in settings(task) {
         if let Setting::Brain(brain) = setting {
@@ -74,20 +70,28 @@ fn assignments(
             brains.push(brain.clone());
         }
     }
-    let mut assignments = assignment::assign(&brains, &scenario.robots)?;
+    let mut assigned = assignment::assign(&brains, &scenario.robots)?;
+    for task in &mut assigned.programs {
+        task.program = task.program.clone().in_folder(experiment.folder.clone());
+    }
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
-            set_parameter(&mut assignments, name, value)?;
+            set_parameter(&mut assigned, name, value)?;
         }
     }
-    Ok(assignments)
+    Ok(assigned)
 }
 
-/// Sets it for all brains that have it.
-fn set_parameter(assignments: &mut [Assignment], name: &str, value: &str) -> Result<(), UnknownName> {
+/// Sets it for all brains that have it. Which parameters a program has, only the program knows.
+fn set_parameter(assigned: &mut Assigned, name: &str, value: &str) -> Result<(), UnknownName> {
     let mut known = Vec::new();
-    let mut found = false;
-    for assignment in assignments {
+    let mut found = !assigned.programs.is_empty();
+    for task in &mut assigned.programs {
+        let text = || serde_json::Value::String(value.to_owned());
+        let value = serde_json::from_str(value).unwrap_or_else(|_| text());
+        task.parameters.insert(name.to_owned(), value);
+    }
+    for assignment in &mut assigned.brains {
         if catalogue::takes(&assignment.brain, name) {
             let and = if assignment.brain.contains(':') { ',' } else { ':' };
             assignment.brain += &format!("{and}{name}={value}");

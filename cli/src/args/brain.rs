@@ -17,7 +17,7 @@ pub(crate) struct BrainArgs {
     pub(crate) list: bool,
     #[command(flatten)]
     pub(crate) server: ConnectArgs,
-    /// A robot to drive; may be given several times [default: the world's only robot]
+    /// A robot to drive, or robots by a pattern such as 'cell-*'; may be given several times [default: the world's only robot]
     #[arg(long = "robot", value_name = "ROBOT")]
     pub(crate) robots: Vec<String>,
     /// Seed of the brain's own random numbers

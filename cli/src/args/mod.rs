@@ -108,10 +108,14 @@ pub(crate) struct RunArgs {
     pub(crate) scenario: Option<String>,
     /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
     ///
-    /// BRAIN is a name, or a brain's description file in TOML. By default every robot gets `avoid`, which needs IR
+    /// BRAIN is a name, a brain's description file in TOML, or `exec:PROGRAM ARGUMENTS…`, a program of your own, which finds in
+    /// BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT where it is to attach. ROBOT may be a pattern such as 'cell-*'. By default every robot gets `avoid`, which needs IR
     /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
+    /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) external: Option<u16>,
     /// End after this much simulated time
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) seconds: Option<f64>,

@@ -3,6 +3,9 @@
 use clap::ValueEnum;
 use serde::Serialize;
 
+use baudbot_experiment::assignment;
+use baudbot_launch::EXEC;
+
 use super::{PaceName, RunArgs};
 use crate::error::Refused;
 use crate::logs;
@@ -50,6 +53,8 @@ impl RunArgs {
             (!listen.listen.is_empty(), "--listen"),
             (matches!(listen.viewer, Some(Viewer::At(_))), "--viewer"),
             (listen.insecure, "--insecure"),
+            (self.external.is_some(), "--external"),
+            (self.brains.iter().any(|brain| assignment::split(brain).1.starts_with(EXEC)), "--brain exec:"),
             (listen.max_connections.is_some(), "--max-connections"),
             // Nobody can interrupt a brain on the same thread, and the world cannot run ahead of it.
             (watchdog.watchdog_ms.is_some(), "--watchdog-ms"),
@@ -93,6 +98,9 @@ mod tests {
             "--watchdog-ms 5",
             "--on-timeout wait",
             "--lookahead off",
+            "--external 2",
+            "--brain exec:./follow.py",
+            "--brain alice=exec:./follow.py",
         ] {
             assert_eq!(over(options), Ok(Over::Grpc), "{options}");
         }

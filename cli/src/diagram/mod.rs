@@ -25,7 +25,7 @@ use baudbot_plot::timing::{self, Diagram, Mark};
 
 use self::record::{Place, Wanted, Window};
 use crate::args::DiagramArgs;
-use crate::assignment::{self, Assignment};
+use crate::assignment::{self, Assigned, Assignment};
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
@@ -35,24 +35,22 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
-    let assignments = assignment::assign(&args.brains, &scenario.robots)?;
-    assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
+    let assigned = assignment::assign(&args.brains, &scenario.robots)?;
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let wanted = wanted(args);
-    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &assignments, place)?)?;
+    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &assigned.brains, place)?)?;
     let window = wanted.window(robot, &events, scenario.step_ns);
     let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
     let name = source.world_name(&scenario);
     let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
-    picture.ran = ran(&scenario, robot, &assignments);
+    picture.ran = ran(&scenario, robot, &assigned);
     text::write(path, &picture.draw())
 }
 
 /// The title: the robot's brain, its link and the seed, and the changes of the scenario.
-fn ran(scenario: &Scenario, robot: &RobotSpec, assignments: &[Assignment]) -> Vec<String> {
-    let own = assignments.iter().filter(|assignment| assignment.robots.contains(&robot.name));
-    let brains: Vec<_> = own.map(|assignment| assignment.brain.clone()).collect();
+fn ran(scenario: &Scenario, robot: &RobotSpec, assigned: &Assigned) -> Vec<String> {
+    let brains: Vec<_> = assigned.brain_of(&robot.name).into_iter().collect();
     let facts = caption::facts(&brains, &[caption::link(&robot.link)], scenario.seed);
     let about = caption::about(scenario, false);
     let changed = (about != scenario.description).then_some(about);

@@ -55,7 +55,7 @@ impl Running {
         let specs = &plan.scenario.robots;
         let every = plan.frame.unwrap_or(Client::LOOKS_EVERY);
         self.drivers.resize_with(specs.len(), || None);
-        for assignment in &plan.assignments {
+        for assignment in &plan.assigned.brains {
             let place = |name: &String| specs.iter().position(|spec| spec.name == *name);
             let robots: Vec<_> = assignment.robots.iter().filter_map(place).collect();
             let asked: Arc<str> = assignment.brain.as_str().into();

@@ -19,7 +19,7 @@ use baudbot_sim::{Scenario, World};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::{ChangeArgs, Over, RunArgs};
-use crate::assignment::{self, Assignment};
+use crate::assignment::{self, Assigned};
 use crate::csv::Table;
 use crate::error::Refused;
 use crate::output_files::{self, Files, STDOUT};
@@ -34,7 +34,7 @@ use crate::{record, report, text};
 struct Plan {
     world: String,
     scenario: Arc<Scenario>,
-    assignments: Vec<Assignment>,
+    assigned: Assigned,
     pace: Pace,
     over: Over,
     /// Seed of the brains.
@@ -67,7 +67,7 @@ pub(crate) async fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     // The world has closed the files, or its thread will at once.
     let status = outside.files.finish().await.and(status)?;
-    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assignments, plan.over);
+    let summary = Summary::new(&plan.scenario, &status, outside.interrupted, &plan.assigned, plan.over);
     show(args, &summary)?;
     let unwritten = summary.recording.as_ref().and_then(|recording| recording.problem.as_ref());
     if let Some(problem) = unwritten {
@@ -115,11 +115,10 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let assignments = assignment::assign(&args.brains, &scenario.robots)?;
-        assignments.iter().try_for_each(|assignment| assignment::check_name(&assignment.brain))?;
+        let assigned = assigned(args, &scenario)?;
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
-        Ok(Self { world, scenario: scenario.into(), assignments, pace, over, seed, frame, note })
+        Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note })
     }
 
     /// The world, which stands until its brains are there.
@@ -142,6 +141,24 @@ impl Plan {
         let after = self.scenario.end.after?;
         Some(after.as_ns().div_ceil(self.scenario.step_ns).max(1))
     }
+}
+
+/// Who drives the robots; with `--external` those that no brain is named for are left to others.
+fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
+    let Some(external) = args.external else { return assignment::assign(&args.brains, &scenario.robots) };
+    let mut brains = args.brains.clone();
+    if !brains.iter().any(|brain| assignment::is_for_all(brain)) {
+        brains.push(assignment::NONE.to_owned());
+    }
+    let assigned = assignment::assign(&brains, &scenario.robots)?;
+    let free = scenario.robots.iter().filter(|spec| assigned.brain_of(&spec.name).is_none()).count();
+    if free < external.into() {
+        return Err(Refused::error(format!(
+            "--external {external}: {} without a --brain; give fewer of them one, or ask for fewer",
+            baudbot_plot::quantity::count(free, "robot is")
+        )));
+    }
+    Ok(assigned)
 }
 
 /// Refuses outputs that would be written into each other.

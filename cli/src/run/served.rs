@@ -5,15 +5,19 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow};
 use baudbot_client::Client;
+use baudbot_experiment::assignment::START_PATIENCE;
+use baudbot_launch::{Crew, Held};
+use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
-use baudbot_server::{OnTick, Pace, Progress, Server};
+use baudbot_server::{Address, OnTick, Pace, Progress, Server};
 use indicatif::ProgressBar;
+use tempfile::TempDir;
 use tokio::task::JoinSet;
 use tonic::transport::Channel;
 
 use super::{Outside, Plan, progress};
-use crate::args::RunArgs;
+use crate::args::{DEFAULT_ADDRESS, RunArgs};
 use crate::assignment::AttachedBrains;
 use crate::error::{from_builder, from_server};
 use crate::text::tell;
@@ -26,8 +30,9 @@ pub(super) async fn run(
     outside: &mut Outside<'_>,
 ) -> anyhow::Result<v1::WorldStatus> {
     let progress = Arc::new(Progress::default());
-    let server = serve(outside.args, plan, on_tick, Arc::clone(&progress)).await?;
-    let status = Running { plan, server: &server, progress, outside }.until_over().await;
+    let private = Private::new(plan)?;
+    let server = serve(outside.args, plan, on_tick, Arc::clone(&progress), private.as_ref()).await?;
+    let status = Running { plan, server: &server, private, progress, outside }.until_over().await;
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
         tell!("note: a client kept its connection open; it was closed");
     }
@@ -39,24 +44,49 @@ async fn serve(
     plan: &Plan,
     on_tick: Option<OnTick>,
     progress: Arc<Progress>,
+    private: Option<&Private>,
 ) -> anyhow::Result<Server> {
     let mut builder = args.listen.builder().world(plan.world(args, on_tick).progress(progress));
-    for address in &args.listen.listen {
-        builder = builder.listen(address.clone());
+    let default = args.external.filter(|_| args.listen.listen.is_empty()).map(|_| DEFAULT_ADDRESS.parse());
+    for address in args.listen.listen.iter().cloned().chain(default.transpose()?) {
+        builder = builder.listen(address);
+    }
+    if let Some(private) = private {
+        builder = builder.listen(private.address.clone());
     }
     // What is over in a moment nobody can look at.
     builder = viewer::add(builder, args.listen.viewer, matches!(plan.pace, Pace::Timed(_)));
     let server = builder.serve().await.map_err(from_builder)?;
     if !args.quiet {
-        server.addresses().iter().for_each(|address| tell!("listening on {address}"));
+        let public = |address: &&Address| private.is_none_or(|private| private.address != **address);
+        server.addresses().iter().filter(public).for_each(|address| tell!("listening on {address}"));
         viewer::link(&server).iter().for_each(|link| tell!("{link}"));
     }
     Ok(server)
 }
 
+/// Where the programs of a run attach: a socket in a folder that only this user may enter.
+struct Private {
+    address: Address,
+    _folder: TempDir,
+}
+
+impl Private {
+    /// None if there are no programs.
+    fn new(plan: &Plan) -> anyhow::Result<Option<Self>> {
+        if plan.assigned.programs.is_empty() {
+            return Ok(None);
+        }
+        let folder = tempfile::Builder::new().prefix("baudbot-").tempdir();
+        let folder = folder.context("cannot make a folder for the socket of programs")?;
+        Ok(Some(Self { address: Address::Unix(folder.path().join("socket")), _folder: folder }))
+    }
+}
+
 struct Running<'a, 'b> {
     plan: &'a Plan,
     server: &'a Server,
+    private: Option<Private>,
     progress: Arc<Progress>,
     outside: &'a mut Outside<'b>,
 }
@@ -66,28 +96,70 @@ impl Running<'_, '_> {
         let channel = self.server.channel().await?;
         let mut control = connect::control(channel.clone());
         let mut brains = JoinSet::new();
-        for assignment in &self.plan.assignments {
+        for assignment in &self.plan.assigned.brains {
             let client = record::publishing(Client::from_channel(channel.clone()), self.plan.frame);
             let mut attached =
                 AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
             // They hold their robots until all is over.
             brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
         }
+        let mut crew = self.crew(&mut control).await?;
+        self.external(&mut control).await?;
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
         let bar = progress(self.plan.ticks(), self.outside.args.quiet);
         // Who is done holds its robots, too, until the status is there: what it said goes with it.
         let mut done = Vec::new();
-        let waited = self.wait(&mut brains, &mut done, &bar).await;
+        let waited = self.wait(&mut brains, &mut done, &mut crew, &bar).await;
         bar.finish_and_clear();
         waited?;
         let status = self.pause(control).await?;
+        crew.end().await?;
         if status.recording.is_none() {
             return Ok(status);
         }
         // A tick that was under way may have ended since the pause: what is told is what the recording ends with.
         let closed = self.server.stop_recording(&self.plan.world).await;
         closed.map_err(|status| from_server(&status))
+    }
+
+    /// The programs, which hold their robots.
+    async fn crew(&mut self, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<Crew> {
+        let Some(private) = &self.private else { return Ok(Crew::default()) };
+        let Plan { assigned, world, seed, .. } = self.plan;
+        let mut crew = Crew::start(&assigned.programs, &private.address.to_string(), world, *seed)?;
+        let held = async || -> anyhow::Result<Vec<Held>> {
+            let request = v1::GetWorldRequest { world: world.clone() };
+            let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
+            Ok(assigned.held(&answer.into_inner().status.unwrap_or_default()))
+        };
+        tokio::select! {
+            attached = crew.attached(START_PATIENCE, held) => attached?,
+            () = self.outside.stop.wait() => self.outside.interrupted = true,
+        }
+        Ok(crew)
+    }
+
+    /// Waits until programs from elsewhere hold as many robots as `--external` asks for.
+    async fn external(&mut self, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<()> {
+        let Some(wanted) = self.outside.args.external else { return Ok(()) };
+        if !self.outside.args.quiet {
+            tell!("waiting until programs hold {}", count(wanted.into(), "robot"));
+        }
+        let mut look = tokio::time::interval(LOOK);
+        while !self.outside.interrupted {
+            let request = v1::GetWorldRequest { world: self.plan.world.clone() };
+            let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;
+            let robots = self.plan.assigned.held(&answer.into_inner().status.unwrap_or_default());
+            if robots.iter().filter(|robot| robot.held && !robot.expected).count() >= wanted.into() {
+                break;
+            }
+            tokio::select! {
+                _ = look.tick() => {}
+                () = self.outside.stop.wait() => self.outside.interrupted = true,
+            }
+        }
+        Ok(())
     }
 
     /// The world's last state; a run that has ended is not changed by a pause.
@@ -101,10 +173,14 @@ impl Running<'_, '_> {
         &mut self,
         brains: &mut JoinSet<anyhow::Result<AttachedBrains>>,
         done: &mut Vec<AttachedBrains>,
+        crew: &mut Crew,
         bar: &ProgressBar,
     ) -> anyhow::Result<()> {
         let mut redraw = tokio::time::interval(REDRAW);
-        loop {
+        // A failure takes a moment to be told: what has begun of that is not begun again at each redraw.
+        let failed = crew.failed();
+        tokio::pin!(failed);
+        while !self.outside.interrupted {
             tokio::select! {
                 // When the world is over, because an operator deleted it, so is the run.
                 () = self.progress.ended() => return Ok(()),
@@ -113,14 +189,26 @@ impl Running<'_, '_> {
                     return Ok(());
                 }
                 error = self.outside.files.failure() => return Err(error),
+                failure = &mut failed => {
+                    // A program ends with its run, and may be quicker than the news of it.
+                    let over = tokio::time::timeout(NEWS, self.progress.ended()).await;
+                    return over.map_err(|_| failure.into());
+                }
                 Some(brain) = brains.join_next() => done.push(brain.context("a brain panicked")??),
                 _ = redraw.tick() => bar.set_position(self.progress.tick()),
             }
         }
+        Ok(())
     }
 }
 
+/// How often is looked who holds the robots.
+const LOOK: Duration = Duration::from_millis(20);
+
 const REDRAW: Duration = Duration::from_millis(100);
+
+/// How long the news of a run's end may take within this process.
+const NEWS: Duration = Duration::from_millis(200);
 
 /// How long connections have to close.
 const PATIENCE: Duration = Duration::from_secs(3);

@@ -6,7 +6,7 @@ use baudbot_sim::Scenario;
 use serde::Serialize;
 
 use crate::args::Over;
-use crate::assignment::Assignment;
+use crate::assignment::Assigned;
 
 mod robot;
 
@@ -119,7 +119,7 @@ impl Summary {
         scenario: &Scenario,
         status: &v1::WorldStatus,
         interrupted: bool,
-        assignments: &[Assignment],
+        assigned: &Assigned,
         over: Over,
     ) -> Self {
         let (simulated_s, wall_s) = (seconds(status.time_ns), seconds(status.running_wall_ns));
@@ -149,7 +149,7 @@ impl Summary {
             score: status.score.as_ref().map(Score::new),
             blocked: status.movers.iter().filter(|mover| mover.blocked_ns > 0).map(Blocked::new).collect(),
             recording: status.recording.as_ref().map(Recording::new),
-            robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assignments)).collect(),
+            robots: robots.map(|(spec, robot)| Robot::new(spec, robot, status, assigned)).collect(),
         }
     }
 }
@@ -213,6 +213,7 @@ fn clock(pacing: &v1::PaceStatus, simulated_s: f64, wall_s: f64, factor: f64) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assignment::Assignment;
 
     fn status(kind: Kind) -> v1::WorldStatus {
         v1::WorldStatus {
@@ -237,9 +238,10 @@ mod tests {
             link = { kind = "uart", baud = 9600 }
         "#;
         let scenario = baudbot_scenario::parse(toml).unwrap();
-        let assignments = [Assignment { brain: "wander".into(), robots: vec!["alice".into()] }];
+        let brains = vec![Assignment { brain: "wander".into(), robots: vec!["alice".into()] }];
+        let assigned = Assigned { brains, programs: Vec::new() };
         let scaled = Kind::Scaled(v1::Scaled { factor: 1.5, max_lag_ms: 100 });
-        let summary = Summary::new(&scenario, &status(scaled), true, &assignments, Over::Grpc);
+        let summary = Summary::new(&scenario, &status(scaled), true, &assigned, Over::Grpc);
         assert_eq!(summary.simulated_per_wall, 1.5);
         assert!(summary.interrupted && summary.lockstep.is_none());
         let clock = summary.clock.unwrap();
@@ -254,7 +256,7 @@ mod tests {
     fn a_run_that_has_ended_was_not_interrupted() {
         let scenario = baudbot_scenario::parse("").unwrap();
         let free = v1::WorldStatus { ending: "time".into(), ..status(Kind::Free(v1::Free {})) };
-        let summary = Summary::new(&scenario, &free, true, &[], Over::Grpc);
+        let summary = Summary::new(&scenario, &free, true, &Assigned::default(), Over::Grpc);
         assert_eq!((summary.ending.as_str(), summary.interrupted), ("time", false));
         assert!(summary.clock.is_none());
     }

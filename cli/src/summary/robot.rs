@@ -7,7 +7,7 @@ use baudbot_sim::sensor::Sensor as SensorSpec;
 use serde::Serialize;
 
 use super::seconds;
-use crate::assignment::Assignment;
+use crate::assignment::Assigned;
 use crate::link;
 
 /// The results of a robot.
@@ -123,7 +123,7 @@ impl Robot {
         spec: &RobotSpec,
         status: &v1::RobotStatus,
         world: &v1::WorldStatus,
-        assignments: &[Assignment],
+        assigned: &Assigned,
     ) -> Self {
         let simulated_s = seconds(world.time_ns);
         let (baud, bits_per_character) = match &spec.link {
@@ -132,10 +132,9 @@ impl Robot {
         };
         let capacity = link::bytes_per_second(&spec.link).map(|rate| rate * simulated_s);
         let sensors = status.sensors.iter().zip(spec.sensors.iter());
-        let assignment = assignments.iter().find(|assignment| assignment.robots.contains(&spec.name));
         Self {
             robot: status.robot.clone(),
-            brain: assignment.map_or_else(|| status.brain.clone(), |assignment| assignment.brain.clone()),
+            brain: assigned.brain_of(&spec.name).unwrap_or_else(|| status.brain.clone()),
             distance_m: status.distance_m,
             collisions: status.collisions,
             turns: status.turns,

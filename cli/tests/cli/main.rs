@@ -18,6 +18,7 @@ mod paths;
 mod plans;
 mod presets;
 mod processes;
+mod programs;
 mod recordings;
 mod refusals;
 mod runs;

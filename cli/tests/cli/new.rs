@@ -26,18 +26,15 @@ fn a_project_in_rust_names_the_crates_of_this_one() {
 }
 
 #[test]
-fn a_project_in_python_has_the_contract_with_it() {
+fn a_project_in_python_has_the_package_with_it() {
     let folder = folder("timid");
     good(&["new", "brain", &folder, "--lang", "python"]);
-    let read = |name: &str| std::fs::read(Path::new(&folder).join(name)).unwrap();
-    assert_eq!(read("baudbot.binpb"), baudbot_proto::DESCRIPTORS);
-    let generate = String::from_utf8(read("generate.sh")).unwrap();
-    assert!(
-        generate.contains(" baudbot/v1/brain_link.proto") && !generate.contains("{protos}"),
-        "{generate}"
-    );
-    let brain = String::from_utf8(read("brain.py")).unwrap();
-    assert!(brain.contains("PYTHON = Path(__file__).resolve().parent\n"), "{brain}");
+    let read = |name: &str| std::fs::read_to_string(Path::new(&folder).join(name)).unwrap();
+    assert!(read("brain.py").contains("class Avoid(baudbot.Brain):"));
+    assert_eq!(read("requirements.txt"), "./baudbot-client\n");
+    assert!(read("baudbot-client/pyproject.toml").contains("name = \"baudbot-client\""));
+    assert!(read("baudbot-client/src/baudbot/v1/brain_link_pb2.py").contains("DESCRIPTOR"));
+    assert!(read("baudbot-client/src/baudbot/scenarios/wander.toml").contains("name = \"wander\""));
 }
 
 #[test]

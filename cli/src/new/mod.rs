@@ -1,20 +1,20 @@
 //! `baudbot new brain`: a small project that attaches to a robot and drives it.
 
+mod python_client;
+
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
-use anyhow::Context;
-use prost::Message;
-use prost_types::FileDescriptorSet;
-
+use self::python_client::PACKAGE;
 use crate::args::{Language, NewBrainArgs};
 use crate::error::Refused;
 use crate::text;
+use anyhow::Context;
 
 /// A file of a project: its path, its text, and whether it is a program.
-type File = (&'static str, Vec<u8>, bool);
+type File = (String, Vec<u8>, bool);
 
 pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     let folder = &args.folder;
@@ -29,7 +29,7 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     let (files, first) = match args.lang {
         Language::Rust => (rust(&name, &source(args)?), "cargo run --release -- brain.toml --world wander"),
         Language::Python => {
-            (python(&name)?, ".venv/bin/python brain.py   (README.md says what to install before)")
+            (python(&name), ".venv/bin/python brain.py   (README.md says what to install before)")
         }
     };
     for (path, text, is_program) in files {
@@ -79,35 +79,32 @@ fn source(args: &NewBrainArgs) -> anyhow::Result<String> {
 fn rust(name: &str, baudbot: &str) -> Vec<File> {
     let fill = |template: &str| template.replace("{name}", name).replace("{baudbot}", baudbot).into_bytes();
     vec![
-        ("Cargo.toml", fill(include_str!("../templates/rust/Cargo.toml")), false),
-        ("README.md", fill(include_str!("../templates/rust/README.md")), false),
-        ("brain.toml", fill(include_str!("../templates/rust/brain.toml")), false),
-        ("src/main.rs", include_bytes!("../templates/rust/main.rs").to_vec(), false),
-        (".gitignore", b"/target\n".to_vec(), false),
+        ("Cargo.toml".into(), fill(include_str!("../../templates/rust/Cargo.toml")), false),
+        ("README.md".into(), fill(include_str!("../../templates/rust/README.md")), false),
+        ("brain.toml".into(), fill(include_str!("../../templates/rust/brain.toml")), false),
+        ("src/main.rs".into(), include_bytes!("../../templates/rust/main.rs").to_vec(), false),
+        (".gitignore".into(), b"/target\n".to_vec(), false),
     ]
 }
 
-fn python(name: &str) -> anyhow::Result<Vec<File>> {
-    let set = FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS)?;
-    let ours = set.file.iter().map(|file| file.name()).filter(|name| name.starts_with("baudbot/"));
-    let generate = include_str!("../templates/python/generate.sh");
-    let generate = generate.replace("{protos}", &ours.collect::<Vec<_>>().join(" "));
-    let readme = include_str!("../templates/python/README.md").replace("{name}", name);
-    // The example, where its stubs are beside it.
-    let example = include_str!("../../client/python/examples/avoid.py");
-    let brain =
-        example.replace(".resolve().parent.parent", ".resolve().parent").replace("avoid.py", "brain.py");
-    let brain = brain
-        .replace("proto/baudbot/v1/brain_link.proto", "baudbot.binpb")
-        .replace("../README.md", "README.md");
-    Ok(vec![
-        ("README.md", readme.into_bytes(), false),
-        ("baudbot.binpb", baudbot_proto::DESCRIPTORS.to_vec(), false),
-        ("brain.py", brain.into_bytes(), true),
-        ("generate.sh", generate.into_bytes(), true),
-        ("requirements.txt", include_bytes!("../templates/python/requirements.txt").to_vec(), false),
-        (".gitignore", b"/.venv\n/generated\n".to_vec(), false),
-    ])
+/// The package for brains is in no registry, so that the project has it with it.
+fn python(name: &str) -> Vec<File> {
+    let readme = include_str!("../../templates/python/README.md").replace("{name}", name);
+    let example = include_str!("../../../client/python/examples/avoid.py");
+    let mut files: Vec<File> = vec![
+        ("README.md".into(), readme.into_bytes(), false),
+        ("brain.py".into(), example.into(), true),
+        (
+            "requirements.txt".into(),
+            include_bytes!("../../templates/python/requirements.txt").to_vec(),
+            false,
+        ),
+        (".gitignore".into(), b"/.venv\n__pycache__/\n".to_vec(), false),
+    ];
+    let package =
+        PACKAGE.iter().map(|(path, text)| (format!("baudbot-client/{path}"), (*text).into(), false));
+    files.extend(package);
+    files
 }
 
 fn write(path: &Path, text: &[u8], is_program: bool) -> anyhow::Result<()> {

@@ -1,0 +1,100 @@
+//! Brains that are programs of their own: `--brain exec:…`. Here the program is `baudbot brain`.
+
+use serde_json::Value;
+
+use crate::{baudbot, good};
+
+/// A brain of the catalogue as a program that reads where it attaches in its environment.
+fn program(brain: &str) -> String {
+    let baudbot = env!("CARGO_BIN_EXE_baudbot");
+    format!(
+        "exec:sh -c 'exec {baudbot} brain {brain} --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT --seed $BAUDBOT_SEED'"
+    )
+}
+
+fn summary(arguments: &[&str]) -> Value {
+    serde_json::from_str(&good(&[arguments, &["--json", "--quiet"]].concat())).unwrap()
+}
+
+#[test]
+fn a_program_drives_as_the_same_brain_in_this_process() {
+    let run = |brain: &str| summary(&["run", "wander", "--seconds", "20", "--seed", "5", "--brain", brain]);
+    let (own, inside) = (run(&program("avoid")), run("avoid"));
+    assert_eq!(own["state_hash"], inside["state_hash"]);
+    assert_eq!((own["over"].as_str(), inside["over"].as_str()), (Some("grpc"), Some("direct")));
+    assert_eq!(own["robots"][0]["brain"], program("avoid"));
+    assert_eq!(own["robots"][0]["collisions"], 0);
+}
+
+#[test]
+fn bad_programs_are_told_in_a_sentence() {
+    for (brain, words) in [
+        ("exec:/nowhere/follow", "there is no program `/nowhere/follow`"),
+        ("exec:", "`exec:` names no program"),
+        ("exec:sh -c 'echo no luck; exit 3'", "exited with code 3 before it attached; it printed\n  no luck"),
+        ("nobody=exec:true", "there is no robot `nobody`"),
+    ] {
+        let (code, out, err) = baudbot(&["run", "wander", "--seconds", "1", "--brain", brain]);
+        assert!(code != 0 && out.is_empty(), "{brain}: {code} {out}");
+        assert!(err.contains(words), "{brain}: {err}");
+    }
+    let dies = program("avoid").replace("exec ", "").replace("'exec:", "'");
+    let dies = dies.replacen("-c '", "-c '(sleep 0.5; kill -9 $$) & ", 1);
+    let (code, _, err) = baudbot(&["run", "wander", "--seconds", "1000000", "--brain", &dies]);
+    assert!(code == 1 && err.contains("was ended by signal 9 before the run was over"), "{err}");
+}
+
+#[test]
+fn a_program_that_drives_another_robot_is_told() {
+    let scenario = std::env::temp_dir().join(format!("baudbot-two-{}.toml", std::process::id()));
+    let robots = ["alice", "bob"].map(|name| {
+        let x = if name == "alice" { 0.0 } else { 1.0 };
+        format!("[[robots]]\nname = \"{name}\"\npreset = \"khepera-1\"\nstart.x_m = {x:?}\n")
+    });
+    std::fs::write(&scenario, robots.concat()).unwrap();
+    let other = program("wander").replace("$BAUDBOT_ROBOT", "bob");
+    let (code, _, err) = baudbot(&[
+        "run",
+        scenario.to_str().unwrap(),
+        "--brain",
+        "bob=none",
+        "--brain",
+        &format!("alice={other}"),
+        "--seconds",
+        "1",
+    ]);
+    assert!(code == 1 && err.contains("was started for alice (BAUDBOT_ROBOT), but bob is held"), "{err}");
+    std::fs::remove_file(scenario).unwrap();
+}
+
+#[test]
+fn a_sweep_runs_a_program_with_its_parameters_from_the_experiments_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let baudbot_program = env!("CARGO_BIN_EXE_baudbot");
+    let script = format!(
+        "speed=${{BAUDBOT_PARAMETERS#*:}}\nexec {baudbot_program} brain constant:left=${{speed%\\}}}},right=0.2 \
+         --connect $BAUDBOT_CONNECT --world $BAUDBOT_WORLD --robot $BAUDBOT_ROBOT\n"
+    );
+    std::fs::write(folder.path().join("drive.sh"), script).unwrap();
+    let experiment = folder.path().join("drive.toml");
+    let toml = "scenario = \"khepera\"\nseconds = 2.0\nseeds = 2\n[brain]\nexec = \"sh drive.sh\"\n\
+                [[fields]]\nfield = \"brain.left\"\nvalues = [0.1, 0.2]\n";
+    std::fs::write(&experiment, toml).unwrap();
+    let out = folder.path().join("out");
+    let (experiment, out) = (experiment.to_str().unwrap(), out.to_str().unwrap());
+    good(&["sweep", experiment, "--out", out, "--quiet"]);
+    let table = std::fs::read_to_string(format!("{out}/rows.csv")).unwrap();
+    let hashes = |table: &str| -> Vec<String> {
+        table.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(hashes(&table).len(), 4, "{table}");
+    // The same as with that brain of the catalogue.
+    let same = toml
+        .replace("[brain]\nexec = \"sh drive.sh\"\n", "")
+        .replace("scenario", "brain = \"constant:right=0.2\"\nscenario");
+    std::fs::write(experiment, same).unwrap();
+    let inside = format!("{out}-inside");
+    good(&["sweep", experiment, "--out", &inside, "--quiet"]);
+    let inside = std::fs::read_to_string(format!("{inside}/rows.csv")).unwrap();
+    assert_eq!(hashes(&table), hashes(&inside), "{table}\n{inside}");
+}

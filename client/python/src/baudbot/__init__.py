@@ -1,0 +1,58 @@
+"""Brains for robots that baudbot simulates, in Python.
+
+A brain is a class with a `step`; `attach` lets it drive a robot until the run is over::
+
+    import baudbot
+
+    class Follow(baudbot.Brain):
+        def step(self, turn):
+            near = turn.value("ir_front", 0.0)
+            return baudbot.drive(0.5 - near, 0.4)
+
+    baudbot.attach(Follow)
+
+`Client` is for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1` the bare contract.
+"""
+
+from . import aio
+from .attach import Summary, attach
+from .beliefs import Belief, GridMap
+from .body import Body, Component, Sensor
+from .brain import Brain, RawBrain
+from .client import Client
+from .commands import Command, Poll, drive, poll, stop
+from .errors import Detached, Error, NoReading, NoServer, NotFound, Refused, Restart, Taken
+from .program import main
+from .turn import Reading, Turn
+from .world import World
+
+__all__ = [
+    "Belief",
+    "Body",
+    "Brain",
+    "Client",
+    "Command",
+    "Component",
+    "Detached",
+    "Error",
+    "GridMap",
+    "NoReading",
+    "NoServer",
+    "NotFound",
+    "Poll",
+    "RawBrain",
+    "Reading",
+    "Refused",
+    "Restart",
+    "Sensor",
+    "Summary",
+    "Taken",
+    "Turn",
+    "World",
+    "aio",
+    "attach",
+    "drive",
+    "main",
+    "poll",
+    "stop",
+]

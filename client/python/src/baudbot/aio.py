@@ -1,0 +1,104 @@
+"""The same as `baudbot.attach`, for programs with asyncio; a brain's `step` may be a coroutine."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from collections.abc import AsyncIterator, Iterable, Mapping
+from contextlib import asynccontextmanager
+
+import grpc.aio
+
+from .attach import Summary, brain_maker, closed, program_name
+from .brain import Brain, Value
+from .channel import options, target
+from .errors import Error, Restart, from_rpc
+from .reconnect import Backoff, Tell, tell_on_stderr
+from .session import Session, hello
+from .settings import Settings
+from .v1 import brain_link_pb2 as pb
+from .v1 import control_pb2
+from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
+from .v1.control_pb2_grpc import ControlServiceStub
+
+
+async def attach(
+    brain: type[Brain],
+    *,
+    connect: str | None = None,
+    world: str | None = None,
+    robots: str | Iterable[str] | None = None,
+    seed: int | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    reconnect_s: float | None = None,
+    tell: Tell = tell_on_stderr,
+) -> Summary:
+    """As `baudbot.attach`. Cancelling it detaches the brains."""
+    settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
+    for name, value in settings.parameters.items():
+        brain.parameter(name, value)
+    backoff, found = Backoff(settings.reconnect_s, tell), None
+    while True:
+        try:
+            async with _channel(settings.connect) as channel:
+                found = found or await _find_robots(channel, settings)
+                return await _drive(channel, brain, settings, *found, backoff=backoff, tell=tell)
+        except Restart:
+            tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
+        except Error as error:
+            if found is None:
+                raise
+            await asyncio.sleep(backoff.wait_s(error))
+
+
+@asynccontextmanager
+async def _channel(address: str) -> AsyncIterator[grpc.aio.Channel]:
+    channel = grpc.aio.insecure_channel(target(address), options(address))
+    try:
+        yield channel
+    except grpc.aio.AioRpcError as error:
+        raise from_rpc(error, address) from None
+    finally:
+        await channel.close()
+
+
+async def _find_robots(channel: grpc.aio.Channel, settings: Settings) -> tuple[str, list[str]]:
+    if not settings.needs_look():
+        assert settings.world is not None
+        return settings.world, list(settings.robots)
+    return settings.choose((await ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest())).worlds)
+
+
+async def _drive(
+    channel: grpc.aio.Channel,
+    brain: type[Brain],
+    settings: Settings,
+    world: str,
+    robots: list[str],
+    *,
+    backoff: Backoff,
+    tell: Tell,
+) -> Summary:
+    call = BrainLinkServiceStub(channel).Attach()
+    try:
+        await call.write(hello(world, robots, brain, program_name()))
+        first = await call.read()
+        if not isinstance(first, pb.AttachResponse):
+            raise closed()
+        session = Session(first.welcome, brain_maker(brain, settings))
+        if backoff.is_lost():
+            tell(f"reconnected with a restarted brain: driving {', '.join(robots)} of world {world}")
+        backoff.connected()
+        while isinstance(response := await call.read(), pb.AttachResponse):
+            if not response.HasField("turn"):
+                return Summary(session.turns, response.ended.tick)
+            for seat, turn in session.asked(response.turn):
+                output = seat.brain.step(turn)
+                seat.answer(turn, await output if inspect.isawaitable(output) else output)
+                look = seat.look(turn)
+                if look is not None:
+                    await call.write(look)
+            await call.write(session.answer())
+        raise closed()
+    finally:
+        call.cancel()

@@ -1,0 +1,150 @@
+"""A program that drives robots until their run is over."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import queue
+import sys
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import grpc
+
+from .brain import Brain, Value
+from .channel import open_channel
+from .errors import Error, NoServer, Restart, from_rpc
+from .reconnect import Backoff, Tell, tell_on_stderr
+from .session import Make, Session, hello
+from .settings import Settings
+from .v1 import brain_link_pb2 as pb
+from .v1 import control_pb2
+from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
+from .v1.control_pb2_grpc import ControlServiceStub
+
+#: A call of an operator's is answered at once, or the server is in trouble.
+_PATIENCE_S = 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """How a run went."""
+
+    #: Turns that all brains together had.
+    turns: int
+    #: The tick of the last.
+    last_tick: int
+
+
+def attach(
+    brain: type[Brain],
+    *,
+    connect: str | None = None,
+    world: str | None = None,
+    robots: str | Iterable[str] | None = None,
+    seed: int | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    reconnect_s: float | None = None,
+    tell: Tell = tell_on_stderr,
+) -> Summary:
+    """Drives robots, each with a brain of its own, until the run is over.
+
+    What is not given is taken from the environment (`BAUDBOT_CONNECT`, …), which `baudbot run` sets for the programs that it
+    starts, or else is the default: `127.0.0.1:7400`, the server's only world, its only robot. A server that is lost is tried
+    for `reconnect_s` seconds; the brains then start over, since the world may have changed meanwhile.
+
+    Raises an `Error`, whose text is a line for people.
+    """
+    settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
+    for name, value in settings.parameters.items():
+        brain.parameter(name, value)
+    if inspect.iscoroutinefunction(brain.step):
+        raise Error(f"{brain.__name__}.step is a coroutine; attach it with `await baudbot.aio.attach({brain.__name__})`")
+    backoff, found = Backoff(settings.reconnect_s, tell), None
+    while True:
+        try:
+            with _channel(settings.connect) as channel:
+                found = found or find_robots(channel, settings)
+                return _drive(channel, brain, settings, *found, backoff=backoff, tell=tell)
+        except Restart:
+            tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
+        except Error as error:
+            # A server that was never there is no server that was lost.
+            if found is None:
+                raise
+            time.sleep(backoff.wait_s(error))
+
+
+@contextmanager
+def _channel(address: str) -> Iterator[grpc.Channel]:
+    """A channel whose errors are ours."""
+    channel = open_channel(address)
+    try:
+        yield channel
+    except grpc.RpcError as error:
+        raise from_rpc(error, address) from None
+    finally:
+        channel.close()
+
+
+def find_robots(channel: grpc.Channel, settings: Settings) -> tuple[str, list[str]]:
+    """The world and the robots that the settings name."""
+    if not settings.needs_look():
+        assert settings.world is not None
+        return settings.world, list(settings.robots)
+    worlds = ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest(), timeout=_PATIENCE_S).worlds
+    return settings.choose(worlds)
+
+
+def program_name() -> str:
+    """What the program calls itself, for people."""
+    return os.path.basename(sys.argv[0]) or "python"
+
+
+def brain_maker(brain: type[Brain], settings: Settings) -> Make:
+    """Makes the brain of each robot of a stream."""
+    return lambda body: brain(body, settings.seed, settings.parameters)
+
+
+def closed() -> NoServer:
+    """The error of a stream that ends before its run."""
+    return NoServer("the server closed the connection before the run was over")
+
+
+def _drive(
+    channel: grpc.Channel,
+    brain: type[Brain],
+    settings: Settings,
+    world: str,
+    robots: list[str],
+    *,
+    backoff: Backoff,
+    tell: Tell,
+) -> Summary:
+    requests: queue.SimpleQueue[pb.AttachRequest | None] = queue.SimpleQueue()
+    requests.put(hello(world, robots, brain, program_name()))
+    responses = BrainLinkServiceStub(channel).Attach(iter(requests.get, None))
+    try:
+        welcome = next(responses).welcome
+        session = Session(welcome, brain_maker(brain, settings))
+        if backoff.is_lost():
+            tell(f"reconnected with a restarted brain: driving {', '.join(robots)} of world {world}")
+        backoff.connected()
+        for response in responses:
+            if not response.HasField("turn"):
+                return Summary(session.turns, response.ended.tick)
+            for seat, turn in session.asked(response.turn):
+                seat.answer(turn, seat.brain.step(turn))
+                # In lockstep, what is published before the answer is there at the next tick, on any machine.
+                look = seat.look(turn)
+                if look is not None:
+                    requests.put(look)
+            requests.put(session.answer())
+        raise closed()
+    except StopIteration:
+        raise closed() from None
+    finally:
+        requests.put(None)
+        responses.cancel()

@@ -1,0 +1,63 @@
+"""What a brain may publish for people who watch: it takes no time on any cable and reaches no other brain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from .v1 import brain_link_pb2 as pb
+
+
+@dataclass(slots=True)
+class GridMap:
+    """Square cells of a map, row by row from the lower left corner."""
+
+    #: Of the lower left corner.
+    x_m: float
+    y_m: float
+    #: The side of a cell.
+    cell_m: float
+    #: Cells in a row.
+    columns: int
+    #: A byte a cell: 0 is free for sure, 254 is occupied for sure, 255 is not known.
+    cells: bytes
+
+
+@dataclass(slots=True)
+class Belief:
+    """What a brain believes and does, in coordinates of the world as it believes them to be. All parts may be left out."""
+
+    #: The state or behaviour that is active, in a few words.
+    state: str = ""
+    #: Where it believes that it is: x and y in metres, and the heading in radians.
+    pose: tuple[float, float, float] | None = None
+    #: Other poses that it thinks possible.
+    particles: Sequence[tuple[float, float, float]] = ()
+    #: Where it intends to go, in metres.
+    path: Sequence[tuple[float, float]] = ()
+    #: Utilities of behaviours by name.
+    utilities: dict[str, float] = field(default_factory=dict)
+    #: The name of the behaviour that runs, among the utilities.
+    active: str = ""
+    map: GridMap | None = None
+
+    def message(self) -> pb.Belief:
+        """As the contract has it."""
+        message = pb.Belief(
+            state=self.state,
+            utilities=[
+                pb.Utility(name=name, value=value, active=name == self.active)
+                for name, value in self.utilities.items()
+            ],
+            particles=[pb.Particle(x_m=x, y_m=y, heading_rad=heading) for x, y, heading in self.particles],
+            path=[pb.Point(x_m=x, y_m=y) for x, y in self.path],
+        )
+        if self.pose is not None:
+            x, y, heading = self.pose
+            message.pose.CopyFrom(pb.BelievedPose(x_m=x, y_m=y, heading_rad=heading))
+        if self.map is not None:
+            grid = self.map
+            message.map.CopyFrom(
+                pb.GridMap(x_m=grid.x_m, y_m=grid.y_m, cell_m=grid.cell_m, columns=grid.columns, cells=grid.cells)
+            )
+        return message

@@ -1,0 +1,80 @@
+"""What can go wrong between a program and its server, each a line that says what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import grpc
+
+
+class Error(Exception):
+    """A program of a robot cannot do what it was asked to. Its text is one line for people."""
+
+    #: Whether the same may go well a while later.
+    may_pass = False
+
+
+class NoServer(Error):
+    """No server answers there, or the connection to it is lost."""
+
+    may_pass = True
+
+
+class Taken(Error):
+    """Another brain holds the robot; it may be this program's own connection that the server has not given up yet."""
+
+    may_pass = True
+
+
+class NotFound(Error):
+    """There is no such world, robot or file."""
+
+
+class Refused(Error):
+    """The server does not accept what it was asked; its words name the field."""
+
+
+class Restart(Error):
+    """The operator asked the brain to restart. `attach` makes it afresh."""
+
+
+class Detached(Error):
+    """The operator or the watchdog took the robot away, or the world is gone."""
+
+
+class NoReading(Error):
+    """Nothing of this sensor has arrived yet, or the robot has no such sensor."""
+
+
+_KINDS: dict[grpc.StatusCode, type[Error]] = {
+    grpc.StatusCode.UNAVAILABLE: NoServer,
+    grpc.StatusCode.ALREADY_EXISTS: Taken,
+    grpc.StatusCode.NOT_FOUND: NotFound,
+    grpc.StatusCode.ABORTED: Detached,
+    grpc.StatusCode.DEADLINE_EXCEEDED: Detached,
+}
+
+
+def printable(text: str) -> str:
+    """A text of others, in which nothing is left that a terminal would obey."""
+    return "".join(c if c.isprintable() else f"\\u{{{ord(c):x}}}" for c in text)
+
+
+def from_rpc(error: grpc.RpcError, address: str) -> Error:
+    """The error of a call to the server at this address."""
+    code, details = error.code(), printable(error.details() or "")
+    if code == grpc.StatusCode.UNAVAILABLE and not _came_from_server(error):
+        return NoServer(f"no server answers at {address} ({details}); is `baudbot serve` running there?")
+    if any(item.key == "baudbot-reason" and item.value == "restart" for item in _trailers(error)):
+        return Restart("the operator asked this brain to restart")
+    return _KINDS.get(code, Refused)(f"the server says: {details} ({code.name})")
+
+
+def _trailers(error: grpc.RpcError) -> Sequence[Any]:
+    return tuple(error.trailing_metadata() or ())
+
+
+def _came_from_server(error: grpc.RpcError) -> bool:
+    """A status that the transport makes up has no trailers."""
+    return bool(_trailers(error))

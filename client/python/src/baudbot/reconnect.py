@@ -1,0 +1,51 @@
+"""Coming back to a server that was lost."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+from .errors import Error
+
+#: Tells people a line.
+Tell = Callable[[str], object]
+
+_FIRST_WAIT_S = 0.25
+_LONGEST_WAIT_S = 5.0
+
+
+def tell_on_stderr(line: str) -> None:
+    """Prints a line where it does not mix with a program's output."""
+    print(line, file=sys.stderr, flush=True)
+
+
+class Backoff:
+    """How long to wait before each attempt to come back: longer each time, until the limit is over."""
+
+    def __init__(self, limit_s: float, tell: Tell, clock: Callable[[], float] = time.monotonic) -> None:
+        self._limit_s, self._tell, self._clock = limit_s, tell, clock
+        self.connected()
+
+    def connected(self) -> None:
+        """The next loss is a new one."""
+        self._wait_s = _FIRST_WAIT_S
+        self._end_s: float | None = None
+
+    def wait_s(self, error: Error) -> float:
+        """The time until the next attempt; raises the error if there is to be none."""
+        now_s = self._clock()
+        if not error.may_pass or self._limit_s <= 0.0:
+            raise error
+        if self._end_s is None:
+            self._end_s = now_s + self._limit_s
+            self._tell(f"{error}; trying to reconnect for {self._limit_s:g} s")
+        elif now_s >= self._end_s:
+            raise error
+        wait_s = min(self._wait_s, max(self._end_s - now_s, 0.0))
+        self._wait_s = min(2.0 * self._wait_s, _LONGEST_WAIT_S)
+        return wait_s
+
+    def is_lost(self) -> bool:
+        """Whether the connection has been lost and is not back."""
+        return self._end_s is not None

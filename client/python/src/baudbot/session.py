@@ -1,0 +1,153 @@
+"""An attached stream without its transport: who is asked in a turn, and the answer to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from .body import Body
+from .brain import Brain
+from .commands import Command, Poll
+from .errors import Error
+from .turn import Turn
+from .v1 import brain_link_pb2 as pb
+
+#: People see a brain's beliefs so often, in simulated time.
+_LOOKS_EVERY_NS = 50_000_000
+_NEVER_NS = 1 << 63
+
+#: Makes a robot's brain.
+Make = Callable[[Body], Brain]
+
+
+class Seat:
+    """A robot of the stream and its brain."""
+
+    __slots__ = ("_look_ns", "_part", "_patience_ns", "body", "brain", "deadline_ns", "place")
+
+    def __init__(self, place: int, body: Body, brain: Brain) -> None:
+        self.place, self.body, self.brain = place, body, brain
+        if brain.every_tick:
+            self._patience_ns = 0
+        else:
+            self._patience_ns = _NEVER_NS if brain.patience_s is None else round(brain.patience_s * 1e9)
+        # What the brain waits for ends then; 0: it is asked at each turn.
+        self.deadline_ns = 0
+        self._look_ns = 0
+        self._part = pb.RobotStep()
+
+    def is_asked(self, turn: Turn) -> bool:
+        """A server may ask brains that wait, too, and in paces other than lockstep it does."""
+        return turn.at_ns >= self.deadline_ns or turn.news
+
+    def forget(self) -> None:
+        """The world went back in time, and what was waited for there means nothing here."""
+        self.deadline_ns, self._look_ns = 0, 0
+
+    def begin(self, part: pb.RobotStep) -> None:
+        """Its part of the answer is written here."""
+        self._part = part
+        if self.place:
+            part.robot = self.place
+
+    def answer(self, turn: Turn, output: object) -> None:
+        """Writes what the brain has decided. Whatever is no `Output` is refused."""
+        part = self._part
+        if isinstance(output, Command):
+            self._command(part, output)
+        elif isinstance(output, bytes) and self.brain.raw:
+            part.raw = output
+        elif isinstance(output, Poll):
+            part.poll.SetInParent()
+        elif output is not None:
+            # Also a coroutine, of which only `baudbot.aio` takes the result.
+            expected = "bytes" if self.brain.raw else "drive(left, right), poll() or None"
+            raise Error(f"{type(self.brain).__name__}.step must return {expected}, returned {output!r}")
+        self.deadline_ns = turn.at_ns + self._patience_ns if self._patience_ns else 0
+        self.wait()
+
+    def _command(self, part: pb.RobotStep, output: Command) -> None:
+        left, right, others, thinking_s, operations = output
+        command = part.command
+        try:
+            command.left_signal = left
+            command.right_signal = right
+            if others:
+                command.other_signals.extend(others)
+        except TypeError:
+            raise Error(f"{type(self.brain).__name__}.step: signals must be numbers, got {output!r}") from None
+        if thinking_s is None and operations is None:
+            return
+        if not self.brain.tells_thinking:
+            raise Error(f"{type(self.brain).__name__} tells its thinking; set `tells_thinking = True` in the class")
+        if thinking_s is not None:
+            part.thinking_ns = round(thinking_s * 1e9)
+        if operations is not None:
+            part.operations = operations
+
+    def wait(self) -> None:
+        """Says what the brain waits for."""
+        if self.deadline_ns >= _NEVER_NS:
+            self._part.until_message.SetInParent()
+        elif self.deadline_ns:
+            self._part.until_message.at_latest_ns = self.deadline_ns
+
+    def look(self, turn: Turn) -> pb.AttachRequest | None:
+        """What people see of it now, if they look at this instant."""
+        if turn.at_ns < self._look_ns:
+            return None
+        self._look_ns = turn.at_ns + _LOOKS_EVERY_NS
+        belief = self.brain.belief()
+        if belief is None:
+            return None
+        return pb.AttachRequest(annotate=pb.Annotate(robot=self.place, belief=belief.message()))
+
+
+class Session:
+    """The robots of a stream, and how its turns are answered."""
+
+    def __init__(self, welcome: pb.Welcome, make: Make) -> None:
+        bodies = [Body.of(robot, welcome.step_ns) for robot in welcome.robots]
+        self.seats = [Seat(place, body, make(body)) for place, body in enumerate(bodies)]
+        #: Turns in which a brain was asked, and the tick of the last.
+        self.turns, self.tick = 0, -1
+        self._request = pb.AttachRequest()
+        for seat in self.seats:
+            seat.brain.start()
+
+    def asked(self, turn: pb.Turn) -> Iterator[tuple[Seat, Turn]]:
+        """The robots that are asked in this turn. Each must be answered before the next is taken."""
+        if turn.tick <= self.tick:
+            for seat in self.seats:
+                seat.forget()
+        self.tick = turn.tick
+        self._request = pb.AttachRequest()
+        step = self._request.step
+        step.turn = turn.turn
+        for part in turn.robots:
+            seat = self.seats[part.robot]
+            seat.begin(step.robots.add())
+            arrived = Turn(seat.body, part, turn.tick)
+            if seat.is_asked(arrived):
+                self.turns += 1
+                yield seat, arrived
+            else:
+                seat.wait()
+
+    def answer(self) -> pb.AttachRequest:
+        """The answer to the turn whose robots have been asked."""
+        return self._request
+
+
+def hello(world: str, robots: Sequence[str], brain: type[Brain], name: str) -> pb.AttachRequest:
+    """The first request."""
+    message = pb.Hello(
+        world=world,
+        robots=robots,
+        mode=pb.PORT_MODE_RAW if brain.raw else pb.PORT_MODE_MESSAGES,
+        brain="".join(c if c.isprintable() else "?" for c in name)[:64],
+        thinks_as_scenario=not brain.tells_thinking,
+        stop_when_gone=brain.stop_when_gone,
+    )
+    if brain.memory_bytes is not None:
+        message.memory_bytes = brain.memory_bytes
+    return pb.AttachRequest(hello=message)

@@ -1,0 +1,222 @@
+"""Brains, operators and observers against a real server, as people use them."""
+
+import asyncio
+import os
+import subprocess
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import baudbot
+from server import WithServer
+from baudbot.v1 import control_pb2, world_pb2
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+sys.path.insert(0, str(EXAMPLES))
+from avoid import Avoid  # noqa: E402
+
+TEN_SECONDS = ("--pace", "lockstep", "--set", "end.after_s=10.0")
+
+
+def program(*arguments, **environment):
+    command = [sys.executable, EXAMPLES / "avoid.py", *arguments]
+    options = {"capture_output": True, "text": True, "timeout": 120}
+    return subprocess.run(command, env=os.environ | environment, **options)
+
+
+class Drives(WithServer):
+    def run_of(self, drive):
+        server = self.serve("wander", *TEN_SECONDS)
+        drive(server)
+        with baudbot.Client(server.tcp) as client:
+            status = client.world().status
+            (robot,) = status.robots
+            self.assertEqual((status.tick, robot.collisions), (1000, 0))
+            self.assertGreater(robot.distance_m, 1.0)
+            self.assertGreater(robot.commands, 400)
+            return client.world().hash
+
+    def test_the_same_run_over_tcp_a_unix_socket_and_with_asyncio(self):
+        hashes = {
+            self.run_of(lambda server: baudbot.attach(Avoid, connect=server.tcp)),
+            self.run_of(lambda server: baudbot.attach(Avoid, connect=server.unix, world="wander", robots="rob*")),
+            self.run_of(lambda server: asyncio.run(baudbot.aio.attach(Avoid, connect=server.unix))),
+            self.run_of(lambda server: self.assertEqual(program("--connect", server.tcp).stderr, "")),
+            self.run_of(lambda server: self.assertEqual(program(BAUDBOT_CONNECT=server.unix).returncode, 0)),
+        }
+        self.assertEqual(len(hashes), 1, hashes)
+
+    def test_refusals_are_one_line(self):
+        server = self.serve("wander", *TEN_SECONDS)
+        for arguments, text in [
+            (("--connect", server.tcp, "--world", "wandr"), "there is no world `wandr`; did you mean `wander`?"),
+            (("--connect", server.tcp, "--robot", "nobody"), "there is no robot of world `wander` `nobody`"),
+            (("--connect", server.tcp, "--turn-at", "x"), "parameter `turn_at` of Avoid must be a number, is 'x'"),
+            (("--connect", "127.0.0.1:1"), "no server answers at 127.0.0.1:1"),
+        ]:
+            done = program(*arguments)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertIn(text, done.stderr)
+
+    def test_a_robot_that_another_brain_holds_is_taken(self):
+        server = self.serve("wander", "--pace", "lockstep", "--paused")
+        held = threading.Event()
+
+        class Holds(Avoid):
+            def start(self):
+                super().start()
+                held.set()
+
+        threading.Thread(target=lambda: _ended(Holds, server.tcp), daemon=True).start()
+        self.assertTrue(held.wait(30))
+        with self.assertRaises(baudbot.Taken):
+            baudbot.attach(Avoid, connect=server.tcp, reconnect_s=0.0)
+        server.kill()
+
+
+def _ended(brain, address, **where):
+    """Drives until it ends, whatever the reason."""
+    try:
+        baudbot.attach(brain, connect=address, reconnect_s=0.0, **where)
+    except baudbot.Error:
+        pass
+
+
+class ComesBack(WithServer):
+    def test_a_brain_comes_back_to_a_server_that_is_started_again(self):
+        folder, told = self.folder(), []
+        first = self.serve("wander", "--pace", "lockstep", folder=folder)
+        driving = threading.Event()
+
+        class Signals(Avoid):
+            def step(self, turn):
+                driving.set()
+                return super().step(turn)
+
+        ended = []
+        thread = threading.Thread(
+            target=lambda: ended.append(baudbot.attach(Signals, connect=first.unix, reconnect_s=60.0, tell=told.append))
+        )
+        thread.start()
+        self.assertTrue(driving.wait(30))
+        first.kill()
+        Path(folder, "baudbot.sock").unlink(missing_ok=True)
+        self.serve("wander", *TEN_SECONDS, folder=folder)
+        thread.join(90)
+        self.assertFalse(thread.is_alive())
+        self.assertEqual(ended[0].last_tick, 1000)
+        self.assertIn("trying to reconnect for 60 s", told[0])
+        self.assertEqual(told[1], "reconnected with a restarted brain: driving robot of world wander")
+
+    def test_an_operator_can_restart_a_brain(self):
+        server, told, made = self.serve("wander", *TEN_SECONDS), [], []
+
+        class Counts(Avoid):
+            def start(self):
+                super().start()
+                made.append(self)
+
+            def step(self, turn):
+                if len(made) == 1 and turn.tick == 100:
+                    restart()
+                return super().step(turn)
+
+        def restart():
+            with baudbot.Client(server.tcp) as client:
+                client.world().detach_brain("robot", restart=True)
+
+        summary = baudbot.attach(Counts, connect=server.tcp, tell=told.append)
+        self.assertEqual((summary.last_tick, len(made)), (1000, 2))
+        self.assertEqual(told, ["the operator has restarted the brain of robot"])
+
+
+class Raw(WithServer):
+    def test_a_raw_brain_reads_and_writes_bytes(self):
+        server = self.serve("wander", *TEN_SECONDS)
+        read = []
+
+        class Listens(baudbot.RawBrain):
+            def step(self, turn):
+                read.append(turn.raw)
+                return b"\x00" if len(read) == 1 else None
+
+        baudbot.attach(Listens, connect=server.unix)
+        with baudbot.Client(server.tcp) as client:
+            robot = client.world().status.robots[0]
+        self.assertGreater(sum(map(len, read)), 8000)
+        self.assertEqual(robot.downlink.bytes, 1)
+
+
+class Operates(WithServer):
+    def test_worlds_are_made_stepped_and_deleted(self):
+        server = self.serve("wander", "--paused")
+        with baudbot.Client(server.unix) as client:
+            world = client.create_world("wander", "slow", baud=2400, seed=7, pace="stepped", set={"end.after_s": 10.0})
+            self.assertEqual([world.name for world in client.worlds()], ["slow", "wander"])
+            self.assertEqual(world.description.robots[0].description.baud, 2400)
+            held = threading.Event()
+
+            class Holds(Avoid):
+                def start(self):
+                    super().start()
+                    held.set()
+
+            threading.Thread(target=lambda: _ended(Holds, server.unix, world="slow"), daemon=True).start()
+            self.assertTrue(held.wait(30))
+            self.assertEqual(world.step(100).tick, 100)
+            start, snapshot = world.hash, world.snapshot()
+            self.assertEqual(world.step(10**6).tick, 1000)
+            self.assertEqual(world.wait(10.0).ending_kind, world_pb2.ENDING_KIND_TIME_IS_OVER)
+            world.restore(snapshot)
+            self.assertEqual(world.hash, start)
+            world.delete()
+            self.assertEqual([world.name for world in client.worlds()], ["wander"])
+            with self.assertRaisesRegex(baudbot.NotFound, "did you mean `wander`"):
+                client.world("wandr")
+            with self.assertRaisesRegex(baudbot.Refused, "step_ms"):
+                client.create_world("wander", step_ms=-1.0)
+
+    def test_a_run_becomes_a_table(self):
+        import pandas
+
+        server = self.serve("wander", *TEN_SECONDS)
+        with baudbot.Client(server.tcp) as client:
+            # The world waits for its brain, and shows how it stands meanwhile.
+            rows = client.world().rows(every_ticks=10)
+            first = next(rows)
+            threading.Thread(target=lambda: baudbot.attach(Avoid, connect=server.tcp)).start()
+            table = pandas.DataFrame([first, *rows])
+        self.assertEqual(list(table.columns[:5]), ["t_s", "robot", "x_m", "y_m", "heading_rad"])
+        self.assertIn("ir_front", table.columns)
+        self.assertGreater(table.x_m.max() - table.x_m.min(), 0.3)
+        self.assertEqual(table.t_s.iloc[-1], 10.0)
+
+    def test_what_has_no_method_is_called_by_the_contract(self):
+        server = self.serve("wander", "--paused")
+        with baudbot.Client(server.tcp) as client:
+            saved = client.call(client.control.SaveWorld, control_pb2.SaveWorldRequest(world="wander"))
+            self.assertGreater(len(saved.saved_mcap), 1000)
+
+
+class Publishes(WithServer):
+    def test_observers_see_what_a_brain_believes(self):
+        server = self.serve("wander", *TEN_SECONDS)
+
+        class Believes(Avoid):
+            def belief(self):
+                return baudbot.Belief(state="turning" if self.spin else "driving", pose=(0.5, 0.25, 0.0))
+
+        with baudbot.Client(server.tcp) as client:
+            world = client.world()
+            frames = world.watch(every_ticks=1)
+            seen = [next(frames)]
+            threading.Thread(target=lambda: baudbot.attach(Believes, connect=server.tcp)).start()
+            seen.extend(frames)
+        believed = [note.belief for frame in seen for note in frame.annotations]
+        self.assertGreater(len(believed), 10)
+        self.assertEqual(believed[0].pose.x_m, 0.5)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,127 @@
+//! How a program can fail.
+
+use std::fmt;
+use std::process::ExitStatus;
+use std::time::Duration;
+
+use baudbot_fields::printable::Printable;
+
+/// A program that cannot go on as a brain. Its text is a sentence, and below it what the program printed last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// The program's text.
+    pub program: String,
+    /// What happened.
+    pub problem: Problem,
+    /// The last lines that it printed.
+    pub said: Vec<String>,
+}
+
+/// What happened to a program.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// There is no such program.
+    Missing(String),
+    /// It may not be started.
+    NotExecutable(String),
+    /// It cannot be started for another reason.
+    NotStarted(String),
+    /// It does not hold its robots after so long.
+    NotAttached {
+        /// Robots that it does not hold.
+        robots: Vec<String>,
+        /// How long it had.
+        patience: Duration,
+    },
+    /// It ended before it held its robots.
+    ExitedUnattached(ExitStatus),
+    /// It ended before the run was over.
+    Exited(ExitStatus),
+    /// It ended well, but printed an exception.
+    Traceback,
+    /// A robot that no brain was given is held, and one that the program was to drive is not.
+    Elsewhere {
+        /// The robot that is held.
+        held: String,
+        /// Robots that the program was started for.
+        robots: Vec<String>,
+    },
+}
+
+impl std::error::Error for Failure {}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "brain `{}`: {}", Printable(&self.program), self.problem)?;
+        if self.said.is_empty() {
+            return f.write_str(if self.problem.is_of_a_process() { "; it printed nothing" } else { "" });
+        }
+        f.write_str("; it printed")?;
+        self.said.iter().try_for_each(|line| write!(f, "\n  {line}"))
+    }
+}
+
+impl Problem {
+    /// Whether there was a process, which may have printed something.
+    fn is_of_a_process(&self) -> bool {
+        match self {
+            Self::Missing(_) | Self::NotExecutable(_) | Self::NotStarted(_) => false,
+            Self::NotAttached { .. }
+            | Self::ExitedUnattached(_)
+            | Self::Exited(_)
+            | Self::Traceback
+            | Self::Elsewhere { .. } => true,
+        }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing(program) => write!(
+                f,
+                "there is no program `{}`; name one that is in PATH, or its path",
+                Printable(program)
+            ),
+            Self::NotExecutable(program) => {
+                let program = Printable(program);
+                write!(
+                    f,
+                    "`{program}` is not executable; run chmod +x on it, or name its interpreter, as in exec:python3 {program}"
+                )
+            }
+            Self::NotStarted(reason) => write!(f, "cannot be started: {reason}"),
+            Self::NotAttached { robots, patience } => {
+                let (robots, s) = (robots.join(", "), patience.as_secs_f64());
+                write!(
+                    f,
+                    "has not attached to {robots} within {s} s; it finds in BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT where it is to attach"
+                )
+            }
+            Self::ExitedUnattached(status) => write!(f, "{} before it attached", Ended(*status)),
+            Self::Exited(status) => write!(f, "{} before the run was over", Ended(*status)),
+            Self::Traceback => f.write_str("printed an exception"),
+            Self::Elsewhere { held, robots } => {
+                let robots = robots.join(", ");
+                write!(
+                    f,
+                    "was started for {robots} (BAUDBOT_ROBOT), but {held} is held, which no brain was given"
+                )
+            }
+        }
+    }
+}
+
+/// How a process ended.
+struct Ended(ExitStatus);
+
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use std::os::unix::process::ExitStatusExt;
+        match (self.0.code(), self.0.signal()) {
+            (Some(code), _) => write!(f, "exited with code {code}"),
+            (None, Some(signal)) => write!(f, "was ended by signal {signal}"),
+            (None, None) => f.write_str("ended"),
+        }
+    }
+}

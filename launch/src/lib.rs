@@ -1,0 +1,20 @@
+//! Brains that are programs of their own, in any language: started with what they need to attach, watched, and ended with all
+//! their children.
+//!
+//! 1. [`Program`] is such a program, as a command line or a file names it: `exec:python3 follow.py`.
+//! 2. [`Task`] is what it is started for; it gets that in its environment ([`Task::environment`]).
+//! 3. [`Crew`] is the programs of a run: it waits until they hold their robots, tells if one fails, and ends them.
+//!
+//! Only a command line and a file that the user names may start programs. Nothing that comes over a network does.
+
+mod crew;
+mod failure;
+mod kept;
+mod process;
+mod program;
+mod task;
+
+pub use crew::{Crew, Held};
+pub use failure::{Failure, Problem};
+pub use program::{BadProgram, EXEC, Program};
+pub use task::Task;

@@ -1,0 +1,150 @@
+//! A program that runs, with all its children.
+
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::io::ErrorKind;
+use std::process::{ExitStatus, Stdio};
+use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
+use tokio::process::{Child, Command};
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+use crate::failure::{Failure, Problem};
+use crate::kept::Kept;
+use crate::task::Task;
+
+/// A program that was started. When this is dropped, it and all its children are killed.
+#[derive(Debug)]
+pub(crate) struct Process {
+    child: Child,
+    /// Its process group, which is its children's, too, unless they leave it.
+    group: Option<Pid>,
+    /// A variable that all its descendants have in their environment, and nothing else has.
+    mark: String,
+    kept: Kept,
+    /// They read what it prints.
+    readers: Vec<JoinHandle<()>>,
+    text: String,
+}
+
+impl Process {
+    pub(crate) fn start(task: &Task, connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
+        let program = &task.program;
+        let mark = format!("{:016x}", RandomState::new().build_hasher().finish());
+        let mut command = Command::new(&program.words[0]);
+        command.args(&program.words[1..]).envs(task.environment(connect, world, seed)).env(MARK, &mark);
+        if let Some(folder) = &program.folder {
+            command.current_dir(folder);
+        }
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
+        let spawned = command.spawn();
+        let mut child = spawned.map_err(|error| {
+            let word = program.words[0].clone();
+            let problem = if error.kind() == ErrorKind::NotFound {
+                Problem::Missing(word)
+            } else if error.kind() == ErrorKind::PermissionDenied {
+                Problem::NotExecutable(word)
+            } else {
+                Problem::NotStarted(error.to_string())
+            };
+            Failure { program: program.to_string(), problem, said: Vec::new() }
+        })?;
+        let kept = Kept::default();
+        let out = child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out)));
+        let errors = child.stderr.take().map(|errors| tokio::spawn(kept.clone().read(errors)));
+        let readers = out.into_iter().chain(errors).collect();
+        let group = child.id().and_then(|id| Pid::from_raw(id.cast_signed()));
+        Ok(Self { child, group, mark, kept, readers, text: program.to_string() })
+    }
+
+    /// How the program itself has ended, if it has.
+    pub(crate) fn exited(&mut self) -> std::io::Result<Option<ExitStatus>> {
+        self.child.try_wait()
+    }
+
+    /// The failure, with what the program printed last.
+    pub(crate) async fn failed(&mut self, problem: Problem) -> Failure {
+        self.settle().await;
+        Failure { program: self.text.clone(), problem, said: self.kept.last_lines() }
+    }
+
+    /// What an ended program printed last may still be in its pipes; a child of it may keep those open.
+    async fn settle(&mut self) {
+        for reader in &mut self.readers {
+            if !reader.is_finished() {
+                let _ = timeout(SETTLE, reader).await;
+            }
+        }
+    }
+
+    pub(crate) fn has_traceback(&self) -> bool {
+        self.kept.has_traceback()
+    }
+
+    /// Ends it: by itself within `patience`, or else by a signal, or else by one that cannot be ignored. Its children end, too.
+    pub(crate) async fn end(&mut self, patience: Duration) {
+        if timeout(patience, self.child.wait()).await.is_err() {
+            self.signal(Signal::TERM);
+            let _ = timeout(PATIENCE, self.child.wait()).await;
+        }
+        self.kill();
+        let _ = self.child.wait().await;
+        self.settle().await;
+    }
+
+    fn signal(&self, signal: Signal) {
+        if let Some(group) = self.group {
+            let _ = kill_process_group(group, signal);
+        }
+    }
+
+    /// Kills all that is left of it, also what has left its process group.
+    fn kill(&self) {
+        self.signal(Signal::KILL);
+        // A process may fork while it is looked for.
+        for _ in 0..MOST_ROUNDS {
+            let left = marked(&self.mark);
+            if left.is_empty() {
+                return;
+            }
+            for process in left {
+                let _ = kill_process(process, Signal::KILL);
+            }
+        }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// The processes that have the mark in their environment. Where there is no `/proc`, only process groups are known.
+fn marked(mark: &str) -> Vec<Pid> {
+    let marked = format!("{MARK}={mark}");
+    let Ok(processes) = std::fs::read_dir("/proc") else { return Vec::new() };
+    let is_marked = |path: std::path::PathBuf| {
+        let environment = std::fs::read(path.join("environ")).ok()?;
+        let found = environment.split(|&byte| byte == 0).any(|one| one == marked.as_bytes());
+        found.then_some(())
+    };
+    let of = |entry: std::fs::DirEntry| {
+        let id = entry.file_name().to_str()?.parse().ok()?;
+        is_marked(entry.path())?;
+        Pid::from_raw(id)
+    };
+    processes.filter_map(|entry| of(entry.ok()?)).collect()
+}
+
+const MARK: &str = "BAUDBOT_STARTED";
+
+/// How long a program has after a signal.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// How long the end of what a program printed may need through its pipe.
+const SETTLE: Duration = Duration::from_millis(100);
+
+const MOST_ROUNDS: usize = 100;

@@ -1,0 +1,85 @@
+//! A program, as a command line or a file names it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// What stands before the words of a program, where a brain is named.
+pub const EXEC: &str = "exec:";
+
+/// A brain that is a program of its own.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Program {
+    /// Its text, without `exec:`.
+    text: String,
+    /// The program and its arguments.
+    pub(crate) words: Vec<String>,
+    /// The folder that it is started in; `None`: the current one.
+    pub(crate) folder: Option<PathBuf>,
+}
+
+/// A text that names no program.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BadProgram {
+    /// There is nothing behind `exec:`.
+    #[error("`{EXEC}` names no program; write it as in {EXEC}python3 follow.py")]
+    Empty,
+    /// A quote is not closed.
+    #[error("`{EXEC}{0}`: a quote is not closed, or a backslash ends the text")]
+    Quotes(String),
+}
+
+impl Program {
+    /// Reads a program and its arguments, split at spaces as a shell does it: quotes hold words together. No shell is
+    /// started, so variables and pipes mean nothing.
+    ///
+    /// # Errors
+    /// If there is no word, or a quote is not closed.
+    pub fn parse(text: &str) -> Result<Self, BadProgram> {
+        let words = shlex::split(text).ok_or_else(|| BadProgram::Quotes(text.to_owned()))?;
+        if words.first().is_none_or(String::is_empty) {
+            return Err(BadProgram::Empty);
+        }
+        Ok(Self { text: text.trim().to_owned(), words, folder: None })
+    }
+
+    /// The program that the text of a brain names, if it names one: `exec:python3 follow.py`.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    pub fn of_brain(brain: &str) -> Option<Result<Self, BadProgram>> {
+        Some(Self::parse(brain.strip_prefix(EXEC)?))
+    }
+
+    /// The same, started in a folder, from which its relative paths go.
+    #[must_use]
+    pub fn in_folder(self, folder: PathBuf) -> Self {
+        Self { folder: Some(folder).filter(|folder| !folder.as_os_str().is_empty()), ..self }
+    }
+}
+
+impl fmt::Display for Program {
+    /// Without `exec:`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_split_as_by_a_shell() {
+        let words = |text: &str| Program::parse(text).map(|program| program.words);
+        assert_eq!(
+            words(" python3  'my follow.py' -x \"a b\" "),
+            Ok(["python3", "my follow.py", "-x", "a b"].map(str::to_owned).to_vec())
+        );
+        assert_eq!(words("./a $HOME|b"), Ok(["./a", "$HOME|b"].map(str::to_owned).to_vec()));
+        assert_eq!(words(" "), Err(BadProgram::Empty));
+        assert_eq!(words("''"), Err(BadProgram::Empty));
+        assert_eq!(words("a 'b"), Err(BadProgram::Quotes("a 'b".to_owned())));
+        assert_eq!(Program::of_brain("avoid"), None);
+        assert_eq!(Program::of_brain("exec:a b").unwrap().unwrap().to_string(), "a b");
+    }
+}

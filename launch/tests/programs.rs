@@ -1,0 +1,129 @@
+//! Programs that behave badly: each is told in a sentence, and nothing of it is left.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use baudbot_launch::{Crew, Failure, Held, Problem, Program, Task};
+
+fn task(program: &str) -> Task {
+    Task {
+        program: Program::parse(program).unwrap(),
+        robots: vec!["alice".to_owned()],
+        parameters: BTreeMap::new(),
+    }
+}
+
+fn start(program: &str) -> Result<Crew, Failure> {
+    Crew::start(&[task(program)], "unix:/nowhere", "world", 7)
+}
+
+/// Nobody holds the robot, and perhaps one that has no brain.
+fn robots(other: bool) -> Vec<Held> {
+    let held = |robot: &str, held, expected| Held { robot: robot.to_owned(), held, expected };
+    vec![held("alice", false, true), held("bob", other, false)]
+}
+
+async fn not_attached(program: &str, patience_ms: u64, other: bool) -> Failure {
+    let mut crew = start(program).unwrap();
+    let look = async || Ok::<_, Failure>(robots(other));
+    crew.attached(Duration::from_millis(patience_ms), look).await.unwrap_err()
+}
+
+/// Processes that have this text among their arguments.
+fn processes(text: &str) -> usize {
+    let of = |entry: std::fs::DirEntry| {
+        let arguments = std::fs::read(entry.path().join("cmdline")).ok()?;
+        String::from_utf8_lossy(&arguments).contains(text).then_some(())
+    };
+    std::fs::read_dir("/proc").unwrap().filter_map(|entry| of(entry.ok()?)).count()
+}
+
+#[tokio::test]
+async fn what_cannot_be_started_is_told() {
+    let error = start("/nowhere/follow --fast").unwrap_err();
+    assert_eq!(error.problem, Problem::Missing("/nowhere/follow".to_owned()));
+    assert_eq!(
+        error.to_string(),
+        "brain `/nowhere/follow --fast`: there is no program `/nowhere/follow`; name one that is in PATH, or its path"
+    );
+    let error = start(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")).unwrap_err();
+    assert!(matches!(error.problem, Problem::NotExecutable(_)), "{error}");
+}
+
+#[tokio::test]
+async fn a_program_that_ends_at_once_is_told_with_what_it_printed() {
+    let error = not_attached("sh -c 'echo in vain; echo so it is >&2; exit 3'", 60_000, false).await;
+    let text = error.to_string();
+    assert!(text.contains("exited with code 3 before it attached; it printed\n  "), "{text}");
+    assert!(text.contains("\n  in vain") && text.contains("\n  so it is"), "{text}");
+    let error = not_attached("sh -c 'kill -9 $$'", 60_000, false).await.to_string();
+    assert!(error.ends_with("was ended by signal 9 before it attached; it printed nothing"), "{error}");
+}
+
+#[tokio::test]
+async fn a_program_that_does_not_attach_or_holds_another_robot_is_told() {
+    let error = not_attached("sleep 61", 50, false).await;
+    assert!(error.to_string().contains("has not attached to alice within 0.05 s"), "{error}");
+    let error = not_attached("sleep 61", 60_000, true).await.to_string();
+    assert!(error.contains("was started for alice (BAUDBOT_ROBOT), but bob is held"), "{error}");
+}
+
+#[tokio::test]
+async fn a_program_finds_its_task_in_its_environment() {
+    let show = "sh -c 'echo $BAUDBOT_CONNECT $BAUDBOT_WORLD $BAUDBOT_ROBOT $BAUDBOT_SEED $BAUDBOT_PARAMETERS; exit 1'";
+    let mut task = task(show);
+    task.robots.push("bob".to_owned());
+    task.parameters.insert("speed".to_owned(), 0.5.into());
+    let mut crew = Crew::start(&[task], "unix:/nowhere", "world", 7).unwrap();
+    let said = crew.failed().await.said;
+    assert_eq!(said, ["unix:/nowhere world alice,bob 7 {\"speed\":0.5}"]);
+}
+
+#[tokio::test]
+async fn a_gigabyte_of_output_stops_nobody_and_takes_no_memory() {
+    let mut crew =
+        start("sh -c 'head -c 1000000000 /dev/zero | tr \"\\\\0\" x >&2; echo; echo the end; exit 1'")
+            .unwrap();
+    let failure = crew.failed().await;
+    assert_eq!(failure.said.last().unwrap(), "the end");
+    let peak_kb = std::fs::read_to_string("/proc/self/status").unwrap();
+    let peak_kb = peak_kb.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    let peak_kb: u64 = peak_kb.trim().trim_end_matches(" kB").parse().unwrap();
+    assert!(peak_kb < 100_000, "{peak_kb} kB");
+}
+
+#[tokio::test]
+async fn nothing_is_left_of_a_program_that_ignores_signals_or_has_children_that_left_it() {
+    // Odd lengths of sleep are the marks by which the processes are found.
+    for (program, mark) in [
+        ("sh -c 'trap \"\" TERM; sleep 86413 & while :; do sleep 0.01; done'", "86413"),
+        ("sh -c 'sleep 86417 & sleep 86417'", "86417"),
+        ("sh -c 'setsid sleep 86419 & (sleep 86419 &) ; exec sleep 86419'", "86419"),
+    ] {
+        let crew = start(program).unwrap();
+        let begun = Instant::now();
+        while processes(mark) == 0 && begun.elapsed().as_secs() < 60 {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        assert!(processes(mark) > 0, "{program}");
+        crew.end().await.unwrap();
+        assert_eq!(processes(mark), 0, "{program}");
+    }
+    // Also where a run is given up.
+    drop(start("sh -c 'setsid sleep 86423 & exec sleep 86423'").unwrap());
+    assert_eq!(processes("sleep86423") + processes("86423"), 0);
+}
+
+#[tokio::test]
+async fn an_exception_is_a_failure_also_of_a_program_that_ends_well() {
+    let program = "sh -c 'echo \"Traceback (most recent call last):\" >&2; echo \"  in step\" >&2'";
+    let error = start(program).unwrap().end().await.unwrap_err();
+    assert_eq!(error.problem, Problem::Traceback);
+    assert!(
+        error
+            .to_string()
+            .ends_with("printed an exception; it printed\n  Traceback (most recent call last):\n    in step"),
+        "{error}"
+    );
+    start("true").unwrap().end().await.unwrap();
+}
