@@ -16,8 +16,9 @@ pub struct PlacedScan {
 }
 
 impl PartialEq for PlacedScan {
+    /// Rays of which nothing is known are no numbers, which differ from themselves; so the ends of the others are compared.
     fn eq(&self, other: &Self) -> bool {
-        (self.world_from_robot, &self.scan) == (other.world_from_robot, &other.scan)
+        (self.world_from_robot, &self.ends) == (other.world_from_robot, &other.ends)
     }
 }
 
@@ -128,6 +129,14 @@ mod tests {
                 distances_m: distances_m.to_vec(),
             },
         )
+    }
+
+    #[test]
+    fn a_scan_is_the_same_as_itself_also_where_rays_are_not_known() {
+        let of = |distances_m| scan(distances_m);
+        assert_eq!(of([f64::NAN, 1.0, 2.0, 3.0, 4.0]), of([f64::NAN, 1.0, 2.0, 3.0, 4.0]));
+        assert_ne!(of([f64::NAN, 1.0, 2.0, 3.0, 4.0]), of([1.0, f64::NAN, 2.0, 3.0, 4.0]));
+        assert_ne!(of([1.0; 5]), of([1.0, 1.0, 1.0, 1.0, 1.5]));
     }
 
     #[test]
