@@ -50,8 +50,15 @@ fn first(values: &[f64]) -> f64 {
 /// Away from the side on which less is free. Every eighth ray of the middle third on either side will do.
 fn by_laser(distances: &[f64]) -> [f64; 2] {
     let nearest = |rays: &[f64]| {
-        let far = |distance: f64| if distance < 0.0 { LASER_FAR_M } else { distance };
-        rays.iter().step_by(8).map(|&distance| far(distance)).fold(LASER_FAR_M, f64::min)
+        let mut nearest = LASER_FAR_M;
+        for every_eighth in rays.chunks(8) {
+            let distance = every_eighth[0];
+            // Below 0 it has met nothing.
+            if distance >= 0.0 && distance < nearest {
+                nearest = distance;
+            }
+        }
+        nearest
     };
     let middle = distances.len() / 2;
     let field = distances.len() / 3;
