@@ -1,15 +1,18 @@
 """Brains, operators and observers against a real server, as people use them."""
 
 import asyncio
+import json
 import os
 import subprocess
 import sys
 import threading
 import unittest
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import baudbot
-from server import WithServer
+from server import ROOT, Server, WithServer
+from server import baudbot as baudbot_program
 from baudbot.v1 import control_pb2, world_pb2
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -197,6 +200,48 @@ class Operates(WithServer):
         with baudbot.Client(server.tcp) as client:
             saved = client.call(client.control.SaveWorld, control_pb2.SaveWorldRequest(world="wander"))
             self.assertGreater(len(saved.saved_mcap), 1000)
+
+
+class Programs(unittest.TestCase):
+    """Programs that `baudbot run` and `baudbot sweep` start."""
+
+    # The interpreter that has the package is the one that `python3` means.
+    ENVIRONMENT = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+
+    def good(self, *arguments):
+        done = baudbot_program(*arguments, env=self.ENVIRONMENT, cwd=ROOT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_a_run_and_an_attached_program_are_the_same(self):
+        run = ("run", "wander", "--seconds", "10", "--quiet", "--json", "--brain")
+        summary = json.loads(self.good(*run, f"exec:python3 {EXAMPLES}/avoid.py"))
+        with TemporaryDirectory() as folder:
+            server = Server(folder, "wander", *TEN_SECONDS)
+            baudbot.attach(Avoid, connect=server.unix)
+            with baudbot.Client(server.unix) as client:
+                self.assertEqual(client.world().hash, summary["state_hash"])
+            server.kill()
+
+    def test_a_traceback_is_told_with_the_program(self):
+        with TemporaryDirectory() as folder:
+            bad = Path(folder, "bad.py")
+            bad.write_text("import baudbot\nclass Bad(baudbot.Brain):\n  def step(self, turn): return 1 / 0\nbaudbot.attach(Bad)\n")
+            done = baudbot_program("run", "wander", "--brain", f"exec:python3 {bad}", env=self.ENVIRONMENT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("exited with code 1 before the run was over; it printed", done.stderr)
+        self.assertIn("ZeroDivisionError", done.stderr)
+
+    def test_an_experiment_sweeps_a_program_and_its_table_is_read(self):
+        import pandas
+
+        with TemporaryDirectory() as folder:
+            self.good("sweep", "experiments/follow.toml", "--seeds", "1", "--out", f"{folder}/out", "--quiet")
+            rows = pandas.read_csv(f"{folder}/out/rows.csv")
+        self.assertEqual(len(rows), 20)
+        self.assertTrue(rows.error.isna().all())
+        fast = rows[rows.speed == 0.4].set_index("baud")
+        self.assertEqual((fast.success[9600], fast.success[600]), (True, False))
 
 
 class Publishes(WithServer):
