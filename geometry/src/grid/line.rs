@@ -26,7 +26,7 @@ fn whole(from: Point, to: Point) -> Staircase<impl FnMut() -> f64, impl FnMut() 
 }
 
 impl Rectangle {
-    /// Visits the cells of [`line`] by their numbers; none if the rectangle lacks the cell of one of the ends.
+    /// Visits the cells of [`line()`] by their numbers; none if the rectangle lacks the cell of one of the ends.
     pub fn visit_line(&self, from: Point, to: Point, visit: impl FnMut(usize)) {
         whole(from, to).visit(self, visit);
     }
