@@ -36,6 +36,12 @@ pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
     let assigned = assignment::assign(&args.brains, &scenario.robots)?;
+    if let Some(task) = assigned.programs.first() {
+        return Err(Refused::error(format!(
+            "--brain exec:{}: a diagram has brains of this program only; `baudbot run --timeline FILE` writes a trace of a run with yours",
+            task.program
+        )));
+    }
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let wanted = wanted(args);

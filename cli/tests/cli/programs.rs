@@ -45,6 +45,13 @@ fn bad_programs_are_told_in_a_sentence() {
 }
 
 #[test]
+fn a_diagram_says_that_it_takes_no_programs() {
+    let (code, out, err) = baudbot(&["diagram", "wander", "--brain", "exec:python3 follow.py"]);
+    assert!(code == 2 && out.is_empty(), "{code} {out}");
+    assert!(err.contains("`baudbot run --timeline FILE` writes a trace of a run with yours"), "{err}");
+}
+
+#[test]
 fn a_program_that_drives_another_robot_is_told() {
     let scenario = std::env::temp_dir().join(format!("baudbot-two-{}.toml", std::process::id()));
     let robots = ["alice", "bob"].map(|name| {

@@ -204,6 +204,9 @@ class Reconnecting(unittest.TestCase):
     def test_waits_grow_until_the_limit_and_what_does_not_pass_ends_it(self):
         now, told = [0.0], []
         backoff = Backoff(10.0, told.append, lambda: now[0])
+        with self.assertRaises(baudbot.NoServer):
+            backoff.wait_s(baudbot.NoServer("never there"))
+        backoff.connected()
         waits = []
         with self.assertRaises(baudbot.NoServer):
             while True:
@@ -211,10 +214,11 @@ class Reconnecting(unittest.TestCase):
                 now[0] += waits[-1]
         self.assertEqual(waits, [0.25, 0.5, 1.0, 2.0, 4.0, 2.25])
         self.assertEqual(told, ["gone; trying to reconnect for 10 s"])
-        with self.assertRaises(baudbot.Refused):
-            Backoff(10.0, told.append).wait_s(baudbot.Refused("no"))
-        with self.assertRaises(baudbot.NoServer):
-            Backoff(0.0, told.append).wait_s(baudbot.NoServer("gone"))
+        for limit_s, error in [(10.0, baudbot.Refused("no")), (0.0, baudbot.NoServer("gone"))]:
+            backoff = Backoff(limit_s, told.append)
+            backoff.connected()
+            with self.assertRaises(type(error)):
+                backoff.wait_s(error)
 
 
 class Scenarios(unittest.TestCase):

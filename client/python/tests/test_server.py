@@ -74,7 +74,7 @@ class Drives(WithServer):
         threading.Thread(target=lambda: _ended(Holds, server.tcp), daemon=True).start()
         self.assertTrue(held.wait(30))
         with self.assertRaises(baudbot.Taken):
-            baudbot.attach(Avoid, connect=server.tcp, reconnect_s=0.0)
+            baudbot.attach(Avoid, connect=server.tcp)
         server.kill()
 
 

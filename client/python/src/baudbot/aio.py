@@ -46,8 +46,6 @@ async def attach(
         except Restart:
             tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
         except Error as error:
-            if found is None:
-                raise
             await asyncio.sleep(backoff.wait_s(error))
 
 

@@ -71,9 +71,6 @@ def attach(
         except Restart:
             tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
         except Error as error:
-            # A server that was never there is no server that was lost.
-            if found is None:
-                raise
             time.sleep(backoff.wait_s(error))
 
 

@@ -23,19 +23,22 @@ def tell_on_stderr(line: str) -> None:
 class Backoff:
     """How long to wait before each attempt to come back: longer each time, until the limit is over."""
 
+    _end_s: float | None
+
     def __init__(self, limit_s: float, tell: Tell, clock: Callable[[], float] = time.monotonic) -> None:
         self._limit_s, self._tell, self._clock = limit_s, tell, clock
-        self.connected()
+        self._wait_s, self._end_s = _FIRST_WAIT_S, None
+        self._was_connected = False
 
     def connected(self) -> None:
         """The next loss is a new one."""
-        self._wait_s = _FIRST_WAIT_S
-        self._end_s: float | None = None
+        self._wait_s, self._end_s = _FIRST_WAIT_S, None
+        self._was_connected = True
 
     def wait_s(self, error: Error) -> float:
-        """The time until the next attempt; raises the error if there is to be none."""
+        """The time until the next attempt; raises the error if there is to be none, as where there never was a connection."""
         now_s = self._clock()
-        if not error.may_pass or self._limit_s <= 0.0:
+        if not self._was_connected or not error.may_pass or self._limit_s <= 0.0:
             raise error
         if self._end_s is None:
             self._end_s = now_s + self._limit_s
