@@ -3,11 +3,10 @@
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Client, Error, Summary};
-pub(crate) use baudbot_experiment::assignment::NONE;
 use baudbot_experiment::assignment::{self, AssignmentError};
 use baudbot_sim::model::RobotSpec;
 
-pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, fitting_brain, named};
+pub(crate) use baudbot_experiment::assignment::{Assigned, Assignment, NONE, fitting_brain, named};
 
 use crate::error::Refused;
 

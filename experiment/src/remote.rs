@@ -100,11 +100,14 @@ impl Remote {
                 }
                 ended(&mut over, world, may_wait).await
             } => status?,
-            failure = crew.failed() => match status_of(control, world).await? {
-                // It has only been quicker than the look at the world.
-                status if status.state() == v1::WorldState::Ended => status,
-                _ => return Err(failure.into()),
-            },
+            failure = crew.failed() => {
+                let status = status_of(control, world).await?;
+                // A program ends with its run, and may be quicker than the look at the world.
+                if status.state() != v1::WorldState::Ended {
+                    return Err(failure.into());
+                }
+                status
+            }
         };
         crew.end().await?;
         Ok(Ran::of(&Counted::of_status(&status)))

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 
 import grpc.aio
 
-from .attach import Summary, brain_maker, closed, program_name
+from .attach import PATIENCE_S, Summary, brain_maker, closed, program_name
 from .brain import Brain, Value
 from .channel import options, target
 from .errors import Error, Restart, from_rpc
@@ -64,7 +64,8 @@ async def _find_robots(channel: grpc.aio.Channel, settings: Settings) -> tuple[s
     if not settings.needs_look():
         assert settings.world is not None
         return settings.world, list(settings.robots)
-    return settings.choose((await ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest())).worlds)
+    request = control_pb2.ListWorldsRequest()
+    return settings.choose((await ControlServiceStub(channel).ListWorlds(request, timeout=PATIENCE_S)).worlds)
 
 
 async def _drive(

@@ -25,7 +25,7 @@ from .v1.brain_link_pb2_grpc import BrainLinkServiceStub
 from .v1.control_pb2_grpc import ControlServiceStub
 
 #: A call of an operator's is answered at once, or the server is in trouble.
-_PATIENCE_S = 30.0
+PATIENCE_S = 30.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def find_robots(channel: grpc.Channel, settings: Settings) -> tuple[str, list[st
     if not settings.needs_look():
         assert settings.world is not None
         return settings.world, list(settings.robots)
-    worlds = ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest(), timeout=_PATIENCE_S).worlds
+    worlds = ControlServiceStub(channel).ListWorlds(control_pb2.ListWorldsRequest(), timeout=PATIENCE_S).worlds
     return settings.choose(worlds)
 
 

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import grpc
 
 from . import scenarios
+from .attach import PATIENCE_S
 from .channel import open_channel
 from .errors import from_rpc
 from .names import matching, natural
@@ -23,9 +24,6 @@ from .world import World
 
 Q = TypeVar("Q")
 R = TypeVar("R")
-
-#: Such calls are answered at once, or the server is in trouble.
-_PATIENCE_S = 30.0
 
 
 class Client:
@@ -53,7 +51,7 @@ class Client:
         self.close()
 
     def call(
-        self, method: grpc.UnaryUnaryMultiCallable[Q, R], request: Q, timeout_s: float | None = _PATIENCE_S
+        self, method: grpc.UnaryUnaryMultiCallable[Q, R], request: Q, timeout_s: float | None = PATIENCE_S
     ) -> R:
         """Calls a method of a service of the contract; its errors are an `Error`."""
         try:
