@@ -17,7 +17,7 @@ export interface ViewerForTests {
   readonly robot: string;
   /** The chosen robot's true pose. */
   readonly pose: Pose | undefined;
-  /** Where that is on the canvas, in CSS pixels. */
+  /** Where that robot is drawn on the canvas, in CSS pixels: behind its pose while it moves there. */
   readonly pixel: [number, number] | undefined;
   /** Its dead reckoning. */
   readonly ghost: Pose | undefined;
@@ -68,7 +68,8 @@ export function exposeForTests({ store, arena, watcher, replayer }: Parts): void
       return pose();
     },
     get pixel() {
-      const at = pose();
+      const { poses } = arena.scene();
+      const at = poses && poseOf(poses, store.robotIndex);
       return at && toPixel(arena.view, at.x_m, at.y_m);
     },
     get ghost() {
