@@ -5,7 +5,8 @@
 //! 1. An [`Experiment`] is what an experiment file says, checked; `raw` is what may stand in such a file, `factor` a
 //!    field with its values, `design` which of their combinations are run. [`check`] finds paths that lead nowhere.
 //! 2. [`assignment`] says which brain drives which robot. [`in_process`] is a world and its brains in one thread; `local_runner` makes a
-//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`.
+//!    [`Row`] of one run of it, `remote` of one on a server, with the [`figures`] of `metrics`. [`served`] is a run on a server that is watched tick
+//!    by tick.
 //! 3. [`sweep()`] runs what is missing on all cores. The `journal` keeps each row as it comes, so that a sweep which was
 //!    killed goes on where it was; `outputs` makes tables of it, `table` what is told about each cell.
 //! 4. [`find`] looks for the value at which a brain just succeeds, [`mod@tune`] for the numbers with which it does best.
@@ -41,6 +42,7 @@ mod raw;
 mod remote;
 mod run_record;
 mod seeds;
+pub mod served;
 mod setup;
 pub mod statistics;
 mod success;

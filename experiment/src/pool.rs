@@ -45,7 +45,7 @@ impl Workers {
     ) -> Result<(), Error> {
         // A program attaches to a server, and to a private one if the user names none.
         let private = match self.place {
-            Place::Here if experiment.has_programs() => Some(PrivateServer::start()?),
+            Place::Here if experiment.has_programs() => Some(PrivateServer::start([])?),
             Place::Here | Place::Server(_) => None,
         };
         let address = private.as_ref().map(|server| server.address.as_str()).or(match &self.place {

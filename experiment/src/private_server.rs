@@ -2,7 +2,7 @@
 
 use std::thread::JoinHandle;
 
-use baudbot_server::{Address, Server};
+use baudbot_server::{Address, Builder, Server, WorldConfig};
 use tempfile::TempDir;
 use tokio::sync::oneshot;
 
@@ -18,7 +18,8 @@ pub(crate) struct PrivateServer {
 }
 
 impl PrivateServer {
-    pub(crate) fn start() -> Result<Self, Error> {
+    /// Starts it, with these worlds.
+    pub(crate) fn start(worlds: impl IntoIterator<Item = WorldConfig>) -> Result<Self, Error> {
         let failed = |error: &dyn ToString| {
             Error::Server(format!("cannot start a server for programs: {}", error.to_string()))
         };
@@ -27,6 +28,7 @@ impl PrivateServer {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
         let builder = Server::builder().listen(Address::Unix(path.clone()));
+        let builder = worlds.into_iter().fold(builder, Builder::world);
         let server = runtime.block_on(builder.serve()).map_err(|error| failed(&error))?;
         let (stop, stopped) = oneshot::channel();
         let thread = std::thread::Builder::new().name("private server".to_owned()).spawn(move || {

@@ -53,11 +53,30 @@ impl Remote {
         Ok(Row { run: task.run, outcome })
     }
 
+    /// Does a run in a world that is there, and stands until its brains hold their robots. It is given up, and its programs
+    /// are ended, once `stop` is ready.
+    pub(crate) fn run_world(&self, world: &str, setup: Setup, stop: impl Future) -> Result<(), Error> {
+        let mut control = self.control();
+        let driven = self.runtime.block_on(async {
+            tokio::select! {
+                driven = self.drive(&mut control, world, setup) => driven.map(|_| ()),
+                _ = stop => Ok(()),
+            }
+        });
+        driven.map_err(|failure| match failure {
+            Failure::Run(problem) => Error::Refused(problem),
+            Failure::Server(error) => error,
+        })
+    }
+
+    fn control(&self) -> ControlServiceClient<Channel> {
+        ControlServiceClient::new(self.client.channel()).max_decoding_message_size(MAX_MESSAGE_BYTES)
+    }
+
     async fn world(&self, experiment: &Experiment, task: &Task) -> Result<Ran, Failure> {
         // What is wrong with the run is told here, in the same words as for one in this process.
         let setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
-        let mut control =
-            ControlServiceClient::new(self.client.channel()).max_decoding_message_size(MAX_MESSAGE_BYTES);
+        let mut control = self.control();
         let world = format!("{}-{}", self.name, task.run);
         create(&mut control, experiment, task, &world).await?;
         let ran = self.drive(&mut control, &world, setup).await;

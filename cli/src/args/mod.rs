@@ -196,7 +196,8 @@ pub(crate) struct CheckArgs {
 pub(crate) struct DiagramArgs {
     /// A scenario file, or a built-in scenario: arsim, khepera, wander
     pub(crate) scenario: String,
-    /// A brain for one robot, or for all robots that no other --brain names; `none` leaves a robot without a brain
+    /// A brain for one robot, or for all robots that no other --brain names, as in `baudbot run`; `none` leaves a robot without
+    /// a brain
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
     /// The robot to show [default: the first]

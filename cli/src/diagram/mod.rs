@@ -2,7 +2,8 @@
 //!
 //! From the command inwards:
 //!
-//! This file is the command. `record` says which part of a run is wanted, and runs a world for it; `cycle` finds a control
+//! This file is the command. `record` says which part of a run is wanted, and runs a world for it, whose `ticks` are done in
+//! this thread or, if a brain is a program, on a server of its own; `cycle` finds a control
 //! cycle among the events; `table` writes events as text, and [`baudbot_plot::timing`] draws them.
 
 mod cycle;
@@ -12,9 +13,11 @@ mod record;
 mod table;
 #[cfg(test)]
 mod tests;
+mod ticks;
 
-use anyhow::anyhow;
-use baudbot_experiment::in_process::InProcess;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::timeline::Event;
@@ -24,34 +27,43 @@ use baudbot_plot::quantity::duration;
 use baudbot_plot::timing::{self, Diagram, Mark};
 
 use self::record::{Place, Wanted, Window};
+use self::ticks::ticks;
 use crate::args::DiagramArgs;
-use crate::assignment::{self, Assigned, Assignment};
+use crate::assignment::{self, Assigned};
 use crate::error::Refused;
 use crate::run::overrides;
 use crate::scenarios::{self, Source};
-use crate::text;
+use crate::signals::INTERRUPTED;
+use crate::{text, work};
 
-pub(crate) fn diagram(args: &DiagramArgs) -> anyhow::Result<()> {
+pub(crate) async fn diagram(args: DiagramArgs) -> anyhow::Result<ExitCode> {
+    work::until_stopped(move |stop| show(&args, stop)).await
+}
+
+fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
     let assigned = assignment::assign(&args.brains, &scenario.robots)?;
-    if let Some(task) = assigned.programs.first() {
-        return Err(Refused::error(format!(
-            "--brain exec:{}: a diagram has brains of this program only; `baudbot run --timeline FILE` writes a trace of a run with yours",
-            task.program
-        )));
-    }
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let wanted = wanted(args);
-    let events = wanted.record(scenario.step_ns, world(scenario.clone(), &assigned.brains, place)?)?;
+    let events = wanted.record(scenario.step_ns, ticks(scenario.clone(), &assigned, place, stop)?);
+    if stop.load(Ordering::Relaxed) {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    let events = events?;
     let window = wanted.window(robot, &events, scenario.step_ns);
-    let Some(path) = &args.svg else { return text::print(&table::table(robot, &events, &window)) };
-    let name = source.world_name(&scenario);
-    let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
-    picture.ran = ran(&scenario, robot, &assigned);
-    text::write(path, &picture.draw())
+    let shown = match &args.svg {
+        None => text::print(&table::table(robot, &events, &window)),
+        Some(path) => {
+            let name = source.world_name(&scenario);
+            let mut picture = picture(&name, scenario.step_ns, robot, &events, &window);
+            picture.ran = ran(&scenario, robot, &assigned);
+            text::write(path, &picture.draw())
+        }
+    };
+    shown.map(|()| ExitCode::SUCCESS)
 }
 
 /// The title: the robot's brain, its link and the seed, and the changes of the scenario.
@@ -61,34 +73,6 @@ fn ran(scenario: &Scenario, robot: &RobotSpec, assigned: &Assigned) -> Vec<Strin
     let about = caption::about(scenario, false);
     let changed = (about != scenario.description).then_some(about);
     [Some(facts), changed].into_iter().flatten().collect()
-}
-
-/// A world with its brains, tick by tick: adds the new events of the robot in this place, and says the time after the
-/// tick, in nanoseconds, or nothing if the run was over.
-fn world(
-    scenario: Scenario,
-    assignments: &[Assignment],
-    place: usize,
-) -> anyhow::Result<impl FnMut(&mut Vec<Event>) -> anyhow::Result<Option<u64>>> {
-    let mut pair = InProcess::with_assignments(scenario, assignments)
-        .map_err(|error| Refused::error(error.to_string()))?;
-    let mut seen = 0;
-    Ok(move |events: &mut Vec<Event>| {
-        if pair.world.ending().is_some() {
-            return Ok(None);
-        }
-        pair.tick(|_| {});
-        let timeline = pair.world.robot(place).timeline();
-        let (gone, fresh) = timeline.since(seen);
-        events.extend(fresh);
-        seen = timeline.total();
-        match gone {
-            0 => Ok(Some(pair.world.time().as_ns())),
-            _ => Err(anyhow!(
-                "more happened in a tick than a robot's timeline holds: {gone} events were dropped"
-            )),
-        }
-    })
 }
 
 /// The place of the robot that is asked for.

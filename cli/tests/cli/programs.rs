@@ -45,10 +45,23 @@ fn bad_programs_are_told_in_a_sentence() {
 }
 
 #[test]
-fn a_diagram_says_that_it_takes_no_programs() {
-    let (code, out, err) = baudbot(&["diagram", "wander", "--brain", "exec:python3 follow.py"]);
-    assert!(code == 2 && out.is_empty(), "{code} {out}");
-    assert!(err.contains("`baudbot run --timeline FILE` writes a trace of a run with yours"), "{err}");
+fn a_diagram_of_a_program_is_that_of_the_same_brain_in_this_process() {
+    let diagram =
+        |brain: &str, place: &[&str]| good(&[&["diagram", "wander", "--brain", brain], place].concat());
+    for place in [&["--cycle", "5"][..], &["--at", "1.5"], &[]] {
+        let (own, inside) = (diagram(&program("avoid"), place), diagram("avoid", place));
+        assert_eq!(own, inside, "{place:?}");
+        assert!(own.lines().count() > 5, "{own}");
+    }
+    let picture = diagram(&program("avoid"), &["--cycle", "5", "--svg", "-"]);
+    assert!(picture.starts_with("<svg") && picture.contains("exec:sh"), "{picture}");
+}
+
+#[test]
+fn a_diagram_tells_of_a_program_that_fails() {
+    let (code, out, err) = baudbot(&["diagram", "wander", "--brain", "exec:sh -c 'echo no luck; exit 3'"]);
+    assert!(code == 1 && out.is_empty(), "{code} {out}");
+    assert!(err.contains("exited with code 3 before it attached") && err.contains("no luck"), "{err}");
 }
 
 #[test]
