@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use baudbot_launch::EXEC;
+use baudbot_launch::{EXEC, Lifetime};
 use toml::Value;
 
 use crate::assignment;
@@ -32,6 +32,8 @@ pub struct Experiment {
     pub text: String,
     /// Brains: `NAME[:K=V,…]` or `exec:PROGRAM` for all robots, `ROBOT=NAME[:K=V,…]` for one.
     pub brains: Vec<String>,
+    /// How long the processes of programs live.
+    pub lifetime: Lifetime,
     /// Simulated length of a run, in seconds; `None` is what the scenario says.
     pub seconds: Option<f64>,
     /// Each combination is run with each of them.
@@ -107,13 +109,15 @@ impl Experiment {
         let success = raw.success.as_ref().map(Success::new).transpose()?;
         let charts = raw.charts.into_iter().enumerate();
         let charts = charts.map(|(i, chart)| chart_of(i, chart, &fields, success.is_some()));
+        let (brains, lifetime) = brains(raw.brain, raw.brains)?;
         Ok(Self {
             name: raw.name.filter(|name| !name.is_empty()).unwrap_or_else(|| stem.to_owned()),
             description: raw.description,
             scenario: raw.scenario,
             folder: PathBuf::new(),
             text,
-            brains: brains(raw.brain, raw.brains)?,
+            brains,
+            lifetime,
             seconds: raw.seconds.map(seconds).transpose()?,
             seeds: Seeds::of(raw.seeds.as_ref())?,
             design: Design::new(raw.design, raw.samples, raw.seed)?,
@@ -219,19 +223,25 @@ fn unique(fields: &[Field]) -> Result<(), Error> {
     Ok(())
 }
 
-fn brains(one: Option<Value>, many: Option<Vec<String>>) -> Result<Vec<String>, Error> {
-    match (one, many) {
-        (Some(_), Some(_)) => Err(Error::field("brains", "conflicts with `brain`; give only one of them")),
-        (Some(brain), None) => Ok(vec![brain_text(brain)?]),
-        (None, Some(brains)) => Ok(brains),
-        (None, None) => Ok(vec![assignment::DEFAULT.to_owned()]),
-    }
+fn brains(one: Option<Value>, many: Option<Vec<String>>) -> Result<(Vec<String>, Lifetime), Error> {
+    let (brains, lifetime) = match (one, many) {
+        (Some(_), Some(_)) => {
+            return Err(Error::field("brains", "conflicts with `brain`; give only one of them"));
+        }
+        (Some(brain), None) => {
+            let (brain, lifetime) = brain_text(brain)?;
+            (vec![brain], lifetime)
+        }
+        (None, Some(brains)) => (brains, Lifetime::Run),
+        (None, None) => (vec![assignment::DEFAULT.to_owned()], Lifetime::Run),
+    };
+    Ok((brains, lifetime))
 }
 
 /// The brain of all robots: its name, or a program as a table.
-fn brain_text(brain: Value) -> Result<String, Error> {
+fn brain_text(brain: Value) -> Result<(String, Lifetime), Error> {
     if let Value::String(name) = brain {
-        return Ok(name);
+        return Ok((name, Lifetime::Run));
     }
     let Value::Table(table) = brain else {
         let problem = format!("must be the name of a brain, or a table with `exec`, is {brain}");
@@ -241,7 +251,8 @@ fn brain_text(brain: Value) -> Result<String, Error> {
         let problem = UnknownName::of(&error.cause).map(|unknown| unknown.to_string());
         Error::field(format!("brain.{}", error.path), problem.unwrap_or(error.problem))
     })?;
-    Ok(format!("{EXEC}{}", program.exec))
+    let lifetime = if program.reuse { Lifetime::ManyRuns } else { Lifetime::Run };
+    Ok((format!("{EXEC}{}", program.exec), lifetime))
 }
 
 fn seconds(seconds: f64) -> Result<f64, Error> {

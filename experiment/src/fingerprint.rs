@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use baudbot_brains::catalogue;
+use baudbot_launch::Lifetime;
 
 use crate::assignment;
 use crate::experiment::Experiment;
@@ -28,6 +29,10 @@ pub(crate) fn fingerprint_with(experiment: &Experiment, own: &str) -> String {
     let mut hash = Hash(OFFSET);
     let _ = write!(hash, "{:?}", (text, brains, described, seconds, seeds, design, choices, figures));
     let _ = write!(hash, "{own}");
+    // Runs of processes that do many are to be the same, and sometimes are not.
+    if experiment.lifetime == Lifetime::ManyRuns {
+        let _ = write!(hash, "many runs");
+    }
     format!("{:032x}", hash.0)
 }
 

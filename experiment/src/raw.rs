@@ -34,6 +34,8 @@ pub(crate) struct Experiment {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Program {
     pub(crate) exec: String,
+    #[serde(default)]
+    pub(crate) reuse: bool,
 }
 
 /// Which combinations of the fields' values are run.

@@ -1,9 +1,10 @@
 //! Runs on a server.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use baudbot_client::{Client, Error as ClientError, connect};
-use baudbot_launch::{Crew, Failure as Broken, Held};
+use baudbot_launch::{Crew, Failure as Broken, Held, Idle, Lifetime, Problem};
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
 use tokio::runtime::Runtime;
@@ -24,6 +25,14 @@ pub(crate) struct Remote {
     /// Where the server is, for programs that attach to it.
     address: String,
     name: String,
+    /// Programs that have done a run and wait for another.
+    idle: Cell<Idle>,
+}
+
+/// A run that was done, and how many runs its programs had done before.
+struct Done {
+    ran: Ran,
+    earlier_runs: u64,
 }
 
 /// Why a run has no end.
@@ -40,17 +49,47 @@ impl Remote {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
         let client = runtime.block_on(connect(address)).map_err(|error| failed(&error))?;
-        Ok(Self { runtime, client, address: address.to_owned(), name: name.to_owned() })
+        Ok(Self {
+            runtime,
+            client,
+            address: address.to_owned(),
+            name: name.to_owned(),
+            idle: Cell::default(),
+        })
     }
 
-    /// Does a run in a world of its own, which is there only for it.
+    /// Does a run in a world of its own, which is there only for it. One in [`CHECKED`] of the runs that a process does after
+    /// others is done again by a new one.
+    ///
+    /// # Errors
+    /// If the server has failed, or a process that has done other runs does not do this one as a new one does it.
     pub(crate) fn run(&self, experiment: &Experiment, task: &Task) -> Result<Row, Error> {
-        let outcome = match self.runtime.block_on(self.world(experiment, task)) {
-            Ok(ran) => Ok(ran),
-            Err(Failure::Run(problem)) => Err(problem),
-            Err(Failure::Server(error)) => return Err(error),
+        let row = |outcome| Ok(Row { run: task.run, outcome });
+        let Done { ran, earlier_runs } = match self.once(experiment, task, experiment.lifetime)? {
+            Ok(done) => done,
+            Err(problem) => return row(Err(problem)),
         };
-        Ok(Row { run: task.run, outcome })
+        if earlier_runs % CHECKED == 1 {
+            let again = self.once(experiment, task, Lifetime::Run)?.map(|done| done.ran);
+            if again.as_ref() != Ok(&ran) {
+                return Err(differs(task, &ran, &again));
+            }
+        }
+        row(Ok(ran))
+    }
+
+    /// Does a run, or says why it could not be done.
+    fn once(
+        &self,
+        experiment: &Experiment,
+        task: &Task,
+        lifetime: Lifetime,
+    ) -> Result<Result<Done, String>, Error> {
+        match self.runtime.block_on(self.world(experiment, task, lifetime)) {
+            Ok(done) => Ok(Ok(done)),
+            Err(Failure::Run(problem)) => Ok(Err(problem)),
+            Err(Failure::Server(error)) => Err(error),
+        }
     }
 
     /// Does a run in a world that is there, and stands until its brains hold their robots. It is given up, and its programs
@@ -73,9 +112,10 @@ impl Remote {
         ControlServiceClient::new(self.client.channel()).max_decoding_message_size(MAX_MESSAGE_BYTES)
     }
 
-    async fn world(&self, experiment: &Experiment, task: &Task) -> Result<Ran, Failure> {
+    async fn world(&self, experiment: &Experiment, task: &Task, lifetime: Lifetime) -> Result<Done, Failure> {
         // What is wrong with the run is told here, in the same words as for one in this process.
-        let setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
+        let mut setup = Setup::new(experiment, task).map_err(|error| Failure::Run(error.to_string()))?;
+        setup.assigned.programs.iter_mut().for_each(|task| task.lifetime = lifetime);
         let mut control = self.control();
         let world = format!("{}-{}", self.name, task.run);
         create(&mut control, experiment, task, &world).await?;
@@ -91,7 +131,7 @@ impl Remote {
         control: &mut ControlServiceClient<Channel>,
         world: &str,
         setup: Setup,
-    ) -> Result<Ran, Failure> {
+    ) -> Result<Done, Failure> {
         let seed = setup.scenario.seed;
         let mut attached = Vec::new();
         let wanted = setup.assigned.clone();
@@ -99,7 +139,11 @@ impl Remote {
             let brains = AttachedBrains::attach(self.client.clone(), world, assignment, seed).await;
             attached.push(brains.map_err(Failure::of_attach)?);
         }
-        let mut crew = Crew::start(&setup.assigned.programs, &self.address, world, seed)?;
+        let mut idle = self.idle.take();
+        let programs = &setup.assigned.programs;
+        let crew = Crew::start_or_reuse(programs, &mut idle, &self.address, world, seed).await;
+        self.idle.set(idle);
+        let mut crew = crew?;
         crew.attached(START_PATIENCE, async || held(control, world, &wanted).await).await?;
         let start = v1::StartWorldRequest { world: world.to_owned() };
         control.start_world(start).await.map_err(|status| Failure::of(&status))?;
@@ -128,8 +172,31 @@ impl Remote {
                 status
             }
         };
-        crew.end().await?;
-        Ok(Ran::of(&Counted::of_status(&status)))
+        let earlier_runs = crew.earlier_runs();
+        let mut idle = self.idle.take();
+        let released = crew.release(&mut idle).await;
+        self.idle.set(idle);
+        released?;
+        Ok(Done { ran: Ran::of(&Counted::of_status(&status)), earlier_runs })
+    }
+}
+
+/// That a process keeps something from run to run.
+fn differs(task: &Task, ran: &Ran, again: &Result<Ran, String>) -> Error {
+    let again = match again {
+        Ok(again) => format!("ends with the state {:016x}", again.hash),
+        Err(problem) => format!("fails: {problem}"),
+    };
+    Error::Refused(format!(
+        "run {} with seed {} ends with the state {:016x}; done again by a new process it {again}. The program keeps something \
+         from one run to the next: begin each run afresh, or leave out `reuse = true`; do the sweep again with --fresh",
+        task.run, task.seed, ran.hash
+    ))
+}
+
+impl Drop for Remote {
+    fn drop(&mut self) {
+        self.runtime.block_on(self.idle.take().end());
     }
 }
 
@@ -202,8 +269,12 @@ async fn held(
 }
 
 impl From<Broken> for Failure {
-    /// A program that fails is the run's own fault. A table has a line for it.
+    /// A program that fails is the run's own fault; a table has a line for it. One that does only one run would fail in every
+    /// other.
     fn from(failure: Broken) -> Self {
+        if matches!(failure.problem, Problem::NotReused(_)) {
+            return Self::Server(Error::Refused(failure.to_string()));
+        }
         Self::Run(failure.to_string().replace('\n', " | "))
     }
 }
@@ -245,6 +316,9 @@ impl Failure {
 
 /// Worlds are described in messages that are about as long as their scenarios, which may have 16 MiB.
 const MAX_MESSAGE_BYTES: usize = 64 << 20;
+
+/// One in so many runs of a process that has done others is done again by a new process, the first of them too.
+const CHECKED: u64 = 20;
 
 const LONGEST_PAUSE: Duration = Duration::from_millis(100);
 

@@ -73,6 +73,7 @@ fn assigned(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result
     let mut assigned = assignment::assign(&brains, &scenario.robots)?;
     for task in &mut assigned.programs {
         task.program = task.program.clone().in_folder(experiment.folder.clone());
+        task.lifetime = experiment.lifetime;
     }
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {

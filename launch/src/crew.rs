@@ -7,7 +7,8 @@ use tokio::time::{Instant, sleep};
 
 use crate::failure::{Failure, Problem};
 use crate::process::Process;
-use crate::task::Task;
+use crate::program::Program;
+use crate::task::{Lifetime, Task};
 
 /// The programs that drive robots of a world.
 #[derive(Debug, Default)]
@@ -15,10 +16,20 @@ pub struct Crew {
     members: Vec<Member>,
 }
 
+/// Processes that wait for another run.
+#[derive(Debug, Default)]
+pub struct Idle {
+    members: Vec<Member>,
+}
+
 #[derive(Debug)]
 struct Member {
     process: Process,
+    program: Program,
     robots: Vec<String>,
+    lifetime: Lifetime,
+    /// Runs that it has done before this one.
+    runs: u64,
 }
 
 /// A robot, and whether a brain holds it.
@@ -38,11 +49,43 @@ impl Crew {
     /// # Errors
     /// If one cannot be started; the others are killed then.
     pub fn start(tasks: &[Task], connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
-        let start = |task: &Task| {
-            let process = Process::start(task, connect, world, seed)?;
-            Ok(Member { process, robots: task.robots.clone() })
-        };
+        let start = |task: &Task| Member::start(task, connect, world, seed);
         Ok(Self { members: tasks.iter().map(start).collect::<Result<_, _>>()? })
+    }
+
+    /// The same, but takes processes of the same programs that wait for another run, if there are some.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub async fn start_or_reuse(
+        tasks: &[Task],
+        idle: &mut Idle,
+        connect: &str,
+        world: &str,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let mut crew = Self::default();
+        for task in tasks {
+            let waits =
+                |member: &Member| task.lifetime == Lifetime::ManyRuns && member.program == task.program;
+            let member = match idle.members.iter().position(waits) {
+                None => Member::start(task, connect, world, seed)?,
+                Some(place) => {
+                    let mut member = idle.members.swap_remove(place);
+                    member.robots.clone_from(&task.robots);
+                    member.runs += 1;
+                    member.process.give(task, connect, world, seed).await;
+                    member
+                }
+            };
+            crew.members.push(member);
+        }
+        Ok(crew)
+    }
+
+    /// How many runs that process has done before this one which has done the most.
+    pub fn earlier_runs(&self) -> u64 {
+        self.members.iter().map(|member| member.runs).max().unwrap_or(0)
     }
 
     /// Waits until each program holds its robots; `look` says which robots of the world are held.
@@ -62,7 +105,11 @@ impl Crew {
                 return Ok(());
             };
             if let Some(member) = self.exited() {
-                return Err(self.ended(member, Problem::ExitedUnattached).await.into());
+                let problem = match self.members[member].runs {
+                    0 => Problem::ExitedUnattached,
+                    _ => Problem::NotReused,
+                };
+                return Err(self.ended(member, problem).await.into());
             }
             let member = &mut self.members[late];
             if let Some(other) = robots.iter().find(|robot| robot.held && !robot.expected) {
@@ -105,14 +152,40 @@ impl Crew {
     ///
     /// # Errors
     /// If one has printed an exception.
-    pub async fn end(mut self) -> Result<(), Failure> {
+    pub async fn end(self) -> Result<(), Failure> {
+        self.release(&mut Idle::default()).await
+    }
+
+    /// The same, but lets those live that are for many runs.
+    ///
+    /// # Errors
+    /// If one has printed an exception.
+    pub async fn release(mut self, idle: &mut Idle) -> Result<(), Failure> {
+        for member in self.members.iter_mut().filter(|member| member.lifetime == Lifetime::Run) {
+            member.process.end(PATIENCE).await;
+        }
+        if let Some(member) = self.members.iter_mut().find(|member| member.process.has_traceback()) {
+            return Err(member.process.failed(Problem::Traceback).await);
+        }
+        idle.members.extend(self.members.into_iter().filter(|member| member.lifetime == Lifetime::ManyRuns));
+        Ok(())
+    }
+}
+
+impl Idle {
+    /// Ends them: first they have a while to end by themselves, as their input ends.
+    pub async fn end(mut self) {
         for member in &mut self.members {
             member.process.end(PATIENCE).await;
         }
-        match self.members.iter_mut().find(|member| member.process.has_traceback()) {
-            None => Ok(()),
-            Some(member) => Err(member.process.failed(Problem::Traceback).await),
-        }
+    }
+}
+
+impl Member {
+    fn start(task: &Task, connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
+        let process = Process::start(task, connect, world, seed)?;
+        let Task { program, robots, lifetime, .. } = task.clone();
+        Ok(Self { process, program, robots, lifetime, runs: 0 })
     }
 }
 

@@ -35,6 +35,8 @@ pub enum Problem {
     },
     /// It ended before it held its robots.
     ExitedUnattached(ExitStatus),
+    /// It ended after a run instead of doing the next one.
+    NotReused(ExitStatus),
     /// It ended before the run was over.
     Exited(ExitStatus),
     /// It ended well, but printed an exception.
@@ -68,6 +70,7 @@ impl Problem {
             Self::Missing(_) | Self::NotExecutable(_) | Self::NotStarted(_) => false,
             Self::NotAttached { .. }
             | Self::ExitedUnattached(_)
+            | Self::NotReused(_)
             | Self::Exited(_)
             | Self::Traceback
             | Self::Elsewhere { .. } => true,
@@ -99,6 +102,11 @@ impl fmt::Display for Problem {
                 )
             }
             Self::ExitedUnattached(status) => write!(f, "{} before it attached", Ended(*status)),
+            Self::NotReused(status) => write!(
+                f,
+                "{} after a run; for many runs it reads the next one from its standard input (BAUDBOT_REUSE), else leave out `reuse = true`",
+                Ended(*status)
+            ),
             Self::Exited(status) => write!(f, "{} before the run was over", Ended(*status)),
             Self::Traceback => f.write_str("printed an exception"),
             Self::Elsewhere { held, robots } => {

@@ -14,7 +14,7 @@ mod process;
 mod program;
 mod task;
 
-pub use crew::{Crew, Held};
+pub use crew::{Crew, Held, Idle};
 pub use failure::{Failure, Problem};
 pub use program::{BadProgram, EXEC, Program};
-pub use task::Task;
+pub use task::{Lifetime, Task};

@@ -1,5 +1,6 @@
 //! A program that runs, with all its children.
 
+use std::collections::BTreeMap;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::io::ErrorKind;
@@ -7,18 +8,21 @@ use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
-use tokio::process::{Child, Command};
+use tokio::io::AsyncWriteExt;
+use tokio::process::{Child, ChildStdin, Command};
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
 use crate::failure::{Failure, Problem};
 use crate::kept::Kept;
-use crate::task::Task;
+use crate::task::{Lifetime, Task};
 
 /// A program that was started. When this is dropped, it and all its children are killed.
 #[derive(Debug)]
 pub(crate) struct Process {
     child: Child,
+    /// Where it reads its next run, if it does more than one.
+    runs: Option<ChildStdin>,
     /// Its process group, which is its children's, too, unless they leave it.
     group: Option<Pid>,
     /// A variable that all its descendants have in their environment, and nothing else has.
@@ -38,7 +42,11 @@ impl Process {
         if let Some(folder) = &program.folder {
             command.current_dir(folder);
         }
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
+        let stdin = match task.lifetime {
+            Lifetime::Run => Stdio::null(),
+            Lifetime::ManyRuns => Stdio::piped(),
+        };
+        command.stdin(stdin).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
         let spawned = command.spawn();
         let mut child = spawned.map_err(|error| {
             let word = program.words[0].clone();
@@ -55,8 +63,19 @@ impl Process {
         let out = child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out)));
         let errors = child.stderr.take().map(|errors| tokio::spawn(kept.clone().read(errors)));
         let readers = out.into_iter().chain(errors).collect();
+        let runs = child.stdin.take();
         let group = child.id().and_then(|id| Pid::from_raw(id.cast_signed()));
-        Ok(Self { child, group, mark, kept, readers, text: program.to_string() })
+        Ok(Self { child, runs, group, mark, kept, readers, text: program.to_string() })
+    }
+
+    /// Gives it another run. One that no longer reads is found out by its end.
+    pub(crate) async fn give(&mut self, task: &Task, connect: &str, world: &str, seed: u64) {
+        let variables: BTreeMap<_, _> = task.environment(connect, world, seed).into();
+        let line = serde_json::to_string(&variables).expect("names are texts") + "\n";
+        if let Some(runs) = &mut self.runs {
+            // A program that reads nothing for long has no room for it at last.
+            let _ = timeout(PATIENCE, runs.write_all(line.as_bytes())).await;
+        }
     }
 
     /// How the program itself has ended, if it has.
@@ -85,6 +104,7 @@ impl Process {
 
     /// Ends it: by itself within `patience`, or else by a signal, or else by one that cannot be ignored. Its children end, too.
     pub(crate) async fn end(&mut self, patience: Duration) {
+        self.runs = None;
         if timeout(patience, self.child.wait()).await.is_err() {
             self.signal(Signal::TERM);
             let _ = timeout(PATIENCE, self.child.wait()).await;

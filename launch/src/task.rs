@@ -15,13 +15,26 @@ pub struct Task {
     pub robots: Vec<String>,
     /// Its parameters by name, beside those among its arguments.
     pub parameters: BTreeMap<String, Value>,
+    /// How long a process of it lives.
+    pub lifetime: Lifetime,
+}
+
+/// How long the process of a program lives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lifetime {
+    /// For one run.
+    #[default]
+    Run,
+    /// For many runs, one after the other. The environment has the first. Each line of its standard input is another: a JSON
+    /// object with the variables that have changed. The end of its input ends it.
+    ManyRuns,
 }
 
 impl Task {
     /// The variables that the program finds in its environment: where it attaches, to which world, as which robots (names with
     /// commas between them), with which seed and parameters (JSON). It is not to come back to a server that it loses, since its
-    /// run is then over.
-    pub fn environment(&self, connect: &str, world: &str, seed: u64) -> [(&'static str, String); 6] {
+    /// run is then over. `BAUDBOT_REUSE` is 1 if it is to read further runs from its standard input, and else empty.
+    pub fn environment(&self, connect: &str, world: &str, seed: u64) -> [(&'static str, String); 7] {
         let parameters = serde_json::to_string(&self.parameters).expect("names are texts");
         [
             ("BAUDBOT_CONNECT", connect.to_owned()),
@@ -30,6 +43,7 @@ impl Task {
             ("BAUDBOT_SEED", seed.to_string()),
             ("BAUDBOT_PARAMETERS", parameters),
             ("BAUDBOT_RECONNECT_S", "0".to_owned()),
+            ("BAUDBOT_REUSE", if self.lifetime == Lifetime::ManyRuns { "1" } else { "" }.to_owned()),
         ]
     }
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use baudbot_launch::{Crew, Failure, Held, Problem, Program, Task};
+use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Problem, Program, Task};
 
 fn task(program: &str) -> Task {
     Task {
         program: Program::parse(program).unwrap(),
         robots: vec!["alice".to_owned()],
         parameters: BTreeMap::new(),
+        lifetime: Lifetime::Run,
     }
 }
 
@@ -126,4 +127,58 @@ async fn an_exception_is_a_failure_also_of_a_program_that_ends_well() {
         "{error}"
     );
     start("true").unwrap().end().await.unwrap();
+}
+
+async fn held(crew: &mut Crew) -> Result<(), Failure> {
+    let look = async || {
+        let held = Held { robot: "alice".to_owned(), held: true, expected: true };
+        Ok::<_, Failure>(vec![held])
+    };
+    crew.attached(Duration::from_secs(60), look).await
+}
+
+#[tokio::test]
+async fn a_process_reads_its_further_runs_from_its_input_and_ends_with_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs");
+    let show = format!(
+        "sh -c 'echo $$ $BAUDBOT_WORLD $BAUDBOT_REUSE > {0}; while read -r line; do echo $$ \"$line\" >> {0}; done; echo end >> {0}'",
+        path.display()
+    );
+    let task = Task { lifetime: Lifetime::ManyRuns, ..task(&show) };
+    let mut idle = Idle::default();
+    for (run, world) in ["one", "two", "three"].into_iter().enumerate() {
+        let crew =
+            Crew::start_or_reuse(std::slice::from_ref(&task), &mut idle, "unix:/nowhere", world, 7).await;
+        let mut crew = crew.unwrap();
+        held(&mut crew).await.unwrap();
+        assert_eq!(crew.earlier_runs(), run as u64);
+        crew.release(&mut idle).await.unwrap();
+    }
+    idle.end().await;
+    let said = std::fs::read_to_string(&path).unwrap();
+    let lines: Vec<_> = said.lines().collect();
+    let process = lines[0].strip_suffix(" one 1").unwrap_or_else(|| panic!("{said}"));
+    assert_eq!(lines[3..], ["end"]);
+    for (line, world) in lines[1..3].iter().zip(["two", "three"]) {
+        let json = line.strip_prefix(&format!("{process} ")).unwrap_or_else(|| panic!("{said}"));
+        let variables: BTreeMap<String, String> = serde_json::from_str(json).unwrap();
+        assert_eq!((variables["BAUDBOT_WORLD"].as_str(), variables["BAUDBOT_SEED"].as_str()), (world, "7"));
+    }
+}
+
+#[tokio::test]
+async fn a_process_that_ends_after_its_run_is_told_when_it_is_to_do_another() {
+    let task = Task { lifetime: Lifetime::ManyRuns, ..task("sh -c 'echo once; exit 0'") };
+    let mut idle = Idle::default();
+    let start = async |idle: &mut Idle| {
+        Crew::start_or_reuse(std::slice::from_ref(&task), idle, "unix:/nowhere", "world", 7).await.unwrap()
+    };
+    let mut crew = start(&mut idle).await;
+    held(&mut crew).await.unwrap();
+    crew.release(&mut idle).await.unwrap();
+    let mut crew = start(&mut idle).await;
+    let look = async || Ok::<_, Failure>(robots(false));
+    let error = crew.attached(Duration::from_secs(60), look).await.unwrap_err().to_string();
+    assert!(error.contains("exited with code 0 after a run; for many runs it reads the next one"), "{error}");
 }

@@ -11,7 +11,7 @@ from baudbot.names import matching, natural
 from baudbot.reconnect import Backoff
 from baudbot.scenarios import overrides, read
 from baudbot.session import Session
-from baudbot.settings import Settings
+from baudbot.settings import Settings, runs
 from baudbot.v1 import brain_link_pb2 as pb
 from baudbot.v1 import world_pb2
 
@@ -183,6 +183,16 @@ class Names(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(baudbot.Refused, words):
                 Settings.find(environment={name: text})
+
+    def test_further_runs_are_lines_of_the_input(self):
+        environment = {"BAUDBOT_REUSE": "1", "BAUDBOT_SEED": "1", "BAUDBOT_WORLD": "w"}
+        lines = ['{"BAUDBOT_SEED": "2"}\n', '{"BAUDBOT_SEED": "3", "BAUDBOT_WORLD": "v"}\n']
+        found = [Settings.find(environment=run) for run in runs(environment, lines)]
+        self.assertEqual([(run.seed, run.world) for run in found], [(1, "w"), (2, "w"), (3, "v")])
+        self.assertEqual(list(runs({}, lines)), [{}])
+        for line, words in [("{", "is not JSON"), ("[1]", "must be an object of texts"), ('{"a": 1}', "of texts")]:
+            with self.assertRaisesRegex(baudbot.Refused, words):
+                list(runs(environment, [line]))
 
     def test_the_only_world_and_the_only_robot_need_no_name(self):
         def world(name, *robots):

@@ -202,9 +202,7 @@ class Operates(WithServer):
             self.assertGreater(len(saved.saved_mcap), 1000)
 
 
-class Programs(unittest.TestCase):
-    """Programs that `baudbot run` and `baudbot sweep` start."""
-
+class WithPrograms(unittest.TestCase):
     # The interpreter that has the package is the one that `python3` means.
     ENVIRONMENT = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
@@ -212,6 +210,10 @@ class Programs(unittest.TestCase):
         done = baudbot_program(*arguments, env=self.ENVIRONMENT, cwd=ROOT)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
+
+
+class Programs(WithPrograms):
+    """Programs that `baudbot run` and `baudbot sweep` start."""
 
     def test_a_run_and_an_attached_program_are_the_same(self):
         run = ("run", "wander", "--seconds", "10", "--quiet", "--json", "--brain")
@@ -242,6 +244,68 @@ class Programs(unittest.TestCase):
         self.assertTrue(rows.error.isna().all())
         fast = rows[rows.speed == 0.4].set_index("baud")
         self.assertEqual((fast.success[9600], fast.success[600]), (True, False))
+
+
+class ManyRuns(WithPrograms):
+    """Processes that do run after run, as `reuse = true` in an experiment asks for."""
+
+    def sweep(self, program, reuse, *, seeds=24):
+        """The rows of a sweep by one worker, and what went wrong."""
+        import pandas
+
+        with TemporaryDirectory() as folder:
+            Path(folder, "brain.py").write_text(program)
+            Path(folder, "sweep.toml").write_text(
+                f'scenario = "wander"\nseconds = 3.0\nseeds = {seeds}\n'
+                f'[brain]\nexec = "python3 brain.py"\nreuse = {str(reuse).lower()}\n'
+                '[[fields]]\nfield = "brain.speed"\nvalues = [0.3, 0.5]\n'
+            )
+            command = ("sweep", f"{folder}/sweep.toml", "--out", f"{folder}/out", "--jobs", "1", "--quiet")
+            done = baudbot_program(*command, env=self.ENVIRONMENT)
+            processes = Path(folder, "started").read_text().split() if Path(folder, "started").exists() else []
+            table = Path(folder, "out", "rows.csv")
+            rows = pandas.read_csv(table) if table.exists() else None
+        return rows, processes, done.stderr
+
+    def test_the_runs_are_those_of_fresh_processes(self):
+        program = (
+            "import os, sys\n"
+            f"sys.path.insert(0, {str(EXAMPLES)!r})\n"
+            "open('started', 'a').write(f'{os.getpid()}\\n')\n"
+            "import baudbot, follow\n"
+            "baudbot.main(follow.Follow)\n"
+        )
+        fresh, started, said = self.sweep(program, False)
+        self.assertEqual(len(started), 48, said)
+        reused, started, said = self.sweep(program, True)
+        # One for the first run, by which the length of the sweep is estimated; one for the others; and one for each of its
+        # runs that are done again: the second, the 22nd and the 42nd.
+        self.assertEqual(len(started), 5, said)
+        self.assertEqual(list(fresh.state_hash), list(reused.state_hash))
+        self.assertEqual(len(set(reused.state_hash)), 48)
+
+    def test_what_is_kept_from_run_to_run_is_found(self):
+        program = (
+            "import baudbot\n"
+            "turns = 0\n"
+            "class Leaks(baudbot.Brain):\n"
+            "  speed = 0.5\n"
+            "  def step(self, turn):\n"
+            "    global turns\n"
+            "    turns += 1\n"
+            "    return baudbot.drive(self.speed, self.speed if turns < 100 else 0.0)\n"
+            "baudbot.main(Leaks)\n"
+        )
+        rows, _, said = self.sweep(program, True)
+        self.assertIsNone(rows)
+        self.assertRegex(said, "run 2 with seed 3 ends with the state .*; done again by a new process it ends with")
+        self.assertIn("keeps something from one run to the next", said)
+
+    def test_a_program_for_one_run_is_told_so(self):
+        program = "import baudbot\nfrom avoid import Avoid\nAvoid.speed = 0.4\nbaudbot.attach(Avoid)\n"
+        rows, _, said = self.sweep(f"import sys\nsys.path.insert(0, {str(EXAMPLES)!r})\n{program}", True, seeds=2)
+        self.assertIsNone(rows)
+        self.assertIn("exited with code 0 after a run; for many runs it reads the next one", said)
 
 
 class Publishes(WithServer):

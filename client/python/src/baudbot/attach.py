@@ -57,7 +57,11 @@ def attach(
 
     Raises an `Error`, whose text is a line for people.
     """
-    settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
+    return drive(brain, Settings.find(connect, world, robots, seed, parameters, reconnect_s), tell)
+
+
+def drive(brain: type[Brain], settings: Settings, tell: Tell = tell_on_stderr) -> Summary:
+    """As `attach`, with settings that have been found."""
     for name, value in settings.parameters.items():
         brain.parameter(name, value)
     if inspect.iscoroutinefunction(brain.step):

@@ -7,13 +7,15 @@ import inspect
 import math
 import sys
 
-from .attach import attach
+from .attach import drive
 from .brain import Brain
 from .errors import Error
+from .settings import Settings, runs
 
 
 def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
-    """Runs a brain as a program, with options for where it attaches and for its parameters; `--help` lists them. ::
+    """Runs a brain as a program, with options for where it attaches and for its parameters; `--help` lists them. An experiment
+    with `reuse = true` gives the process one run after the other; each makes the brain anew. ::
 
         if __name__ == "__main__":
             baudbot.main(Follow)
@@ -23,20 +25,16 @@ def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
     parameters = {name: value for name in brain.parameters() if (value := getattr(given, f"set_{name}")) is not None}
     reconnect_s = None if given.reconnect is None else _seconds(parser, given.reconnect)
     try:
-        summary = attach(
-            brain,
-            connect=given.connect,
-            world=given.world,
-            robots=given.robot,
-            seed=given.seed,
-            parameters=parameters,
-            reconnect_s=reconnect_s,
-        )
+        for environment in runs():
+            settings = Settings.find(
+                given.connect, given.world, given.robot, given.seed, parameters, reconnect_s, environment
+            )
+            summary = drive(brain, settings)
+            print(f"the run is over after {summary.turns} turns")
     except Error as error:
         sys.exit(f"{parser.prog}: {error}")
     except KeyboardInterrupt:
         sys.exit(130)
-    print(f"the run is over after {summary.turns} turns")
 
 
 def _parser(brain: type[Brain]) -> argparse.ArgumentParser:

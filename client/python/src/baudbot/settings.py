@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from .brain import Value
@@ -77,6 +78,23 @@ class Settings:
             several = f"world `{world}` has several robots, choose some: {', '.join(sorted(there, key=natural))}"
             raise NotFound(several if there else f"world `{world}` has no robots")
         return world, matching(self.robots or there, there, f"robot of world `{world}`")
+
+
+def runs(environment: Mapping[str, str] = os.environ, lines: Iterable[str] | None = None) -> Iterator[Mapping[str, str]]:
+    """The environment of each run that a program is to do: its own, and, if that has `BAUDBOT_REUSE=1`, one for each line of
+    the standard input, which has the variables that change as a JSON object.
+    """
+    yield environment
+    if environment.get("BAUDBOT_REUSE") != "1":
+        return
+    for line in sys.stdin if lines is None else lines:
+        try:
+            changes = json.loads(line)
+        except ValueError as error:
+            raise Refused(f"a run on the standard input is not JSON ({error}): {line.strip()}") from None
+        if not isinstance(changes, dict) or not all(isinstance(value, str) for value in changes.values()):
+            raise Refused(f"a run on the standard input must be an object of texts, is {line.strip()}")
+        yield {**environment, **changes}
 
 
 def _number(name: str, default: str, environment: Mapping[str, str]) -> float:
