@@ -11,7 +11,7 @@ use tokio::runtime::Runtime;
 use tonic::transport::Channel;
 use tonic::{Code, Status};
 
-use crate::assignment::{Assigned, AssignmentError, AttachedBrains, START_PATIENCE};
+use crate::assignment::{Assigned, Assignment, AssignmentError, AttachedBrains, START_PATIENCE};
 use crate::error::Error;
 use crate::experiment::Experiment;
 use crate::metrics::Counted;
@@ -133,17 +133,12 @@ impl Remote {
         setup: Setup,
     ) -> Result<Done, Failure> {
         let seed = setup.scenario.seed;
-        let mut attached = Vec::new();
         let wanted = setup.assigned.clone();
-        for assignment in setup.assigned.brains {
-            let brains = AttachedBrains::attach(self.client.clone(), world, assignment, seed).await;
-            attached.push(brains.map_err(Failure::of_attach)?);
-        }
-        let mut idle = self.idle.take();
+        let attached = self.attach(world, setup.assigned.brains, seed).await?;
         let programs = &setup.assigned.programs;
-        let crew = Crew::start_or_reuse(programs, &mut idle, &self.address, world, seed).await;
-        self.idle.set(idle);
-        let mut crew = crew?;
+        let mut crew = self
+            .with_idle(async |idle| Crew::start_or_reuse(programs, idle, &self.address, world, seed).await)
+            .await?;
         crew.attached(START_PATIENCE, async || held(control, world, &wanted).await).await?;
         let start = v1::StartWorldRequest { world: world.to_owned() };
         control.start_world(start).await.map_err(|status| Failure::of(&status))?;
@@ -173,11 +168,29 @@ impl Remote {
             }
         };
         let earlier_runs = crew.earlier_runs();
-        let mut idle = self.idle.take();
-        let released = crew.release(&mut idle).await;
-        self.idle.set(idle);
-        released?;
+        self.with_idle(async |idle| crew.release(idle).await).await?;
         Ok(Done { ran: Ran::of(&Counted::of_status(&status)), earlier_runs })
+    }
+
+    async fn attach(
+        &self,
+        world: &str,
+        assignments: Vec<Assignment>,
+        seed: u64,
+    ) -> Result<Vec<AttachedBrains>, Failure> {
+        let mut attached = Vec::new();
+        for assignment in assignments {
+            let brains = AttachedBrains::attach(self.client.clone(), world, assignment, seed).await;
+            attached.push(brains.map_err(Failure::of_attach)?);
+        }
+        Ok(attached)
+    }
+
+    async fn with_idle<T>(&self, act: impl AsyncFnOnce(&mut Idle) -> Result<T, Broken>) -> Result<T, Broken> {
+        let mut idle = self.idle.take();
+        let done = act(&mut idle).await;
+        self.idle.set(idle);
+        done
     }
 }
 
