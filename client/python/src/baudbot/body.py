@@ -97,6 +97,8 @@ class Body:
     sensors: Mapping[str, Sensor]
     #: Their names in that order.
     sensor_names: tuple[str, ...]
+    #: The place of each in that order.
+    places: Mapping[str, int] = field(repr=False)
     #: Names of the actuators besides the wheels, in the order of the wire.
     actuators: tuple[str, ...]
     #: Whether the brain is the microcontroller's program, without a cable.
@@ -118,6 +120,7 @@ class Body:
             motors=kind_name(pb.MotorKind, description.motor_kind, "MOTOR_KIND_"),
             sensors={sensor.sensor: Sensor.of(sensor) for sensor in description.sensors},
             sensor_names=tuple(sensor.sensor for sensor in description.sensors),
+            places={sensor.sensor: place for place, sensor in enumerate(description.sensors)},
             actuators=tuple(actuator.actuator for actuator in description.actuators),
             onboard=description.onboard,
             step_s=step_ns / 1e9,
