@@ -100,6 +100,17 @@ class Turns(unittest.TestCase):
         with self.assertRaisesRegex(baudbot.NoReading, "nothing has arrived from sensor `ir` yet"):
             arrived["ir"]
 
+    def test_sensors_from_which_nothing_has_come_leave_no_gap_in_the_message(self):
+        body = Body.of(welcome().robots[0], 1)
+        arrived = baudbot.Turn(body, pb.RobotTurn(readings=[pb.Reading(sensor=1, values=[1.0, 2.0, 0.5])]), 0)
+        self.assertEqual((arrived.value("odometer"), arrived["odometer"]["heading_rad"]), (1.0, 0.5))
+        self.assertEqual((arrived.value("ir", 7.0), arrived.get("ir"), "ir" in arrived), (7.0, None, False))
+        self.assertEqual((list(arrived), len(arrived), "odometer" in arrived), (["odometer"], 1, True))
+        for name in ("irr", 3):
+            self.assertNotIn(name, arrived)
+        with self.assertRaisesRegex(baudbot.NoReading, "did you mean `ir`"):
+            arrived.value("irr")
+
 
 class Waiting(unittest.TestCase):
     def test_without_news_a_brain_is_asked_only_when_its_patience_is_over(self):
