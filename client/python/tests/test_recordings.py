@@ -145,7 +145,7 @@ class Recorded(unittest.TestCase):
         recording = baudbot.open(self.path)
         with self.assertRaisesRegex(baudbot.NotFound, "there is no robot `robt`; did you mean `robot`"):
             recording.readings("robt", "ir_front")
-        with self.assertRaisesRegex(baudbot.NotFound, "`ir_frnt`; did you mean `ir_front`"):
+        with self.assertRaisesRegex(baudbot.NotFound, "there is no sensor `ir_frnt` of robot `robot`; did you mean `ir_front`"):
             recording.readings("robot", "ir_frnt")
 
     def test_without_frames_there_are_no_tables_but_all_else(self):

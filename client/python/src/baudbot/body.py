@@ -75,7 +75,7 @@ class Sensor:
                 return slice(start, start + part.count)
             start += part.count
         names = [part.name for part in self.components if part.name]
-        raise NoReading(unknown(f"component of sensor `{self.name}`", component, names))
+        raise NoReading(unknown("component", component, names, f" of sensor `{self.name}`"))
 
 
 @dataclass(frozen=True, slots=True)

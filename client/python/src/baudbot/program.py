@@ -31,6 +31,7 @@ def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
             seed=given.seed,
             parameters=parameters,
             reconnect_s=reconnect_s,
+            announce=True,
         )
     except Error as error:
         sys.exit(f"{parser.prog}: {error}")

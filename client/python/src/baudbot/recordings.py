@@ -120,7 +120,7 @@ class Recording:
         place = names.index(robot)
         sensors = [one.sensor for one in robots[place].description.sensors]
         if sensor not in sensors:
-            raise NotFound(f"{self.path}: {unknown(f'sensor of robot `{robot}`', sensor, sensors)}")
+            raise NotFound(f"{self.path}: {unknown('sensor', sensor, sensors, f' of robot `{robot}`')}")
         # A sensor's name has no dot in it.
         columns = [column for column in robots[place].sensor_columns if column.partition(".")[0] == sensor]
         return self._readings(place, sensors.index(sensor), {"robot": robot}, columns)

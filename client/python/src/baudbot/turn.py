@@ -160,7 +160,7 @@ class Turn(Mapping[str, Reading]):
     def _missing(self, sensor: str) -> NoReading:
         if sensor in self.body.sensors:
             return NoReading(f"nothing has arrived from sensor `{sensor}` yet; `turn.get` gives None in that case")
-        return NoReading(unknown(f"sensor of robot `{self.body.robot}`", sensor, list(self.body.sensors)))
+        return NoReading(unknown("sensor", sensor, list(self.body.sensors), f" of robot `{self.body.robot}`"))
 
     def __contains__(self, sensor: object) -> bool:
         return isinstance(sensor, str) and self._find(sensor) is not None
