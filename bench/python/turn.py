@@ -102,7 +102,8 @@ def package(address, world, robots):
 def bare(address, world, robots):
     """A run by a bare loop: the times of a turn."""
     requests = queue.SimpleQueue()
-    requests.put(pb.AttachRequest(hello=pb.Hello(world=world, robots=robots, mode=pb.PORT_MODE_MESSAGES, thinks_as_scenario=True)))
+    hello = pb.Hello(world=world, robots=robots, mode=pb.PORT_MODE_MESSAGES, thinks_as_scenario=True)
+    requests.put(pb.AttachRequest(hello=hello))
     with open_channel(address) as channel:
         responses = BrainLinkServiceStub(channel).Attach(iter(requests.get, None))
         order = [[one.sensor for one in robot.sensors] for robot in next(responses).welcome.robots]
@@ -134,7 +135,8 @@ def scenario(robots):
     head, marker, robot = scenarios.read("wander").partition("[[robots]]")
     text = head.replace('collision = "stop-run"', 'collision = "stop-robot"')
     for i in range(robots):
-        place = f'name = "robot-{i}"\nstart = {{ x_m = {-1.2 + 0.6 * (i % 5)}, y_m = {0.5 * (i // 5)}, heading_rad = {i % 5 - 2.0} }}'
+        x_m, y_m = -1.2 + 0.6 * (i % 5), 0.5 * (i // 5)
+        place = f'name = "robot-{i}"\nstart = {{ x_m = {x_m}, y_m = {y_m}, heading_rad = {i % 5 - 2.0} }}'
         kept = [line for line in robot.splitlines() if not line.startswith(('name = "robot"', "start ="))]
         text += "\n".join([marker, place, *kept, ""])
     return text

@@ -11,7 +11,8 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
 
     baudbot.attach(Follow)
 
-`Client` is for operators and observers, `open` for recordings of runs, `baudbot.aio` for programs with asyncio, `baudbot.v1` the bare contract.
+`open` is for recordings of runs, `Client` for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1`
+the bare contract.
 """
 
 from . import aio

@@ -47,9 +47,10 @@ def _messages(file: BufferedReader, path: Path, wanted: Container[str], damaged:
         except _BROKEN:
             if at == 0:
                 raise NotARecording(f"{path}: is not an MCAP file: its header is missing") from None
-            return damaged(at, False)
+            damaged(at, False)
+            return
         if isinstance(record, Footer):
-            return None
+            return
         parts: list[McapRecord] = [record]
         if isinstance(record, Chunk):
             try:

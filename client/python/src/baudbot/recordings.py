@@ -29,8 +29,8 @@ M = TypeVar("M", bound=Message)
 def open(path: str | os.PathLike[str]) -> Recording:
     """Opens a recording. It needs the package `mcap`.
 
-    Of a file that is cut off or damaged, as a killed program leaves it, everything that is intact is read; a warning and
-    `Recording.problem` say what is wrong.
+    Of a file that is damaged or cut off, as a killed program leaves it, everything that is intact is read; a warning and
+    `Recording.problem` say what is wrong. A recording that is still being made is cut off, too.
 
     Raises `NotFound` if there is no such file, `NotARecording` if it is something else, `Error` if it cannot be read.
     """

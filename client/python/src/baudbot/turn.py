@@ -79,7 +79,7 @@ class Reading:
 class Turn(Mapping[str, Reading]):
     """A brain's step. As a mapping it has the last reading of each sensor from which one has arrived, by the sensor's name."""
 
-    # Nothing is made of a message before it is asked for: a turn of ten robots takes little longer than one of a single robot.
+    # Nothing is made of a message before it is asked for: ten robots of five sensors have fifty readings in a turn.
     __slots__ = ("_arrived", "_message", "_readings", "at_ns", "body", "tick")
 
     def __init__(self, body: Body, message: pb.RobotTurn, tick: int) -> None:
