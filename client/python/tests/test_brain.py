@@ -66,7 +66,7 @@ class Parameters(unittest.TestCase):
 
     def test_what_is_wrong_is_told_with_its_name(self):
         for name, value, words in [
-            ("sped", 1, "there is no parameter of Follow `sped`; did you mean `speed`?"),
+            ("sped", 1, "there is no parameter `sped` of Follow; did you mean `speed`?"),
             ("speed", "fast", "parameter `speed` of Follow must be a number, is 'fast'"),
             ("turns", 1.5, "parameter `turns` of Follow must be a whole number, is 1.5"),
             ("loud", 1, "parameter `loud` of Follow must be true or false, is 1"),
@@ -88,7 +88,7 @@ class Turns(unittest.TestCase):
         self.assertEqual(list(arrived), ["ir", "odometer"])
         with self.assertRaisesRegex(baudbot.NoReading, "did you mean `odometer`"):
             arrived["odometr"]
-        with self.assertRaisesRegex(baudbot.NoReading, "component of sensor `odometer` `x`"):
+        with self.assertRaisesRegex(baudbot.NoReading, "there is no component `x` of sensor `odometer`; there are: heading_rad, x_m, y_m"):
             odometer["x"]
 
     def test_before_anything_came_there_is_no_value(self):
@@ -99,6 +99,17 @@ class Turns(unittest.TestCase):
         self.assertNotIn("ir", arrived)
         with self.assertRaisesRegex(baudbot.NoReading, "nothing has arrived from sensor `ir` yet"):
             arrived["ir"]
+
+    def test_sensors_from_which_nothing_has_come_leave_no_gap_in_the_message(self):
+        body = Body.of(welcome().robots[0], 1)
+        arrived = baudbot.Turn(body, pb.RobotTurn(readings=[pb.Reading(sensor=1, values=[1.0, 2.0, 0.5])]), 0)
+        self.assertEqual((arrived.value("odometer"), arrived["odometer"]["heading_rad"]), (1.0, 0.5))
+        self.assertEqual((arrived.value("ir", 7.0), arrived.get("ir"), "ir" in arrived), (7.0, None, False))
+        self.assertEqual((list(arrived), len(arrived), "odometer" in arrived), (["odometer"], 1, True))
+        for name in ("irr", 3):
+            self.assertNotIn(name, arrived)
+        with self.assertRaisesRegex(baudbot.NoReading, "did you mean `ir`"):
+            arrived.value("irr")
 
 
 class Waiting(unittest.TestCase):

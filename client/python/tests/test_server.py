@@ -45,7 +45,7 @@ class Drives(WithServer):
             self.run_of(lambda server: baudbot.attach(Avoid, connect=server.tcp)),
             self.run_of(lambda server: baudbot.attach(Avoid, connect=server.unix, world="wander", robots="rob*")),
             self.run_of(lambda server: asyncio.run(baudbot.aio.attach(Avoid, connect=server.unix))),
-            self.run_of(lambda server: self.assertEqual(program("--connect", server.tcp).stderr, "")),
+            self.run_of(lambda server: self.assertEqual(program("--connect", server.tcp).stderr, "driving robot of world wander\n")),
             self.run_of(lambda server: self.assertEqual(program(BAUDBOT_CONNECT=server.unix).returncode, 0)),
         }
         self.assertEqual(len(hashes), 1, hashes)
@@ -54,7 +54,7 @@ class Drives(WithServer):
         server = self.serve("wander", *TEN_SECONDS)
         for arguments, text in [
             (("--connect", server.tcp, "--world", "wandr"), "there is no world `wandr`; did you mean `wander`?"),
-            (("--connect", server.tcp, "--robot", "nobody"), "there is no robot of world `wander` `nobody`"),
+            (("--connect", server.tcp, "--robot", "nobody"), "there is no robot `nobody` in world `wander`"),
             (("--connect", server.tcp, "--turn-at", "x"), "parameter `turn_at` of Avoid must be a number, is 'x'"),
             (("--connect", "127.0.0.1:1"), "no server answers at 127.0.0.1:1"),
         ]:

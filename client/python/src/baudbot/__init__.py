@@ -11,7 +11,8 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
 
     baudbot.attach(Follow)
 
-`Client` is for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1` the bare contract.
+`open` is for recordings of runs, `Client` for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1`
+the bare contract.
 """
 
 from . import aio
@@ -21,8 +22,9 @@ from .body import Body, Component, Sensor
 from .brain import Brain, RawBrain
 from .client import Client
 from .commands import Command, Poll, drive, poll, stop
-from .errors import Detached, Error, NoReading, NoServer, NotFound, Refused, Restart, Taken
+from .errors import Detached, Error, NoReading, NoServer, NotARecording, NotFound, Refused, Restart, Taken
 from .program import main
+from .recordings import Recording, open
 from .turn import Reading, Turn
 from .world import World
 
@@ -38,10 +40,12 @@ __all__ = [
     "GridMap",
     "NoReading",
     "NoServer",
+    "NotARecording",
     "NotFound",
     "Poll",
     "RawBrain",
     "Reading",
+    "Recording",
     "Refused",
     "Restart",
     "Sensor",
@@ -53,6 +57,7 @@ __all__ = [
     "attach",
     "drive",
     "main",
+    "open",
     "poll",
     "stop",
 ]

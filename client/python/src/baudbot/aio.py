@@ -32,6 +32,7 @@ async def attach(
     parameters: Mapping[str, Value] | None = None,
     reconnect_s: float | None = None,
     tell: Tell = tell_on_stderr,
+    announce: bool = False,
 ) -> Summary:
     """As `baudbot.attach`. Cancelling it detaches the brains."""
     settings = Settings.find(connect, world, robots, seed, parameters, reconnect_s)
@@ -42,7 +43,7 @@ async def attach(
         try:
             async with _channel(settings.connect) as channel:
                 found = found or await _find_robots(channel, settings)
-                return await _drive(channel, brain, settings, *found, backoff=backoff, tell=tell)
+                return await _drive(channel, brain, settings, *found, backoff=backoff, tell=tell, announce=announce)
         except Restart:
             tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
         except Error as error:
@@ -77,6 +78,7 @@ async def _drive(
     *,
     backoff: Backoff,
     tell: Tell,
+    announce: bool,
 ) -> Summary:
     call = BrainLinkServiceStub(channel).Attach()
     try:
@@ -85,8 +87,11 @@ async def _drive(
         if not isinstance(first, pb.AttachResponse):
             raise closed()
         session = Session(first.welcome, brain_maker(brain, settings))
+        driving = f"driving {', '.join(robots)} of world {world}"
         if backoff.is_lost():
-            tell(f"reconnected with a restarted brain: driving {', '.join(robots)} of world {world}")
+            tell(f"reconnected with a restarted brain: {driving}")
+        elif announce:
+            tell(driving)
         backoff.connected()
         while isinstance(response := await call.read(), pb.AttachResponse):
             if not response.HasField("turn"):

@@ -48,19 +48,23 @@ def attach(
     parameters: Mapping[str, Value] | None = None,
     reconnect_s: float | None = None,
     tell: Tell = tell_on_stderr,
+    announce: bool = False,
 ) -> Summary:
     """Drives robots, each with a brain of its own, until the run is over.
 
     What is not given is taken from the environment (`BAUDBOT_CONNECT`, …), which `baudbot run` sets for the programs that it
     starts, or else is the default: `127.0.0.1:7400`, the server's only world, its only robot. A server that is lost is tried
-    for `reconnect_s` seconds; the brains then start over, since the world may have changed meanwhile.
+    for `reconnect_s` seconds; the brains then start over, since the world may have changed meanwhile. `tell` gets the lines that
+    say so and, with `announce`, one that says what is driven.
 
     Raises an `Error`, whose text is a line for people.
     """
-    return drive(brain, Settings.find(connect, world, robots, seed, parameters, reconnect_s), tell)
+    return drive(brain, Settings.find(connect, world, robots, seed, parameters, reconnect_s), tell, announce)
 
 
-def drive(brain: type[Brain], settings: Settings, tell: Tell = tell_on_stderr) -> Summary:
+def drive(
+    brain: type[Brain], settings: Settings, tell: Tell = tell_on_stderr, announce: bool = False
+) -> Summary:
     """As `attach`, with settings that have been found."""
     for name, value in settings.parameters.items():
         brain.parameter(name, value)
@@ -71,7 +75,7 @@ def drive(brain: type[Brain], settings: Settings, tell: Tell = tell_on_stderr) -
         try:
             with _channel(settings.connect) as channel:
                 found = found or find_robots(channel, settings)
-                return _drive(channel, brain, settings, *found, backoff=backoff, tell=tell)
+                return _drive(channel, brain, settings, *found, backoff=backoff, tell=tell, announce=announce)
         except Restart:
             tell(f"the operator has restarted the brain of {', '.join(found[1]) if found else 'the robots'}")
         except Error as error:
@@ -123,6 +127,7 @@ def _drive(
     *,
     backoff: Backoff,
     tell: Tell,
+    announce: bool,
 ) -> Summary:
     requests: queue.SimpleQueue[pb.AttachRequest | None] = queue.SimpleQueue()
     requests.put(hello(world, robots, brain, program_name()))
@@ -130,8 +135,11 @@ def _drive(
     try:
         welcome = next(responses).welcome
         session = Session(welcome, brain_maker(brain, settings))
+        driving = f"driving {', '.join(robots)} of world {world}"
         if backoff.is_lost():
-            tell(f"reconnected with a restarted brain: driving {', '.join(robots)} of world {world}")
+            tell(f"reconnected with a restarted brain: {driving}")
+        elif announce:
+            tell(driving)
         backoff.connected()
         for response in responses:
             if not response.HasField("turn"):

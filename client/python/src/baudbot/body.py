@@ -10,7 +10,7 @@ from .names import unknown
 from .v1 import brain_link_pb2 as pb
 
 
-def _kind(enum: type, value: int, prefix: str) -> str:
+def kind_name(enum: type, value: int, prefix: str) -> str:
     """The name as in scenario files: `line-camera` of `SENSOR_KIND_LINE_CAMERA`."""
     known: str = enum.Name(value) if value in enum.values() else "UNSPECIFIED"  # type: ignore[attr-defined]
     return known.removeprefix(prefix).lower().replace("_", "-")
@@ -56,7 +56,7 @@ class Sensor:
         mount = description.mount
         return cls(
             name=description.sensor,
-            kind=_kind(pb.SensorKind, description.kind, "SENSOR_KIND_"),
+            kind=kind_name(pb.SensorKind, description.kind, "SENSOR_KIND_"),
             components=tuple(Component(c.name, c.unit, max(c.count, 1)) for c in description.components),
             period_s=description.period_ns / 1e9,
             x_m=mount.x_m,
@@ -75,7 +75,7 @@ class Sensor:
                 return slice(start, start + part.count)
             start += part.count
         names = [part.name for part in self.components if part.name]
-        raise NoReading(unknown(f"component of sensor `{self.name}`", component, names))
+        raise NoReading(unknown("component", component, names, f" of sensor `{self.name}`"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +97,8 @@ class Body:
     sensors: Mapping[str, Sensor]
     #: Their names in that order.
     sensor_names: tuple[str, ...]
+    #: The place of each in that order.
+    places: Mapping[str, int] = field(repr=False)
     #: Names of the actuators besides the wheels, in the order of the wire.
     actuators: tuple[str, ...]
     #: Whether the brain is the microcontroller's program, without a cable.
@@ -115,9 +117,10 @@ class Body:
             half_track_m=description.half_track_m,
             wheel_radius_m=description.wheel_radius_m,
             signal_limit=description.signal_limit if description.HasField("signal_limit") else None,
-            motors=_kind(pb.MotorKind, description.motor_kind, "MOTOR_KIND_"),
+            motors=kind_name(pb.MotorKind, description.motor_kind, "MOTOR_KIND_"),
             sensors={sensor.sensor: Sensor.of(sensor) for sensor in description.sensors},
             sensor_names=tuple(sensor.sensor for sensor in description.sensors),
+            places={sensor.sensor: place for place, sensor in enumerate(description.sensors)},
             actuators=tuple(actuator.actuator for actuator in description.actuators),
             onboard=description.onboard,
             step_s=step_ns / 1e9,

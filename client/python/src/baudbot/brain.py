@@ -85,7 +85,7 @@ class Brain:
         """A parameter's value, or its text, as the type that its default has."""
         defaults = cls.parameters()
         if name not in defaults:
-            raise Refused(unknown(f"parameter of {cls.__name__}", name, list(defaults)))
+            raise Refused(unknown("parameter", name, list(defaults), f" of {cls.__name__}"))
         default = defaults[name]
         if isinstance(default, str):
             return str(value)

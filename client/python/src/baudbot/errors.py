@@ -43,6 +43,10 @@ class Detached(Error):
     """The operator or the watchdog took the robot away, or the world is gone."""
 
 
+class NotARecording(Error):
+    """The file is no recording, or too little of one is left in it."""
+
+
 class NoReading(Error):
     """Nothing of this sensor has arrived yet, or the robot has no such sensor."""
 

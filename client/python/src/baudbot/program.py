@@ -29,7 +29,7 @@ def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
             settings = Settings.find(
                 given.connect, given.world, given.robot, given.seed, parameters, reconnect_s, environment
             )
-            summary = drive(brain, settings)
+            summary = drive(brain, settings, announce=True)
             print(f"the run is over after {summary.turns} turns")
     except Error as error:
         sys.exit(f"{parser.prog}: {error}")

@@ -77,7 +77,7 @@ class Settings:
         if not self.robots and len(there) != 1:
             several = f"world `{world}` has several robots, choose some: {', '.join(sorted(there, key=natural))}"
             raise NotFound(several if there else f"world `{world}` has no robots")
-        return world, matching(self.robots or there, there, f"robot of world `{world}`")
+        return world, matching(self.robots or there, there, "robot", f" in world `{world}`")
 
 
 def runs(environment: Mapping[str, str] = os.environ, lines: Iterable[str] | None = None) -> Iterator[Mapping[str, str]]:

@@ -79,13 +79,14 @@ class Reading:
 class Turn(Mapping[str, Reading]):
     """A brain's step. As a mapping it has the last reading of each sensor from which one has arrived, by the sensor's name."""
 
-    # Nothing is made of a message before it is asked for: brains of ten robots share a millisecond.
-    __slots__ = ("_arrived", "_message", "at_ns", "body", "tick")
+    # Nothing is made of a message before it is asked for: ten robots of five sensors have fifty readings in a turn.
+    __slots__ = ("_arrived", "_message", "_readings", "at_ns", "body", "tick")
 
     def __init__(self, body: Body, message: pb.RobotTurn, tick: int) -> None:
         self.body, self._message, self.tick = body, message, tick
         #: The instant of the step, by the laptop's clock, in simulated nanoseconds since the start of the run.
         self.at_ns: int = message.at_ns
+        self._readings = message.readings
         self._arrived: dict[str, pb.Reading] | None = None
 
     @property
@@ -96,11 +97,10 @@ class Turn(Mapping[str, Reading]):
     @property
     def news(self) -> bool:
         """Whether anything has arrived since the last turn."""
-        message = self._message
-        for reading in message.readings:
+        for reading in self._readings:
             if reading.readable:
                 return True
-        return bool(message.raw or message.ports)
+        return bool(self._message.raw or self._message.ports)
 
     @property
     def raw(self) -> bytes:
@@ -110,31 +110,46 @@ class Turn(Mapping[str, Reading]):
     @property
     def ports(self) -> dict[str, bytes]:
         """The bytes that arrived on the cables of sensors' own since the last turn, for a `RawBrain`."""
-        names = list(self.body.sensors)
+        names = self.body.sensor_names
         return {names[port.sensor]: port.data for port in self._message.ports}
 
     def _all(self) -> dict[str, pb.Reading]:
         arrived = self._arrived
         if arrived is None:
             names = self.body.sensor_names
-            arrived = self._arrived = {names[one.sensor]: one for one in self._message.readings if one.values}
+            arrived = self._arrived = {names[one.sensor]: one for one in self._readings}
         return arrived
 
-    def __getitem__(self, sensor: str) -> Reading:
+    def _find(self, sensor: str) -> pb.Reading | None:
+        """The last reading of a sensor; None if none has arrived yet, or if there is no such sensor."""
         try:
-            return Reading(self.body.sensors[sensor], self._all()[sensor], self.at_ns)
-        except KeyError:
-            raise self._missing(sensor) from None
+            # Once something has arrived from all sensors, each reading is at its sensor's place.
+            place = self.body.places[sensor]
+            reading = self._readings[place]
+            if reading.sensor == place:
+                return reading
+        except (KeyError, IndexError):
+            pass
+        return self._all().get(sensor)
+
+    def __getitem__(self, sensor: str) -> Reading:
+        reading = self._find(sensor)
+        if reading is None:
+            raise self._missing(sensor)
+        return Reading(self.body.sensors[sensor], reading, self.at_ns)
 
     def get(self, sensor: str, default: Reading | None = None) -> Reading | None:  # type: ignore[override]
         """The last reading of a sensor; `default` if none has arrived yet."""
+        reading = self._find(sensor)
+        if reading is not None:
+            return Reading(self.body.sensors[sensor], reading, self.at_ns)
         if sensor not in self.body.sensors:
             raise self._missing(sensor)
-        return self[sensor] if sensor in self._all() else default
+        return default
 
     def value(self, sensor: str, default: float = math.nan) -> float:
         """The first value of a sensor's last reading; `default` if none has arrived yet."""
-        reading = self._all().get(sensor)
+        reading = self._find(sensor)
         if reading is not None:
             first: float = reading.values[0]
             return first
@@ -145,10 +160,10 @@ class Turn(Mapping[str, Reading]):
     def _missing(self, sensor: str) -> NoReading:
         if sensor in self.body.sensors:
             return NoReading(f"nothing has arrived from sensor `{sensor}` yet; `turn.get` gives None in that case")
-        return NoReading(unknown(f"sensor of robot `{self.body.robot}`", sensor, list(self.body.sensors)))
+        return NoReading(unknown("sensor", sensor, list(self.body.sensors), f" of robot `{self.body.robot}`"))
 
     def __contains__(self, sensor: object) -> bool:
-        return sensor in self._all()
+        return isinstance(sensor, str) and self._find(sensor) is not None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._all())
