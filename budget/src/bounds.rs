@@ -91,7 +91,7 @@ impl Bounds {
             wait_up,
             step: Some(fixed.step_ns(&estimate)),
             thinking: Some(
-                plan.spec.thinking_ns
+                plan.thinking().most_ns
                     + if plan.spec.is_onboard() { longest_task_ns(plan, framing.most) } else { 0 },
             ),
             down,
@@ -180,8 +180,9 @@ impl Fixed<'_> {
         let Plan { spec, step_ns, noise, .. } = *self.plan;
         // No more than one step a tick: the last instant of one and the first of the next are near.
         let mut ways = vec![vec![Curve::every(step_ns).late_by(step_ns)]];
-        if spec.thinking_ns >= step_ns {
-            ways.push(vec![Curve::every(spec.thinking_ns)]);
+        let thinking_ns = self.plan.thinking().least_ns;
+        if thinking_ns >= step_ns {
+            ways.push(vec![Curve::every(thinking_ns)]);
         }
         let (Mode::Stream(frame), Some(late), Some(wait)) =
             (spec.firmware.mode, estimate.backlog, estimate.wait_up)
@@ -207,7 +208,8 @@ impl Fixed<'_> {
     fn step_ns(&self, estimate: &Estimate) -> u64 {
         let Plan { spec, step_ns, .. } = *self.plan;
         let task_ns = if spec.is_onboard() { longest_task_ns(self.plan, 0) } else { 0 };
-        let busy = spec.thinking_ns + task_ns;
+        let thinking = self.plan.thinking();
+        let busy = thinking.most_ns + task_ns;
         let link = &spec.link;
         let wire_least = wire::least_ns(link, self.bytes.least);
         let least = self.framing.least + wire_least + wire::hold_up_ns(link).least;
@@ -216,7 +218,7 @@ impl Fixed<'_> {
             Mode::Poll => {
                 let command = wire::least_ns(link, self.plan.command_bytes().least);
                 let robot = self.plan.least_obeying_ns();
-                let down = spec.thinking_ns + wire::hold_down_ns(link).least + command + robot;
+                let down = thinking.least_ns + wire::hold_down_ns(link).least + command + robot;
                 step_ns.saturating_sub(least + down).max(busy)
             }
             Mode::Stream(frame) => {

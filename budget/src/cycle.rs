@@ -37,14 +37,13 @@ fn median(outcome: &Outcome) -> Option<([u64; 9], u64)> {
 
 fn bounds_of(plan: &Plan<'_>, bounds: &Bounds, part: Part) -> Span {
     let link = &plan.spec.link;
-    let thinking_ns = plan.spec.thinking_ns;
     match part {
         Part::Acquisition => Span::between(bounds.pattern.reads_ns.least, Some(bounds.pattern.reads_ns.most)),
         Part::Framing => Span::between(bounds.framing.least, Some(bounds.framing.most)),
         Part::WireUp => Span::between(bounds.wire_up.least, Some(bounds.wire_up.most)),
         Part::WaitUp => Span::between(wire::hold_up_ns(link).least, bounds.wait_up),
         Part::Step => Span::between(0, bounds.step),
-        Part::Thinking => Span::between(thinking_ns, bounds.thinking),
+        Part::Thinking => Span::between(plan.thinking().least_ns, bounds.thinking),
         Part::Down => {
             let wire = wire::least_ns(link, plan.command_bytes().least);
             Span::between(wire::hold_down_ns(link).least + wire, bounds.down)

@@ -51,7 +51,9 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 
 pub use allowance::Allowance;
-pub use report::{Age, Budget, Chip, Cost, Cycle, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Verdict};
+pub use report::{
+    Age, Budget, Chip, Cost, Cycle, Load, Part, Rate, Remedy, RobotBudget, Row, Span, Thinking, Verdict,
+};
 
 use baudbot_sim::Scenario;
 use baudbot_sim::model::RobotSpec;
@@ -108,7 +110,16 @@ impl RobotBudget {
 
     /// Of one of several robots that share an allowance. Once it is used up, robots get no remedies, and say so.
     pub fn within(scenario: &Scenario, spec: &RobotSpec, allowance: &mut Allowance) -> Self {
-        let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
+        Self::planned(scenario, Plan::of(scenario, spec), allowance)
+    }
+
+    /// Of one robot of a scenario whose brain was measured to think so long.
+    pub fn of_measured(scenario: &Scenario, spec: &RobotSpec, thinking: Thinking) -> Self {
+        let plan = Plan { measured: Some(thinking), ..Plan::of(scenario, spec) };
+        Self::planned(scenario, plan, &mut Allowance::default())
+    }
+
+    fn planned(scenario: &Scenario, plan: Plan<'_>, allowance: &mut Allowance) -> Self {
         if allowance.is_used_up() {
             let budget = Self::computed(&plan, LEAST, allowance);
             return Self { left_out: Some(TOO_MANY.to_string()), ..budget };
@@ -122,7 +133,7 @@ impl RobotBudget {
 
     /// The same without looking for remedies, which takes by far the most time.
     pub fn without_remedies(scenario: &Scenario, spec: &RobotSpec) -> Self {
-        let plan = Plan { spec, step_ns: scenario.step_ns, noise: scenario.noise };
+        let plan = Plan::of(scenario, spec);
         Self::computed(&plan, FULL, &mut Allowance::default())
     }
 

@@ -5,11 +5,14 @@ use alloc::vec::Vec;
 
 use baudbot_wire::{frame, khepera};
 
+use baudbot_sim::Scenario;
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::{Device, OwnClock, Sensor};
+
+use super::report::Thinking;
 
 /// The least and the most of something, in nanoseconds or bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,9 +43,23 @@ pub(super) struct Plan<'a> {
     pub(super) step_ns: u64,
     /// Whether chance decides when devices with clocks of their own begin.
     pub(super) noise: bool,
+    /// How long its brain was measured to think.
+    pub(super) measured: Option<Thinking>,
 }
 
 impl<'a> Plan<'a> {
+    /// A robot as its scenario has it.
+    pub(super) fn of(scenario: &Scenario, spec: &'a RobotSpec) -> Self {
+        Self { spec, step_ns: scenario.step_ns, noise: scenario.noise, measured: None }
+    }
+
+    /// How long its brain thinks: as was measured, or as the scenario says. On board it takes the processor as long as the
+    /// scenario says.
+    pub(super) fn thinking(&self) -> Thinking {
+        let measured = self.measured.filter(|_| !self.spec.is_onboard());
+        measured.unwrap_or_else(|| Thinking::exactly(self.spec.thinking_ns))
+    }
+
     /// The least time from the arrival of a command's last byte until the command is obeyed: a receiver that is slower than
     /// the wire has other bytes before it.
     pub(super) fn least_obeying_ns(&self) -> u64 {
@@ -167,7 +184,7 @@ impl<'a> Plan<'a> {
 
     /// Time between two steps of the brain, at least, in the long run.
     pub(super) fn brain_ns(&self) -> u64 {
-        self.step_ns.max(self.spec.thinking_ns)
+        self.step_ns.max(self.thinking().least_ns)
     }
 
     /// Time between two pulses of the motors, if they are servos.

@@ -20,7 +20,7 @@ impl Robot {
 
     /// The sensors whose own cables carry too little.
     pub(super) fn slow_ports(&self) -> Vec<(usize, &Uart)> {
-        let plan = Plan { spec: &self.spec, step_ns: self.step_ns, noise: false };
+        let plan = Plan { spec: &self.spec, step_ns: self.step_ns, noise: false, measured: None };
         let slow = plan.ports().filter(|(_, sensor, clock, link)| port_share(sensor, clock, link) > 1.0);
         slow.filter_map(|(i, _, _, link)| if let Link::Uart(uart) = link { Some((i, uart)) } else { None })
             .collect()

@@ -105,7 +105,7 @@ fn round_trip_ns(plan: &Plan<'_>, bounds: &Bounds) -> u64 {
     let turn = turnaround_ns(link).unwrap_or(0);
     let (up, down) = (wire::hold_up_ns(link).least, wire::hold_down_ns(link).least);
     let robot = (plan.least_obeying_ns() + bounds.framing.least).max(turn);
-    let laptop = (up + plan.spec.thinking_ns + down).max(turn);
+    let laptop = (up + plan.thinking().least_ns + down).max(turn);
     let bytes = bounds.pattern.bytes.least;
     let wires = wire::least_ns(link, bytes + plan.acknowledgement_bytes())
         + wire::least_ns(link, plan.command_bytes().least);

@@ -116,7 +116,12 @@ impl Search<'_> {
     }
 
     fn changed<'a>(&self, robot: &'a Robot) -> Plan<'a> {
-        Plan { spec: &robot.spec, step_ns: robot.step_ns, noise: self.plan.noise }
+        Plan {
+            spec: &robot.spec,
+            step_ns: robot.step_ns,
+            noise: self.plan.noise,
+            measured: self.plan.measured,
+        }
     }
 
     /// Promises these changes, one after the other, if they are enough in a longer dry run too.

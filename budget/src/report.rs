@@ -16,6 +16,18 @@ pub struct Span {
     pub worst_ns: Option<u64>,
 }
 
+/// How long a brain was measured to think over, in nanoseconds: with that a budget is computed in place of the time that the
+/// scenario states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Thinking {
+    /// The shortest that was measured.
+    pub least_ns: u64,
+    /// The median.
+    pub typical_ns: u64,
+    /// The longest that was measured; no bound, as another run may need longer.
+    pub most_ns: u64,
+}
+
 /// A part of a control cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -224,6 +236,13 @@ pub struct RobotBudget {
 pub struct Budget {
     /// In the order of their names.
     pub robots: Vec<RobotBudget>,
+}
+
+impl Thinking {
+    /// Always the same.
+    pub(super) const fn exactly(ns: u64) -> Self {
+        Self { least_ns: ns, typical_ns: ns, most_ns: ns }
+    }
 }
 
 impl Span {

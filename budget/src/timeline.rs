@@ -296,7 +296,7 @@ impl<'a> Timeline<'a> {
         for (ages, sampled) in self.outcome.ages.iter_mut().zip(&mut self.sampled) {
             ages.extend(sampled.take().map(|sampled| at.since(sampled)));
         }
-        let thinking_ns = self.plan.spec.thinking_ns;
+        let thinking_ns = self.plan.thinking().typical_ns;
         let mut written = at + thinking_ns;
         if self.plan.spec.is_onboard() {
             written = self.free_at.max(at) + thinking_ns;

@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use baudbot_budget::{RobotBudget, Span};
+use baudbot_budget::{RobotBudget, Span, Thinking};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::common::BODY;
-use crate::run::{Measured, run};
+use crate::run::{Measured, run, run_thinking};
 
 /// One of these.
 fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str> {
@@ -133,10 +133,11 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
     )
 }
 
-/// The same 500 robots each time; more or others with `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
-fn config() -> ProptestConfig {
+/// The same robots each time; more or others with `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
+fn config(cases: u32) -> ProptestConfig {
     let mut config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
-    config.cases = config.cases.max(500);
+    // 256 is proptest's own number.
+    config.cases = if config.cases > 256 { config.cases } else { cases };
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(1);
     }
@@ -144,7 +145,7 @@ fn config() -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(config(500))]
 
     #[test]
     fn what_is_measured_is_within_the_bounds(toml in scenarios()) {
@@ -155,6 +156,28 @@ proptest! {
         let budget = RobotBudget::without_remedies(&scenario, &scenario.robots[0]);
         let measured = run(scenario, 1.0);
         check(&budget, &measured).map_err(|what| TestCaseError::fail(format!("{what}\n{toml}")))?;
+    }
+}
+
+proptest! {
+    // Remedies are looked for, too.
+    #![proptest_config(config(100))]
+
+    #[test]
+    fn a_brain_that_thinks_as_measured_is_within_the_bounds(
+        toml in scenarios(),
+        least_ns in 0_u64..20_000_000,
+        width_ns in 0_u64..20_000_000,
+    ) {
+        let scenario = baudbot_scenario::parse(&toml).map_err(|error| TestCaseError::fail(format!("{error}\n{toml}")))?;
+        let spec = &scenario.robots[0];
+        prop_assume!(!spec.is_onboard());
+        let (most_ns, typical_ns) = (least_ns + width_ns, least_ns + width_ns / 2);
+        let budget = RobotBudget::of_measured(&scenario, spec, Thinking { least_ns, typical_ns, most_ns });
+        // Short, long and in between, without a pattern that goes with the ticks.
+        let thinking_ns = |tick: u64| least_ns + width_ns * (tick.wrapping_mul(0x9E37_79B9) % 7) / 6;
+        let measured = run_thinking(scenario, 1.0, thinking_ns);
+        check(&budget, &measured).map_err(|what| TestCaseError::fail(format!("{what}\n{least_ns} to {most_ns}\n{toml}")))?;
     }
 }
 

@@ -23,11 +23,20 @@ pub(crate) struct Measured {
 /// Runs the only robot for a while; its brain answers each message, from a port too, and thinks as long as the scenario
 /// says, in each step.
 pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
+    let thinking_ns = scenario.robots[0].thinking_ns;
+    run_thinking(scenario, seconds, |_| thinking_ns)
+}
+
+/// The same, but its brain thinks so many nanoseconds in each tick.
+pub(crate) fn run_thinking(
+    scenario: Scenario,
+    seconds: f64,
+    mut thinking_ns: impl FnMut(u64) -> u64,
+) -> Measured {
     let step_ns = scenario.step_ns;
     let ticks = (seconds * 1e9 / step_ns as f64).ceil() as u64;
     let mut world = World::new(scenario.into());
     let bytes = command(world.robot(0).spec(), 0.0, 0.0);
-    let thinking_ns = world.robot(0).spec().thinking_ns;
     let sensors = world.robot(0).spec().sensors.len();
     let mut arrivals = Vec::new();
     let mut readable = vec![Vec::new(); sensors];
@@ -54,7 +63,8 @@ pub(crate) fn run(scenario: Scenario, seconds: f64) -> Measured {
         // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it.
         let asks = tick == 0 && world.robot(0).spec().firmware.mode == Mode::Poll;
         let speaks = asks || news || first;
-        let input = Input { robot: 0, at: turn.at + thinking_ns, bytes: if speaks { &bytes } else { &[] } };
+        let input =
+            Input { robot: 0, at: turn.at + thinking_ns(tick), bytes: if speaks { &bytes } else { &[] } };
         let before: Vec<_> = world.robot(0).sensors().map(|sensor| sensor.freshness.clone()).collect();
         world.finish(&[input]);
         for (i, sensor) in world.robot(0).sensors().enumerate() {
