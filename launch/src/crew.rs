@@ -7,6 +7,7 @@ use tokio::time::{Instant, sleep};
 
 use crate::failure::{Failure, Problem};
 use crate::process::Process;
+use crate::processor_clock::ProcessorClock;
 use crate::program::Program;
 use crate::task::{Lifetime, Task};
 
@@ -14,6 +15,7 @@ use crate::task::{Lifetime, Task};
 #[derive(Debug, Default)]
 pub struct Crew {
     members: Vec<Member>,
+    clock: Option<ProcessorClock>,
 }
 
 /// Processes that wait for another run.
@@ -50,7 +52,7 @@ impl Crew {
     /// If one cannot be started; the others are killed then.
     pub fn start(tasks: &[Task], connect: &str, world: &str, seed: u64) -> Result<Self, Failure> {
         let start = |task: &Task| Member::start(task, connect, world, seed);
-        Ok(Self { members: tasks.iter().map(start).collect::<Result<_, _>>()? })
+        Ok(Self { members: tasks.iter().map(start).collect::<Result<_, _>>()?, clock: None })
     }
 
     /// The same, but takes processes of the same programs that wait for another run, if there are some.
@@ -81,6 +83,18 @@ impl Crew {
             crew.members.push(member);
         }
         Ok(crew)
+    }
+
+    /// From now on the clock knows these programs, and all children that they have.
+    #[must_use]
+    pub fn timed_by(self, clock: ProcessorClock) -> Self {
+        self.tell(&clock);
+        Self { clock: Some(clock), ..self }
+    }
+
+    fn tell(&self, clock: &ProcessorClock) {
+        let of = |member: &Member| (member.robots.clone(), member.process.processes());
+        clock.set(self.members.iter().map(of));
     }
 
     /// How many runs that process has done before this one which has done the most.
@@ -126,7 +140,12 @@ impl Crew {
 
     /// Waits until a program has ended while its run is under way, which is a failure. If there are none it waits for ever.
     pub async fn failed(&mut self) -> Failure {
+        let mut told = Instant::now();
         loop {
+            if let Some(clock) = self.clock.as_ref().filter(|_| told.elapsed() > CHILDREN) {
+                self.tell(clock);
+                told = Instant::now();
+            }
             if let Some(member) = self.exited() {
                 return self.ended(member, Problem::Exited).await;
             }
@@ -191,6 +210,9 @@ impl Member {
 
 /// How often is looked whether programs hold their robots, and whether they are still there.
 const LOOK: Duration = Duration::from_millis(5);
+
+/// How often is looked which children programs have, if their processor time is wanted.
+const CHILDREN: Duration = Duration::from_secs(1);
 
 /// How long a program has to end by itself once its run is over.
 const PATIENCE: Duration = Duration::from_secs(2);

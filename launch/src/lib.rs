@@ -4,6 +4,7 @@
 //! 1. [`Program`] is such a program, as a command line or a file names it: `exec:python3 follow.py`.
 //! 2. [`Task`] is what it is started for; it gets that in its environment ([`Task::environment`]).
 //! 3. [`Crew`] is the programs of a run: it waits until they hold their robots, tells if one fails, and ends them.
+//! 4. [`ProcessorClock`] says how much processor time they have used.
 //!
 //! Only a command line and a file that the user names may start programs. Nothing that comes over a network does.
 
@@ -11,10 +12,12 @@ mod crew;
 mod failure;
 mod kept;
 mod process;
+mod processor_clock;
 mod program;
 mod task;
 
 pub use crew::{Crew, Held, Idle};
 pub use failure::{Failure, Problem};
+pub use processor_clock::ProcessorClock;
 pub use program::{BadProgram, EXEC, Program};
 pub use task::{Lifetime, Task};

@@ -98,6 +98,12 @@ impl Process {
         }
     }
 
+    /// Its process and all its descendants that live.
+    pub(crate) fn processes(&self) -> Vec<Pid> {
+        let marked = marked(&self.mark);
+        if marked.is_empty() { self.group.into_iter().collect() } else { marked }
+    }
+
     pub(crate) fn has_traceback(&self) -> bool {
         self.kept.has_traceback()
     }
