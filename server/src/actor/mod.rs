@@ -363,7 +363,7 @@ impl WorldActor {
         self.world.begin();
         self.record_tick();
         self.show();
-        self.sessions.tell_ended(self.world.tick());
+        self.sessions.tell_ended(&self.world);
     }
 
     /// The watchdog acts on every brain that has not answered in time.

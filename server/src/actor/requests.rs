@@ -102,6 +102,7 @@ impl WorldActor {
             running: self.pacer.running.elapsed(),
             slots: self.sessions.reports(self.beliefs.said()),
             snapshot,
+            era: self.sessions.era(),
             replay: self.replaying.as_ref().map(Replaying::report),
             recording: self.recording.report(),
         }
