@@ -17,7 +17,8 @@ use crate::ScenarioError;
 const MAX_PARTS: usize = 16;
 
 /// A change of one field. In the path, an element of a list goes by its name or by its index:
-/// `robots.alice.link.baud`, `robots.0.link.baud`, `robots[0].link.baud`.
+/// `robots.alice.link.baud`, `robots.0.link.baud`, `robots[0].link.baud`. Of a robot that is one of several in a table with
+/// `starts`, the start alone goes by the robot's name: `robots.cell-2.start.x_m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Override {
     text: String,
@@ -80,7 +81,13 @@ impl Override {
                     FieldError::new(path(), "is a list; name an element and a field of it")
                         .because(Cause::NoTable)
                 })?;
-                element(list, key, &path())?
+                let is_start = parents.get(depth + 2).is_some_and(|part| part == "start");
+                if is_start && index_of(list, key).is_none() && of_several(list, key).is_some() {
+                    parts.next();
+                    own_start(list, key, &path())?
+                } else {
+                    element(list, key, &path())?
+                }
             } else {
                 child.as_table_mut().ok_or_else(|| {
                     let problem = format!("is a {kind}, it has no field `{}`", self.path[depth + 1]);
@@ -95,11 +102,10 @@ impl Override {
 
 fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut Table, FieldError> {
     let names: Vec<String> = list.iter().map(|value| name_of(value).unwrap_or("?").to_owned()).collect();
-    let by_name = names.iter().position(|name| name == key);
-    let index = by_name.or_else(|| key.parse().ok().filter(|&i: &usize| i < names.len()));
+    let index = index_of(list, key);
     let error = |problem| FieldError::new(format!("{path}.{key}"), problem);
     if index.is_none()
-        && let Some((table, i)) = of_several(list, key)
+        && let Some(OneOf { table, start: i, .. }) = of_several(list, key)
     {
         let problem = format!(
             "is one of several in `{table}`, which are identical: change {path}.{table}.FIELD for all of them, or \
@@ -114,15 +120,39 @@ fn element<'a>(list: &'a mut [Value], key: &str, path: &str) -> Result<&'a mut T
     })
 }
 
-/// The table with `starts` that a robot of this name comes from, and which of them is its own.
-fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<(&'a str, usize)> {
-    list.iter().find_map(|value| {
+/// The place of an element by its name or its index.
+fn index_of(list: &[Value], key: &str) -> Option<usize> {
+    let by_name = list.iter().position(|value| name_of(value) == Some(key));
+    by_name.or_else(|| key.parse().ok().filter(|&i: &usize| i < list.len()))
+}
+
+/// The start of a robot that is one of several.
+fn own_start<'a>(list: &'a mut [Value], robot: &str, path: &str) -> Result<&'a mut Table, FieldError> {
+    let found = of_several(list, robot).map(|one| (one.element, one.start));
+    let start = found.and_then(|(element, start)| list[element].get_mut("starts")?.get_mut(start));
+    let no_table = || FieldError::new(format!("{path}.{robot}.start"), "is no table").because(Cause::NoTable);
+    start.and_then(Value::as_table_mut).ok_or_else(no_table)
+}
+
+/// Where a robot stands that is one of several.
+struct OneOf<'a> {
+    /// The place of their table among the robots' tables.
+    element: usize,
+    table: &'a str,
+    /// Which of its `starts` is the robot's own.
+    start: usize,
+}
+
+/// Where the robot of this name stands, if a table with `starts` has it.
+fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<OneOf<'a>> {
+    list.iter().enumerate().find_map(|(element, value)| {
         let (table, starts) = (name_of(value)?, value.get("starts")?.as_array()?);
         let is_it = |i: usize| match name_of(&starts[i]) {
             Some(name) => name == robot,
             None => numbered(table, i) == robot,
         };
-        (0..starts.len()).find(|&i| is_it(i)).map(|i| (table, i))
+        let start = (0..starts.len()).find(|&i| is_it(i))?;
+        Some(OneOf { element, table, start })
     })
 }
 

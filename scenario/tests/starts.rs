@@ -96,8 +96,13 @@ fn an_override_is_for_all_of_them_or_for_one_start() {
         assert_eq!(parse(path).unwrap().robots[1].start.pose.position.x, 7.0, "{path}");
     }
     assert_eq!(parse("robots.ann.starts.bob.x_m=7").unwrap().robots[2].start.pose.position.x, 7.0);
+    for (name, robot) in [("ann-3", 1), ("bob", 2)] {
+        let scenario = parse(&format!("robots.{name}.start.x_m=7")).unwrap();
+        let moved: Vec<_> = scenario.robots.iter().map(|robot| robot.start.pose.position.x == 7.0).collect();
+        assert_eq!(moved, (0..3).map(|i| i == robot).collect::<Vec<_>>(), "{name}");
+    }
     for (name, i) in [("ann-3", 2), ("bob", 1)] {
-        let message = parse(&format!("robots.{name}.start.x_m=7")).unwrap_err().to_string();
+        let message = parse(&format!("robots.{name}.link.baud=7")).unwrap_err().to_string();
         assert_eq!(
             message,
             format!(

@@ -65,6 +65,8 @@ mod registry;
 mod report;
 mod server;
 mod sessions;
+mod trainer;
+mod truth;
 
 pub use actor::{DirectWorld, OnTick, Progress};
 pub use address::{Address, BadAddress};

@@ -22,6 +22,8 @@ pub(crate) struct Report {
     pub(crate) slots: Vec<SlotReport>,
     /// The number of the snapshot that was just taken; 0 if none was.
     pub(crate) snapshot: u64,
+    /// Counts resets, restored states and changes of pace.
+    pub(crate) era: u64,
     /// `None` if the world is live.
     pub(crate) replay: Option<ReplayReport>,
     /// `None` if the world is not being recorded.

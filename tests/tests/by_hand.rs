@@ -55,7 +55,7 @@ async fn a_reset_forgets_what_was_to_be_changed() {
     assert!(tokio::time::timeout(soon, changed.as_mut()).await.is_err(), "the tick has begun");
     let mut operator = operator(&server).await;
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
-    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into(), ..Default::default() }).await.unwrap();
     assert_eq!(changed.await.unwrap_err().code(), Code::Aborted);
     assert_eq!(status(&server).await.state_hash, begun);
     server.shutdown().await;
@@ -153,7 +153,7 @@ async fn a_pulled_cable_shows_in_the_losses_and_a_reset_plugs_it_in() {
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
-    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into(), ..Default::default() }).await.unwrap();
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     while status(&server).await.tick < 200 {
         tokio::time::sleep(Duration::from_millis(5)).await;

@@ -177,8 +177,13 @@ async fn a_restored_snapshot_has_the_same_future() {
     let restored = other.restore_world(restore).await.unwrap().into_inner().status.unwrap();
     assert_eq!((restored.tick, restored.state_hash), (100, at_100.state_hash));
     assert_eq!(step(150).await.state_hash, at_250.state_hash, "the same future");
-    let reset =
-        other.reset_world(ResetWorldRequest { world: w() }).await.unwrap().into_inner().status.unwrap();
+    let reset = other
+        .reset_world(ResetWorldRequest { world: w(), ..Default::default() })
+        .await
+        .unwrap()
+        .into_inner()
+        .status
+        .unwrap();
     assert_eq!(reset.tick, 0);
     assert_eq!(step(100).await.state_hash, at_100.state_hash, "the same past");
     server.shutdown().await;

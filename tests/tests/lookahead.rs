@@ -275,7 +275,7 @@ async fn a_reset_while_the_world_is_ahead_begins_the_same_run_anew() {
     for _ in 0..3 {
         fleet.turns().await.unwrap().unwrap();
         tokio::time::sleep(Duration::from_millis(10)).await;
-        let reset = v1::ResetWorldRequest { world: "w".into() };
+        let reset = v1::ResetWorldRequest { world: "w".into(), ..Default::default() };
         operator(&server).await.reset_world(reset).await.unwrap();
     }
     drive(&mut fleet).await;

@@ -26,10 +26,12 @@ mod potential;
 mod readme;
 mod recipes;
 mod recording;
+mod resetting;
 mod room;
 mod services;
 mod slow_cables;
 mod sweeper;
+mod training;
 mod wayfinding;
 mod worlds;
 

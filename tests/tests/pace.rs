@@ -227,7 +227,7 @@ async fn a_backlog_of_answers_is_void_after_a_reset() {
     let set = v1::SetPaceRequest { world: "w".into(), pace: Some(v1::Pace { kind: Some(lockstep) }) };
     operator.pause_world(v1::PauseWorldRequest { world: "w".into() }).await.unwrap();
     operator.set_pace(set.clone()).await.unwrap();
-    operator.reset_world(v1::ResetWorldRequest { world: "w".into() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: "w".into(), ..Default::default() }).await.unwrap();
     operator.start_world(v1::StartWorldRequest { world: "w".into() }).await.unwrap();
     let full = Signals { left: 1.0, right: 1.0 };
     loop {

@@ -164,7 +164,7 @@ async fn a_replay_refuses_what_would_change_it_until_it_is_forked() {
     let pull = Intervention::PullCable(v1::PullCable { robot: "robot".into(), pulled: true });
     let change = v1::InterveneRequest { world: world(), intervention: Some(pull) };
     assert_eq!(operator.intervene(change).await.unwrap_err().code(), Code::FailedPrecondition);
-    let reset = operator.reset_world(v1::ResetWorldRequest { world: world() }).await;
+    let reset = operator.reset_world(v1::ResetWorldRequest { world: world(), ..Default::default() }).await;
     assert_eq!(reset.unwrap_err().code(), Code::FailedPrecondition);
     assert_eq!(operator.start_recording(named("w")).await.unwrap_err().code(), Code::FailedPrecondition);
     let before = status(&server).await.state_hash;
@@ -197,7 +197,7 @@ async fn a_reset_begins_another_file() {
     drive(&client(&server).await, "robot", "avoid", 1).await;
     let first = status(&server).await;
     let world = || "w".to_owned();
-    operator.reset_world(v1::ResetWorldRequest { world: world() }).await.unwrap();
+    operator.reset_world(v1::ResetWorldRequest { world: world(), ..Default::default() }).await.unwrap();
     assert_eq!(status(&server).await.recording.unwrap().recording, "run-2");
     drive(&client(&server).await, "robot", "wander:forward=0.3", 1).await;
     let second = status(&server).await;

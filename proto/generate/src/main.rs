@@ -32,6 +32,7 @@ const CONTRACTS: [Contract; 2] = [
             "baudbot/v1/observe.proto",
             "baudbot/v1/page.proto",
             "baudbot/v1/recording.proto",
+            "baudbot/v1/trainer.proto",
         ],
         generated: "proto/src/generated",
         made: &["baudbot.v1.rs", DESCRIPTORS],

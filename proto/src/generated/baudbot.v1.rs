@@ -929,12 +929,39 @@ pub struct SetPaceResponse {
     #[prost(message, optional, tag = "1")]
     pub status: ::core::option::Option<WorldStatus>,
 }
-/// Asks for the start of the run.
-#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+/// Asks for the start of a run. What is not given is as it was when the world was made, whatever earlier resets have changed.
+/// The world is then in the state, with the same hash, that CreateWorld makes of the same scenario with these overrides.
+#[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ResetWorldRequest {
     /// Name of the world.
     #[prost(string, tag = "1")]
     pub world: ::prost::alloc::string::String,
+    /// Seed of all random streams, 0 to 2^63 - 1.
+    #[prost(uint64, optional, tag = "2")]
+    pub seed: ::core::option::Option<u64>,
+    /// Where robots start; a robot may be left out.
+    #[prost(message, repeated, tag = "3")]
+    pub starts: ::prost::alloc::vec::Vec<RobotStart>,
+    /// Changes of single fields of the scenario, as in CreateWorldRequest. They may not change the length of a tick, which robots
+    /// there are, or a robot's data sheet, but for the baud rate of the cable to its brain.
+    #[prost(string, repeated, tag = "4")]
+    pub overrides: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+}
+/// Where a robot starts. Its speed there is that of the scenario.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RobotStart {
+    /// Its name.
+    #[prost(string, tag = "1")]
+    pub robot: ::prost::alloc::string::String,
+    /// In metres.
+    #[prost(double, tag = "2")]
+    pub x_m: f64,
+    /// In metres.
+    #[prost(double, tag = "3")]
+    pub y_m: f64,
+    /// Counter-clockwise from the x axis.
+    #[prost(double, tag = "4")]
+    pub heading_rad: f64,
 }
 /// The world at its start.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -1602,7 +1629,9 @@ pub mod control_service_client {
                 .insert(GrpcMethod::new("baudbot.v1.ControlService", "SetPace"));
             self.inner.unary(req, path, codec).await
         }
-        /// Takes a world back to its start. Brains stay attached.
+        /// Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+        /// attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+        /// sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
         pub async fn reset_world(
             &mut self,
             request: impl tonic::IntoRequest<super::ResetWorldRequest>,
@@ -2049,7 +2078,9 @@ pub mod control_service_server {
             &self,
             request: tonic::Request<super::SetPaceRequest>,
         ) -> std::result::Result<tonic::Response<super::SetPaceResponse>, tonic::Status>;
-        /// Takes a world back to its start. Brains stay attached.
+        /// Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+        /// attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+        /// sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
         async fn reset_world(
             &self,
             request: tonic::Request<super::ResetWorldRequest>,
@@ -5800,4 +5831,501 @@ pub struct RecordedEvent {
     /// For people.
     #[prost(string, tag = "3")]
     pub text: ::prost::alloc::string::String,
+}
+/// From the trainer.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct TrainRequest {
+    /// Exactly one.
+    #[prost(oneof = "train_request::Request", tags = "1, 2")]
+    pub request: ::core::option::Option<train_request::Request>,
+}
+/// Nested message and enum types in `TrainRequest`.
+pub mod train_request {
+    /// Exactly one.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Request {
+        /// First, and once.
+        #[prost(message, tag = "1")]
+        Open(super::OpenTraining),
+        /// What is done in some worlds.
+        #[prost(message, tag = "2")]
+        Cycle(super::TrainingCycle),
+    }
+}
+/// Takes robots of some worlds.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct OpenTraining {
+    /// For each world what a brain says in Attach; no world twice, and at most 1024. A Hello without robots takes all robots of
+    /// its world.
+    #[prost(message, repeated, tag = "1")]
+    pub worlds: ::prost::alloc::vec::Vec<Hello>,
+}
+/// What is done in some worlds.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct TrainingCycle {
+    /// No world twice.
+    #[prost(message, repeated, tag = "1")]
+    pub worlds: ::prost::alloc::vec::Vec<WorldAction>,
+}
+/// What is done in a world.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct WorldAction {
+    /// The world's place in the OpenTraining.
+    #[prost(uint32, tag = "1")]
+    pub world: u32,
+    /// Exactly one.
+    #[prost(oneof = "world_action::Action", tags = "2, 3")]
+    pub action: ::core::option::Option<world_action::Action>,
+}
+/// Nested message and enum types in `WorldAction`.
+pub mod world_action {
+    /// Exactly one.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Action {
+        /// The answer to the world's last Turn. UntilMessage in it says when a robot has its next Turn, as in Attach.
+        #[prost(message, tag = "2")]
+        Step(super::Step),
+        /// Takes the world back to its start, as ResetWorld does; its `world` is left empty.
+        #[prost(message, tag = "3")]
+        Reset(super::ResetWorldRequest),
+    }
+}
+/// To the trainer: the response to one request.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct TrainResponse {
+    /// In the order of the request.
+    #[prost(message, repeated, tag = "1")]
+    pub worlds: ::prost::alloc::vec::Vec<WorldResult>,
+}
+/// A world after a request. But for `problem` it has what is true at the start of the tick `tick`: that of the Turn, or the
+/// one at which the run ended. A Turn's `at_ns` is within that tick, so that the truth is up to a tick older than the readings.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct WorldResult {
+    /// What its brain may know of its robots; only in the first response.
+    #[prost(message, optional, tag = "1")]
+    pub welcome: ::core::option::Option<Welcome>,
+    /// Number of the tick.
+    #[prost(uint64, tag = "6")]
+    pub tick: u64,
+    /// Simulated time at the start of that tick.
+    #[prost(uint64, tag = "7")]
+    pub time_ns: u64,
+    /// Of each robot that the stream holds, in the order of the Welcome.
+    #[prost(message, repeated, tag = "8")]
+    pub truths: ::prost::alloc::vec::Vec<Truth>,
+    /// What the referee counted; absent if there is nothing to count.
+    #[prost(message, optional, tag = "9")]
+    pub score: ::core::option::Option<Score>,
+    /// Exactly one.
+    #[prost(oneof = "world_result::Outcome", tags = "2, 3, 4, 5")]
+    pub outcome: ::core::option::Option<world_result::Outcome>,
+}
+/// Nested message and enum types in `WorldResult`.
+pub mod world_result {
+    /// Exactly one.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Outcome {
+        /// The robots' brains can step; the next action is a Step that answers this, or a reset.
+        #[prost(message, tag = "2")]
+        Turn(super::Turn),
+        /// The run has ended; the next action is a reset.
+        #[prost(message, tag = "3")]
+        Ended(super::TrainingEnded),
+        /// The action was refused, and the world stands as before.
+        #[prost(message, tag = "4")]
+        Refused(super::TrainingProblem),
+        /// The robots are released: the world was deleted, an operator or a watchdog has detached the trainer, a Step has broken a
+        /// promise of the Hello, or the world has left lockstep. Every later action gets this, too.
+        #[prost(message, tag = "5")]
+        Closed(super::TrainingProblem),
+    }
+}
+/// The run is over.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct TrainingEnded {
+    /// Why.
+    #[prost(enumeration = "EndingKind", tag = "1")]
+    pub kind: i32,
+    /// Why, in words for people.
+    #[prost(string, tag = "2")]
+    pub ending: ::prost::alloc::string::String,
+}
+/// Why something was not done, or is over.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct TrainingProblem {
+    /// A status code of gRPC.
+    #[prost(uint32, tag = "1")]
+    pub code: u32,
+    /// One line that names the field and the remedy.
+    #[prost(string, tag = "2")]
+    pub message: ::prost::alloc::string::String,
+}
+/// The truth about a robot.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Truth {
+    /// In metres.
+    #[prost(double, tag = "1")]
+    pub x_m: f64,
+    /// In metres.
+    #[prost(double, tag = "2")]
+    pub y_m: f64,
+    /// In (-pi, pi\].
+    #[prost(double, tag = "3")]
+    pub heading_rad: f64,
+    /// Along the heading.
+    #[prost(double, tag = "4")]
+    pub speed_m_s: f64,
+    /// Positive to the left.
+    #[prost(double, tag = "5")]
+    pub turn_rate_rad_s: f64,
+    /// Times that it ran into something since the start of the run.
+    #[prost(uint64, tag = "6")]
+    pub collisions: u64,
+    /// Whether one of those was after the last response about this world, or after the reset if the world was reset since.
+    #[prost(bool, tag = "7")]
+    pub collided: bool,
+    /// Distance driven by its centre since the start of the run.
+    #[prost(double, tag = "8")]
+    pub distance_m: f64,
+    /// What feeds it; absent if that cannot run out.
+    #[prost(message, optional, tag = "9")]
+    pub battery: ::core::option::Option<BatteryStatus>,
+    /// Its time in each zone, in the scenario's order.
+    #[prost(uint64, repeated, tag = "10")]
+    pub in_zone_ns: ::prost::alloc::vec::Vec<u64>,
+}
+/// Generated client implementations.
+#[cfg(feature = "services")]
+pub mod trainer_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// For trainers: programs that improve a brain by its runs. They drive robots as brains do, and are told the truth, which
+    /// brains must not use. A server has this service only on a listener of its own (`--trainer`), where ControlService is, too.
+    #[derive(Debug, Clone)]
+    pub struct TrainerServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl TrainerServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> TrainerServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> TrainerServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            TrainerServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        /// Drives the robots of many worlds in lockstep, for as long as the stream lasts.
+        ///
+        /// The first request opens the stream, and each later one has a Step or a reset for some of its worlds. Each request has one
+        /// response, which comes when every world of the request has its next Turn or has ended; the next request comes after that.
+        /// What a trainer writes to a robot takes the same way as what a brain writes: the same Steps give the same run.
+        ///
+        /// What happens to one world is told in its place of the response, and the others go on. A request that makes no sense ends
+        /// the stream, with the field (`worlds[3].step.robots[0].command.left_signal`) and before anything of it is done:
+        /// INVALID_ARGUMENT, NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot), RESOURCE_EXHAUSTED
+        /// (too many worlds), FAILED_PRECONDITION (a world that is not in lockstep, a request before the last one is answered),
+        /// DEADLINE_EXCEEDED (no Open came), OUT_OF_RANGE (a request of more than 4 MiB). A trainer that ends its side of the stream
+        /// releases its robots, and the server ends the other side.
+        pub async fn train(
+            &mut self,
+            request: impl tonic::IntoStreamingRequest<Message = super::TrainRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::TrainResponse>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/baudbot.v1.TrainerService/Train",
+            );
+            let mut req = request.into_streaming_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("baudbot.v1.TrainerService", "Train"));
+            self.inner.streaming(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+#[cfg(feature = "services")]
+pub mod trainer_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with TrainerServiceServer.
+    #[async_trait]
+    pub trait TrainerService: std::marker::Send + std::marker::Sync + 'static {
+        /// Server streaming response type for the Train method.
+        type TrainStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<super::TrainResponse, tonic::Status>,
+            >
+            + std::marker::Send
+            + 'static;
+        /// Drives the robots of many worlds in lockstep, for as long as the stream lasts.
+        ///
+        /// The first request opens the stream, and each later one has a Step or a reset for some of its worlds. Each request has one
+        /// response, which comes when every world of the request has its next Turn or has ended; the next request comes after that.
+        /// What a trainer writes to a robot takes the same way as what a brain writes: the same Steps give the same run.
+        ///
+        /// What happens to one world is told in its place of the response, and the others go on. A request that makes no sense ends
+        /// the stream, with the field (`worlds[3].step.robots[0].command.left_signal`) and before anything of it is done:
+        /// INVALID_ARGUMENT, NOT_FOUND (no such world or robot), ALREADY_EXISTS (another brain holds the robot), RESOURCE_EXHAUSTED
+        /// (too many worlds), FAILED_PRECONDITION (a world that is not in lockstep, a request before the last one is answered),
+        /// DEADLINE_EXCEEDED (no Open came), OUT_OF_RANGE (a request of more than 4 MiB). A trainer that ends its side of the stream
+        /// releases its robots, and the server ends the other side.
+        async fn train(
+            &self,
+            request: tonic::Request<tonic::Streaming<super::TrainRequest>>,
+        ) -> std::result::Result<tonic::Response<Self::TrainStream>, tonic::Status>;
+    }
+    /// For trainers: programs that improve a brain by its runs. They drive robots as brains do, and are told the truth, which
+    /// brains must not use. A server has this service only on a listener of its own (`--trainer`), where ControlService is, too.
+    #[derive(Debug)]
+    pub struct TrainerServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> TrainerServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for TrainerServiceServer<T>
+    where
+        T: TrainerService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/baudbot.v1.TrainerService/Train" => {
+                    #[allow(non_camel_case_types)]
+                    struct TrainSvc<T: TrainerService>(pub Arc<T>);
+                    impl<
+                        T: TrainerService,
+                    > tonic::server::StreamingService<super::TrainRequest>
+                    for TrainSvc<T> {
+                        type Response = super::TrainResponse;
+                        type ResponseStream = T::TrainStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<
+                                tonic::Streaming<super::TrainRequest>,
+                            >,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TrainerService>::train(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = TrainSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for TrainerServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "baudbot.v1.TrainerService";
+    impl<T> tonic::server::NamedService for TrainerServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
 }

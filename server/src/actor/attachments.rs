@@ -47,7 +47,7 @@ impl WorldActor {
     /// Tells a new brain what it has come too late for.
     fn greet(&mut self, new: &NewSession, lockstep: bool) {
         if self.world.ending().is_some() {
-            self.sessions.tell_one_ended(new.number, self.world.tick());
+            self.sessions.tell_one_ended(new.number, &self.world);
         } else if lockstep && self.phase == Phase::Begun {
             self.sessions.deliver_left_open(new, &self.world);
         }

@@ -12,7 +12,7 @@ impl WorldActor {
             Request::Start if self.pacer.paused => event!(self, info, "world started"),
             Request::Pause if !self.pacer.paused => event!(self, info, "world paused"),
             Request::SetPace(pace) => event!(self, info, ?pace, "pace set"),
-            Request::Reset => event!(self, info, "world reset"),
+            Request::Reset(_) => event!(self, info, "world reset"),
             Request::Delete => event!(self, info, "world deleted"),
             Request::Step { ticks } => event!(self, debug, ticks, "steps ordered"),
             Request::Snapshot => event!(self, debug, "snapshot taken"),

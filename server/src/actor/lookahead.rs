@@ -188,7 +188,7 @@ pub(super) fn sees_world(message: &Message) -> bool {
             // A brain that hangs is detached at once; the report of how the world then stands waits.
             Request::DetachBrain { .. } => false,
             // The present state is of no interest any more.
-            Request::Reset | Request::Restore { .. } | Request::Delete => false,
+            Request::Reset(_) | Request::Restore { .. } | Request::Delete => false,
             // A replay is never ahead.
             Request::Seek { .. } | Request::Fork(_) => false,
         },

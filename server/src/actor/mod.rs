@@ -156,6 +156,7 @@ pub(crate) fn start(
 ) -> Result<WorldHandle, Status> {
     let (name, record): (Arc<str>, _) = (new.name.as_str().into(), new.record.clone());
     let (robots, paused) = (new.world.robots().len(), new.paused);
+    let made = Arc::clone(new.world.origin());
     let mut actor = WorldActor::new(Arc::clone(&name), new, neighbours);
     if let Some(record) = record {
         actor.record(record)?;
@@ -164,7 +165,7 @@ pub(crate) fn start(
         .add(|waker| Arc::new(Mailbox::new(actor, waker)))
         .map_err(|error| Status::resource_exhausted(format!("no thread for another world: {error}")))?;
     tracing::info!(world = &*name, tick = 0, time_s = 0.0, robots, paused, "world made");
-    Ok(WorldHandle::new(name, mailbox))
+    Ok(WorldHandle::new(name, made, mailbox))
 }
 
 impl WorldActor {
@@ -362,7 +363,7 @@ impl WorldActor {
         self.world.begin();
         self.record_tick();
         self.show();
-        self.sessions.tell_ended(self.world.tick());
+        self.sessions.tell_ended(&self.world);
     }
 
     /// The watchdog acts on every brain that has not answered in time.

@@ -56,7 +56,7 @@ impl WorldActor {
     /// Checks that what is requested can be requested of a live world, or of a replay.
     pub(super) fn check_request(&self, request: &Request) -> Result<(), Status> {
         match request {
-            Request::Reset => self.check_live("a reset"),
+            Request::Reset(_) => self.check_live("a reset"),
             Request::Snapshot | Request::Restore { .. } => self.check_live("a snapshot"),
             Request::Intervene(_) => self.check_live("a manual change"),
             Request::DetachBrain { .. } => self.check_live("a brain"),

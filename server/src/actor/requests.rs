@@ -42,7 +42,7 @@ impl WorldActor {
             Request::Restore { snapshot } => self.restore(snapshot).map(|()| self.report(0)),
             Request::Start => self.reported(Self::start),
             Request::Pause => self.reported(Self::pause),
-            Request::Reset => self.reported(Self::reset),
+            Request::Reset(scenario) => self.reported(|actor| actor.reset(scenario)),
             Request::Delete => self.reported(Self::delete),
             Request::SetPace(pace) => self.reported(|actor| actor.set_pace(pace)),
             Request::Fork(pace) => self.reported(|actor| actor.fork(pace)),
@@ -102,6 +102,7 @@ impl WorldActor {
             running: self.pacer.running.elapsed(),
             slots: self.sessions.reports(self.beliefs.said()),
             snapshot,
+            era: self.sessions.era(),
             replay: self.replaying.as_ref().map(Replaying::report),
             recording: self.recording.report(),
         }

@@ -204,7 +204,7 @@ impl WorldActor {
         let Message::Request(request, _) = message else { return false };
         match request {
             Request::Record(_) | Request::StopRecording(_) | Request::Seek { .. } => true,
-            Request::Reset | Request::Restore { .. } | Request::Delete => self.recording.is_on(),
+            Request::Reset(_) | Request::Restore { .. } | Request::Delete => self.recording.is_on(),
             Request::Report
             | Request::Start
             | Request::Pause

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use baudbot_sim::World;
+use baudbot_sim::{Scenario, World};
 use tonic::Status;
 
 use super::ports::senders;
@@ -70,9 +70,9 @@ impl WorldActor {
         Ok(())
     }
 
-    /// Goes back to the beginning.
-    pub(super) fn reset(&mut self) {
-        let world = World::new(Arc::clone(self.world.origin()));
+    /// Goes back to the beginning, of a run of this scenario.
+    pub(super) fn reset(&mut self, scenario: Arc<Scenario>) {
+        let world = World::new(scenario);
         self.ports.senders = senders(&world);
         self.pacer.reset_statistics();
         self.replace(world);

@@ -1,17 +1,15 @@
 //! The brains' service: a stream that is the laptop's end of one or more serial cables.
 
 mod service;
+mod steps;
 
-use std::error::Error;
 use std::pin::Pin;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use baudbot_fields::printable::{Printable, is_printable};
 use baudbot_proto::v1;
 use baudbot_proto::v1::attach_request::Request as Content;
-use tokio::sync::{Semaphore, mpsc};
+use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
@@ -20,18 +18,14 @@ use tracing::Instrument;
 use crate::annotate::checked;
 use crate::beliefs::Beliefs;
 use crate::convert::{self, AttachResponse};
-use crate::endpoint::{Endpoint, Write};
-use crate::message::{Attach, Attached, Delivery, Lease, Message, Step};
+use crate::message::{Attach, Attached, Delivery, Lease, Message, Recipient, WorldHandle};
 use crate::registry::Registry;
-use crate::sessions::{RESERVED, STEPS_A_TICK};
+use crate::sessions::RESERVED;
 pub(crate) use service::BrainLinkServer;
+pub(crate) use steps::{CheckedStep, Steps, next_request};
 
 /// Turns that wait for a brain that does not read. Further ones are lost.
-const TURNS_AHEAD: usize = 256;
-
-/// Steps of one stream that wait until the world handles them: as many as a tick takes, and the answers to all Turns that may wait,
-/// which a brain in lockstep may send at once.
-const STEPS_AHEAD: usize = TURNS_AHEAD + STEPS_A_TICK;
+pub(crate) const TURNS_AHEAD: usize = 256;
 
 /// Longest name that a brain may give itself.
 const MAX_BRAIN_NAME: usize = 64;
@@ -65,18 +59,9 @@ impl BrainLink {
         let world = self.registry.find("hello.world", &hello.world)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
         let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, raw);
-        let attach = Attach {
-            robots: hello.robots,
-            brain: hello.brain,
-            raw,
-            memory_bytes: hello.memory_bytes,
-            thinks_as_scenario: hello.thinks_as_scenario,
-            stop_when_gone: hello.stop_when_gone,
-            deliveries: deliveries.clone(),
-            world: world.clone(),
-        };
-        let attached = world.ask(|reply| Message::Attach(attach, reply)).instrument(span.clone()).await??;
-        let welcome = convert::welcome(&attached);
+        let recipient = Recipient::Brain(deliveries.clone());
+        let attached = take_robots(&world, hello, raw, recipient).instrument(span.clone()).await?;
+        let welcome = convert::first_response(&attached);
         // The task lives as long as the brain stays.
         tokio::spawn(listen(requests, attached, raw, deliveries).instrument(span));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
@@ -84,8 +69,31 @@ impl BrainLink {
     }
 }
 
+/// Takes the robots of a Hello that has been checked.
+///
+/// # Errors
+/// Why they cannot be had, with the field of the Hello.
+pub(crate) async fn take_robots(
+    world: &WorldHandle,
+    hello: v1::Hello,
+    raw: bool,
+    recipient: Recipient,
+) -> Result<Attached, Status> {
+    let attach = Attach {
+        robots: hello.robots,
+        brain: hello.brain,
+        raw,
+        memory_bytes: hello.memory_bytes,
+        thinks_as_scenario: hello.thinks_as_scenario,
+        stop_when_gone: hello.stop_when_gone,
+        recipient,
+        world: world.clone(),
+    };
+    world.ask(|reply| Message::Attach(attach, reply)).await?
+}
+
 /// Checks a Hello. Gives whether it asks for RAW mode.
-fn check(hello: &v1::Hello) -> Result<bool, Status> {
+pub(crate) fn check(hello: &v1::Hello) -> Result<bool, Status> {
     if hello.robots.is_empty() {
         return Err(Status::invalid_argument("hello.robots: must name at least one robot"));
     }
@@ -120,15 +128,10 @@ async fn listen(
     raw: bool,
     deliveries: mpsc::Sender<Delivery>,
 ) {
-    let Attached { mut lease, scenario, robots, beliefs, lost_steps, .. } = attached;
+    let steps = Steps::new(&attached, raw);
+    let Attached { mut lease, robots, beliefs, .. } = attached;
     lease.why = "its stream ended".to_owned();
-    let listener = Listener {
-        endpoint: Endpoint::new(scenario, robots.clone(), raw),
-        robots,
-        beliefs,
-        permits: Arc::new(Semaphore::new(STEPS_AHEAD)),
-        lost_steps,
-    };
+    let listener = Listener { steps, robots, beliefs };
     tokio::select! {
         problem = listener.take_all(requests, &lease) => if let Err(status) = problem {
             lease.why = status.message().to_owned();
@@ -141,13 +144,10 @@ async fn listen(
 
 /// The receiver of the requests of one stream.
 struct Listener {
-    endpoint: Endpoint,
+    steps: Steps,
     /// Indices of the robots, in the order of the Hello.
     robots: Vec<usize>,
     beliefs: Beliefs,
-    /// One for each Step that may wait until the world handles it.
-    permits: Arc<Semaphore>,
-    lost_steps: Arc<AtomicU64>,
 }
 
 impl Listener {
@@ -160,48 +160,25 @@ impl Listener {
         mut requests: Streaming<v1::AttachRequest>,
         lease: &Lease,
     ) -> Result<(), Status> {
-        while let Some(request) = requests.message().await.transpose() {
-            let (turn, writes) = match request.map(|request| request.request) {
-                Ok(Some(Content::Annotate(annotate))) => {
+        while let Some(request) = next_request(&mut requests).await? {
+            let step = match request.request {
+                Some(Content::Annotate(annotate)) => {
                     let (robot, belief) = checked(annotate, &self.robots)?;
                     self.beliefs.publish(lease.session, robot, belief);
                     continue;
                 }
-                Ok(request) => step_of(request, &self.endpoint)?,
-                // A status that the transport made has a source: the connection broke.
-                Err(status) if status.source().is_some() => break,
-                // Such as a message that is too long.
-                Err(status) => {
-                    return Err(Status::new(status.code(), format!("request: {}", status.message())));
+                Some(Content::Step(step)) => self.steps.checked(step)?,
+                Some(Content::Hello(_)) => {
+                    let text = "hello: this stream is attached already; open another one";
+                    return Err(Status::failed_precondition(text));
                 }
+                None => return Err(Status::invalid_argument("request: must be a Step or an Annotate")),
             };
-            // A stream is always read on: unread requests would hold up all other streams of its connection.
-            let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() else {
-                self.lost_steps.fetch_add(1, Ordering::Relaxed);
-                continue;
-            };
-            let step = Step { session: lease.session, turn, writes, permit };
-            if lease.world.send(Message::Step(step)).is_err() {
+            if !self.steps.send(lease, step) {
                 break;
             }
         }
         Ok(())
-    }
-}
-
-fn step_of(request: Option<Content>, endpoint: &Endpoint) -> Result<(u64, Vec<Write>), Status> {
-    match request {
-        Some(Content::Step(step)) => {
-            let writes = convert::writes(step.robots);
-            endpoint.check(&writes)?;
-            Ok((step.turn, writes))
-        }
-        Some(Content::Hello(_)) => {
-            Err(Status::failed_precondition("hello: this stream is attached already; open another one"))
-        }
-        Some(Content::Annotate(_)) | None => {
-            Err(Status::invalid_argument("request: must be a Step or an Annotate"))
-        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod list;
 mod recordings;
+mod reset;
 
 use baudbot_budget::{Allowance, RobotBudget};
 use baudbot_proto::v1;
@@ -26,6 +27,7 @@ use crate::report::Report;
 
 pub(crate) use list::Told;
 pub(crate) use recordings::stop_recording;
+pub(crate) use reset::scenario_of_reset;
 
 /// The implementation of the operator's service.
 pub(crate) struct Control {
@@ -82,14 +84,20 @@ fn new_world(request: v1::CreateWorldRequest) -> Result<(String, World), Status>
 
 /// Parses a scenario with its overrides. An error names the request's field, then the scenario's.
 fn parse_scenario(toml: &str, overrides: &[String]) -> Result<Scenario, Status> {
-    let invalid = |field: String, error: ScenarioError| {
-        Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
+    let changes = parse_overrides(overrides)?;
+    baudbot_scenario::parse_with(toml, &changes).map_err(|error| scenario_error("scenario_toml", &error))
+}
+
+fn parse_overrides(texts: &[String]) -> Result<Vec<Override>, Status> {
+    let parse = |(i, text): (usize, &String)| {
+        Override::parse(text).map_err(|error| scenario_error(&format!("overrides[{i}]"), &error))
     };
-    let mut changes = Vec::new();
-    for (i, text) in overrides.iter().enumerate() {
-        changes.push(Override::parse(text).map_err(|error| invalid(format!("overrides[{i}]"), error))?);
-    }
-    baudbot_scenario::parse_with(toml, &changes).map_err(|error| invalid("scenario_toml".into(), error))
+    texts.iter().enumerate().map(parse).collect()
+}
+
+/// The status for a scenario that makes no sense because of this field of the request.
+fn scenario_error(field: &str, error: &ScenarioError) -> Status {
+    Status::invalid_argument(format!("{field}: {}", brief(&error.to_string())))
 }
 
 /// Most robots whose budget one call asks for: each takes a while.
@@ -204,7 +212,10 @@ impl ControlService for Control {
         &self,
         request: Request<v1::ResetWorldRequest>,
     ) -> Result<Response<v1::ResetWorldResponse>, Status> {
-        let status = self.status(&request.get_ref().world, Asked::Reset).await?;
+        let request = request.into_inner();
+        let (name, world) = (request.world.clone(), self.registry.find("world", &request.world)?);
+        let scenario = scenario_of_reset(&world, request).await?;
+        let status = self.status(&name, Asked::Reset(scenario)).await?;
         Ok(Response::new(v1::ResetWorldResponse { status }))
     }
 

@@ -12,11 +12,15 @@ use crate::endpoint::{Output, Signals, Thinking, Until, Write};
 use crate::message::{Attached, Delivery};
 
 /// A brain's description of its robots.
-pub(crate) fn welcome(attached: &Attached) -> AttachResponse {
+pub(crate) fn welcome(attached: &Attached) -> v1::Welcome {
     let scenario = &attached.scenario;
     let robots = attached.robots.iter().map(|&i| description(&scenario.robots[i])).collect();
-    let welcome = v1::Welcome { step_ns: scenario.step_ns, lockstep: attached.lockstep, robots };
-    response(v1::attach_response::Response::Welcome(welcome))
+    v1::Welcome { step_ns: scenario.step_ns, lockstep: attached.lockstep, robots }
+}
+
+/// The first response on a brain's stream.
+pub(crate) fn first_response(attached: &Attached) -> AttachResponse {
+    response(v1::attach_response::Response::Welcome(welcome(attached)))
 }
 
 fn response(response: v1::attach_response::Response) -> AttachResponse {

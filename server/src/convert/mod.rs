@@ -1,7 +1,7 @@
 //! Conversions between the contract's types and the domain's: the only folder that names both.
 //!
 //! `brain` and `turn` are for brains; `observe`, `detail` and `coverage` are for observers; `status`, `budget`, `intervention`, `pace` and
-//! `replay` are for operators. This file has what they share.
+//! `replay` are for operators; `trainer` is for trainers. This file has what they share.
 
 mod brain;
 mod budget;
@@ -12,13 +12,14 @@ mod observe;
 mod pace;
 mod replay;
 mod status;
+mod trainer;
 mod turn;
 
 use baudbot_proto::v1;
 
 use crate::frame::{Charge, Score, ZoneScore};
 
-pub(crate) use brain::{AttachResponse, delivery, welcome, write, writes};
+pub(crate) use brain::{AttachResponse, delivery, first_response, welcome, write, writes};
 pub(crate) use budget::robot_budget;
 pub(crate) use coverage::coverage;
 pub(crate) use intervention::intervention;
@@ -27,6 +28,7 @@ pub use pace::pace_of;
 pub(crate) use pace::{pace_from, pace_to};
 pub(crate) use replay::replay;
 pub(crate) use status::{recording_status, status};
+pub(crate) use trainer::{closed, ended, refused, turned};
 pub(crate) use turn::{RobotTurn, turn};
 
 fn battery(Charge { share, voltage_v, state }: Charge) -> v1::BatteryStatus {

@@ -165,7 +165,7 @@ fn sensor_status(sensor: &SensorView<'_>, spec: &Sensor, port: Option<&LineCount
     }
 }
 
-fn ending_kind(ending: &Ending) -> v1::EndingKind {
+pub(super) fn ending_kind(ending: &Ending) -> v1::EndingKind {
     match ending {
         Ending::TimeIsOver => v1::EndingKind::TimeIsOver,
         Ending::Collision(_) => v1::EndingKind::Collision,

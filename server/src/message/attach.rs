@@ -10,6 +10,7 @@ use tonic::Status;
 
 use super::{Message, WorldHandle};
 use crate::beliefs::Beliefs;
+use crate::truth::Truth;
 
 /// A brain program asks for robots.
 pub(crate) struct Attach {
@@ -25,7 +26,7 @@ pub(crate) struct Attach {
     pub(crate) thinks_as_scenario: bool,
     /// Whether its robots are to stand when it is gone.
     pub(crate) stop_when_gone: bool,
-    pub(crate) deliveries: mpsc::Sender<Delivery>,
+    pub(crate) recipient: Recipient,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,
 }
@@ -59,6 +60,55 @@ impl Drop for Lease {
     }
 }
 
+/// Who is at the other end of a stream that holds robots. Only a trainer is told the truth.
+pub(crate) enum Recipient {
+    Brain(mpsc::Sender<Delivery>),
+    Trainer(mpsc::Sender<Told>),
+}
+
+impl Recipient {
+    /// Places in the stream that are free.
+    pub(crate) fn capacity(&self) -> usize {
+        match self {
+            Self::Brain(deliveries) => deliveries.capacity(),
+            Self::Trainer(told) => told.capacity(),
+        }
+    }
+
+    /// Deliveries that it has not read yet.
+    pub(crate) fn waiting(&self) -> usize {
+        match self {
+            Self::Brain(deliveries) => deliveries.max_capacity() - deliveries.capacity(),
+            Self::Trainer(told) => told.max_capacity() - told.capacity(),
+        }
+    }
+
+    /// Gives a Turn; `false` if there is no room for it, or nobody who takes it.
+    pub(crate) fn turn(&self, turn: Bytes, truth: impl FnOnce() -> Truth) -> bool {
+        match self {
+            Self::Brain(deliveries) => deliveries.try_send(Delivery::Turn(turn)).is_ok(),
+            Self::Trainer(told) => told.try_send(Told::Turn(turn, truth().into())).is_ok(),
+        }
+    }
+
+    /// Says that the run is over.
+    pub(crate) fn ended(&self, tick: u64, truth: impl FnOnce() -> Truth) {
+        // Whoever is gone, or has not read hundreds of Turns, is not told.
+        match self {
+            Self::Brain(deliveries) => drop(deliveries.try_send(Delivery::Ended { tick })),
+            Self::Trainer(told) => drop(told.try_send(Told::Ended(truth().into()))),
+        }
+    }
+
+    /// Ends the stream.
+    pub(crate) fn close(&self, status: Status) {
+        match self {
+            Self::Brain(deliveries) => drop(deliveries.try_send(Delivery::Close(status))),
+            Self::Trainer(told) => drop(told.try_send(Told::Close(status))),
+        }
+    }
+}
+
 /// A delivery to a brain.
 pub(crate) enum Delivery {
     /// A Turn, in the bytes that go over the network.
@@ -66,5 +116,13 @@ pub(crate) enum Delivery {
     Ended {
         tick: u64,
     },
+    Close(Status),
+}
+
+/// A delivery to a trainer.
+pub(crate) enum Told {
+    /// What a brain would get, and what is true at the start of its tick.
+    Turn(Bytes, Box<Truth>),
+    Ended(Box<Truth>),
     Close(Status),
 }

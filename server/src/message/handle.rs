@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use baudbot_sim::Scenario;
 use tokio::sync::oneshot;
 use tonic::Status;
 
@@ -13,17 +14,23 @@ use crate::report::Report;
 #[derive(Clone)]
 pub(crate) struct WorldHandle {
     name: Arc<str>,
+    made: Arc<Scenario>,
     mailbox: Arc<Mailbox<Message>>,
 }
 
 impl WorldHandle {
-    /// The handle of the world of this name.
-    pub(crate) fn new(name: Arc<str>, mailbox: Arc<Mailbox<Message>>) -> Self {
-        Self { name, mailbox }
+    /// The handle of the world of this name, which was made of this scenario.
+    pub(crate) fn new(name: Arc<str>, made: Arc<Scenario>, mailbox: Arc<Mailbox<Message>>) -> Self {
+        Self { name, made, mailbox }
     }
 
     pub(crate) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The scenario that the world was made of. Manual changes and resets with other numbers have altered it since.
+    pub(crate) fn made(&self) -> &Arc<Scenario> {
+        &self.made
     }
 
     /// Sends a message.

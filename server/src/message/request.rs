@@ -1,8 +1,9 @@
 //! Requests of operators to a world.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use baudbot_sim::Intervention;
+use baudbot_sim::{Intervention, Scenario};
 use tokio::sync::oneshot;
 
 use crate::pace::Pace;
@@ -19,7 +20,8 @@ pub(crate) enum Request {
         ticks: u64,
     },
     SetPace(Pace),
-    Reset,
+    /// To the beginning of a run of this scenario, whose robots have the data sheets that brains have been told.
+    Reset(Arc<Scenario>),
     Snapshot,
     Restore {
         snapshot: u64,
@@ -57,7 +59,7 @@ impl Request {
             Self::Pause => "pause",
             Self::Step { .. } => "step",
             Self::SetPace(_) => "set_pace",
-            Self::Reset => "reset",
+            Self::Reset(_) => "reset",
             Self::Snapshot => "snapshot",
             Self::Restore { .. } => "restore",
             Self::Save { .. } => "save",

@@ -9,7 +9,7 @@ use baudbot_recording::Replay;
 use baudbot_sim::{Scenario, World};
 use tokio::sync::mpsc;
 
-use super::listeners::{Listener, listen_for_pages};
+use super::listeners::{Listener, Listeners, listen_for_pages};
 use super::{Server, ServerError};
 use crate::actor::{DirectWorld, NewWorld, OnTick, Progress};
 use crate::address::Address;
@@ -99,6 +99,7 @@ impl WorldConfig {
 pub struct Builder {
     worlds: Vec<WorldConfig>,
     addresses: Vec<Address>,
+    trainers: Vec<Address>,
     /// Each with whether another port will do if this one is taken.
     viewers: Vec<(SocketAddr, bool)>,
     recordings: Option<Folder>,
@@ -120,6 +121,14 @@ impl Builder {
     #[must_use]
     pub fn listen(mut self, address: Address) -> Self {
         self.addresses.push(address);
+        self
+    }
+
+    /// Adds an address on which trainers reach their service, which tells the truth about robots, and the operator's. It must
+    /// be one that only this machine can reach. A server without such an address takes no trainers.
+    #[must_use]
+    pub fn trainer(mut self, address: Address) -> Self {
+        self.trainers.push(address);
         self
     }
 
@@ -176,12 +185,13 @@ impl Builder {
         self
     }
 
-    /// Starts the server without a port: it is reached through [`Server::channel`] only.
+    /// Starts the server without a port: it is reached through [`Server::channel`] only, and by trainers, if there is an address
+    /// for them, through [`Server::trainers_channel`].
     ///
     /// # Errors
     /// If a world cannot be made.
     pub async fn in_process(self) -> Result<Server, ServerError> {
-        Self { addresses: Vec::new(), viewers: Vec::new(), ..self }.serve().await
+        self.start(false).await
     }
 
     /// Starts the server on its addresses.
@@ -189,17 +199,11 @@ impl Builder {
     /// # Errors
     /// If an address cannot be listened on, or a world cannot be made.
     pub async fn serve(self) -> Result<Server, ServerError> {
-        let mut listeners = Vec::new();
-        for address in self.addresses {
-            if !self.insecure && !address.is_local() {
-                return Err(ServerError::NotLoopback { address });
-            }
-            listeners.push(Listener::bind(address).await?);
-        }
-        let mut pages = Vec::new();
-        for viewer in self.viewers {
-            pages.push(listen_for_pages(viewer, self.insecure).await?);
-        }
+        self.start(true).await
+    }
+
+    async fn start(mut self, listens: bool) -> Result<Server, ServerError> {
+        let listeners = self.listeners(listens).await?;
         let registry = Registry::default();
         for world in self.worlds {
             registry.create(world.new).map_err(|status| ServerError::World(Box::new(status)))?;
@@ -209,6 +213,32 @@ impl Builder {
             self.connections.unwrap_or_else(usual_connections),
             self.first_call_within.unwrap_or(FIRST_CALL_WITHIN),
         );
-        Server::start(control, gate, listeners, pages, self.films).await
+        Server::start(control, gate, listeners, self.films).await
+    }
+
+    /// The listeners on all addresses; on none if it does not listen.
+    async fn listeners(&mut self, listens: bool) -> Result<Listeners, ServerError> {
+        let trains = !self.trainers.is_empty();
+        let mut listeners =
+            Listeners { ordinary: Vec::new(), trainers: trains.then(Vec::new), pages: Vec::new() };
+        if !listens {
+            return Ok(listeners);
+        }
+        for address in std::mem::take(&mut self.addresses) {
+            if !self.insecure && !address.is_local() {
+                return Err(ServerError::NotLoopback { address });
+            }
+            listeners.ordinary.push(Listener::bind(address).await?);
+        }
+        for address in std::mem::take(&mut self.trainers) {
+            if !address.is_local() {
+                return Err(ServerError::TrainerNotLocal { address });
+            }
+            listeners.trainers.get_or_insert_default().push(Listener::bind(address).await?);
+        }
+        for viewer in std::mem::take(&mut self.viewers) {
+            listeners.pages.push(listen_for_pages(viewer, self.insecure).await?);
+        }
+        Ok(listeners)
     }
 }

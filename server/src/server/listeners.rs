@@ -29,6 +29,15 @@ pub(super) async fn listen_for_pages(
     listener.map_err(|source| ServerError::Bind { address, source })
 }
 
+/// All listeners of a server.
+pub(super) struct Listeners {
+    /// For brains, observers and operators.
+    pub(super) ordinary: Vec<Listener>,
+    /// For trainers; `None` if the server takes none.
+    pub(super) trainers: Option<Vec<Listener>>,
+    pub(super) pages: Vec<TcpListener>,
+}
+
 /// A listener for gRPC.
 pub(super) enum Listener {
     Tcp(Address, TcpListener),

@@ -2,40 +2,32 @@
 
 mod builder;
 mod listeners;
+mod router;
 
 use std::io;
 use std::net::SocketAddr;
-use std::time::Duration;
+use std::sync::Arc;
 
 use baudbot_proto::v1;
-use baudbot_proto::v1::control_service_server::ControlServiceServer;
-use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
-use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_stream::Stream;
-use tonic::service::InterceptorLayer;
+use tonic::Status;
+use tonic::transport::Channel;
 use tonic::transport::server::Connected;
-use tonic::transport::{Channel, Server as Transport};
-use tonic::{Request, Status};
-use tower::layer::util::{Identity, Stack};
 
 use crate::address::Address;
-use crate::brain_link::{BrainLink, BrainLinkServer};
 use crate::control::{Control, status_of, stop_recording};
-use crate::gate::{Gate, GatedListener, check_call, connections};
+use crate::gate::{Gate, GatedListener, connections};
 use crate::message::Message;
 use crate::metrics::Metrics;
-use crate::observe::Observe;
 use crate::page::{self, Film};
 use crate::pipe::Pipes;
 use crate::registry::Registry;
 use crate::report::Report;
 pub use builder::{Builder, WorldConfig};
-use listeners::{Listener, SocketFile};
-
-/// How often a silent connection is pinged, and how long it has to answer.
-const KEEPALIVE: Duration = Duration::from_secs(20);
+use listeners::{Listener, Listeners, SocketFile};
+use router::Router;
 
 /// Why a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -56,6 +48,17 @@ pub enum ServerError {
         /// The address.
         address: Address,
     },
+    /// An address for trainers that other machines can reach.
+    #[error(
+        "{address}: a trainer's address must be on this machine, as it tells the truth about robots; use 127.0.0.1:PORT or unix:/PATH"
+    )]
+    TrainerNotLocal {
+        /// The address.
+        address: Address,
+    },
+    /// The server takes no trainers.
+    #[error("this server takes no trainers; give its builder an address for them")]
+    NoTrainers,
     /// A world could not be made.
     #[error("{}", .0.message())]
     World(Box<Status>),
@@ -71,9 +74,12 @@ pub enum ServerError {
 pub struct Server {
     registry: Registry,
     addresses: Vec<Address>,
+    trainers: Vec<Address>,
     viewers: Vec<SocketAddr>,
     sockets: Vec<SocketFile>,
     pipes: Pipes,
+    /// To what trainers reach.
+    trainers_pipes: Option<Pipes>,
     stop: watch::Sender<bool>,
     tasks: JoinSet<()>,
 }
@@ -87,46 +93,78 @@ impl Server {
     async fn start(
         control: Control,
         gate: Gate,
-        listeners: Vec<Listener>,
-        pages: Vec<TcpListener>,
+        listeners: Listeners,
         films: Option<mpsc::Sender<Film>>,
     ) -> Result<Self, ServerError> {
         let registry = control.registry.clone();
-        let router = router(control, gate.patience()).await?;
+        let control = Arc::new(control);
+        let router = router::ordinary(&control, gate.patience()).await?;
         let (stop, stopped) = watch::channel(false);
         let (pipes, incoming) = Pipes::new();
-        let mut tasks = JoinSet::new();
-        let mut addresses = Vec::new();
-        let mut sockets = Vec::new();
-        let mut viewers = Vec::new();
-        for listener in listeners {
-            addresses.push(listener.address().clone());
-            if let Address::Unix(path) = listener.address() {
-                sockets.extend(SocketFile::at(path));
+        let mut server = Self {
+            registry,
+            addresses: listeners.ordinary.iter().map(|listener| listener.address().clone()).collect(),
+            trainers: Vec::new(),
+            viewers: Vec::new(),
+            sockets: Vec::new(),
+            pipes,
+            trainers_pipes: None,
+            stop,
+            tasks: JoinSet::new(),
+        };
+        for listener in listeners.ordinary {
+            server.listen(listener, &router, &gate, &stopped);
+        }
+        server.tasks.spawn(run(router, incoming, stopped.clone()));
+        if let Some(trainers) = listeners.trainers {
+            let router = router::trainers(&control, gate.patience()).await?;
+            for listener in trainers {
+                server.trainers.push(listener.address().clone());
+                server.listen(listener, &router, &gate, &stopped);
             }
-            let (router, gate, stopped) = (router.clone(), gate.clone(), stopped.clone());
-            match listener {
-                Listener::Tcp(_, tcp) => {
-                    tasks.spawn(run(router, connections(GatedListener::new(tcp, gate)), stopped))
-                }
-                Listener::Unix(_, unix) => {
-                    tasks.spawn(run(router, connections(GatedListener::new(unix, gate)), stopped))
-                }
-            };
+            let (pipes, incoming) = Pipes::new();
+            server.trainers_pipes = Some(pipes);
+            server.tasks.spawn(run(router, incoming, stopped.clone()));
         }
-        tasks.spawn(run(router, incoming, stopped.clone()));
-        let metrics = Metrics::new(registry.clone());
-        for page in pages {
-            viewers.extend(page.local_addr());
-            let page = GatedListener::new(page, gate.clone());
-            tasks.spawn(page::serve(page, pipes.clone(), metrics.clone(), films.clone(), stopped.clone()));
+        let metrics = Metrics::new(server.registry.clone());
+        for page in listeners.pages {
+            server.viewers.extend(page.local_addr());
+            let (page, pipes) = (GatedListener::new(page, gate.clone()), server.pipes.clone());
+            server.tasks.spawn(page::serve(page, pipes, metrics.clone(), films.clone(), stopped.clone()));
         }
-        Ok(Self { registry, addresses, viewers, sockets, pipes, stop, tasks })
+        Ok(server)
+    }
+
+    /// Serves these services on this listener.
+    fn listen(
+        &mut self,
+        listener: Listener,
+        router: &Router,
+        gate: &Gate,
+        stopped: &watch::Receiver<bool>,
+    ) {
+        if let Address::Unix(path) = listener.address() {
+            self.sockets.extend(SocketFile::at(path));
+        }
+        let (router, gate, stopped) = (router.clone(), gate.clone(), stopped.clone());
+        match listener {
+            Listener::Tcp(_, tcp) => {
+                self.tasks.spawn(run(router, connections(GatedListener::new(tcp, gate)), stopped))
+            }
+            Listener::Unix(_, unix) => {
+                self.tasks.spawn(run(router, connections(GatedListener::new(unix, gate)), stopped))
+            }
+        };
     }
 
     /// The addresses on which it listens, with the ports that it got.
     pub fn addresses(&self) -> &[Address] {
         &self.addresses
+    }
+
+    /// The addresses on which it listens for trainers, with the ports that it got.
+    pub fn trainers(&self) -> &[Address] {
+        &self.trainers
     }
 
     /// The addresses of the viewer, with the ports that it got.
@@ -140,6 +178,15 @@ impl Server {
     /// If the server is stopping.
     pub async fn channel(&self) -> Result<Channel, ServerError> {
         Ok(self.pipes.channel().await?)
+    }
+
+    /// A new connection to what trainers reach, the trainers' and the operator's service, through a pipe in memory.
+    ///
+    /// # Errors
+    /// If the builder was given no address for trainers, or the server is stopping.
+    pub async fn trainers_channel(&self) -> Result<Channel, ServerError> {
+        let pipes = self.trainers_pipes.as_ref().ok_or(ServerError::NoTrainers)?;
+        Ok(pipes.channel().await?)
     }
 
     /// Ends a world's recording, and gives the status of the world in the very state that the file ends with. Two calls, one
@@ -181,11 +228,6 @@ impl Drop for Server {
     }
 }
 
-/// The services, behind the gate's check of each call.
-type Router = tonic::transport::server::Router<Stack<InterceptorLayer<CheckCall>, Identity>>;
-
-type CheckCall = fn(Request<()>) -> Result<Request<()>, Status>;
-
 async fn run<I, IO>(router: Router, incoming: I, mut stopped: watch::Receiver<bool>)
 where
     I: Stream<Item = io::Result<IO>>,
@@ -197,35 +239,4 @@ where
     if let Err(error) = router.serve_with_incoming_shutdown(incoming, stop).await {
         tracing::error!(%error, "a listener stopped");
     }
-}
-
-async fn router(control: Control, patience: Duration) -> Result<Router, ServerError> {
-    let registry = &control.registry;
-    let (health, health_service) = tonic_health::server::health_reporter();
-    health.set_serving::<ControlServiceServer<Control>>().await;
-    health.set_serving::<BrainLinkServer>().await;
-    health.set_serving::<ObserveServiceServer<Observe>>().await;
-    let reflection = || {
-        tonic_reflection::server::Builder::configure()
-            .register_encoded_file_descriptor_set(baudbot_proto::DESCRIPTORS)
-            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
-    };
-    let observe = Observe { registry: registry.clone() };
-    let brain_link = BrainLink { registry: registry.clone(), patience };
-    Ok(Transport::builder()
-        // The brains of a machine that has vanished are detached after a while.
-        .http2_keepalive_interval(Some(KEEPALIVE))
-        .http2_keepalive_timeout(Some(KEEPALIVE))
-        .layer(InterceptorLayer::new(check_call as CheckCall))
-        .add_service(health_service)
-        // Python's reflection client speaks only v1alpha.
-        .add_service(reflection().build_v1()?)
-        .add_service(reflection().build_v1alpha()?)
-        .add_service(
-            // A scenario may have 16 MiB, and a request is a little longer than that.
-            ControlServiceServer::new(control)
-                .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
-        )
-        .add_service(ObserveServiceServer::new(observe))
-        .add_service(BrainLinkServer::new(brain_link)))
 }

@@ -21,7 +21,7 @@ impl Sessions {
             if let Some(session) = self.session_of(slot) {
                 measures.attached = true;
                 measures.answering.add(session.answering);
-                measures.queued_turns = session.deliveries.max_capacity() - session.deliveries.capacity();
+                measures.queued_turns = session.recipient.waiting();
                 measures.open_turns = session.debt.count();
                 let oldest = session.debt.oldest();
                 measures.oldest_open =

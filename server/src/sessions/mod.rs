@@ -19,7 +19,7 @@ use tonic::Status;
 
 use crate::endpoint::Until;
 use crate::measures::Answering;
-use crate::message::{Attach, Delivery};
+use crate::message::{Attach, Recipient};
 use crate::pace::WatchdogPolicy;
 pub(crate) use debt::Overtaken;
 use debt::{Debt, Paid};
@@ -33,6 +33,8 @@ use slot::{Slot, SlotState, Vacancy};
 pub(crate) struct Sessions {
     by_number: BTreeMap<u64, Session>,
     next_number: u64,
+    /// Counts resets, restored states and changes of pace: Turns of before are void.
+    era: u64,
     /// One for each robot of the world.
     slots: Vec<Slot>,
 }
@@ -63,7 +65,7 @@ pub(crate) enum Answer {
 
 impl Sessions {
     pub(crate) fn new(robots: usize) -> Self {
-        Self { by_number: BTreeMap::new(), next_number: 1, slots: vec![Slot::default(); robots] }
+        Self { by_number: BTreeMap::new(), next_number: 1, era: 0, slots: vec![Slot::default(); robots] }
     }
 
     /// Gives a brain program the robots that it asks for, or none of them.
@@ -79,14 +81,14 @@ impl Sessions {
         let robots = self.choose(world, scenario, &request)?;
         let mut left_open = robots.clone();
         left_open.retain(|&robot| self.slots[robot].vacancy() == Some(Vacancy::LeftOpen));
-        let Attach { brain, raw, thinks_as_scenario, deliveries, .. } = request;
+        let Attach { brain, raw, thinks_as_scenario, recipient, .. } = request;
         let session = Session {
             brain,
             raw,
             thinks_as_scenario,
             robots: robots.clone(),
-            deliveries,
-            turns: Turns::default(),
+            recipient,
+            turns: Turns::of_era(self.era),
             debt: Debt::default(),
             answering: Answering::default(),
             quota: Quota::default(),
@@ -105,7 +107,7 @@ impl Sessions {
             raw: false,
             thinks_as_scenario: false,
             robots,
-            deliveries,
+            recipient: Recipient::Brain(deliveries),
             turns: Turns::default(),
             debt: Debt::default(),
             answering: Answering::default(),
@@ -143,7 +145,7 @@ impl Sessions {
     /// Ends a brain program's stream with this status, and frees its robots.
     pub(crate) fn close(&mut self, number: u64, policy: Option<WatchdogPolicy>, status: Status) {
         if let Some(session) = self.by_number.get(&number) {
-            let _ = session.deliveries.try_send(Delivery::Close(status));
+            session.recipient.close(status);
         }
         self.detach(number, policy);
     }
@@ -236,8 +238,9 @@ impl Sessions {
             slot.forget_open_turn();
             slot.set_until(None);
         }
+        self.era += 1;
         for session in self.by_number.values_mut() {
-            session.turns.void();
+            session.turns.void(self.era);
             session.debt = Debt::Settled;
         }
     }
@@ -290,17 +293,20 @@ impl Sessions {
     }
 
     /// Tells the brains that the run is over.
-    pub(crate) fn tell_ended(&self, tick: u64) {
-        for number in self.by_number.keys() {
-            self.tell_one_ended(*number, tick);
-        }
+    pub(crate) fn tell_ended(&self, world: &World) {
+        self.by_number.values().for_each(|session| session.tell_ended(world));
     }
 
     /// Tells one brain that the run is over.
-    pub(crate) fn tell_one_ended(&self, number: u64, tick: u64) {
+    pub(crate) fn tell_one_ended(&self, number: u64, world: &World) {
         if let Some(session) = self.by_number.get(&number) {
-            let _ = session.deliveries.try_send(Delivery::Ended { tick });
+            session.tell_ended(world);
         }
+    }
+
+    /// How many resets, restored states and changes of pace there have been.
+    pub(crate) fn era(&self) -> u64 {
+        self.era
     }
 
     /// The session that holds a robot.

@@ -4,14 +4,15 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use baudbot_sim::{SimTime, Turn, World};
-use tokio::sync::mpsc;
+use bytes::Bytes;
 
 use super::debt::{Debt, OpenTurn};
 use super::quota::Quota;
 use super::slot::Slot;
 use crate::convert::{self, RobotTurn};
 use crate::measures::Answering;
-use crate::message::Delivery;
+use crate::message::Recipient;
+use crate::truth::Truth;
 
 /// Places in a brain's stream that Turns leave free, so that the news of an end always finds room.
 pub(crate) const RESERVED: usize = 8;
@@ -29,7 +30,7 @@ pub(super) struct Session {
     pub(super) thinks_as_scenario: bool,
     /// Indices of its robots in the world.
     pub(super) robots: Vec<usize>,
-    pub(super) deliveries: mpsc::Sender<Delivery>,
+    pub(super) recipient: Recipient,
     pub(super) turns: Turns,
     pub(super) debt: Debt,
     pub(super) answering: Answering,
@@ -43,11 +44,18 @@ pub(super) struct Turns {
     last: u64,
     /// The last Turn before a reset, or before a change of pace. Answers to it and to earlier ones are thrown away.
     void: u64,
+    /// Counts what makes Turns void in this world.
+    pub(super) era: u64,
     /// The last Turns that were given, with their ticks; oldest first.
     given: VecDeque<(u64, u64)>,
 }
 
 impl Turns {
+    /// None yet, of a session that begins in this era.
+    pub(super) fn of_era(era: u64) -> Self {
+        Self { era, ..Self::default() }
+    }
+
     fn give(&mut self, number: u64, tick: u64) {
         self.last = number;
         if self.given.len() == MAX_OPEN {
@@ -56,9 +64,10 @@ impl Turns {
         self.given.push_back((number, tick));
     }
 
-    /// All Turns up to now are void.
-    pub(super) fn void(&mut self) {
+    /// All Turns up to now are void: another era begins.
+    pub(super) fn void(&mut self, era: u64) {
         self.void = self.last;
+        self.era = era;
     }
 
     pub(super) fn is_void(&self, number: u64) -> bool {
@@ -90,8 +99,9 @@ impl Session {
             return;
         }
         let number = self.turns.last + 1;
-        let has_room = self.deliveries.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
-        if !has_room || self.deliveries.try_send(self.turn(world, at, number)).is_err() {
+        let has_room = self.recipient.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
+        let truth = || self.truth(world, begun.is_some());
+        if !has_room || !self.recipient.turn(self.turn(world, at, number), truth) {
             self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
             return;
         }
@@ -103,11 +113,20 @@ impl Session {
         }
     }
 
+    /// Says that the run is over.
+    pub(super) fn tell_ended(&self, world: &World) {
+        self.recipient.ended(world.tick(), || self.truth(world, true));
+    }
+
+    fn truth(&self, world: &World, lockstep: bool) -> Truth {
+        Truth::of(world, &self.robots, self.turns.era, lockstep)
+    }
+
     /// The Turn of this number for its robots that step, `at` by robot.
-    fn turn(&self, world: &World, at: &[Option<SimTime>], number: u64) -> Delivery {
+    fn turn(&self, world: &World, at: &[Option<SimTime>], number: u64) -> Bytes {
         let places = self.robots.iter().enumerate();
         let robots = places.filter_map(|(place, &robot)| Some(RobotTurn { place, robot, at: at[robot]? }));
-        Delivery::Turn(convert::turn(world, number, &robots.collect::<Vec<_>>(), self.raw))
+        convert::turn(world, number, &robots.collect::<Vec<_>>(), self.raw)
     }
 
     /// The steps of its robots, `at` by robot.

@@ -1,0 +1,109 @@
+//! Which services a listener has. Brains, observers and operators have all but that of trainers; trainers have that one and the
+//! operator's.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use baudbot_proto::v1::control_service_server::ControlServiceServer;
+use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
+use baudbot_proto::v1::trainer_service_server::{SERVICE_NAME as TRAINER, TrainerServiceServer};
+use prost::Message as _;
+use prost_types::FileDescriptorSet;
+use tonic::server::NamedService;
+use tonic::service::InterceptorLayer;
+use tonic::transport::Server as Transport;
+use tonic::{Request, Status};
+use tonic_health::server::HealthReporter;
+use tower::layer::util::{Identity, Stack};
+
+use super::ServerError;
+use crate::brain_link::{BrainLink, BrainLinkServer};
+use crate::control::Control;
+use crate::gate::check_call;
+use crate::observe::Observe;
+use crate::trainer::Trainer;
+
+/// How often a silent connection is pinged, and how long it has to answer.
+const KEEPALIVE: Duration = Duration::from_secs(20);
+
+/// The services, behind the gate's check of each call.
+pub(super) type Router = tonic::transport::server::Router<Stack<InterceptorLayer<CheckCall>, Identity>>;
+
+type CheckCall = fn(Request<()>) -> Result<Request<()>, Status>;
+
+/// The services for brains, observers and operators.
+///
+/// # Errors
+/// If they cannot be described for reflection.
+pub(super) async fn ordinary(control: &Arc<Control>, patience: Duration) -> Result<Router, ServerError> {
+    let registry = &control.registry;
+    let (health, health_service) = tonic_health::server::health_reporter();
+    is_serving::<BrainLinkServer>(&health).await;
+    is_serving::<ObserveServiceServer<Observe>>(&health).await;
+    let observe = Observe { registry: registry.clone() };
+    let brain_link = BrainLink { registry: registry.clone(), patience };
+    Ok(with_operator(control, &health, without_trainers(contract()))
+        .await?
+        .add_service(health_service)
+        .add_service(ObserveServiceServer::new(observe))
+        .add_service(BrainLinkServer::new(brain_link)))
+}
+
+/// The services for trainers.
+///
+/// # Errors
+/// If they cannot be described for reflection.
+pub(super) async fn trainers(control: &Arc<Control>, patience: Duration) -> Result<Router, ServerError> {
+    let (health, health_service) = tonic_health::server::health_reporter();
+    is_serving::<TrainerServiceServer<Trainer>>(&health).await;
+    let trainer = Trainer { registry: control.registry.clone(), patience };
+    Ok(with_operator(control, &health, contract())
+        .await?
+        .add_service(health_service)
+        .add_service(TrainerServiceServer::new(trainer)))
+}
+
+/// The operator's service, and reflection of this contract.
+async fn with_operator(
+    control: &Arc<Control>,
+    health: &HealthReporter,
+    contract: FileDescriptorSet,
+) -> Result<Router, ServerError> {
+    is_serving::<ControlServiceServer<Control>>(health).await;
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_file_descriptor_set(contract.clone())
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    Ok(Transport::builder()
+        // The brains of a machine that has vanished are detached after a while.
+        .http2_keepalive_interval(Some(KEEPALIVE))
+        .http2_keepalive_timeout(Some(KEEPALIVE))
+        .layer(InterceptorLayer::new(check_call as CheckCall))
+        // Python's reflection client speaks only v1alpha.
+        .add_service(reflection().build_v1()?)
+        .add_service(reflection().build_v1alpha()?)
+        .add_service(
+            // A scenario may have 16 MiB, and a request is a little longer than that.
+            ControlServiceServer::from_arc(Arc::clone(control))
+                .max_decoding_message_size(baudbot_scenario::MAX_BYTES + (1 << 16)),
+        ))
+}
+
+async fn is_serving<S: NamedService>(health: &HealthReporter) {
+    health.set_serving::<S>().await;
+}
+
+fn contract() -> FileDescriptorSet {
+    FileDescriptorSet::decode(baudbot_proto::DESCRIPTORS).expect("the contract is sound, as a test knows")
+}
+
+/// The contract without the file of the trainers' service: where that is not served, reflection does not tell of it.
+fn without_trainers(mut contract: FileDescriptorSet) -> FileDescriptorSet {
+    contract.file.retain(|file| {
+        let mut services =
+            file.service.iter().map(|service| format!("{}.{}", file.package(), service.name()));
+        !services.any(|name| name == TRAINER)
+    });
+    contract
+}
