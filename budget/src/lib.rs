@@ -88,13 +88,24 @@ impl Budget {
 
     /// Of some robots of a scenario, as [`of`](Self::of). Those of one table are alike and computed once.
     pub fn of_some<'a>(scenario: &Scenario, robots: impl IntoIterator<Item = &'a RobotSpec>) -> Self {
-        let mut tables: BTreeMap<&str, usize> = BTreeMap::new();
+        Self::of_measured(scenario, robots, |_| None)
+    }
+
+    /// The same, with the thinking times that were measured, if they were.
+    pub fn of_measured<'a>(
+        scenario: &Scenario,
+        robots: impl IntoIterator<Item = &'a RobotSpec>,
+        measured: impl Fn(&RobotSpec) -> Option<Thinking>,
+    ) -> Self {
+        let mut alike: BTreeMap<(&str, Option<Thinking>), usize> = BTreeMap::new();
         let mut budgets: Vec<RobotBudget> = Vec::new();
         for spec in robots {
-            let first = *tables.entry(spec.table_name()).or_insert(budgets.len());
-            let budget = match budgets.get(first) {
-                Some(first) => RobotBudget { robot: spec.name.clone(), ..first.clone() },
-                None => RobotBudget::of(scenario, spec),
+            let thinking = measured(spec);
+            let first = *alike.entry((spec.table_name(), thinking)).or_insert(budgets.len());
+            let budget = match (budgets.get(first), thinking) {
+                (Some(first), _) => RobotBudget { robot: spec.name.clone(), ..first.clone() },
+                (None, None) => RobotBudget::of(scenario, spec),
+                (None, Some(thinking)) => RobotBudget::of_measured(scenario, spec, thinking),
             };
             budgets.push(budget);
         }

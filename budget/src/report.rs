@@ -18,7 +18,7 @@ pub struct Span {
 
 /// How long a brain was measured to think over, in nanoseconds: with that a budget is computed in place of the time that the
 /// scenario states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Thinking {
     /// The shortest that was measured.
     pub least_ns: u64,

@@ -8,7 +8,7 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 use crate::args::Over;
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
-    Zone,
+    Thinking, Zone,
 };
 use crate::text::{pairs, percent, table};
 
@@ -150,6 +150,9 @@ fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
         ("link", link(robot)),
         ("cycles", cycles(&robot.cycles)),
     ]);
+    let clocks = [(&robot.thinking_wall, "the wall clock"), (&robot.thinking_processor, "processor time")];
+    let thinking = clocks.into_iter().filter_map(|(thinking, clock)| Some((thinking.as_ref()?, clock)));
+    facts.extend(thinking.map(|(thinking, clock)| ("thinking", self::thinking(thinking, clock))));
     facts.extend(losses(robot).map(|losses| ("lost", losses)));
     facts.extend(overload(robot));
     facts.extend(robot.battery.as_ref().map(|battery| ("battery", self::battery(battery))));
@@ -191,6 +194,15 @@ fn cycles(cycles: &Cycles) -> String {
         text += &format!("; half took at most {median}, 95 % {most}, the longest {}", duration(max_ms * 1e6));
     }
     text + &format!("; {} exchanges a second", handy(about(cycles.exchanges_per_s)))
+}
+
+/// How long a brain took to answer.
+fn thinking(Thinking { turns, durations }: &Thinking, clock: &str) -> String {
+    let Durations { min_ms, p50_ms, p95_ms, p99_ms, max_ms, .. } = *durations;
+    let [median, p95, p99] = [p50_ms, p95_ms, p99_ms].map(|ms| duration(about(ms) * 1e6));
+    let [least, most] = [min_ms, max_ms].map(|ms| duration(about(ms) * 1e6));
+    let turns = count(usize::try_from(*turns).unwrap_or(usize::MAX), "turn");
+    format!("{turns} took {least} to {most} by {clock}; half at most {median}, 95 % {p95}, 99 % {p99}")
 }
 
 /// With three digits: quantiles are right to no more than 0.8 %.

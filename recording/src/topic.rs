@@ -10,6 +10,8 @@ pub const INPUTS: &str = "/baudbot/inputs";
 pub const MARKS: &str = "/baudbot/marks";
 /// Of `RecordedEvent`.
 pub const EVENTS: &str = "/baudbot/events";
+/// Of `RecordedThinking`.
+pub const THINKING: &str = "/baudbot/thinking";
 /// Of the one `DescribeWorldResponse`: what stands still, and what the robots are.
 pub const WORLD: &str = "/baudbot/world";
 /// Of `WatchResponse`: what an observer saw.

@@ -115,6 +115,15 @@ impl<W: Write + Seek> Writer<W> {
         self.message(message)
     }
 
+    /// How long brains took to answer until now.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn thinking(&mut self, thinking: &v1::RecordedThinking) -> Result<()> {
+        let channel = channel(&mut self.mcap, topic::THINKING, "RecordedThinking")?;
+        self.write(channel, thinking.tick * self.step_ns, thinking)
+    }
+
     /// The parts of the world that stand still, and the robots' descriptions. From now on the file has data for other programs.
     ///
     /// # Errors

@@ -65,6 +65,7 @@ mod registry;
 mod report;
 mod server;
 mod sessions;
+mod thinking;
 mod trainer;
 mod truth;
 
@@ -77,3 +78,4 @@ pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;
 pub use server::{Builder, Server, ServerError, WorldConfig};
+pub use thinking::ProcessorTime;

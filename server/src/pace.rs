@@ -34,9 +34,39 @@ impl Pace {
         }
     }
 
+    /// How a world at this pace takes the answers to Turns that it gives now.
+    pub(crate) fn terms(&self, now: Instant) -> Terms {
+        match self {
+            Self::Lockstep(_) | Self::Stepped(_) => Terms::Waits(now),
+            Self::Timed(_) => Terms::FollowsClock(now),
+            Self::Free => Terms::GoesOn,
+        }
+    }
+
     /// The watchdog of those paces.
     pub(crate) fn watchdog(&self) -> Option<Watchdog> {
         self.lockstep().map(|lockstep| lockstep.watchdog)
+    }
+}
+
+/// How the world takes the answer to a Turn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Terms {
+    /// It waits for it, in a tick that began at this instant.
+    Waits(Instant),
+    /// It follows the wall clock, and gives the Turn at this instant.
+    FollowsClock(Instant),
+    /// It goes on at once.
+    GoesOn,
+}
+
+impl Terms {
+    /// When the tick began in which the answer is owed, if it is.
+    pub(crate) fn owed_since(self) -> Option<Instant> {
+        match self {
+            Self::Waits(begun) => Some(begun),
+            Self::FollowsClock(_) | Self::GoesOn => None,
+        }
     }
 }
 

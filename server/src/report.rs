@@ -7,6 +7,7 @@ use baudbot_sim::coverage::Coverage;
 use baudbot_sim::{Scenario, World};
 
 use crate::pace::{Pace, Pacing};
+use crate::thinking::Thought;
 
 /// A world as it stands.
 pub(crate) struct Report {
@@ -64,6 +65,8 @@ pub(crate) struct SlotReport {
     pub(crate) lost_steps: u64,
     /// The state that its brain last published, in words.
     pub(crate) said: String,
+    /// How long its brains have thought, if anything was measured.
+    pub(crate) thought: Option<Box<Thought>>,
 }
 
 /// The cells of the floor that are covered and sensed.

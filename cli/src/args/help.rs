@@ -95,7 +95,8 @@ Examples:
   baudbot budget wander
   baudbot budget wander --set robots.robot.link.baud=38400 --check
   baudbot budget my.toml --robot alice --json
-  baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle";
+  baudbot budget wander --svg budget.svg         the timing diagram of a typical cycle
+  baudbot budget wander --measured run.mcap      with thinking times as measured in a run";
 
 pub(super) const PRESET_EXAMPLES: &str = "\
 Examples:

@@ -233,6 +233,12 @@ pub(crate) struct BudgetArgs {
     /// Draw the typical cycle of a robot as a timing diagram in SVG; `-` is stdout
     #[arg(long, value_name = "FILE", conflicts_with = "json")]
     pub(crate) svg: Option<PathBuf>,
+    /// Take the thinking times that were measured in a recorded run instead of the scenario's
+    ///
+    /// They are measured in real time, and in lockstep of brains that are programs (`baudbot run --brain 'exec:…' --record FILE`).
+    /// The longest that was measured stands for the worst case.
+    #[arg(long, value_name = "RUN.mcap")]
+    pub(crate) measured: Option<PathBuf>,
     /// Exit with 1 if a robot misses its deadline
     #[arg(long)]
     pub(crate) check: bool,

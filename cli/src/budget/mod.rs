@@ -1,6 +1,7 @@
 //! `baudbot budget`: what one control cycle of each robot costs, and whether it fits into Δt.
 
 mod lanes;
+mod measured;
 mod table;
 
 use std::path::Path;
@@ -9,6 +10,7 @@ use std::process::ExitCode;
 use baudbot_budget::{Budget, Verdict};
 use baudbot_sim::model::RobotSpec;
 
+use self::measured::Measured;
 use crate::args::BudgetArgs;
 use crate::error::Refused;
 use crate::robot_groups;
@@ -28,14 +30,15 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     }
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
     let wanted: Vec<_> = scenario.robots.iter().filter(|robot| wanted(&robot.name)).collect();
-    let budget = Budget::of_some(&scenario, wanted.iter().copied());
+    let measured = args.measured.as_deref().map(Measured::of_recording).transpose()?.unwrap_or_default();
+    let budget = Budget::of_measured(&scenario, wanted.iter().copied(), |robot| measured.of(robot));
     if let Some(path) = &args.svg {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));
     }
     if args.json {
         text::print_json(&budget)?;
     } else {
-        text::print(&told(&source, &wanted, &budget))?;
+        text::print(&told(&source, &wanted, &budget, &measured))?;
     }
     Ok(code(args, &budget))
 }
@@ -60,7 +63,7 @@ fn draw(world: &str, budget: &Budget, path: &Path) -> anyhow::Result<()> {
     text::write(path, &picture)
 }
 
-fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget) -> String {
+fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget, measured: &Measured) -> String {
     if budget.robots.is_empty() {
         return format!("{}: no robots\n", source.label());
     }
@@ -69,7 +72,8 @@ fn told(source: &Source, specs: &[&RobotSpec], budget: &Budget) -> String {
         robot.map(|robot| {
             let warnings = together::warnings(spec, robot);
             let warnings: String = warnings.iter().map(|warning| format!("  warning: {warning}\n")).collect();
-            table::robot(robot) + &warnings + &robot_groups::others(spec, count)
+            let thinking = measured.told(spec).unwrap_or_default();
+            table::robot(robot, &thinking) + &warnings + &robot_groups::others(spec, count)
         })
     };
     let robots: Vec<_> =

@@ -7,9 +7,9 @@ use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::text::{percent, table};
 
-/// The complete report on a robot.
-pub(super) fn robot(robot: &RobotBudget) -> String {
-    let mut text = format!("robot {}: {}\n", robot.robot, verdict(robot));
+/// The complete report on a robot; `thinking` is a line about its brain.
+pub(super) fn robot(robot: &RobotBudget, thinking: &str) -> String {
+    let mut text = format!("robot {}: {}\n{thinking}", robot.robot, verdict(robot));
     text += &cycle(robot);
     text += &rates(robot);
     text += &ages(robot);

@@ -6,11 +6,11 @@ use std::time::Duration;
 use anyhow::{Context, anyhow};
 use baudbot_client::Client;
 use baudbot_experiment::assignment::START_PATIENCE;
-use baudbot_launch::{Crew, Held};
+use baudbot_launch::{Crew, Held, ProcessorClock};
 use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 use baudbot_proto::v1::control_service_client::ControlServiceClient;
-use baudbot_server::{Address, OnTick, Pace, Progress, Server};
+use baudbot_server::{Address, OnTick, Pace, ProcessorTime, Progress, Server, WorldConfig};
 use indicatif::ProgressBar;
 use tempfile::TempDir;
 use tokio::task::JoinSet;
@@ -31,7 +31,11 @@ pub(super) async fn run(
 ) -> anyhow::Result<v1::WorldStatus> {
     let progress = Arc::new(Progress::default());
     let private = Private::new(plan)?;
-    let server = serve(outside.args, plan, on_tick, Arc::clone(&progress), private.as_ref()).await?;
+    let mut world = plan.world(outside.args, on_tick).progress(Arc::clone(&progress));
+    if let Some(private) = &private {
+        world = world.processor_time(private.processor_time(plan));
+    }
+    let server = serve(outside.args, plan, world, private.as_ref()).await?;
     let status = Running { plan, server: &server, private, progress, outside }.until_over().await;
     if tokio::time::timeout(PATIENCE, server.shutdown()).await.is_err() {
         tell!("note: a client kept its connection open; it was closed");
@@ -42,11 +46,10 @@ pub(super) async fn run(
 async fn serve(
     args: &RunArgs,
     plan: &Plan,
-    on_tick: Option<OnTick>,
-    progress: Arc<Progress>,
+    world: WorldConfig,
     private: Option<&Private>,
 ) -> anyhow::Result<Server> {
-    let mut builder = args.listen.builder().world(plan.world(args, on_tick).progress(progress));
+    let mut builder = args.listen.builder().world(world);
     let default = args.external.filter(|_| args.listen.listen.is_empty()).map(|_| DEFAULT_ADDRESS.parse());
     for address in args.listen.listen.iter().cloned().chain(default.transpose()?) {
         builder = builder.listen(address);
@@ -68,6 +71,8 @@ async fn serve(
 /// Where the programs of a run attach: a socket in a folder that only this user may enter.
 struct Private {
     address: Address,
+    /// What they use of the processor.
+    clock: ProcessorClock,
     _folder: TempDir,
 }
 
@@ -79,7 +84,13 @@ impl Private {
         }
         let folder = tempfile::Builder::new().prefix("baudbot-").tempdir();
         let folder = folder.context("cannot make a folder for the socket of programs")?;
-        Ok(Some(Self { address: Address::Unix(folder.path().join("socket")), _folder: folder }))
+        let address = Address::Unix(folder.path().join("socket"));
+        Ok(Some(Self { address, clock: ProcessorClock::default(), _folder: folder }))
+    }
+
+    fn processor_time(&self, plan: &Plan) -> ProcessorTime {
+        let (clock, scenario) = (self.clock.clone(), Arc::clone(&plan.scenario));
+        Arc::new(move |robot| clock.read(&scenario.robots.get(robot)?.name))
     }
 }
 
@@ -127,7 +138,8 @@ impl Running<'_, '_> {
     async fn crew(&mut self, control: &mut ControlServiceClient<Channel>) -> anyhow::Result<Crew> {
         let Some(private) = &self.private else { return Ok(Crew::default()) };
         let Plan { assigned, world, seed, .. } = self.plan;
-        let mut crew = Crew::start(&assigned.programs, &private.address.to_string(), world, *seed)?;
+        let crew = Crew::start(&assigned.programs, &private.address.to_string(), world, *seed)?;
+        let mut crew = crew.timed_by(private.clock.clone());
         let held = async || -> anyhow::Result<Vec<Held>> {
             let request = v1::GetWorldRequest { world: world.clone() };
             let answer = control.get_world(request).await.map_err(|status| from_server(&status))?;

@@ -10,7 +10,7 @@ use crate::assignment::Assigned;
 
 mod robot;
 
-pub(crate) use robot::{Battery, Cycles, Durations, Line, Robot, Sensor, Zone};
+pub(crate) use robot::{Battery, Cycles, Durations, Line, Robot, Sensor, Thinking, Zone};
 
 /// A run.
 #[derive(Debug, Serialize)]

@@ -37,6 +37,12 @@ pub(crate) struct Robot {
     pub(crate) uplink: Line,
     pub(crate) downlink: Line,
     pub(crate) cycles: Cycles,
+    /// How long its brain took to answer, by the wall clock; absent if that was not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) thinking_wall: Option<Thinking>,
+    /// The same by the processor time of the brain's process.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) thinking_processor: Option<Thinking>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) battery: Option<Battery>,
     /// Those that it has been in.
@@ -69,6 +75,15 @@ pub(crate) struct Durations {
     pub(crate) p95_ms: f64,
     pub(crate) p99_ms: f64,
     pub(crate) max_ms: f64,
+}
+
+/// How long a brain took to answer.
+#[derive(Debug, Serialize)]
+pub(crate) struct Thinking {
+    /// Turns that were measured.
+    pub(crate) turns: u64,
+    #[serde(flatten)]
+    pub(crate) durations: Durations,
 }
 
 /// The battery of a robot at the end.
@@ -150,6 +165,8 @@ impl Robot {
             uplink: Line::new(&status.uplink.unwrap_or_default(), capacity),
             downlink: Line::new(&status.downlink.unwrap_or_default(), capacity),
             cycles: Cycles::new(status.cycles.as_ref(), simulated_s),
+            thinking_wall: status.thinking_wall.as_ref().map(Thinking::new),
+            thinking_processor: status.thinking_processor.as_ref().map(Thinking::new),
             battery: status.battery.as_ref().map(Battery::new),
             zones: zones(world, status),
             sensors: sensors.map(|(status, spec)| Sensor::new(status, spec, simulated_s)).collect(),
@@ -187,6 +204,12 @@ impl Cycles {
             exchanges_per_s: if simulated_s > 0.0 { answered as f64 / simulated_s } else { 0.0 },
             duration: status.durations.as_ref().map(Durations::new),
         }
+    }
+}
+
+impl Thinking {
+    fn new(status: &v1::Durations) -> Self {
+        Self { turns: status.count, durations: Durations::new(status) }
     }
 }
 

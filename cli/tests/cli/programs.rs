@@ -58,6 +58,40 @@ fn a_diagram_of_a_program_is_that_of_the_same_brain_in_this_process() {
 }
 
 #[test]
+fn thinking_is_measured_shown_recorded_and_put_into_the_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let run = |name: &str, more: &[&str]| {
+        summary(&[&["run", "wander", "--seconds", "2", "--record", &path(name)], more].concat())
+    };
+    let own = run("own.mcap", &["--brain", &program("avoid")]);
+    let thinking = &own["robots"][0]["thinking_processor"];
+    let turns = thinking["turns"].as_u64().unwrap();
+    assert!((90..=200).contains(&turns), "{own}");
+    let ms = |name: &str| thinking[name].as_f64().unwrap();
+    assert!(0.0 < ms("min_ms") && ms("min_ms") <= ms("p50_ms") && ms("p50_ms") <= ms("max_ms"), "{own}");
+    assert!(own["robots"][0].get("thinking_wall").is_none(), "{own}");
+    let timed = run("timed.mcap", &["--pace", "real-time"]);
+    assert!(timed["robots"][0]["thinking_wall"]["turns"].as_u64().unwrap() > 0, "{timed}");
+    let inside = run("inside.mcap", &[]);
+    assert!(inside["robots"][0].get("thinking_processor").is_none(), "{inside}");
+
+    let budget = |name: &str| good(&["budget", "wander", "--measured", &path(name), "--json"]);
+    let budget: Value = serde_json::from_str(&budget("own.mcap")).unwrap();
+    let rows = budget["robots"][0]["cycle"]["rows"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["part"] == "thinking").unwrap();
+    for (of, in_summary) in [("best_ns", "min_ms"), ("typical_ns", "p50_ms"), ("worst_ns", "max_ms")] {
+        assert!((row[of].as_f64().unwrap() / 1e6 - ms(in_summary)).abs() < 1e-6, "{of}: {row} {thinking}");
+    }
+    let told = good(&["budget", "wander", "--measured", &path("timed.mcap")]);
+    assert!(told.contains("  thinking as measured by the wall clock in "), "{told}");
+    let (code, _, err) = baudbot(&["budget", "wander", "--measured", &path("inside.mcap")]);
+    assert!(code == 2 && err.contains("no thinking time was measured in that run"), "{err}");
+    let (code, _, err) = baudbot(&["budget", "wander", "--measured", &path("none.mcap")]);
+    assert!(code == 2 && err.contains("none.mcap: cannot be read"), "{code} {err}");
+}
+
+#[test]
 fn a_diagram_tells_of_a_program_that_fails() {
     let (code, out, err) = baudbot(&["diagram", "wander", "--brain", "exec:sh -c 'echo no luck; exit 3'"]);
     assert!(code == 1 && out.is_empty(), "{code} {out}");

@@ -306,6 +306,14 @@ pub struct RobotStatus {
     /// What its brain last said of itself in words (Belief.state), at most 256 characters; empty if it has said nothing.
     #[prost(string, tag = "17")]
     pub said: ::prost::alloc::string::String,
+    /// How long its brains took to answer: from a Turn to the Step, by the wall clock and with the network. Measured at paces that
+    /// follow that clock; absent if nothing was measured. It is no part of the simulation.
+    #[prost(message, optional, tag = "18")]
+    pub thinking_wall: ::core::option::Option<Durations>,
+    /// The same by the processor time of the brain's process with its children. Measured at other paces, and only of programs that
+    /// were started with the run.
+    #[prost(message, optional, tag = "19")]
+    pub thinking_processor: ::core::option::Option<Durations>,
 }
 /// How the control cycles of a robot went: from the readings that its microcontroller frames to the command that answers
 /// them.
@@ -5818,6 +5826,30 @@ pub struct RecordedMark {
     /// 64th, each is added to that of the robot 64 places before.
     #[prost(bytes = "vec", tag = "6")]
     pub robot_digests: ::prost::alloc::vec::Vec<u8>,
+}
+/// Topic `/baudbot/thinking`: how long brains took to answer, from the recording's first tick on. The last message counts. It is
+/// there only of robots of which something was measured.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RecordedThinking {
+    /// When.
+    #[prost(uint64, tag = "1")]
+    pub tick: u64,
+    /// The robots.
+    #[prost(message, repeated, tag = "2")]
+    pub robots: ::prost::alloc::vec::Vec<RobotThinking>,
+}
+/// How long the brains of a robot took to answer.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct RobotThinking {
+    /// The robot's name.
+    #[prost(string, tag = "1")]
+    pub robot: ::prost::alloc::string::String,
+    /// As RobotStatus.thinking_wall.
+    #[prost(message, optional, tag = "2")]
+    pub wall: ::core::option::Option<Durations>,
+    /// As RobotStatus.thinking_processor.
+    #[prost(message, optional, tag = "3")]
+    pub processor: ::core::option::Option<Durations>,
 }
 /// Topic `/baudbot/events`: what happened in the run.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]

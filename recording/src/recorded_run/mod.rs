@@ -33,6 +33,7 @@ pub struct RecordedRun {
     states: Vec<Kept>,
     marks: Vec<(u32, Mark)>,
     events: Vec<v1::RecordedEvent>,
+    thinking: Vec<v1::RobotThinking>,
     /// What can be done again, in the order of ticks; at least one.
     stretches: Vec<Stretch>,
     condition: Condition,
@@ -94,6 +95,7 @@ impl RecordedRun {
             states: Vec::new(),
             marks: Vec::new(),
             events: Vec::new(),
+            thinking: Vec::new(),
             stretches: Vec::new(),
             condition: Condition { is_whole: true, problem: None, times_ns: None },
             part: 0,
@@ -117,6 +119,10 @@ impl RecordedRun {
                     self.mark(decode::<v1::RecordedMark>(topic, data)?.into());
                 }
             topic::EVENTS => self.events.push(decode(topic, data)?),
+            topic::THINKING => {
+                at_most(topic, data, THINKING_ROBOTS, self.scenario.robots.len())?;
+                self.thinking = decode::<v1::RecordedThinking>(topic, data)?.robots;
+            }
             topic::INPUTS => {
                 let robots = self.scenario.robots.len();
                 at_most(topic, data, INPUTS_CHANGES, MOST_BY_HAND)?;
@@ -173,6 +179,11 @@ impl RecordedRun {
     /// The last tick of which all is known that entered the world before it.
     pub fn last_tick(&self) -> u64 {
         self.stretches[self.stretches.len() - 1].last_tick
+    }
+
+    /// How long the brains of robots took to answer, of those of which that was measured.
+    pub fn thinking(&self) -> &[v1::RobotThinking] {
+        &self.thinking
     }
 
     /// The events, in the order of ticks.
@@ -270,7 +281,10 @@ impl RecordedRun {
     }
 }
 
-const WANTED: [&str; 4] = [topic::STATE, topic::INPUTS, topic::MARKS, topic::EVENTS];
+const WANTED: [&str; 5] = [topic::STATE, topic::INPUTS, topic::MARKS, topic::EVENTS, topic::THINKING];
+
+/// The number of `robots` in a `RecordedThinking`.
+const THINKING_ROBOTS: u32 = 2;
 
 /// The number of `fields` in a `RecordedMark`.
 const MARKS_FIELDS: u32 = 4;

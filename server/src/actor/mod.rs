@@ -12,6 +12,7 @@ mod log;
 mod lookahead;
 mod measure;
 mod messages;
+mod new_world;
 mod pacer;
 mod ports;
 mod progress;
@@ -31,7 +32,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::time::Instant;
 
-use baudbot_recording::Replay;
 use baudbot_sim::{Answer, SimTime, Turn, World};
 use tonic::Status;
 
@@ -39,14 +39,16 @@ use crate::beliefs::Beliefs;
 use crate::endpoint::Sent;
 use crate::log::event;
 use crate::mailbox::Mailbox;
-use crate::message::{Message, RecordConfig, WorldHandle};
+use crate::message::{Message, WorldHandle};
 use crate::observers::Observers;
-use crate::pace::{Pace, WatchdogPolicy};
+use crate::pace::WatchdogPolicy;
 use crate::pool::Pool;
 use crate::report::Activity;
 use crate::sessions::Sessions;
 pub use direct::DirectWorld;
 use interventions::Interventions;
+pub(crate) use new_world::NewWorld;
+pub use new_world::OnTick;
 use pacer::Pacer;
 use ports::{Pending, Ports};
 pub use progress::Progress;
@@ -56,30 +58,6 @@ use replay::Replaying;
 use runner::Schedule;
 use snapshots::Snapshots;
 use stepping::Stepper;
-
-/// Called at the start of every tick, when the sensors have been read, on the world's own thread.
-pub type OnTick = Box<dyn FnMut(&World) + Send>;
-
-/// A world that is about to be made.
-pub(crate) struct NewWorld {
-    pub(crate) name: String,
-    pub(crate) world: World,
-    /// The recording that it replays; `None` for a live world.
-    pub(crate) replay: Option<Replay>,
-    pub(crate) pace: Pace,
-    pub(crate) paused: bool,
-    pub(crate) on_tick: Option<OnTick>,
-    pub(crate) progress: Option<Arc<Progress>>,
-    /// Where it is recorded from its beginning on.
-    pub(crate) record: Option<RecordConfig>,
-}
-
-impl NewWorld {
-    /// A live world that is not recorded.
-    pub(crate) fn new(name: String, world: World, pace: Pace) -> Self {
-        Self { name, world, replay: None, pace, paused: false, on_tick: None, progress: None, record: None }
-    }
-}
 
 /// A world and all that happens to it.
 pub(crate) struct WorldActor {
@@ -171,7 +149,7 @@ pub(crate) fn start(
 impl WorldActor {
     fn new(
         name: Arc<str>,
-        NewWorld { world, replay, pace, paused, on_tick, progress, .. }: NewWorld,
+        NewWorld { world, replay, pace, paused, on_tick, progress, processor, .. }: NewWorld,
         neighbours: Arc<AtomicU32>,
     ) -> Self {
         let robots = world.robots().len();
@@ -195,6 +173,7 @@ impl WorldActor {
             over: None,
             world,
         };
+        actor.sessions.time_by(processor);
         actor.fit_timeline();
         actor
     }
@@ -287,7 +266,7 @@ impl WorldActor {
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
         }
-        self.sessions.deliver(&self.world, &turns, lockstep.map(|_| now));
+        self.sessions.deliver(&self.world, &turns, self.pacer.pace.terms(now));
         self.ports.note_begin();
         self.phase = Phase::Begun;
         self.stop_silent_robots(now);

@@ -83,7 +83,8 @@ impl WorldActor {
         closed: oneshot::Sender<RecordingReport>,
     ) -> Result<Report, Status> {
         let none = || Status::failed_precondition(format!("world: `{}` is not being recorded", self.name));
-        let recorder = self.recording.recorder.take().ok_or_else(none)?;
+        let mut recorder = self.recording.recorder.take().ok_or_else(none)?;
+        recorder.thinking(&self.world, &self.sessions);
         let mut last = self.world.clone();
         last.begin();
         recorder.stop(&self.world, !self.sessions.is_any_overtaken(), Some(closed));
@@ -92,7 +93,8 @@ impl WorldActor {
 
     /// The world is over, and waits until its file is closed.
     pub(super) fn end_recording(&mut self) {
-        let Some(recorder) = self.recording.recorder.take() else { return };
+        let Some(mut recorder) = self.recording.recorder.take() else { return };
+        recorder.thinking(&self.world, &self.sessions);
         recorder.stop(&self.world, !self.sessions.is_any_overtaken(), None);
     }
 
@@ -155,7 +157,8 @@ impl WorldActor {
 
     /// The world was reset or restored: the recording goes on in another file.
     pub(super) fn record_next_run(&mut self, old: &World) {
-        let Some(recorder) = self.recording.recorder.take() else { return };
+        let Some(mut recorder) = self.recording.recorder.take() else { return };
+        recorder.thinking(old, &self.sessions);
         let old = (old, !self.sessions.is_any_overtaken());
         self.recording.recorder = recorder.next_run(old, &self.name, self.pacer.pace, view!(self));
     }

@@ -91,6 +91,7 @@ impl WorldActor {
     fn replace(&mut self, world: World) {
         let old = std::mem::replace(&mut self.world, world);
         self.record_next_run(&old);
+        self.sessions.forget_thought();
         self.phase = Phase::Between;
         self.pacer.clock = None;
         self.ports.inputs.clear();

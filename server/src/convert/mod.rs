@@ -27,7 +27,7 @@ pub(crate) use observe::{frame, world_description};
 pub use pace::pace_of;
 pub(crate) use pace::{pace_from, pace_to};
 pub(crate) use replay::replay;
-pub(crate) use status::{recording_status, status};
+pub(crate) use status::{recording_status, status, thinking};
 pub(crate) use trainer::{closed, ended, refused, turned};
 pub(crate) use turn::{RobotTurn, turn};
 

@@ -4,15 +4,17 @@ use std::time::Duration;
 
 use baudbot_proto::v1;
 use baudbot_sim::link::LineCounters;
+use baudbot_sim::model::RobotSpec;
 use baudbot_sim::robot::Cycles;
 use baudbot_sim::sensor::Sensor;
-use baudbot_sim::{Ending, Freshness, Histogram, RobotView, SensorView, World};
+use baudbot_sim::{Ending, Freshness, Histogram, RobotView, Scenario, SensorView, World};
 
 use super::pace::pace_to;
 use super::{battery, score};
 use crate::frame::{Charge, Score};
 use crate::pace::Pacing;
 use crate::report::{Activity, RecordingReport, Report, SlotReport};
+use crate::thinking::Thought;
 
 /// A world as it stands.
 pub(crate) fn status(report: &Report) -> v1::WorldStatus {
@@ -112,10 +114,25 @@ fn robot_status(robot: &RobotView<'_>, slot: &SlotReport) -> v1::RobotStatus {
         lost_deliveries: slot.lost_deliveries,
         lost_steps: slot.lost_steps,
         said: slot.said.clone(),
+        thinking_wall: slot.thought.as_ref().and_then(|thought| durations(&thought.wall)),
+        thinking_processor: slot.thought.as_ref().and_then(|thought| durations(&thought.processor)),
         battery: Charge::of(robot).map(battery),
         in_zone_ns: Vec::new(),
         cycles: Some(cycle_status(robot.cycles(), robot.spec().deadline.within_ns)),
     }
+}
+
+/// How long the brains of robots have thought, of those of which something was measured.
+pub(crate) fn thinking<'a>(
+    scenario: &Scenario,
+    thought: impl Iterator<Item = Option<&'a Thought>>,
+) -> Vec<v1::RobotThinking> {
+    let of = |(spec, thought): (&RobotSpec, Option<&Thought>)| {
+        let Thought { wall, processor } = thought?;
+        let robot = spec.name.clone();
+        Some(v1::RobotThinking { robot, wall: durations(wall), processor: durations(processor) })
+    };
+    scenario.robots.iter().zip(thought).filter_map(of).collect()
 }
 
 pub(super) fn cycle_status(cycles: &Cycles, deadline_ns: u64) -> v1::CycleStatus {

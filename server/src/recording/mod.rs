@@ -23,6 +23,7 @@ use crate::message::RecordConfig;
 use crate::observers::{Eye, View};
 use crate::pace::Pace;
 use crate::report::RecordingReport;
+use crate::sessions::Sessions;
 pub(crate) use folder::Folder;
 use thread::{RecorderThread, Sent};
 
@@ -56,6 +57,7 @@ pub(crate) enum Entry {
     State(v1::RecordedState),
     Event(v1::RecordedEvent),
     Frame(Box<Frame>),
+    Thinking(v1::RecordedThinking),
 }
 
 /// The bytes that a brain wrote to a robot's port.
@@ -190,17 +192,18 @@ impl Recorder {
             }
         }
         if is_sure && (self.is_mark_due() || ended.is_some()) {
-            self.mark(world);
+            self.mark(view);
         } else if self.batch.len() >= BATCH {
             self.send();
         }
     }
 
-    fn mark(&mut self, world: &World) {
-        let began = Instant::now();
+    fn mark(&mut self, view: View<'_>) {
+        let (began, world) = (Instant::now(), view.world);
         if world.tick() >= self.state_tick + STATE_EVERY_TICKS {
             self.state_tick = world.tick();
             self.batch.push(Entry::State(saved::state(world)));
+            self.thinking(world, view.sessions);
         }
         self.batch.push(Entry::Mark(self.digests.mark(world)));
         self.marked = Instant::now();
@@ -235,6 +238,14 @@ impl Recorder {
             return;
         }
         self.batch.push(Entry::Event(v1::RecordedEvent { tick, kind: kind.into(), text }));
+    }
+
+    /// Records how long brains took to answer until now, if that was measured.
+    pub(crate) fn thinking(&mut self, world: &World, sessions: &Sessions) {
+        let robots = convert::thinking(world.scenario(), sessions.thought());
+        if !self.is_over && !robots.is_empty() {
+            self.batch.push(Entry::Thinking(v1::RecordedThinking { tick: world.tick(), robots }));
+        }
     }
 
     fn send(&mut self) {

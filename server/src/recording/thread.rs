@@ -186,6 +186,7 @@ fn write(writer: &mut Writer<RecordingFile>, entry: Entry) -> Result<(), WriteEr
         Entry::Mark(mark) => writer.mark(&mark),
         Entry::State(state) => writer.state(&state),
         Entry::Event(event) => writer.event(&event),
+        Entry::Thinking(thinking) => writer.thinking(&thinking),
         Entry::Frame(frame) => writer.frame(&convert::frame(*frame)),
     }
 }

@@ -21,6 +21,7 @@ use crate::pace::Pace;
 use crate::page::Film;
 use crate::recording::Folder;
 use crate::registry::Registry;
+use crate::thinking::ProcessorTime;
 
 /// How long a connection has to make its first call, unless the builder is told otherwise.
 const FIRST_CALL_WITHIN: Duration = Duration::from_secs(10);
@@ -82,6 +83,14 @@ impl WorldConfig {
     #[must_use]
     pub fn progress(mut self, progress: Arc<Progress>) -> Self {
         self.new.progress = Some(progress);
+        self
+    }
+
+    /// Says how much processor time the brain of a robot has used, for the thinking times of worlds that do not follow the wall
+    /// clock. It is asked at each Turn and each answer, on the threads of the world.
+    #[must_use]
+    pub fn processor_time(mut self, of: ProcessorTime) -> Self {
+        self.new.processor = Some(of);
         self
     }
 

@@ -40,6 +40,7 @@ impl Sessions {
                 lost_deliveries: slot.lost_deliveries,
                 lost_steps: self.lost_steps(slot),
                 said,
+                thought: slot.thought.clone(),
             })
             .collect()
     }

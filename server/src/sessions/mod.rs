@@ -7,6 +7,7 @@ mod measures;
 mod quota;
 mod session;
 mod slot;
+mod thinking;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,7 +21,8 @@ use tonic::Status;
 use crate::endpoint::Until;
 use crate::measures::Answering;
 use crate::message::{Attach, Recipient};
-use crate::pace::WatchdogPolicy;
+use crate::pace::{Terms, WatchdogPolicy};
+use crate::thinking::ProcessorTime;
 pub(crate) use debt::Overtaken;
 use debt::{Debt, Paid};
 use quota::Quota;
@@ -37,6 +39,8 @@ pub(crate) struct Sessions {
     era: u64,
     /// One for each robot of the world.
     slots: Vec<Slot>,
+    /// `None` if the processor time of brains is not known.
+    processor: Option<ProcessorTime>,
 }
 
 /// A brain that has got its robots.
@@ -65,7 +69,13 @@ pub(crate) enum Answer {
 
 impl Sessions {
     pub(crate) fn new(robots: usize) -> Self {
-        Self { by_number: BTreeMap::new(), next_number: 1, era: 0, slots: vec![Slot::default(); robots] }
+        Self {
+            by_number: BTreeMap::new(),
+            next_number: 1,
+            era: 0,
+            slots: vec![Slot::default(); robots],
+            processor: None,
+        }
     }
 
     /// Gives a brain program the robots that it asks for, or none of them.
@@ -197,6 +207,7 @@ impl Sessions {
 
     /// Notes a Step that answers the Turn of this number; 0 answers none.
     pub(crate) fn answer(&mut self, number: u64, turn: u64) -> Answer {
+        self.note_thought(number, turn);
         let Some(session) = self.by_number.get_mut(&number) else { return Answer::Void };
         match session.debt.pay(turn) {
             Some(Paid::Turn { turn, was_only_one }) => {
@@ -245,19 +256,19 @@ impl Sessions {
         }
     }
 
-    /// Tells the brains whose step it is in the tick that begins. In lockstep, with the instant at which it has `begun`, they
+    /// Tells the brains whose step it is in the tick that begins. Where the world waits for them, they
     /// owe an answer.
     ///
     /// A session gets one Turn for all its robots, whatever the order of `turns`: its robots are in the order of its Hello. A
     /// brain that the world has gone ahead of gets nothing now. It would have two Turns to answer, and its answer to the
     /// first may change what the second has in it; so the second is deferred until the first is answered
     /// (`WorldActor::catch_up`).
-    pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], begun: Option<Instant>) {
+    pub(crate) fn deliver(&mut self, world: &World, turns: &[Turn], terms: Terms) {
         let at = self.by_robot(turns);
         self.slots.iter_mut().for_each(Slot::forget_open_turn);
         for session in self.by_number.values_mut() {
             if session.debt.overtaken().is_empty() {
-                session.deliver(world, &at, begun, &mut self.slots);
+                session.deliver(world, &at, terms, self.processor.as_ref(), &mut self.slots);
             } else {
                 let steps = session.steps(&at);
                 session.debt.defer(steps);
@@ -280,7 +291,8 @@ impl Sessions {
     pub(crate) fn deliver_to(&mut self, number: u64, world: &World, turns: &[Turn]) {
         let at = self.by_robot(turns);
         let Some(session) = self.by_number.get_mut(&number) else { return };
-        session.deliver(world, &at, Some(Instant::now()), &mut self.slots);
+        let terms = Terms::Waits(Instant::now());
+        session.deliver(world, &at, terms, self.processor.as_ref(), &mut self.slots);
     }
 
     /// When the robots step.

@@ -1,7 +1,6 @@
 //! A session: the stream of one brain program.
 
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use baudbot_sim::{SimTime, Turn, World};
 use bytes::Bytes;
@@ -9,9 +8,12 @@ use bytes::Bytes;
 use super::debt::{Debt, OpenTurn};
 use super::quota::Quota;
 use super::slot::Slot;
+use super::thinking::Thinking;
 use crate::convert::{self, RobotTurn};
 use crate::measures::Answering;
 use crate::message::Recipient;
+use crate::pace::Terms;
+use crate::thinking::ProcessorTime;
 use crate::truth::Truth;
 
 /// Places in a brain's stream that Turns leave free, so that the news of an end always finds room.
@@ -46,8 +48,16 @@ pub(super) struct Turns {
     void: u64,
     /// Counts what makes Turns void in this world.
     pub(super) era: u64,
-    /// The last Turns that were given, with their ticks; oldest first.
-    given: VecDeque<(u64, u64)>,
+    /// The last Turns that were given; oldest first.
+    given: VecDeque<Given>,
+}
+
+/// A Turn that was given.
+struct Given {
+    number: u64,
+    tick: u64,
+    /// Until it is answered.
+    thinking: Option<Thinking>,
 }
 
 impl Turns {
@@ -56,18 +66,19 @@ impl Turns {
         Self { era, ..Self::default() }
     }
 
-    fn give(&mut self, number: u64, tick: u64) {
-        self.last = number;
+    fn give(&mut self, given: Given) {
+        self.last = given.number;
         if self.given.len() == MAX_OPEN {
             self.given.pop_front();
         }
-        self.given.push_back((number, tick));
+        self.given.push_back(given);
     }
 
     /// All Turns up to now are void: another era begins.
     pub(super) fn void(&mut self, era: u64) {
         self.void = self.last;
         self.era = era;
+        self.given.clear();
     }
 
     pub(super) fn is_void(&self, number: u64) -> bool {
@@ -76,13 +87,18 @@ impl Turns {
 
     /// The tick of the Turn of this number, if it is not too long ago.
     pub(super) fn tick_of(&self, number: u64) -> Option<u64> {
-        self.given.iter().rev().find(|(given, _)| *given == number).map(|(_, tick)| *tick)
+        self.given.iter().rev().find(|given| given.number == number).map(|given| given.tick)
+    }
+
+    /// The Turn of this number is answered: gives what the brain was thinking about it, the first time.
+    pub(super) fn answered(&mut self, number: u64) -> Option<Thinking> {
+        self.given.iter_mut().rev().find(|given| given.number == number)?.thinking.take()
     }
 }
 
 impl Session {
-    /// Gives the brain the Turn of those of its robots that step in this tick, `at` by robot. With `begun`, the instant at
-    /// which the tick began, the brain owes an answer.
+    /// Gives the brain the Turn of those of its robots that step in this tick, `at` by robot. If the world waits for it, the
+    /// brain owes an answer.
     ///
     /// A stream is bounded and a world never waits for one. If the brain does not read, so that its stream is full, the
     /// Turn is lost: that is counted, and no answer to it is owed, since the brain does not know of it. [`RESERVED`] places
@@ -91,7 +107,8 @@ impl Session {
         &mut self,
         world: &World,
         at: &[Option<SimTime>],
-        begun: Option<Instant>,
+        terms: Terms,
+        processor: Option<&ProcessorTime>,
         slots: &mut [Slot],
     ) {
         let steps = self.steps(at);
@@ -100,12 +117,15 @@ impl Session {
         }
         let number = self.turns.last + 1;
         let has_room = self.recipient.capacity() > RESERVED && self.debt.count() < MAX_OPEN;
+        let begun = terms.owed_since();
         let truth = || self.truth(world, begun.is_some());
+        // The brain may answer before this returns.
+        let thinking = Thinking::begin(terms, processor, steps.iter().map(|turn| turn.robot));
         if !has_room || !self.recipient.turn(self.turn(world, at, number), truth) {
             self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
             return;
         }
-        self.turns.give(number, world.tick());
+        self.turns.give(Given { number, tick: world.tick(), thinking });
         // The brain is asked now, whatever it was waiting for.
         steps.iter().for_each(|turn| slots[turn.robot].set_until(None));
         if let Some(begun) = begun {

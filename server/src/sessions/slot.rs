@@ -2,6 +2,7 @@
 
 use crate::endpoint::Until;
 use crate::measures::Answering;
+use crate::thinking::Thought;
 
 /// A robot's place for a brain, and what was counted of the brains that have held it.
 #[derive(Clone, Debug, Default)]
@@ -12,6 +13,8 @@ pub(super) struct Slot {
     pub(super) lost_steps: u64,
     /// Of sessions that are over.
     pub(super) answering: Answering,
+    /// How long its brains have thought, if anything was measured.
+    pub(super) thought: Option<Box<Thought>>,
 }
 
 /// Whether a brain holds a robot, and what that means for a world in lockstep.
