@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use baudbot_fields::printable::Printable;
-use tokio::io::{AsyncRead, AsyncReadExt};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt, stderr};
+
+use crate::task::Output;
 
 /// The end of what a program has printed to its standard output and its standard error.
 #[derive(Clone, Debug, Default)]
@@ -20,12 +22,18 @@ struct Text {
 
 impl Kept {
     /// Reads until the program closes the stream.
-    pub(crate) async fn read(self, mut stream: impl AsyncRead + Unpin) {
+    pub(crate) async fn read(self, mut stream: impl AsyncRead + Unpin, output: Output) {
         let (mut buffer, mut line) = (vec![0; 16 << 10], Vec::new());
         loop {
             match stream.read(&mut buffer).await {
                 Ok(0) | Err(_) => return,
-                Ok(n) => self.take(&buffer[..n], &mut line),
+                Ok(n) => {
+                    self.take(&buffer[..n], &mut line);
+                    if output == Output::Shown {
+                        // Without a standard error there is nobody to see it.
+                        let _ = stderr().write_all(&buffer[..n]).await;
+                    }
+                }
             }
         }
     }

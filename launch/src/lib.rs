@@ -20,4 +20,4 @@ pub use crew::{Crew, Held, Idle};
 pub use failure::{Failure, Problem};
 pub use processor_clock::ProcessorClock;
 pub use program::{BadProgram, EXEC, Program};
-pub use task::{Lifetime, Task};
+pub use task::{Lifetime, Output, Task};

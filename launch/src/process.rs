@@ -60,8 +60,9 @@ impl Process {
             Failure { program: program.to_string(), problem, said: Vec::new() }
         })?;
         let kept = Kept::default();
-        let out = child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out)));
-        let errors = child.stderr.take().map(|errors| tokio::spawn(kept.clone().read(errors)));
+        let output = task.output;
+        let out = child.stdout.take().map(|out| tokio::spawn(kept.clone().read(out, output)));
+        let errors = child.stderr.take().map(|errors| tokio::spawn(kept.clone().read(errors, output)));
         let readers = out.into_iter().chain(errors).collect();
         let runs = child.stdin.take();
         let group = child.id().and_then(|id| Pid::from_raw(id.cast_signed()));

@@ -17,6 +17,18 @@ pub struct Task {
     pub parameters: BTreeMap<String, Value>,
     /// How long a process of it lives.
     pub lifetime: Lifetime,
+    /// What becomes of its output.
+    pub output: Output,
+}
+
+/// What becomes of what a program prints. Its end is always kept, and shown if the program fails.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Output {
+    /// It is only kept.
+    #[default]
+    Kept,
+    /// It goes to standard error as it comes, too.
+    Shown,
 }
 
 /// How long the process of a program lives.

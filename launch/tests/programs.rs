@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Problem, Program, Task};
+use baudbot_launch::{Crew, Failure, Held, Idle, Lifetime, Output, Problem, Program, Task};
 
 fn task(program: &str) -> Task {
     Task {
@@ -11,6 +11,7 @@ fn task(program: &str) -> Task {
         robots: vec!["alice".to_owned()],
         parameters: BTreeMap::new(),
         lifetime: Lifetime::Run,
+        output: Output::Kept,
     }
 }
 

@@ -116,6 +116,9 @@ pub(crate) struct RunArgs {
     /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) external: Option<u16>,
+    /// Show on stderr what brains print that are programs; otherwise the end of it is shown if one fails
+    #[arg(long)]
+    pub(crate) show_output: bool,
     /// End after this much simulated time
     #[arg(long, value_name = "S", conflicts_with = "ticks", allow_negative_numbers = true, value_parser = finite)]
     pub(crate) seconds: Option<f64>,

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow};
+use baudbot_launch::Output;
 use baudbot_scenario::Override;
 use baudbot_server::{OnTick, Pace, WorldConfig};
 use baudbot_sim::{Scenario, World};
@@ -115,7 +116,13 @@ impl Plan {
             note = args.scenario.is_some().then(text);
         }
         scenarios::warn(&scenario);
-        let assigned = assigned(args, &scenario)?;
+        let mut assigned = assigned(args, &scenario)?;
+        if args.show_output {
+            if assigned.programs.is_empty() {
+                return Err(Refused::error("--show-output: no brain is a program (--brain 'exec:…')"));
+            }
+            assigned.programs.iter_mut().for_each(|task| task.output = Output::Shown);
+        }
         let (world, seed) = (source.world_name(&scenario), scenario.seed);
         let frame = record::short_frame(&args.record, scenario.step_ns);
         Ok(Self { world, scenario: scenario.into(), assigned, pace, over, seed, frame, note })

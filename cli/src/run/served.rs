@@ -118,7 +118,7 @@ impl Running<'_, '_> {
         self.external(&mut control).await?;
         let world = self.plan.world.clone();
         control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
-        let bar = progress(self.plan.ticks(), self.outside.args.quiet);
+        let bar = progress(self.plan.ticks(), self.outside.args.quiet || self.outside.args.show_output);
         // Who is done holds its robots, too, until the status is there: what it said goes with it.
         let mut done = Vec::new();
         let waited = self.wait(&mut brains, &mut done, &mut crew, &bar).await;

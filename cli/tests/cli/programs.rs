@@ -99,6 +99,19 @@ fn a_diagram_tells_of_a_program_that_fails() {
 }
 
 #[test]
+fn what_a_program_prints_is_shown_if_it_is_wanted() {
+    let loud = program("avoid").replacen("-c '", "-c 'echo good morning; ", 1);
+    let run =
+        |more: &[&str]| baudbot(&[&["run", "wander", "--seconds", "1", "--brain", &loud], more].concat());
+    let (code, _, err) = run(&["--show-output", "--quiet"]);
+    assert!(code == 0 && err.contains("good morning\n"), "{err}");
+    let (code, _, err) = run(&["--quiet"]);
+    assert!(code == 0 && !err.contains("good morning"), "{err}");
+    let (code, _, err) = baudbot(&["run", "wander", "--show-output"]);
+    assert!(code == 2 && err.contains("--show-output: no brain is a program"), "{err}");
+}
+
+#[test]
 fn a_program_that_drives_another_robot_is_told() {
     let scenario = std::env::temp_dir().join(format!("baudbot-two-{}.toml", std::process::id()));
     let robots = ["alice", "bob"].map(|name| {
