@@ -356,7 +356,7 @@ async fn a_request_before_the_response_is_refused_and_the_stream_that_ends_relea
 #[tokio::test]
 async fn what_happens_to_one_world_is_told_in_its_place_and_the_others_go_on() {
     let names = ["deleted", "detached", "refused", "timed", "good"];
-    let server = serve(names.map(|name| world(name, lockstep(), &["end.after_s=5.0"]))).await;
+    let server = serve(names.map(|name| world(name, strict(), &["end.after_s=5.0"]))).await;
     let (mut trainer, first) = Trainer::open(&server, &names).await;
     let mut operator = operator(&server).await;
     operator.delete_world(v1::DeleteWorldRequest { world: "deleted".into() }).await.unwrap();
