@@ -11,7 +11,7 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
 
     baudbot.attach(Follow)
 
-`Client` is for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1` the bare contract.
+`Client` is for operators and observers, `Trainer` for programs that learn, `baudbot.aio` for programs with asyncio, `baudbot.v1` the bare contract.
 """
 
 from . import aio
@@ -23,6 +23,7 @@ from .client import Client
 from .commands import Command, Poll, drive, poll, stop
 from .errors import Detached, Error, NoReading, NoServer, NotFound, Refused, Restart, Taken
 from .program import main
+from .trainer import Result, Trainer
 from .turn import Reading, Turn
 from .world import World
 
@@ -44,9 +45,11 @@ __all__ = [
     "Reading",
     "Refused",
     "Restart",
+    "Result",
     "Sensor",
     "Summary",
     "Taken",
+    "Trainer",
     "Turn",
     "World",
     "aio",
