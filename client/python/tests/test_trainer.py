@@ -91,7 +91,8 @@ class Trains(WithTrainer):
             for name in ("a-1", "a-2"):
                 client.create_world("wander", name, set={"end.after_s": 0.2})
             self.assertEqual([world.name for world in trainer.open(["a-*"])], ["a-1", "a-2"])
-            self.assertTrue(client.world("a-1").status.robots[0].attached)
+            with self.assertRaises(baudbot.Taken):
+                baudbot.attach(Drives, connect=self.server.tcp, world="a-1")
             run(trainer, trainer.results)
             trainer.close()
             self.assertEqual(client.world("a-1").status.tick, 20)
@@ -101,16 +102,16 @@ class Trains(WithTrainer):
         trainer.create("wander", count=2)
         before = trainer.results
         for reset, text in [
-            (lambda: trainer.reset(poses={"robot": (9.0, 0.0, 0.0)}), "world `trained-1`: starts: robots[0].start: at (9, 0)"),
+            (lambda: trainer.reset(poses={"robot": (1.8, 0.0, 0.0)}), "world `trained-1`: starts: robots[0].start: at (1.8, 0)"),
             (lambda: trainer.reset(poses={"bob": (0.0, 0.0, 0.0)}), "starts[0].robot: there is no robot `bob`"),
-            (lambda: trainer.reset(set={"robots.robot.body.radius_m": 0.2}), "brains are told this once"),
+            (lambda: trainer.reset(set={"robots.robot.body.radius_m": 0.15}), "brains are told this once"),
             (lambda: trainer.reset(["trained-3"]), "there is no world of this trainer `trained-3`; did you mean"),
             (lambda: trainer.reset(seed=[1, 2, 3]), "seed: there are 3, one for each of 2 worlds is needed"),
             (lambda: trainer.step([None]), "commands: there are 1, one for each of 2 worlds is needed"),
             (lambda: trainer.step([{"bob": None}, None]), "there is no robot of world `trained-1` `bob`"),
             (lambda: trainer.create("wander"), "this trainer drives 2 worlds already"),
         ]:
-            with self.assertRaises(baudbot.Error) as caught:
+            with self.assertRaises(baudbot.Error, msg=text) as caught:
                 reset()
             self.assertIn(text, str(caught.exception))
             self.assertEqual(str(caught.exception).count("\n"), 0)
