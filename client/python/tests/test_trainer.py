@@ -115,7 +115,8 @@ class Trains(WithTrainer):
                 reset()
             self.assertIn(text, str(caught.exception))
             self.assertEqual(str(caught.exception).count("\n"), 0)
-        self.assertEqual([r.tick for r in trainer.step([None, None])], [r.tick + 1 for r in before])
+        self.assertEqual([(r.tick, r.truth.x_m) for r in trainer.results], [(r.tick, r.truth.x_m) for r in before])
+        self.assertEqual({r.tick for r in trainer.step([None, None])}, {2}, "the first message comes then")
         # A world that is gone says so where somebody looks at it, and the other goes on.
         trainer.client.world("trained-1").delete()
         results = trainer.step([None, None])
