@@ -74,7 +74,8 @@ impl Trainer {
         let mut places: Vec<_> = (0..results.len() as u32).collect();
         let mut seen = Vec::new();
         while !results.is_empty() {
-            let answers = places.iter().zip(&results).filter_map(|(&place, result)| Some((place, answer(result)?)));
+            let answers =
+                places.iter().zip(&results).filter_map(|(&place, result)| Some((place, answer(result)?)));
             let answers: Vec<_> = answers.collect();
             places = answers.iter().map(|(place, _)| *place).collect();
             seen.push(std::mem::take(&mut results));
@@ -106,7 +107,11 @@ fn answer(result: &v1::WorldResult) -> Option<Action> {
     let step = |part: &v1::RobotTurn| {
         let reading = part.readings.iter().find(|reading| reading.sensor == ir_front());
         let near = reading.map_or(0.0, |reading| reading.values[0]);
-        v1::RobotStep { robot: part.robot, output: Some(signals(0.4, 0.4 - near * 0.5)), ..Default::default() }
+        v1::RobotStep {
+            robot: part.robot,
+            output: Some(signals(0.4, 0.4 - near * 0.5)),
+            ..Default::default()
+        }
     };
     Some(Action::Step(v1::Step { turn: turn.turn, robots: turn.robots.iter().map(step).collect() }))
 }
@@ -216,7 +221,11 @@ async fn sixty_four_worlds_take_one_request_a_cycle_each_and_are_answered_in_its
     assert_eq!(first.len(), 64);
     let seen = trainer.drive(first).await;
     assert_eq!(seen.len(), 51, "fifty Turns and an end");
-    assert!(seen[50].iter().all(|result| matches!(result.outcome, Some(Outcome::Ended(_)))), "{:?}", seen[50]);
+    assert!(
+        seen[50].iter().all(|result| matches!(result.outcome, Some(Outcome::Ended(_)))),
+        "{:?}",
+        seen[50]
+    );
 
     // In the order of the request: each world begins somewhere else.
     let at = |place: u32| f64::from(place) * 0.01 - 0.3;
@@ -263,8 +272,14 @@ async fn what_makes_no_sense_ends_the_stream_with_its_field_before_anything_is_d
     let good = || (0, step(1, signals(0.1, 0.1)));
     let named = v1::ResetWorldRequest { world: "b".into(), ..Default::default() };
     let cases = [
-        (vec![good(), (1, step(1, signals(f64::NAN, 0.0)))], "worlds[1].step.robots[0].command.left_signal: must be a finite"),
-        (vec![good(), (1, step(7, signals(0.0, 0.0)))], "worlds[1].step.turn: must be 1, the number of the world's last Turn, is 7"),
+        (
+            vec![good(), (1, step(1, signals(f64::NAN, 0.0)))],
+            "worlds[1].step.robots[0].command.left_signal: must be a finite",
+        ),
+        (
+            vec![good(), (1, step(7, signals(0.0, 0.0)))],
+            "worlds[1].step.turn: must be 1, the number of the world's last Turn, is 7",
+        ),
         (vec![good(), (2, reset(1))], "worlds[1].world: is 2, but this stream has 2 worlds"),
         (vec![good(), (0, reset(1))], "worlds[1].world: 0 is named twice"),
         (vec![good(), (1, Action::Reset(named))], "worlds[1].reset.world: must be empty"),
@@ -278,14 +293,21 @@ async fn what_makes_no_sense_ends_the_stream_with_its_field_before_anything_is_d
         released(&server, "b").await;
         assert_eq!(status(&server, "a").await.tick, 0, "a part was done of a request that was refused");
         for world in ["a", "b"] {
-            operator(&server).await.reset_world(v1::ResetWorldRequest { world: world.into(), ..Default::default() }).await.unwrap();
+            operator(&server)
+                .await
+                .reset_world(v1::ResetWorldRequest { world: world.into(), ..Default::default() })
+                .await
+                .unwrap();
         }
     }
     let (mut trainer, _) = Trainer::open(&server, &["a"]).await;
     let again = v1::TrainRequest { request: Some(Request::Open(v1::OpenTraining::default())) };
     trainer.requests.send(again).unwrap();
     let refused = trainer.response().await.unwrap_err();
-    assert_eq!((refused.code(), refused.message()), (Code::FailedPrecondition, "open: this stream is open already; open another one"));
+    assert_eq!(
+        (refused.code(), refused.message()),
+        (Code::FailedPrecondition, "open: this stream is open already; open another one")
+    );
     server.shutdown().await;
 }
 
@@ -309,7 +331,11 @@ async fn worlds_that_cannot_be_trained_are_refused_and_all_robots_released() {
         (many, Code::ResourceExhausted, "open.worlds: there are 1025, the limit is 1024"),
         (vec![hello("a"), hello("x")], Code::NotFound, "open.worlds[1].world: there is no world `x`"),
         (vec![hello("a"), hello("a")], Code::InvalidArgument, "open.worlds[1].world: `a` is named twice"),
-        (vec![hello("a"), hello("timed")], Code::FailedPrecondition, "open.worlds[1].world: `timed` is not in lockstep"),
+        (
+            vec![hello("a"), hello("timed")],
+            Code::FailedPrecondition,
+            "open.worlds[1].world: `timed` is not in lockstep",
+        ),
         (vec![robots(&["bob"])], Code::NotFound, "open.worlds[0].hello.robots[0]: there is no robot `bob`"),
     ];
     for (hellos, code, text) in cases {
@@ -337,7 +363,10 @@ async fn a_request_before_the_response_is_refused_and_the_stream_that_ends_relea
     trainer.requests.send(v1::TrainRequest { request: cycle }).unwrap();
     let refused = trainer.response().await.unwrap_err();
     assert_eq!(refused.code(), Code::FailedPrecondition);
-    assert!(refused.message().starts_with("request: the one before has not been answered yet"), "{refused:?}");
+    assert!(
+        refused.message().starts_with("request: the one before has not been answered yet"),
+        "{refused:?}"
+    );
     released(&server, "w").await;
 
     let mut trainer = Trainer::try_open(&server, vec![one()]).await.unwrap();
@@ -362,7 +391,10 @@ async fn what_happens_to_one_world_is_told_in_its_place_and_the_others_go_on() {
     operator.delete_world(v1::DeleteWorldRequest { world: "deleted".into() }).await.unwrap();
     let detach = v1::DetachBrain { robot: "robot".into(), restart: false };
     let detach = Some(v1::intervene_request::Intervention::DetachBrain(detach));
-    operator.intervene(v1::InterveneRequest { world: "detached".into(), intervention: detach }).await.unwrap();
+    operator
+        .intervene(v1::InterveneRequest { world: "detached".into(), intervention: detach })
+        .await
+        .unwrap();
     let real_time = Some(v1::Pace { kind: Some(v1::pace::Kind::RealTime(v1::RealTime::default())) });
     operator.set_pace(v1::SetPaceRequest { world: "timed".into(), pace: real_time }).await.unwrap();
 
@@ -429,10 +461,14 @@ async fn reflected(channel: Channel, symbol: &str) -> (BTreeSet<String>, bool) {
     use reflection::server_reflection_request::MessageRequest;
     use reflection::server_reflection_response::MessageResponse;
     let mut client = reflection::server_reflection_client::ServerReflectionClient::new(channel);
-    let asked = [MessageRequest::ListServices(String::new()), MessageRequest::FileContainingSymbol(symbol.into())];
+    let asked =
+        [MessageRequest::ListServices(String::new()), MessageRequest::FileContainingSymbol(symbol.into())];
     let mut found = (BTreeSet::new(), false);
     for message_request in asked {
-        let request = reflection::ServerReflectionRequest { host: String::new(), message_request: Some(message_request) };
+        let request = reflection::ServerReflectionRequest {
+            host: String::new(),
+            message_request: Some(message_request),
+        };
         let answers = client.server_reflection_info(tokio_stream::once(request)).await;
         let Ok(Some(answer)) = answers.unwrap().into_inner().message().await else { continue };
         match answer.message_response {

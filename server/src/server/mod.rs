@@ -136,13 +136,7 @@ impl Server {
     }
 
     /// Serves these services on this listener.
-    fn listen(
-        &mut self,
-        listener: Listener,
-        router: &Router,
-        gate: &Gate,
-        stopped: &watch::Receiver<bool>,
-    ) {
+    fn listen(&mut self, listener: Listener, router: &Router, gate: &Gate, stopped: &watch::Receiver<bool>) {
         if let Address::Unix(path) = listener.address() {
             self.sockets.extend(SocketFile::at(path));
         }

@@ -69,11 +69,7 @@ pub(super) fn checked(
 }
 
 /// Does it, and waits until the worlds in these places have their next Turns or have ended.
-pub(super) async fn act(
-    worlds: &mut [Trained],
-    actions: Vec<Act>,
-    order: &[usize],
-) -> v1::TrainResponse {
+pub(super) async fn act(worlds: &mut [Trained], actions: Vec<Act>, order: &[usize]) -> v1::TrainResponse {
     let mut resets = Vec::new();
     for Act { place, what } in actions {
         match what {

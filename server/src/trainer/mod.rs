@@ -67,7 +67,8 @@ impl Trainer {
             return Err(Status::invalid_argument("open.worlds: must name at least one world"));
         }
         if count > MAX_TRAINED {
-            let text = format!("open.worlds: there are {count}, the limit is {MAX_TRAINED}; open several streams");
+            let text =
+                format!("open.worlds: there are {count}, the limit is {MAX_TRAINED}; open several streams");
             return Err(Status::resource_exhausted(text));
         }
         let mut worlds: Vec<Trained> = Vec::with_capacity(count);

@@ -88,10 +88,9 @@ impl Trained {
     pub(super) fn check(&self, step: v1::Step) -> Result<CheckedStep, Status> {
         let step = self.steps.checked(step)?;
         match &self.hold {
-            Ok(Hold { turn: Some(turn), .. }) if step.turn != *turn => Err(Status::invalid_argument(format!(
-                "step.turn: must be {turn}, the number of the world's last Turn, is {}",
-                step.turn
-            ))),
+            Ok(Hold { turn: Some(turn), .. }) if step.turn != *turn => Err(Status::invalid_argument(
+                format!("step.turn: must be {turn}, the number of the world's last Turn, is {}", step.turn),
+            )),
             Ok(_) | Err(_) => Ok(step),
         }
     }
