@@ -262,6 +262,41 @@ async fn a_trainer_drives_a_crowd_and_is_asked_when_a_message_has_come() {
     server.shutdown().await;
 }
 
+/// A brain on the other robot, which has promised to think as long as the scenario says.
+async fn drive_other(server: &Server, world: &str) -> tokio::task::JoinHandle<()> {
+    let client = client(server).await.thinks_as_scenario();
+    let mut robot = client.attach(world, "r1").await.unwrap();
+    tokio::spawn(async move {
+        while let Ok(Some(_)) = robot.turn().await {
+            // The world may go on meanwhile.
+            tokio::task::yield_now().await;
+            robot.drive(Signals { left: 0.2, right: 0.5 }).await.unwrap();
+        }
+    })
+}
+
+#[tokio::test]
+async fn the_truth_is_the_same_while_the_world_is_ahead_of_other_brains() {
+    let names: Vec<_> = (0..2).map(|i| format!("r{i}")).collect();
+    let crowd = || scenario(&crowd(&names), &["end.after_s=1.5"]);
+    let worlds = [("strict", strict()), ("ahead", lockstep())];
+    let server = serve(worlds.map(|(name, pace)| WorldConfig::new(name, crowd()).pace(pace))).await;
+    let others = [drive_other(&server, "strict").await, drive_other(&server, "ahead").await];
+    let own = |world: &str| v1::Hello { robots: vec!["r0".into()], ..hello(world) };
+    let mut trainer = Trainer::try_open(&server, vec![own("strict"), own("ahead")]).await.unwrap();
+    let first = trainer.response().await.unwrap();
+    let seen = trainer.drive(first).await;
+    assert_eq!(seen.len(), 151);
+    for results in seen {
+        assert_eq!((results[0].tick, &results[0].truths), (results[1].tick, &results[1].truths));
+    }
+    for other in others {
+        other.abort();
+    }
+    assert_eq!(status(&server, "strict").await.state_hash, status(&server, "ahead").await.state_hash);
+    server.shutdown().await;
+}
+
 #[tokio::test]
 async fn what_makes_no_sense_ends_the_stream_with_its_field_before_anything_is_done() {
     let server = serve([world("a", strict(), &[]), world("b", strict(), &[])]).await;
