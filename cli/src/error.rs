@@ -46,11 +46,12 @@ pub(crate) fn text(error: &anyhow::Error) -> String {
 /// Why a server did not start: what the command asks for cannot be, or something went wrong.
 pub(crate) fn from_builder(error: ServerError) -> anyhow::Error {
     let refused = match &error {
-        ServerError::NotLoopback { .. } | ServerError::TrainerNotLocal { .. } | ServerError::NoTrainers => {
-            true
-        }
+        ServerError::NotLoopback { .. } | ServerError::TrainerNotLocal { .. } => true,
         ServerError::World(status) => matches!(status.code(), Code::AlreadyExists | Code::InvalidArgument),
-        ServerError::Bind { .. } | ServerError::Reflection(_) | ServerError::Pipe(_) => false,
+        ServerError::Bind { .. }
+        | ServerError::NoTrainers
+        | ServerError::Reflection(_)
+        | ServerError::Pipe(_) => false,
     };
     if refused { Refused::error(error.to_string()) } else { error.into() }
 }

@@ -21,6 +21,9 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
         make_folder(folder)?;
         serving.keep_recordings(folder);
     }
+    if let Some(address) = &args.trainer {
+        serving.take_trainers(address.clone());
+    }
     match &args.resume {
         Some(file) => resume(args, file, &mut serving)?,
         None => worlds(args, &mut serving)?,

@@ -49,6 +49,11 @@ impl<'a> Serving<'a> {
         self.builder = std::mem::take(&mut self.builder).recordings(folder.to_owned());
     }
 
+    /// Takes trainers at an address.
+    pub(crate) fn take_trainers(&mut self, address: Address) {
+        self.builder = std::mem::take(&mut self.builder).trainer(address);
+    }
+
     /// A world that brains can come to.
     pub(crate) fn add(&mut self, name: &str, scenario: &Arc<Scenario>, world: WorldConfig) {
         let robot = scenario.robots.first().map(|spec| (spec.name.clone(), assignment::fitting_brain(spec)));
@@ -119,6 +124,9 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
     let mut text = String::new();
     for address in server.addresses() {
         let _ = writeln!(text, "listening on {address}");
+    }
+    for address in server.trainers() {
+        let _ = writeln!(text, "listening for trainers on {address}");
     }
     for (_, description, _) in worlds {
         text += description;

@@ -147,13 +147,18 @@ struct OneOf<'a> {
 fn of_several<'a>(list: &'a [Value], robot: &str) -> Option<OneOf<'a>> {
     list.iter().enumerate().find_map(|(element, value)| {
         let (table, starts) = (name_of(value)?, value.get("starts")?.as_array()?);
-        let is_it = |i: usize| match name_of(&starts[i]) {
-            Some(name) => name == robot,
-            None => numbered(table, i) == robot,
-        };
-        let start = (0..starts.len()).find(|&i| is_it(i))?;
+        let named = || starts.iter().position(|start| name_of(start) == Some(robot));
+        let start = numbered_start(table, starts, robot).or_else(named)?;
         Some(OneOf { element, table, start })
     })
+}
+
+/// The start of the robot of this name, if it goes by its number. Crowds are large, so the number says where to look.
+fn numbered_start(table: &str, starts: &[Value], robot: &str) -> Option<usize> {
+    let number: usize = robot.strip_prefix(table)?.strip_prefix('-')?.parse().ok()?;
+    let start = number.checked_sub(1)?;
+    let is_it = name_of(starts.get(start)?).is_none() && numbered(table, start) == robot;
+    is_it.then_some(start)
 }
 
 fn name_of(value: &Value) -> Option<&str> {

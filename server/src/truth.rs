@@ -1,5 +1,6 @@
 //! What trainers are told: the truth about robots that they drive, which brains never get.
 
+use baudbot_sim::drive::Motion;
 use baudbot_sim::{Ending, SimTime, World};
 
 use crate::frame::{Charge, Score};
@@ -24,7 +25,7 @@ pub(crate) struct Truth {
 
 /// The truth about one robot.
 pub(crate) struct RobotFacts {
-    pub(crate) motion: baudbot_sim::drive::Motion,
+    pub(crate) motion: Motion,
     /// Since the start of the run.
     pub(crate) collisions: u64,
     pub(crate) distance_m: f64,

@@ -285,7 +285,7 @@ async fn calls_that_fail_say_why_and_the_page_goes_on() {
 async fn only_methods_of_the_three_services_are_forwarded_and_each_call_has_one_beginning() {
     let server = serve(lockstep()).await;
     let mut page = Page::open(&server).await;
-    for method in ["ControlService/Nothing", "Health/Check", ""] {
+    for method in ["ControlService/Nothing", "TrainerService/Train", "Health/Check", ""] {
         let (code, message) = page.failure(1, begin(method, &v1::ListWorldsRequest {})).await;
         assert_eq!(code, "UNIMPLEMENTED");
         let expected = format!("method: there is no method `baudbot.v1.{method}`; services are ");

@@ -50,7 +50,8 @@ Examples:
   baudbot serve wander khepera --pace lockstep
   baudbot serve my.toml --listen unix:/tmp/baudbot.sock --listen 127.0.0.1:0
   baudbot serve my.toml --record run.mcap        if it is killed: baudbot serve --resume run.mcap
-  baudbot serve --recordings runs                record and replay in the viewer, or over gRPC";
+  baudbot serve --recordings runs                record and replay in the viewer, or over gRPC
+  baudbot serve --trainer unix:/tmp/t.sock       for a program that learns: it creates its worlds itself";
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:

@@ -175,6 +175,11 @@ pub(crate) struct ServeArgs {
     /// Let operators record worlds into this folder, and replay what is in it
     #[arg(long, value_name = "FOLDER")]
     pub(crate) recordings: Option<PathBuf>,
+    /// Listen for trainers, which drive robots and are told the truth: 127.0.0.1:PORT or unix:/PATH
+    ///
+    /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address, also with --insecure.
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) trainer: Option<Address>,
     /// Continue the world of a recording from its end; its brains may attach again
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,

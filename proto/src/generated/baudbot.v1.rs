@@ -5929,8 +5929,9 @@ pub struct TrainResponse {
     #[prost(message, repeated, tag = "1")]
     pub worlds: ::prost::alloc::vec::Vec<WorldResult>,
 }
-/// A world after a request. But for `problem` it has what is true at the start of the tick `tick`: that of the Turn, or the
-/// one at which the run ended. A Turn's `at_ns` is within that tick, so that the truth is up to a tick older than the readings.
+/// A world after a request. Unless that was refused or the world is closed, this has what is true at the start of the tick
+/// `tick`: that of the Turn, or the one at which the run ended. The `at_ns` of a Turn are within that tick, up to its length
+/// later; bodies move after that.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct WorldResult {
     /// What its brain may know of its robots; only in the first response.

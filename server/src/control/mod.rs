@@ -43,6 +43,19 @@ impl Control {
         async { self.registry.find("world", world)?.request(request).await }.instrument(span).await
     }
 
+    async fn reset(&self, request: v1::ResetWorldRequest) -> Result<v1::WorldStatus, Status> {
+        let span = tracing::info_span!("order", world = brief(&request.world), order = "reset");
+        // The scenario is that of this world, and not of another that has got its name meanwhile.
+        let reset = async {
+            let world = self.registry.find("world", &request.world)?;
+            let scenario = scenario_of_reset(&world, request).await?;
+            world.request(Asked::Reset(scenario)).await
+        };
+        let status = status_of(reset.instrument(span).await?).await?.1;
+        self.told.note(&status);
+        Ok(status)
+    }
+
     async fn create(&self, new: NewWorld) -> Result<v1::WorldStatus, Status> {
         let report = self.registry.create(new)?.request(Asked::Report).await?;
         let status = status_of(report).await?.1;
@@ -212,10 +225,7 @@ impl ControlService for Control {
         &self,
         request: Request<v1::ResetWorldRequest>,
     ) -> Result<Response<v1::ResetWorldResponse>, Status> {
-        let request = request.into_inner();
-        let (name, world) = (request.world.clone(), self.registry.find("world", &request.world)?);
-        let scenario = scenario_of_reset(&world, request).await?;
-        let status = self.status(&name, Asked::Reset(scenario)).await?;
+        let status = Some(self.reset(request.into_inner()).await?);
         Ok(Response::new(v1::ResetWorldResponse { status }))
     }
 

@@ -1,5 +1,6 @@
 //! The scenario of a reset: that of the world with another seed, other starts, other numbers.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use baudbot_brain::Body;
@@ -58,13 +59,13 @@ fn overrides(made: &Scenario, request: &v1::ResetWorldRequest) -> Result<Vec<Ove
 }
 
 fn starts(made: &Scenario, starts: &[v1::RobotStart]) -> Result<Vec<Override>, Status> {
-    let mut changes = Vec::new();
+    let (mut changes, mut seen) = (Vec::new(), BTreeSet::new());
     for (i, v1::RobotStart { robot, x_m, y_m, heading_rad }) in starts.iter().enumerate() {
-        if made.robots.iter().all(|spec| spec.name != *robot) {
+        if made.robots.binary_search_by(|spec| spec.name.cmp(robot)).is_err() {
             let robot = brief(robot);
             return Err(Status::not_found(format!("starts[{i}].robot: there is no robot `{robot}`")));
         }
-        if starts[..i].iter().any(|start| start.robot == *robot) {
+        if !seen.insert(robot) {
             return Err(Status::invalid_argument(format!("starts[{i}].robot: `{robot}` is named twice")));
         }
         for (field, value) in [("x_m", x_m), ("y_m", y_m), ("heading_rad", heading_rad)] {
@@ -113,7 +114,7 @@ fn changed_field(old: &RobotSpec, new: &RobotSpec) -> Option<String> {
         return None;
     }
     let body = |body: &Body| [body.radius_m, body.half_track_m, body.wheel_radius_m];
-    let firmware = |body: &Body| (body.firmware.clone(), body.motor_encoding);
+    let firmware = |body: &Body| (body.firmware, body.motor_encoding);
     let link = |body: &Body| (body.baud, body.bits_per_character, body.onboard);
     let parts = [
         (".body", body(&before) != body(&after)),

@@ -117,7 +117,7 @@ impl Server {
         }
         server.tasks.spawn(run(router, incoming, stopped.clone()));
         if let Some(trainers) = listeners.trainers {
-            let router = router::trainers(&control, gate.patience()).await?;
+            let router = router::trainers(&control, gate.patience(), stopped.clone()).await?;
             for listener in trainers {
                 server.trainers.push(listener.address().clone());
                 server.listen(listener, &router, &gate, &stopped);

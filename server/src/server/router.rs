@@ -9,6 +9,7 @@ use baudbot_proto::v1::observe_service_server::ObserveServiceServer;
 use baudbot_proto::v1::trainer_service_server::{SERVICE_NAME as TRAINER, TrainerServiceServer};
 use prost::Message as _;
 use prost_types::FileDescriptorSet;
+use tokio::sync::watch;
 use tonic::server::NamedService;
 use tonic::service::InterceptorLayer;
 use tonic::transport::Server as Transport;
@@ -53,10 +54,14 @@ pub(super) async fn ordinary(control: &Arc<Control>, patience: Duration) -> Resu
 ///
 /// # Errors
 /// If they cannot be described for reflection.
-pub(super) async fn trainers(control: &Arc<Control>, patience: Duration) -> Result<Router, ServerError> {
+pub(super) async fn trainers(
+    control: &Arc<Control>,
+    patience: Duration,
+    stopped: watch::Receiver<bool>,
+) -> Result<Router, ServerError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     is_serving::<TrainerServiceServer<Trainer>>(&health).await;
-    let trainer = Trainer { registry: control.registry.clone(), patience };
+    let trainer = Trainer { registry: control.registry.clone(), patience, stopped };
     Ok(with_operator(control, &health, contract())
         .await?
         .add_service(health_service)

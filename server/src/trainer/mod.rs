@@ -12,7 +12,7 @@ use std::time::Duration;
 use baudbot_proto::v1;
 use baudbot_proto::v1::train_request::Request as Content;
 use baudbot_proto::v1::trainer_service_server::TrainerService;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
@@ -28,6 +28,8 @@ pub(crate) struct Trainer {
     pub(crate) registry: Registry,
     /// How long a stream may be open without an Open.
     pub(crate) patience: Duration,
+    /// Becomes true when the server stops.
+    pub(crate) stopped: watch::Receiver<bool>,
 }
 
 #[tonic::async_trait]
@@ -52,7 +54,7 @@ impl TrainerService for Trainer {
         let worlds = self.open(open).await?;
         let (responses, stream) = mpsc::channel(1);
         // The task lives as long as the trainer stays.
-        tokio::spawn(train(requests, worlds, responses));
+        tokio::spawn(train(requests, worlds, responses, self.stopped.clone()));
         Ok(Response::new(ReceiverStream::new(stream)))
     }
 }
@@ -92,16 +94,20 @@ async fn train(
     mut requests: Streaming<v1::TrainRequest>,
     mut worlds: Vec<Trained>,
     responses: mpsc::Sender<Result<v1::TrainResponse, Status>>,
+    mut stopped: watch::Receiver<bool>,
 ) {
     let end = tokio::select! {
         end = answer_all(&mut requests, &mut worlds, &responses) => end,
         // Whoever does not read any more is gone.
         () = responses.closed() => Ok(()),
+        _ = stopped.wait_for(|stopped| *stopped) => Err(Status::unavailable("this server stops")),
     };
     if let Err(status) = end {
         worlds.iter_mut().for_each(|world| world.end(status.message()));
-        // There is room: the trainer has read the response to the request before, or waits for none.
-        let _ = responses.send(Err(status)).await;
+        tokio::select! {
+            _ = responses.send(Err(status)) => {}
+            () = responses.closed() => {}
+        }
     }
 }
 

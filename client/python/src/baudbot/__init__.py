@@ -11,8 +11,8 @@ A brain is a class with a `step`; `attach` lets it drive a robot until the run i
 
     baudbot.attach(Follow)
 
-`open` is for recordings of runs, `Client` for operators and observers, `baudbot.aio` for programs with asyncio, `baudbot.v1`
-the bare contract.
+`open` is for recordings of runs, `Client` for operators and observers, `Trainer` for programs that learn, `baudbot.aio` for
+programs with asyncio, `baudbot.v1` the bare contract.
 """
 
 from . import aio
@@ -25,6 +25,7 @@ from .commands import Command, Poll, drive, poll, stop
 from .errors import Detached, Error, NoReading, NoServer, NotARecording, NotFound, Refused, Restart, Taken
 from .program import main
 from .recordings import Recording, open
+from .trainer import Result, Trainer
 from .turn import Reading, Turn
 from .world import World
 
@@ -48,9 +49,11 @@ __all__ = [
     "Recording",
     "Refused",
     "Restart",
+    "Result",
     "Sensor",
     "Summary",
     "Taken",
+    "Trainer",
     "Turn",
     "World",
     "aio",

@@ -75,6 +75,12 @@ def from_rpc(error: grpc.RpcError, address: str) -> Error:
     return _KINDS.get(code, Refused)(f"the server says: {details} ({code.name})")
 
 
+def from_status(code: int, details: str) -> Error:
+    """The error of a status within a message: a code of gRPC's, and what the server says."""
+    known = next((status for status in grpc.StatusCode if status.value[0] == code), grpc.StatusCode.UNKNOWN)
+    return _KINDS.get(known, Refused)(f"the server says: {printable(details)} ({known.name})")
+
+
 def _trailers(error: grpc.RpcError) -> Sequence[Any]:
     return tuple(error.trailing_metadata() or ())
 

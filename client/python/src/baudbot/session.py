@@ -72,7 +72,7 @@ class Seat:
             command.left_signal = left
             command.right_signal = right
             if others:
-                command.other_signals.extend(others)
+                command.other_signals[:] = others
         except TypeError:
             raise Error(f"{type(self.brain).__name__}.step: signals must be numbers, got {output!r}") from None
         if thinking_s is None and operations is None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from . import scenarios
 from .paces import pace
 from .v1 import budget_pb2, control_pb2, observe_pb2, world_pb2
 
@@ -67,9 +68,22 @@ class World:
         """`lockstep`, `stepped`, `real-time`, `scaled:X` or `free`."""
         self.client.call(self.client.control.SetPace, control_pb2.SetPaceRequest(world=self.name, pace=pace(name)))
 
-    def reset(self) -> None:
-        """Takes it back to its start. Brains stay attached."""
-        self.client.call(self.client.control.ResetWorld, control_pb2.ResetWorldRequest(world=self.name))
+    def reset(
+        self,
+        *,
+        seed: int | None = None,
+        poses: Mapping[str, tuple[float, float, float]] | None = None,
+        set: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Takes it back to its start. Brains stay attached.
+
+        The run may begin with another seed, robots at other poses (x and y in metres, heading in radians), and other fields
+        of the scenario by their path. What is not given is as it was when the world was made.
+        """
+        request = control_pb2.ResetWorldRequest(world=self.name, seed=seed, overrides=scenarios.overrides("", set or {}, {}))
+        for robot, (x_m, y_m, heading_rad) in (poses or {}).items():
+            request.starts.add(robot=robot, x_m=x_m, y_m=y_m, heading_rad=heading_rad)
+        self.client.call(self.client.control.ResetWorld, request)
 
     def snapshot(self) -> int:
         """Keeps its current state on the server; the number for `restore`."""

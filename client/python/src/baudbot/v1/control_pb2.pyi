@@ -405,25 +405,81 @@ Global___SetPaceResponse: _TypeAlias = SetPaceResponse  # noqa: Y015
 
 @_typing.final
 class ResetWorldRequest(_message.Message):
-    """Asks for the start of the run."""
+    """Asks for the start of a run. What is not given is as it was when the world was made, whatever earlier resets have changed.
+    The world is then in the state, with the same hash, that CreateWorld makes of the same scenario with these overrides.
+    """
 
     DESCRIPTOR: _descriptor.Descriptor
 
     WORLD_FIELD_NUMBER: _builtins.int
+    SEED_FIELD_NUMBER: _builtins.int
+    STARTS_FIELD_NUMBER: _builtins.int
+    OVERRIDES_FIELD_NUMBER: _builtins.int
     world: _builtins.str
     """Name of the world."""
+    seed: _builtins.int
+    """Seed of all random streams, 0 to 2^63 - 1."""
+    @_builtins.property
+    def starts(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotStart]:
+        """Where robots start; a robot may be left out."""
+
+    @_builtins.property
+    def overrides(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
+        """Changes of single fields of the scenario, as in CreateWorldRequest. They may not change the length of a tick, which robots
+        there are, or a robot's data sheet, but for the baud rate of the cable to its brain.
+        """
+
     def __init__(
         self,
         *,
         world: _builtins.str = ...,
+        seed: _builtins.int | None = ...,
+        starts: _abc.Iterable[Global___RobotStart] | None = ...,
+        overrides: _abc.Iterable[_builtins.str] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_seed", b"_seed", "seed", b"seed"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_seed", b"_seed", "overrides", b"overrides", "seed", b"seed", "starts", b"starts", "world", b"world"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    _WhichOneofReturnType__seed: _TypeAlias = _typing.Literal["seed"]  # noqa: Y015
+    _WhichOneofArgType__seed: _TypeAlias = _typing.Literal["_seed", b"_seed"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__seed) -> _WhichOneofReturnType__seed | None: ...
+
+Global___ResetWorldRequest: _TypeAlias = ResetWorldRequest  # noqa: Y015
+
+@_typing.final
+class RobotStart(_message.Message):
+    """Where a robot starts. Its speed there is that of the scenario."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    ROBOT_FIELD_NUMBER: _builtins.int
+    X_M_FIELD_NUMBER: _builtins.int
+    Y_M_FIELD_NUMBER: _builtins.int
+    HEADING_RAD_FIELD_NUMBER: _builtins.int
+    robot: _builtins.str
+    """Its name."""
+    x_m: _builtins.float
+    """In metres."""
+    y_m: _builtins.float
+    """In metres."""
+    heading_rad: _builtins.float
+    """Counter-clockwise from the x axis."""
+    def __init__(
+        self,
+        *,
+        robot: _builtins.str = ...,
+        x_m: _builtins.float = ...,
+        y_m: _builtins.float = ...,
+        heading_rad: _builtins.float = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["world", b"world"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["heading_rad", b"heading_rad", "robot", b"robot", "x_m", b"x_m", "y_m", b"y_m"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
-Global___ResetWorldRequest: _TypeAlias = ResetWorldRequest  # noqa: Y015
+Global___RobotStart: _TypeAlias = RobotStart  # noqa: Y015
 
 @_typing.final
 class ResetWorldResponse(_message.Message):

@@ -203,7 +203,9 @@ class ControlServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def ResetWorld(self, request, context):
-        """Takes a world back to its start. Brains stay attached.
+        """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+        attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+        sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -51,7 +51,10 @@ class ControlServiceStub:
     SetPace: _grpc.UnaryUnaryMultiCallable[_control_pb2.SetPaceRequest, _control_pb2.SetPaceResponse]
     """Changes a world's pace."""
     ResetWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.ResetWorldRequest, _control_pb2.ResetWorldResponse]
-    """Takes a world back to its start. Brains stay attached."""
+    """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+    attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+    sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+    """
     SnapshotWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.SnapshotWorldRequest, _control_pb2.SnapshotWorldResponse]
     """Keeps a snapshot of a world's current state on the server, under a number."""
     RestoreWorld: _grpc.UnaryUnaryMultiCallable[_control_pb2.RestoreWorldRequest, _control_pb2.RestoreWorldResponse]
@@ -107,7 +110,10 @@ class ControlServiceAsyncStub(ControlServiceStub):
     SetPace: _aio.UnaryUnaryMultiCallable[_control_pb2.SetPaceRequest, _control_pb2.SetPaceResponse]  # type: ignore[assignment]
     """Changes a world's pace."""
     ResetWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.ResetWorldRequest, _control_pb2.ResetWorldResponse]  # type: ignore[assignment]
-    """Takes a world back to its start. Brains stay attached."""
+    """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+    attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+    sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+    """
     SnapshotWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.SnapshotWorldRequest, _control_pb2.SnapshotWorldResponse]  # type: ignore[assignment]
     """Keeps a snapshot of a world's current state on the server, under a number."""
     RestoreWorld: _aio.UnaryUnaryMultiCallable[_control_pb2.RestoreWorldRequest, _control_pb2.RestoreWorldResponse]  # type: ignore[assignment]
@@ -208,7 +214,10 @@ class ControlServiceServicer(metaclass=_abc_1.ABCMeta):
         request: _control_pb2.ResetWorldRequest,
         context: _ServicerContext,
     ) -> _typing.Union[_control_pb2.ResetWorldResponse, _abc.Awaitable[_control_pb2.ResetWorldResponse]]:
-        """Takes a world back to its start. Brains stay attached."""
+        """Takes a world back to its start, also with another seed, other starts or other numbers in its scenario. Brains stay
+        attached. NOT_FOUND and INVALID_ARGUMENT name the field that is wrong; FAILED_PRECONDITION if a change would alter the data
+        sheet that a brain has been told, or if the world replays a recording. If a reset is refused, nothing has happened.
+        """
 
     @_abc_1.abstractmethod
     def SnapshotWorld(

@@ -285,6 +285,70 @@ class RecordedMark(_message.Message):
 Global___RecordedMark: _TypeAlias = RecordedMark  # noqa: Y015
 
 @_typing.final
+class RecordedThinking(_message.Message):
+    """Topic `/baudbot/thinking`: how long brains took to answer, from the recording's first tick on. The last message counts. It is
+    there only of robots of which something was measured.
+    """
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TICK_FIELD_NUMBER: _builtins.int
+    ROBOTS_FIELD_NUMBER: _builtins.int
+    tick: _builtins.int
+    """When."""
+    @_builtins.property
+    def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotThinking]:
+        """The robots."""
+
+    def __init__(
+        self,
+        *,
+        tick: _builtins.int = ...,
+        robots: _abc.Iterable[Global___RobotThinking] | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["robots", b"robots", "tick", b"tick"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___RecordedThinking: _TypeAlias = RecordedThinking  # noqa: Y015
+
+@_typing.final
+class RobotThinking(_message.Message):
+    """How long the brains of a robot took to answer."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    ROBOT_FIELD_NUMBER: _builtins.int
+    WALL_FIELD_NUMBER: _builtins.int
+    PROCESSOR_FIELD_NUMBER: _builtins.int
+    robot: _builtins.str
+    """The robot's name."""
+    @_builtins.property
+    def wall(self) -> _world_pb2.Durations:
+        """As RobotStatus.thinking_wall."""
+
+    @_builtins.property
+    def processor(self) -> _world_pb2.Durations:
+        """As RobotStatus.thinking_processor."""
+
+    def __init__(
+        self,
+        *,
+        robot: _builtins.str = ...,
+        wall: _world_pb2.Durations | None = ...,
+        processor: _world_pb2.Durations | None = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _typing.Literal["processor", b"processor", "wall", b"wall"]  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["processor", b"processor", "robot", b"robot", "wall", b"wall"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___RobotThinking: _TypeAlias = RobotThinking  # noqa: Y015
+
+@_typing.final
 class RecordedEvent(_message.Message):
     """Topic `/baudbot/events`: what happened in the run."""
 

@@ -714,6 +714,8 @@ class RobotStatus(_message.Message):
     CYCLES_FIELD_NUMBER: _builtins.int
     LOST_STEPS_FIELD_NUMBER: _builtins.int
     SAID_FIELD_NUMBER: _builtins.int
+    THINKING_WALL_FIELD_NUMBER: _builtins.int
+    THINKING_PROCESSOR_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     brain: _builtins.str
@@ -760,6 +762,18 @@ class RobotStatus(_message.Message):
     def cycles(self) -> Global___CycleStatus:
         """Its control cycles."""
 
+    @_builtins.property
+    def thinking_wall(self) -> Global___Durations:
+        """How long its brains took to answer: from a Turn to the Step, by the wall clock and with the network. Measured at paces that
+        follow that clock; absent if nothing was measured. It is no part of the simulation.
+        """
+
+    @_builtins.property
+    def thinking_processor(self) -> Global___Durations:
+        """The same by the processor time of the brain's process with its children. Measured at other paces, and only of programs that
+        were started with the run.
+        """
+
     def __init__(
         self,
         *,
@@ -780,10 +794,12 @@ class RobotStatus(_message.Message):
         cycles: Global___CycleStatus | None = ...,
         lost_steps: _builtins.int = ...,
         said: _builtins.str = ...,
+        thinking_wall: Global___Durations | None = ...,
+        thinking_processor: Global___Durations | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["battery", b"battery", "cycles", b"cycles", "downlink", b"downlink", "uplink", b"uplink"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["battery", b"battery", "cycles", b"cycles", "downlink", b"downlink", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "uplink", b"uplink"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["attached", b"attached", "battery", b"battery", "brain", b"brain", "collisions", b"collisions", "commands", b"commands", "cycles", b"cycles", "distance_m", b"distance_m", "downlink", b"downlink", "frames_missed", b"frames_missed", "in_zone_ns", b"in_zone_ns", "lost_deliveries", b"lost_deliveries", "lost_steps", b"lost_steps", "robot", b"robot", "said", b"said", "sensors", b"sensors", "thinking_processor", b"thinking_processor", "thinking_wall", b"thinking_wall", "turns", b"turns", "uplink", b"uplink"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
