@@ -13,7 +13,7 @@ use crate::assignment;
 use crate::error::Refused;
 use crate::signals::Stop;
 use crate::text::tell;
-use crate::{connect, text};
+use crate::{connect, natural, text};
 
 pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     let Some(brain) = args.brain.clone().filter(|_| !args.list) else { return text::print(&list()) };
@@ -47,7 +47,9 @@ async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let make = |body: &Body| catalogue::brain(&brain, args.seed, body);
     let summary = attachment.drive(make, |line| tell!("{line}")).await.map_err(|error| match error {
         AttachmentError::Brain(error) => Refused::error(error.to_string()),
-        error => error.into(),
+        AttachmentError::Client(_) | AttachmentError::Closed | AttachmentError::NotBack { .. } => {
+            error.into()
+        }
     })?;
     let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
     text::print(&format!("the run is over after {}\n", count(turns, "turn")))
@@ -58,7 +60,7 @@ fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
         [] => bail!("world `{}` has no robots", world.world),
         [robot] => Ok(robot.robot.clone()),
         robots => {
-            let names: Vec<_> = robots.iter().map(|robot| robot.robot.as_str()).collect();
+            let names = natural::sorted(robots.iter().map(|robot| robot.robot.as_str()), |name| name);
             bail!("world `{}` has several robots, choose with --robot: {}", world.world, names.join(", "))
         }
     }

@@ -115,7 +115,9 @@ impl Attachment {
         };
         come_back(limit, may_pass, async || self.attach(&make).await).await.map_err(|error| match error {
             AttachmentError::Client(error) => AttachmentError::NotBack { robots: self.names(), error },
-            other => other,
+            other @ (AttachmentError::Closed
+            | AttachmentError::NotBack { .. }
+            | AttachmentError::Brain(_)) => other,
         })
     }
 
