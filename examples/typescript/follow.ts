@@ -30,6 +30,7 @@ const stream = server.makeBidiStreamRequest(
 const send = (request: MessageInitShape<typeof pb.AttachRequestSchema>["request"]) =>
   stream.write(create(pb.AttachRequestSchema, { request }));
 let bodies: pb.RobotDescription[] = [];
+process.exitCode = 1; // until the run is over
 
 send({
   case: "hello",
@@ -49,10 +50,11 @@ stream.on("data", ({ response }: pb.AttachResponse) => {
     send({ case: "step", value: { turn, robots: robots.map(answer) } });
   } else if (response.case === "ended") {
     console.log(`the run is over at tick ${response.value.tick}`);
+    process.exitCode = 0;
     stream.end();
-    server.close();
   }
 });
+stream.on("end", () => server.close());
 stream.on("error", (error: Error) => {
   console.error(`follow.ts: ${error.message}`);
   process.exit(1);
