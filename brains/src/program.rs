@@ -22,8 +22,8 @@ use crate::description::Description;
 use crate::registry::Registry;
 use crate::restarting::Restarting;
 
-/// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and the seed of the brain's own random
-/// numbers; it is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
+/// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and the seed of the brain's own
+/// random numbers; it is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
 /// connection, and when the world's time goes back.
 ///
 /// ```no_run

@@ -1,8 +1,8 @@
 //! Packs what `baudbot new brain` writes into projects: the crates that a brain in Rust needs, and the package for Python. So the
 //! program makes projects on machines that have no source of baudbot's.
 //!
-//! The result is `sources.lz4` in the build's folder: for each file its path in the project, after the name of the language, and its
-//! length, each on a line, and then its bytes.
+//! The result is `sources.lz4` in the build's folder: for each file its path in the project, after the name of the language, and
+//! its length, each on a line, and then its bytes.
 
 mod lockfile;
 mod manifest;

@@ -64,8 +64,8 @@ impl<E> AttachmentError<E> {
 }
 
 impl Attachment {
-    /// Attaches, and drives until the run is over. `make` makes the brain of each robot from its data sheet; it is called again when
-    /// the operator restarts the brain, and after a lost connection, as the world may have changed meanwhile. `tell` is given a
+    /// Attaches, and drives until the run is over. `make` makes the brain of each robot from its data sheet; it is called again
+    /// when the operator restarts the brain, and after a lost connection, as the world may have changed meanwhile. `tell` is given a
     /// line for people for each of these.
     ///
     /// # Errors

@@ -51,8 +51,8 @@ pub fn drive(scenario: &Scenario, brain: impl Brain, seconds: f64) -> Result<Dri
     Ok(driver.drive(&world, 0))
 }
 
-/// As [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a robot for which it makes none keeps
-/// still. The drives are in the order of the robots' names.
+/// As [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a robot for which it
+/// makes none keeps still. The drives are in the order of the robots' names.
 ///
 /// # Errors
 /// If the time is none, or a brain does what its robot cannot do.

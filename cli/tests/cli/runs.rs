@@ -242,7 +242,8 @@ fn people_read_robots_in_the_natural_order_of_their_names_and_programs_in_that_o
     let arguments = ["run", path.to_str().unwrap(), "--brain", "none", "--seconds", "0.1"];
     let order = |text: &str| {
         let mut names = ["cell-1", "cell-2", "cell-10"];
-        names.sort_by_key(|name| text.find(&format!("{name}\n")).or(text.find(&format!("\"{name}\""))));
+        let quoted = |name: &str| text.find(&format!("\"{name}\""));
+        names.sort_by_key(|name| text.find(&format!("{name}\n")).or_else(|| quoted(name)));
         names
     };
     assert_eq!(order(&good(&arguments)), ["cell-1", "cell-2", "cell-10"]);
