@@ -19,6 +19,16 @@ pub trait Brain {
     }
 }
 
+impl<B: Brain + ?Sized> Brain for &mut B {
+    fn step(&mut self, turn: &Turn) -> Action {
+        (**self).step(turn)
+    }
+
+    fn belief(&mut self) -> Option<Belief> {
+        (**self).belief()
+    }
+}
+
 impl<B: Brain + ?Sized> Brain for Box<B> {
     fn step(&mut self, turn: &Turn) -> Action {
         (**self).step(turn)

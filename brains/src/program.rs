@@ -1,20 +1,54 @@
-//! A program that runs a brain: its command line, and its robot.
+//! A program that runs a brain: its command line, and its robots.
 //!
-//! [`described`] runs a brain that is [described](crate::description) in a file, and may name kinds of processes that the
-//! program adds to the [`Registry`]. Brains of the catalogue need no program of their own: `baudbot brain NAME` runs them.
+//! [`brain`] runs a brain of one's own. [`described`] runs one that is [described](crate::description) in a file, and may name
+//! kinds of processes that the program adds to the [`Registry`]. Brains of the catalogue need no program of their own:
+//! `baudbot brain NAME` runs them.
+//!
+//! What the command line leaves out is taken from the environment, which `baudbot run --brain 'exec:…'` sets for the programs
+//! that it starts: `BAUDBOT_CONNECT`, `BAUDBOT_WORLD`, `BAUDBOT_ROBOT` (names with commas between them), `BAUDBOT_SEED` and
+//! `BAUDBOT_RECONNECT_S`. A program that loses its server tries to come back, and says so on stderr.
 
 use std::ffi::OsStr;
+use std::fmt::Display;
 use std::path::Path;
 use std::process::ExitCode;
 
 use baudbot_brain::{Body, Brain};
-use baudbot_client::{Error, connect, run};
-use clap::{Arg, ArgMatches, Command, value_parser};
+use baudbot_client::{Attachment, Reconnect};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::catalogue::{shown_name, text_of};
 use crate::description::Description;
 use crate::registry::Registry;
 use crate::restarting::Restarting;
+
+/// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and the seed of the brain's own
+/// random numbers; it is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
+/// connection, and when the world's time goes back.
+///
+/// ```no_run
+/// use baudbot_brains::program;
+/// use baudbot_client::{Action, Brain, Turn};
+///
+/// /// Drives straight on.
+/// struct Straight;
+///
+/// impl Brain for Straight {
+///     fn step(&mut self, _: &Turn) -> Action {
+///         Action::drive(0.5, 0.5)
+///     }
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     program::brain("straight", |_, _| Ok(Straight))
+/// }
+/// ```
+pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, u64) -> anyhow::Result<B>) -> ExitCode {
+    let arguments = command(name).about("A brain for robots of baudbot's").get_matches();
+    let attachment = Attachment { thinks_as_scenario: false, ..attachment(shown_name(name), &arguments) };
+    let seed = seed(&arguments);
+    ended(name, drive(&attachment, |body| make(body, seed)))
+}
 
 /// Runs a brain that the file describes which the command line names, with these kinds of processes.
 ///
@@ -29,53 +63,56 @@ use crate::restarting::Restarting;
 /// }
 /// ```
 pub fn described(registry: &Registry) -> ExitCode {
-    let arguments = command().get_matches();
+    let arguments = command_for_files().get_matches();
     let file = text(&arguments, "file");
-    match block_on(run_file(file, &arguments, registry)) {
+    ended(file, run_file(file, &arguments, registry))
+}
+
+/// Tells how it went.
+fn ended(name: &str, driven: anyhow::Result<()>) -> ExitCode {
+    match driven {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{file}: {error}");
+            eprintln!("{name}: {error}");
             ExitCode::FAILURE
         }
     }
 }
 
-fn block_on(driving: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
-    tokio::runtime::Builder::new_current_thread().enable_all().build()?.block_on(driving)
-}
-
-async fn run_file(file: &str, arguments: &ArgMatches, registry: &Registry) -> anyhow::Result<()> {
+fn run_file(file: &str, arguments: &ArgMatches, registry: &Registry) -> anyhow::Result<()> {
     let description = Description::parse(&text_of(Path::new(file))?)?;
-    let seed = arguments.get_one("seed").copied().unwrap_or_default();
-    let make = |body: &Body| {
-        let description = description.clone();
-        Ok(Restarting::new(move |body: &Body| description.brain(seed, body, registry), body)?)
-    };
-    drive(&name_of(file), arguments, make).await
+    let seed = seed(arguments);
+    drive(&attachment(name_of(file), arguments), |body| description.clone().brain(seed, body, registry))
 }
 
 /// Attaches, and drives until the run is over.
-async fn drive<B: Brain>(
-    name: &str,
-    arguments: &ArgMatches,
-    make: impl Fn(&Body) -> anyhow::Result<B>,
+fn drive<B: Brain, E: Display>(
+    attachment: &Attachment,
+    make: impl Fn(&Body) -> Result<B, E>,
 ) -> anyhow::Result<()> {
-    let [address, world, robot_name] = ["connect", "world", "robot"].map(|id| text(arguments, id));
-    let client = connect(address).await?.brain(name).thinks_as_scenario();
-    let summary = loop {
-        let mut robot = client.clone().attach(world, robot_name).await?;
-        let mut brain = make(robot.body())?;
-        println!("{name}: drives `{robot_name}` of `{world}` at {address}");
-        match run(&mut robot, &mut brain).await {
-            Err(Error::Restart) => println!("{name}: the operator has restarted this brain"),
-            Ok(_) if robot.is_closed() => {
-                anyhow::bail!("the server closed the connection before the run was over")
-            }
-            ended => break ended?,
-        }
-    };
-    println!("{name}: the run is over after {} turns, at tick {}", summary.turns, summary.last_tick);
+    let make = |body: &Body| Restarting::new(&make, body);
+    let driving = attachment.drive(make, |line| eprintln!("{line}"));
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let summary = runtime.block_on(driving).map_err(|error| anyhow::anyhow!("{error}"))?;
+    println!("the run is over after {} turns, at tick {}", summary.turns, summary.last_tick);
     Ok(())
+}
+
+/// Of a brain of processes, none of which says how long it thought.
+fn attachment(brain: String, arguments: &ArgMatches) -> Attachment {
+    let robots = arguments.get_many("robot").unwrap_or_default();
+    Attachment {
+        connect: text(arguments, "connect").to_owned(),
+        world: text(arguments, "world").to_owned(),
+        robots: robots.cloned().collect(),
+        brain,
+        thinks_as_scenario: true,
+        reconnect: arguments.get_one("reconnect").copied().unwrap_or_default(),
+    }
+}
+
+fn seed(arguments: &ArgMatches) -> u64 {
+    arguments.get_one("seed").copied().unwrap_or_default()
 }
 
 /// The name that people see of the brain in a file: without the folders that it is in.
@@ -87,17 +124,27 @@ fn text<'a>(arguments: &'a ArgMatches, id: &str) -> &'a str {
     arguments.get_one(id).map_or("", String::as_str)
 }
 
-fn command() -> Command {
+fn command_for_files() -> Command {
     let file = Arg::new("file").value_name("FILE").help("The brain's description, in TOML").required(true);
+    command("brain").about("A brain that a file describes").arg(file)
+}
+
+/// Where a brain attaches.
+fn command(name: &'static str) -> Command {
     let connect = option("connect", "ADDRESS", "The server: HOST:PORT, http://HOST:PORT or unix:/PATH");
+    let world = option("world", "WORLD", "Name of the world");
+    let robot = option("robot", "ROBOT", "Name of the robot; may be given several times");
     let seed = option("seed", "SEED", "Chooses the brain's random numbers");
-    Command::new("brain")
-        .about("A brain that a file describes")
-        .arg(file)
-        .arg(connect.default_value("127.0.0.1:7400"))
-        .arg(option("world", "WORLD", "Name of the world").required(true))
-        .arg(option("robot", "ROBOT", "Name of the robot").default_value("robot"))
-        .arg(seed.default_value("1").value_parser(value_parser!(u64)))
+    let reconnect_help =
+        "For how many seconds to try to reconnect when the server is lost; `off` is not at all";
+    let reconnect =
+        option("reconnect", "S|off", reconnect_help).env("BAUDBOT_RECONNECT_S").default_value("600");
+    Command::new(name)
+        .arg(connect.env("BAUDBOT_CONNECT").default_value("127.0.0.1:7400"))
+        .arg(world.env("BAUDBOT_WORLD").required(true))
+        .arg(robot.env("BAUDBOT_ROBOT").default_value("robot").action(ArgAction::Append).value_delimiter(','))
+        .arg(seed.env("BAUDBOT_SEED").default_value("1").value_parser(value_parser!(u64)))
+        .arg(reconnect.value_parser(value_parser!(Reconnect)))
 }
 
 fn option(name: &'static str, value: &'static str, help: &'static str) -> Arg {
@@ -106,6 +153,8 @@ fn option(name: &'static str, value: &'static str, help: &'static str) -> Arg {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     #[test]
@@ -115,10 +164,18 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_is_sound() {
-        command().debug_assert();
-        let arguments = command().get_matches_from(["brain", "brain.toml", "--world", "w"]);
-        assert_eq!(text(&arguments, "connect"), "127.0.0.1:7400");
-        assert_eq!(text(&arguments, "robot"), "robot");
+    fn the_command_line_says_where_the_brain_attaches() {
+        command("weaver").debug_assert();
+        command_for_files().debug_assert();
+        let least = command_for_files().get_matches_from(["brain", "brain.toml", "--world", "w"]);
+        let least = attachment("weaver".to_owned(), &least);
+        assert_eq!((least.connect.as_str(), least.world.as_str()), ("127.0.0.1:7400", "w"));
+        assert_eq!((least.robots, least.reconnect), (vec!["robot".to_owned()], Reconnect::default()));
+        let robots = ["--robot", "a,b", "--robot", "c", "--reconnect", "90", "--seed", "7"];
+        let all = command("weaver").get_matches_from([&["weaver", "--world", "w"], &robots[..]].concat());
+        assert_eq!(seed(&all), 7);
+        let all = attachment("weaver".to_owned(), &all);
+        assert_eq!(all.robots, ["a", "b", "c"]);
+        assert_eq!(all.reconnect, Reconnect::For(Duration::from_secs(90)));
     }
 }

@@ -56,13 +56,12 @@ impl AttachedBrains {
     }
 
     /// Drives the robots until the run is over or the server closes the stream. Brains that the operator restarts are
-    /// made again, which is told; the summary is of those that were the last.
-    pub(crate) async fn run(&mut self, tell_restarted: impl Fn()) -> anyhow::Result<Summary> {
+    /// made again; the summary is of those that were the last.
+    pub(crate) async fn run(&mut self) -> anyhow::Result<Summary> {
         loop {
             match self.brains.run().await {
                 Err(Error::Restart) => {
                     self.brains = attach(&self.client, &self.world, &self.assignment, self.seed).await?;
-                    tell_restarted();
                 }
                 summary => {
                     let failed = || format!("brain `{}` failed", self.brains.brain());
@@ -70,11 +69,6 @@ impl AttachedBrains {
                 }
             }
         }
-    }
-
-    /// Whether the server has closed the stream.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.brains.is_closed()
     }
 }
 
@@ -87,8 +81,6 @@ async fn attach(
     match assignment::AttachedBrains::attach(client.clone(), world, assignment.clone(), seed).await {
         Ok(brains) => Ok(brains),
         Err(AssignmentError::Brain(error)) => Err(Refused::error(error.to_string())),
-        // Whose errors tell whether it is worth trying again.
-        Err(AssignmentError::Client(error)) => Err(error.into()),
         Err(error) => Err(error.into()),
     }
 }

@@ -2,17 +2,18 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, anyhow, bail};
-use baudbot_brains::catalogue::catalogue;
-use baudbot_client::{Client, Error, come_back};
+use anyhow::{Context, bail};
+use baudbot_brains::catalogue;
+use baudbot_client::{Attachment, AttachmentError, Body};
 use baudbot_plot::quantity::count;
 use baudbot_proto::v1;
 
-use crate::args::{BrainArgs, Reconnect};
-use crate::assignment::{self, Assignment, AttachedBrains};
+use crate::args::BrainArgs;
+use crate::assignment;
+use crate::error::Refused;
 use crate::signals::Stop;
 use crate::text::tell;
-use crate::{connect, error, text};
+use crate::{connect, natural, text};
 
 pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     let Some(brain) = args.brain.clone().filter(|_| !args.list) else { return text::print(&list()) };
@@ -24,50 +25,34 @@ pub(crate) async fn brain(args: BrainArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Drives until the run is over, and comes back to a server that it has lost. That a world, and a robot, need no name if there is only one, is for the
-/// person at the keyboard; the brain itself sees its cable only.
+/// Drives until the run is over, and comes back to a server that it has lost. That a world, and a robot, need no name if there
+/// is only one, is for the person at the keyboard; the brain itself sees its cable only.
 async fn drive(brain: String, args: BrainArgs) -> anyhow::Result<()> {
     let channel = connect::channel(&args.server.connect).await?;
-    let world = connect::world(channel.clone(), &args.server).await?;
+    let world = connect::world(channel, &args.server).await?;
     let there: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
     let robots = match args.robots.as_slice() {
         [] => vec![only_robot(&world)?],
         patterns => assignment::named(patterns, &there)?,
     };
-    let names = robots.join(", ");
-    let assignment = Assignment { brain, robots };
-    let mut brains =
-        AttachedBrains::attach(Client::from_channel(channel), &world.world, assignment.clone(), args.seed)
-            .await?;
-    tell!("driving {names} of world {}", world.world);
-    let attach = async || {
-        let client = Client::from_channel(connect::channel(&args.server.connect).await?);
-        AttachedBrains::attach(client, &world.world, assignment.clone(), args.seed).await
+    let attachment = Attachment {
+        connect: args.server.connect,
+        world: world.world,
+        robots,
+        brain: catalogue::shown_name(&brain),
+        // No brain of the catalogue says how long it thought.
+        thinks_as_scenario: true,
+        reconnect: args.reconnect,
     };
-    loop {
-        let lost = match brains.run(|| tell!("the operator has restarted the brain of {names}")).await {
-            Ok(_) if brains.is_closed() => {
-                anyhow!("the server closed the connection before the run was over")
-            }
-            Ok(summary) => {
-                let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
-                return text::print(&format!("the run is over after {}\n", count(turns, "turn")));
-            }
-            Err(error) if may_pass(&error) => error,
-            Err(error) => return Err(error),
-        };
-        let Reconnect::For(limit) = args.reconnect else { return Err(lost) };
-        let limit_s = limit.as_secs();
-        tell!("{}; trying to reconnect for {limit_s} s", error::text(&lost));
-        let back = come_back(limit, may_pass, &attach).await;
-        brains = back.with_context(|| format!("the brain of {names} could not reconnect"))?;
-        tell!("reconnected with a restarted brain: driving {names} of world {}", world.world);
-    }
-}
-
-/// Whether it is the connection that failed, or something else that is not for ever.
-fn may_pass(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<Error>().is_some_and(Error::may_pass)
+    let make = |body: &Body| catalogue::brain(&brain, args.seed, body);
+    let summary = attachment.drive(make, |line| tell!("{line}")).await.map_err(|error| match error {
+        AttachmentError::Brain(error) => Refused::error(error.to_string()),
+        AttachmentError::Client(_) | AttachmentError::Closed | AttachmentError::NotBack { .. } => {
+            error.into()
+        }
+    })?;
+    let turns = usize::try_from(summary.turns).unwrap_or(usize::MAX);
+    text::print(&format!("the run is over after {}\n", count(turns, "turn")))
 }
 
 fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
@@ -75,7 +60,7 @@ fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
         [] => bail!("world `{}` has no robots", world.world),
         [robot] => Ok(robot.robot.clone()),
         robots => {
-            let names: Vec<_> = robots.iter().map(|robot| robot.robot.as_str()).collect();
+            let names = natural::sorted(robots.iter().map(|robot| robot.robot.as_str()), |name| name);
             bail!("world `{}` has several robots, choose with --robot: {}", world.world, names.join(", "))
         }
     }
@@ -83,9 +68,9 @@ fn only_robot(world: &v1::WorldStatus) -> anyhow::Result<String> {
 
 fn list() -> String {
     let mut text = String::new();
-    for entry in catalogue() {
+    for entry in catalogue::catalogue() {
         let _ = writeln!(text, "{}: {}", entry.name, entry.summary);
-        let setting = |setting: &baudbot_brains::catalogue::Setting| {
+        let setting = |setting: &catalogue::Setting| {
             let range = format!("{} to {}", setting.range.start(), setting.range.end());
             (format!("{}={}", setting.name, setting.default), format!("{} ({range})", setting.meaning))
         };

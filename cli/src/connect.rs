@@ -8,6 +8,7 @@ use tonic::transport::Channel;
 
 use crate::args::ConnectArgs;
 use crate::error::from_server;
+use crate::natural;
 
 /// A connection to the server.
 pub(crate) async fn channel(address: &str) -> anyhow::Result<Channel> {
@@ -38,7 +39,7 @@ pub(crate) async fn world(channel: Channel, args: &ConnectArgs) -> anyhow::Resul
         0 => bail!("the server has no world"),
         1 => Ok(worlds.swap_remove(0)),
         _ => {
-            let names: Vec<_> = worlds.iter().map(|world| world.world.as_str()).collect();
+            let names = natural::sorted(worlds.iter().map(|world| world.world.as_str()), |name| name);
             bail!("the server has several worlds, choose with --world: {}", names.join(", "))
         }
     }

@@ -33,6 +33,7 @@ mod link;
 mod locate;
 mod logs;
 mod map;
+mod natural;
 mod new;
 mod opened;
 mod output_files;

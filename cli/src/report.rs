@@ -6,6 +6,7 @@ use baudbot_fields::printable::Printable;
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
 
 use crate::args::Over;
+use crate::natural;
 use crate::summary::{
     Battery, Blocked, Clock, Cycles, Durations, Lateness, Line, Recording, Robot, Score, Sensor, Summary,
     Thinking, Zone,
@@ -19,7 +20,7 @@ pub(crate) fn text(summary: &Summary) -> String {
         text += "lateness of ticks\n";
         text += &histogram(clock);
     }
-    for robot in &summary.robots {
+    for robot in natural::sorted(&summary.robots, |robot| &robot.robot) {
         text.push('\n');
         text += &of_robot(robot, summary.simulated_s);
     }

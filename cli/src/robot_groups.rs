@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use baudbot_sim::model::RobotSpec;
 
-/// The first robot of each table, in the robots' order, and how many of them are of that table.
+use crate::natural;
+
+/// The first robot of each table, in the natural order of names, and how many of them are of that table.
 pub(crate) fn first_of_each<'a>(
     robots: impl IntoIterator<Item = &'a RobotSpec>,
 ) -> Vec<(&'a RobotSpec, usize)> {
     let mut firsts: Vec<(&RobotSpec, usize)> = Vec::new();
     let mut places = BTreeMap::new();
-    for robot in robots {
+    for robot in natural::sorted(robots, |robot| &robot.name) {
         let place = *places.entry(robot.table_name()).or_insert(firsts.len());
         match firsts.get_mut(place) {
             Some((_, count)) => *count += 1,

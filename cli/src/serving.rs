@@ -16,7 +16,7 @@ use crate::error::from_builder;
 use crate::signals::Stop;
 use crate::summary::Summary;
 use crate::text::tell;
-use crate::{connect, report, text, viewer};
+use crate::{connect, natural, report, text, viewer};
 
 /// Whether there is a page by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +145,7 @@ fn greeting(server: &Server, worlds: &[Described]) -> String {
 }
 
 fn describe(world: &str, scenario: &Scenario) -> String {
-    let robots: Vec<_> = scenario.robots.iter().map(|spec| spec.name.as_str()).collect();
+    let robots = natural::sorted(scenario.robots.iter().map(|spec| spec.name.as_str()), |name| name);
     let robots = match robots.as_slice() {
         [] => "no robots".to_owned(),
         [robot] => format!("robot {robot}"),

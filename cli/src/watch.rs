@@ -16,7 +16,7 @@ use crate::error::from_server;
 use crate::map::Map;
 use crate::signals::Stop;
 use crate::text::{table, tell};
-use crate::{connect, foxglove, text};
+use crate::{connect, foxglove, natural, text};
 
 pub(crate) async fn watch(args: &WatchArgs) -> anyhow::Result<()> {
     let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
@@ -97,7 +97,7 @@ fn standstill(status: &v1::WorldStatus) -> Option<String> {
     match status.state() {
         v1::WorldState::WaitingForBrains => {
             let empty = status.robots.iter().filter(|robot| !robot.attached);
-            let empty: Vec<_> = empty.map(|robot| robot.robot.as_str()).collect();
+            let empty = natural::sorted(empty.map(|robot| robot.robot.as_str()), |name| name);
             Some(format!("waits for brains for: {}", empty.join(", ")))
         }
         v1::WorldState::Paused => Some("is paused".to_owned()),
@@ -126,7 +126,7 @@ impl View {
         let time_s = frame.time_ns as f64 / 1e9;
         let mut text = format!("world {}  t = {time_s:.3} s  tick {}\n", self.world, frame.tick);
         let mut numbers = table("", &self.poses(frame));
-        for (robot, truth) in self.described.robots.iter().zip(&frame.robots) {
+        for (robot, truth) in self.robots(frame) {
             numbers += &samples(robot, truth, self.size.1);
         }
         let rows = self.size.0.saturating_sub(numbers.lines().count() + OTHER_LINES);
@@ -145,11 +145,18 @@ impl View {
         text
     }
 
+    fn robots<'a>(
+        &'a self,
+        frame: &'a v1::WatchResponse,
+    ) -> Vec<(&'a v1::ObservedRobot, &'a v1::RobotTruth)> {
+        natural::sorted(self.described.robots.iter().zip(&frame.robots), |(robot, _)| &robot.robot)
+    }
+
     fn poses(&self, frame: &v1::WatchResponse) -> Vec<[String; 8]> {
         let head =
             ["robot", "x (m)", "y (m)", "heading (rad)", "speed (m/s)", "turn (rad/s)", "left", "right"];
         let mut rows = vec![head.map(str::to_owned)];
-        for (robot, truth) in self.described.robots.iter().zip(&frame.robots) {
+        for (robot, truth) in self.robots(frame) {
             let motion = [truth.x_m, truth.y_m, truth.heading_rad, truth.speed_m_s, truth.turn_rate_rad_s];
             let [x, y, heading, speed, turn] = motion.map(|number| format!("{number:.3}"));
             let [left, right] = [truth.left_signal, truth.right_signal].map(|number| format!("{number:+.2}"));

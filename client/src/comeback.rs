@@ -33,7 +33,7 @@ use tokio::time::{Instant, sleep_until};
 /// The first that may not pass, or the last before the limit.
 pub async fn come_back<T, E>(
     limit: Duration,
-    may_pass: impl Fn(&E) -> bool,
+    mut may_pass: impl FnMut(&E) -> bool,
     attempt: impl AsyncFn() -> Result<T, E>,
 ) -> Result<T, E> {
     let end = Instant::now() + limit;

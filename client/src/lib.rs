@@ -12,8 +12,9 @@
 //! 5. [`Robot::drive`] answers it with [`Signals`] for the motors; [`run`] does 4 and 5 with a [`Brain`]
 //!    until the run is over.
 //!
-//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. A program that loses its server
-//! [comes back](come_back()) if it wants to.
+//! What a brain believes and does, [`Robot::publish`] shows to people: a [`Belief`]. An [`Attachment`] is all of this for a
+//! program that drives until the run is over; it comes back to a server that it has lost, as other programs
+//! [can](come_back()).
 //!
 //! What a brain sees and does is the crate `baudbot-brain`, all of which is here, too. A brain that is to run without a
 //! server, such as in a browser, needs that crate alone.
@@ -48,12 +49,14 @@
 //! ```
 
 mod address;
+mod attachment;
 mod client;
 mod comeback;
 mod error;
 mod fleet;
 mod protocol;
 mod raw;
+mod reconnect;
 mod robot;
 mod run;
 mod session;
@@ -65,11 +68,13 @@ pub use baudbot_brain::{
     RawTurn, Reading, Sensor, SensorKind, Signals, Sweep, Turn, Until, Utility, WireLayout,
 };
 
+pub use attachment::{Attachment, AttachmentError};
 pub use baudbot_proto::convert::Breach;
 pub use client::{Client, connect};
 pub use comeback::come_back;
 pub use error::Error;
 pub use fleet::Fleet;
 pub use raw::RawRobot;
+pub use reconnect::{BadReconnect, Reconnect};
 pub use robot::Robot;
 pub use run::{Looks, Summary, run, run_fleet};

@@ -244,11 +244,6 @@ impl AttachedBrains {
     pub fn brain(&self) -> &str {
         &self.brain
     }
-
-    /// Whether the server has closed the stream.
-    pub fn is_closed(&self) -> bool {
-        self.fleet.is_closed()
-    }
 }
 
 /// The brain of a robot that is given none.

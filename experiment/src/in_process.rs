@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Reading, Signals, Turn};
+use baudbot_brain::{Action, Belief, Body, Brain, RawCommands, Signals};
 use baudbot_brains::catalogue::{self, CatalogueError};
 use baudbot_sim::drive::Wheels;
 use baudbot_sim::model::RobotSpec;
-use baudbot_sim::{Answer, RobotView, Scenario, SimTime, World, Written};
+use baudbot_sim::{Answer, Scenario, SimTime, World, Written};
 
 use crate::assignment::Assignment;
 
@@ -114,7 +114,7 @@ impl InProcess {
         for turn in turns {
             let Some(driver) = &mut self.brains[turn.robot] else { continue };
             let view = self.world.robot(turn.robot);
-            let action = driver.brain.step(&turn_of(&driver.body, &view, self.world.tick(), turn.at));
+            let action = driver.brain.step(&self.world.turn_of(turn, &driver.body));
             let thinking_ns = thinking_ns(view.spec(), &action);
             let output = match (action.signals, action.poll) {
                 (Some(Signals { left, right }), _) => {
@@ -163,18 +163,4 @@ impl InProcess {
 fn thinking_ns(spec: &RobotSpec, action: &Action) -> u64 {
     let counted = action.operations.and_then(|operations| spec.processor.thinking_ns(operations));
     action.thinking.map(|time| time.as_nanos() as u64).or(counted).unwrap_or(spec.thinking_ns)
-}
-
-/// The turn of a brain of messages, as the server gives it.
-pub fn turn_of(body: &Arc<Body>, view: &RobotView<'_>, tick: u64, at: SimTime) -> Turn {
-    let reading = |reading: &baudbot_sim::Reading| {
-        (!reading.values.is_empty()).then(|| Reading {
-            values: reading.values.to_vec(),
-            sampled_at_ns: reading.sampled_at.map(SimTime::as_ns),
-            sequence: reading.sequence.into(),
-            readable: reading.readable,
-        })
-    };
-    let readings = view.readings().iter().map(reading).collect();
-    Turn { tick, at_ns: at.as_ns(), readings, body: Arc::clone(body) }
 }

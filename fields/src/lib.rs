@@ -141,6 +141,11 @@ impl Path {
         Err(self.field(field).error(format!("must be within {min} and {max}, is {value}")))
     }
 
+    /// Seconds to nanoseconds.
+    pub fn s(&self, field: &str, value: f64, min_s: f64, max_s: f64) -> Result<u64, FieldError> {
+        Ok(to_ns(self.within(field, value, min_s, max_s)?, 1e9))
+    }
+
     /// Milliseconds to nanoseconds.
     pub fn ms(&self, field: &str, value: f64, min_ms: f64, max_ms: f64) -> Result<u64, FieldError> {
         Ok(to_ns(self.within(field, value, min_ms, max_ms)?, 1e6))

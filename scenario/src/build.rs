@@ -25,7 +25,7 @@ use baudbot_sim::mover::{Mover, Path as Way};
 use baudbot_sim::rules::Rules;
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::surroundings::Surroundings;
-use baudbot_sim::time::{SECOND_NS, SimTime};
+use baudbot_sim::time::SimTime;
 
 /// Shortest period of anything that repeats: below it a run would do nothing else.
 pub(super) const MIN_PERIOD_MS: f64 = 0.01;
@@ -109,10 +109,10 @@ fn stand(path: &Path, movers: &[Mover], movables: &[Movable], arena: &Arena) -> 
 }
 
 fn end(path: &Path, raw: raw::End) -> Result<End> {
-    let after = raw.after_s.map(|s| path.within("after_s", s, 1e-9, 1e8)).transpose()?;
+    let after = raw.after_s.map(|s| path.s("after_s", s, 1e-9, 1e8)).transpose()?;
     let goal =
         raw.goal.map(|goal| disc(&path.field("goal"), goal.x_m, goal.y_m, goal.radius_m)).transpose()?;
-    Ok(End { after: after.map(|s| SimTime::from_ns((s * SECOND_NS as f64 + 0.5) as u64)), goal })
+    Ok(End { after: after.map(SimTime::from_ns), goal })
 }
 
 fn rules(

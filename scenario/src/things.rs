@@ -136,7 +136,7 @@ fn stops(path: &Path, raw: &RawStops) -> Result<(Way, Point)> {
     let way = Way::Stops {
         points,
         speed_m_s: speed(path, "speed_m_s", raw.speed_m_s)?,
-        pause_ns: seconds(path, "pause_s", raw.pause_s)?,
+        pause_ns: path.s("pause_s", raw.pause_s, 0.0, MOST_S)?,
         after: match raw.then {
             RawThen::Stay => AfterLast::Stay,
             RawThen::Cycle => AfterLast::Cycle,
@@ -151,7 +151,7 @@ fn swing(path: &Path, raw: &RawSwing, from_rad: f64) -> Result<Way> {
     Ok(Way::Swing {
         ends_rad: [from_rad, path.within("to_rad", raw.to_rad, -10.0, 10.0)?],
         rate_rad_s: speed(path, "rate_rad_s", raw.rate_rad_s)?,
-        pause_ns: seconds(path, "pause_s", raw.pause_s)?,
+        pause_ns: path.s("pause_s", raw.pause_s, 0.0, MOST_S)?,
     })
 }
 
@@ -159,7 +159,7 @@ fn swing(path: &Path, raw: &RawSwing, from_rad: f64) -> Result<Way> {
 fn wander(path: &Path, raw: &RawWander) -> Result<Way> {
     Ok(Way::Wander {
         speed_m_s: speed(path, "speed_m_s", raw.speed_m_s)?,
-        turn_ns: seconds(path, "turn_s", raw.turn_s)?.max(1),
+        turn_ns: path.s("turn_s", raw.turn_s, 0.0, MOST_S)?.max(1),
     })
 }
 
@@ -220,10 +220,8 @@ fn speed(path: &Path, field: &str, value: f64) -> Result<f64> {
     path.within(field, value, 0.0, 1e3)
 }
 
-/// Seconds to nanoseconds.
-fn seconds(path: &Path, field: &str, value: f64) -> Result<u64> {
-    Ok((path.within(field, value, 0.0, 1e6)? * 1e9 + 0.5) as u64)
-}
+/// Longest time that a thing stands or drives straight on, in seconds.
+const MOST_S: f64 = 1e6;
 
 /// Whether `form` at `pose` is free to stand there; names what is in the way.
 pub(super) fn stands_in(

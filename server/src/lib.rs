@@ -16,8 +16,9 @@
 //! 6. `actor` is a world with all that happens to it: it alone touches the world. [`Pace`] says when a tick may end, `sessions`
 //!    which brains are attached and which answers are owed, `observers` get frames, `recording` writes files. `endpoint` is the
 //!    laptop's end of a brain's ports: what it writes, checked and turned into bytes. `beliefs` are what brains publish.
+//!    [`DirectWorld`] is that without a server, and [`drive()`] a test of a brain in one.
 //!
-//! A robot in the process of a test:
+//! A brain in a test: [`drive()`]. A server in the process of a test:
 //!
 //! ```
 //! # #[tokio::main(flavor = "current_thread")]
@@ -45,6 +46,7 @@ mod columns;
 mod control;
 mod convert;
 mod descriptors;
+mod drive;
 mod endpoint;
 mod frame;
 mod gate;
@@ -74,6 +76,7 @@ pub use address::{Address, BadAddress};
 pub use columns::{sensor_columns, sensor_columns_with_units, state_columns, state_values};
 pub use convert::pace_of;
 pub use descriptors::raise_descriptor_limit;
+pub use drive::{Drive, DriveCollision, DriveError, PathPoint, drive, drive_each};
 pub use pace::{Lockstep, Pace, Timed, Watchdog, WatchdogPolicy};
 pub use page::{Film, NoFilm};
 pub use registry::MAX_WORLDS;

@@ -30,6 +30,8 @@ extern crate std;
 pub mod actuator;
 pub mod arena;
 pub mod battery;
+#[cfg(feature = "brain")]
+mod brain_turn;
 pub mod collision;
 pub mod coverage;
 mod curve;

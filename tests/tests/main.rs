@@ -3,6 +3,7 @@
 #![allow(clippy::wildcard_enum_match_arm, reason = "what a test does not expect makes it fail")]
 
 mod animals;
+mod attachment;
 mod avoid;
 mod bad_input;
 mod budget;

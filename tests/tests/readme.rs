@@ -10,22 +10,25 @@ fn the_readme_shows_this_test() {
 }
 
 // README.md:
-use baudbot_brains::catalogue;
-use baudbot_client::{Client, run};
-use baudbot_server::{Lockstep, Pace, Server, WorldConfig};
+use baudbot_client::{Action, Brain, Turn};
+use baudbot_server::drive;
 
-#[tokio::test]
-async fn ten_seconds_of_avoiding() -> Result<(), Box<dyn std::error::Error>> {
-    let toml = std::fs::read_to_string("../scenarios/wander.toml")? + "\n[end]\nafter_s = 10.0\n";
-    let scenario = baudbot_scenario::parse(&toml)?;
-    let world = WorldConfig::new("w", scenario).pace(Pace::Lockstep(Lockstep::default()));
-    let server = Server::builder().world(world).in_process().await?;
+/// Drives on, and turns on the spot while something is near in front.
+struct Timid;
 
-    let mut robot = Client::from_channel(server.channel().await?).attach("w", "robot").await?;
-    let mut brain = catalogue::brain("avoid", 1, robot.body())?; // or your own
-    let summary = run(&mut robot, &mut brain).await?;
-    assert_eq!(summary.turns, 500); // it is asked when readings have come, every 20 ms
+impl Brain for Timid {
+    fn step(&mut self, turn: &Turn) -> Action {
+        let ahead = ["ir_front_left", "ir_front", "ir_front_right"];
+        let is_near = |sensor| turn.value(sensor).is_none_or(|nearness| nearness > 0.2);
+        if ahead.into_iter().any(is_near) { Action::drive(0.5, -0.5) } else { Action::drive(0.4, 0.4) }
+    }
+}
 
-    server.shutdown().await;
+#[test]
+fn a_minute_without_a_collision() -> Result<(), Box<dyn std::error::Error>> {
+    let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml"))?;
+    let drive = drive(&scenario, Timid, 60.0)?;
+    assert!(drive.collisions.is_empty(), "{:?}", drive.collisions);
+    assert!(drive.distance_m() > 10.0, "{} m", drive.distance_m());
     Ok(())
 }

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use baudbot_server::Address;
 use clap::{Args, Parser, Subcommand};
 
-pub(crate) use self::brain::{BrainArgs, Reconnect};
+pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,

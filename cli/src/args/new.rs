@@ -18,7 +18,7 @@ pub(crate) struct NewBrainArgs {
     /// The language
     #[arg(long, value_name = "LANGUAGE", default_value = "rust")]
     pub(crate) lang: Language,
-    /// For Rust: the folder of baudbot's source [default: where this program was built]
+    /// For Rust: build with the crates of a clone of baudbot, in this folder [default: the project gets them with it]
     #[arg(long, value_name = "DIR")]
     pub(crate) baudbot: Option<PathBuf>,
 }

@@ -1,13 +1,12 @@
 //! `baudbot new brain`: a small project that attaches to a robot and drives it.
 
-mod python_client;
+mod sources;
 
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
-use self::python_client::PACKAGE;
 use crate::args::{Language, NewBrainArgs};
 use crate::error::Refused;
 use crate::text;
@@ -27,9 +26,11 @@ pub(crate) fn brain(args: &NewBrainArgs) -> anyhow::Result<()> {
     }
     let name = package_name(folder)?;
     let (files, first) = match args.lang {
-        Language::Rust => (rust(&name, &source(args)?), "cargo run --release -- brain.toml --world wander"),
+        Language::Rust => {
+            (rust(&name, args.baudbot.as_deref())?, "cargo run --release -- brain.toml --world wander")
+        }
         Language::Python => {
-            (python(&name), ".venv/bin/python brain.py   (README.md says what to install before)")
+            (python(&name)?, ".venv/bin/python brain.py   (README.md says what to install before)")
         }
     };
     for (path, text, is_program) in files {
@@ -62,33 +63,46 @@ fn package_name(folder: &Path) -> anyhow::Result<String> {
     )))
 }
 
-/// Where baudbot's crates are: they are in no registry.
-fn source(args: &NewBrainArgs) -> anyhow::Result<String> {
-    let built_from = || Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let source = args.baudbot.clone().unwrap_or_else(built_from);
-    if !source.join("brains/Cargo.toml").is_file() {
-        return Err(Refused::error(format!(
-            "--baudbot {}: baudbot's source is not there; name the folder of a clone",
-            source.display()
-        )));
-    }
-    let source = source.canonicalize().with_context(|| source.display().to_string())?;
-    Ok(source.display().to_string())
-}
-
-fn rust(name: &str, baudbot: &str) -> Vec<File> {
-    let fill = |template: &str| template.replace("{name}", name).replace("{baudbot}", baudbot).into_bytes();
-    vec![
+/// The crates are in no registry, so that the project has them with it, unless there is a clone to build from.
+fn rust(name: &str, clone: Option<&Path>) -> anyhow::Result<Vec<File>> {
+    let version = env!("CARGO_PKG_VERSION");
+    let (baudbot, note) = match clone {
+        Some(clone) => (source(clone)?, String::new()),
+        None => ("baudbot".to_owned(), include_str!("../../templates/rust/carried.md").to_owned()),
+    };
+    let fill = |template: &str| {
+        let filled = template.replace("{carried}", &note).replace("{name}", name);
+        filled.replace("{baudbot}", &baudbot).replace("{version}", version).into_bytes()
+    };
+    let mut files: Vec<File> = vec![
         ("Cargo.toml".into(), fill(include_str!("../../templates/rust/Cargo.toml")), false),
         ("README.md".into(), fill(include_str!("../../templates/rust/README.md")), false),
         ("brain.toml".into(), fill(include_str!("../../templates/rust/brain.toml")), false),
         ("src/main.rs".into(), include_bytes!("../../templates/rust/main.rs").to_vec(), false),
         (".gitignore".into(), b"/target\n".to_vec(), false),
-    ]
+    ];
+    if clone.is_none() {
+        let readme = fill(include_str!("../../templates/rust/baudbot.md"));
+        files.push(("baudbot/README.md".into(), readme, false));
+        files.extend(carried("rust")?);
+    }
+    Ok(files)
+}
+
+/// The folder of a clone, for manifests.
+fn source(clone: &Path) -> anyhow::Result<String> {
+    if !clone.join("brains/Cargo.toml").is_file() {
+        return Err(Refused::error(format!(
+            "--baudbot {}: baudbot's source is not there; name the folder of a clone",
+            clone.display()
+        )));
+    }
+    let source = clone.canonicalize().with_context(|| clone.display().to_string())?;
+    Ok(source.display().to_string())
 }
 
 /// The package for brains is in no registry, so that the project has it with it.
-fn python(name: &str) -> Vec<File> {
+fn python(name: &str) -> anyhow::Result<Vec<File>> {
     let readme = include_str!("../../templates/python/README.md").replace("{name}", name);
     let example = include_str!("../../../client/python/examples/avoid.py");
     let mut files: Vec<File> = vec![
@@ -101,10 +115,13 @@ fn python(name: &str) -> Vec<File> {
         ),
         (".gitignore".into(), b"/.venv\n__pycache__/\n".to_vec(), false),
     ];
-    let package =
-        PACKAGE.iter().map(|(path, text)| (format!("baudbot-client/{path}"), (*text).into(), false));
-    files.extend(package);
-    files
+    files.extend(carried("python")?);
+    Ok(files)
+}
+
+/// What the program carries for projects in a language.
+fn carried(language: &str) -> anyhow::Result<impl Iterator<Item = File>> {
+    Ok(sources::of(language)?.into_iter().map(|(path, text)| (path, text, false)))
 }
 
 fn write(path: &Path, text: &[u8], is_program: bool) -> anyhow::Result<()> {

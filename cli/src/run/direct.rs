@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use baudbot_brains::catalogue;
 use baudbot_client::{Body, Brain, Client, Looks};
-use baudbot_experiment::in_process::turn_of;
 use baudbot_proto::v1;
 use baudbot_server::{DirectWorld, OnTick};
 use baudbot_sim::Turn;
@@ -106,8 +105,7 @@ impl Running {
     fn step(&mut self, turn: Turn) -> anyhow::Result<()> {
         let Some(driver) = &mut self.drivers[turn.robot] else { return Ok(()) };
         let Driver { asked, body, brain, looks } = driver;
-        let world = self.world.world();
-        let action = brain.step(&turn_of(body, &world.robot(turn.robot), world.tick(), turn.at));
+        let action = brain.step(&self.world.world().turn_of(turn, body));
         let failed = || format!("brain `{asked}` failed");
         if looks.is_due(turn.at.as_ns())
             && let Some(belief) = brain.belief()

@@ -112,7 +112,7 @@ impl Running<'_, '_> {
             let mut attached =
                 AttachedBrains::attach(client, &self.plan.world, assignment.clone(), self.plan.seed).await?;
             // They hold their robots until all is over.
-            brains.spawn(async move { attached.run(|| ()).await.map(|_| attached) });
+            brains.spawn(async move { attached.run().await.map(|_| attached) });
         }
         let mut crew = self.crew(&mut control).await?;
         self.external(&mut control).await?;

@@ -1,6 +1,7 @@
 //! `baudbot new`; `./test` builds what it makes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::{baudbot, good};
 
@@ -10,19 +11,65 @@ fn folder(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
+/// What Cargo resolves for a project, without a network: its packages, and the lockfile.
+fn resolved(project: &Path) -> (String, String) {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["tree", "--offline", "--prefix", "none", "--format", "{p}"]).current_dir(project);
+    let output = cargo.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let lockfile = std::fs::read_to_string(project.join("Cargo.lock")).unwrap();
+    (String::from_utf8(output.stdout).unwrap(), lockfile)
+}
+
+/// Texts of all files below a folder.
+fn texts(folder: &Path) -> Vec<String> {
+    let below = |path: PathBuf| if path.is_dir() { texts(&path) } else { vec![read(&path)] };
+    std::fs::read_dir(folder).unwrap().flat_map(|entry| below(entry.unwrap().path())).collect()
+}
+
+fn read(path: &Path) -> String {
+    String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned()
+}
+
 #[test]
-fn a_project_in_rust_names_the_crates_of_this_one() {
-    let folder = folder("weaver");
-    let said = good(&["new", "brain", &folder]);
-    assert!(said.starts_with(&format!("{folder} is ready.")), "{said}");
-    let read = |name: &str| std::fs::read_to_string(Path::new(&folder).join(name)).unwrap();
-    assert!(read("Cargo.toml").contains("name = \"weaver\""));
-    assert!(read("src/main.rs").contains("impl MotorBehavior for Weave"));
-    for name in ["Cargo.toml", "README.md"] {
-        assert!(!read(name).contains("{baudbot}") && !read(name).contains("{name}"), "{name}");
+fn a_project_in_rust_has_the_crates_with_it_and_their_versions() {
+    // Away from the source, as Cargo looks for a workspace in the folders above.
+    let place = tempfile::tempdir().unwrap();
+    let project = place.path().join("weaver");
+    let said = good(&["new", "brain", project.to_str().unwrap()]);
+    assert!(said.starts_with(&format!("{} is ready.", project.display())), "{said}");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for text in texts(&project) {
+        assert!(!text.contains(source.to_str().unwrap()), "{text}");
     }
-    let (code, _, err) = baudbot(&["new", "brain", &folder]);
-    assert_eq!((code, err), (2, format!("error: {folder}: already exists and is not empty\n")));
+    for file in ["Cargo.toml", "README.md", "baudbot/README.md"] {
+        let text = read(&project.join(file));
+        assert!(!text.contains('{') || file == "Cargo.toml" && !text.contains("{baudbot}"), "{file}: {text}");
+    }
+    assert!(read(&project.join("Cargo.toml")).contains("name = \"weaver\""));
+    assert!(read(&project.join("src/main.rs")).contains("impl MotorBehavior for Weave"));
+    assert!(read(&project.join("README.md")).contains("The folder `baudbot/`"));
+    let (packages, lockfile) = resolved(&project);
+    let tested = include_str!("../../../Cargo.lock");
+    let is_there = |line: &&str| line.starts_with("checksum = ") && !tested.contains(*line);
+    assert_eq!(lockfile.lines().find(is_there), None, "a version that is not tested");
+    for package in ["baudbot-brains", "baudbot-client", "tonic", "clap"] {
+        assert!(packages.contains(&format!("\n{package} v")), "{package} in {packages}");
+    }
+    let (code, _, err) = baudbot(&["new", "brain", project.to_str().unwrap()]);
+    let taken = format!("error: {}: already exists and is not empty\n", project.display());
+    assert_eq!((code, err), (2, taken));
+}
+
+#[test]
+fn a_project_in_rust_may_be_built_with_a_clone() {
+    let folder = folder("cloner");
+    let clone = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_str().unwrap();
+    good(&["new", "brain", &folder, "--baudbot", clone]);
+    let project = Path::new(&folder);
+    assert!(read(&project.join("Cargo.toml")).contains(&format!("path = \"{clone}/brains\"")));
+    assert!(read(&project.join("README.md")).contains(&format!("`{clone}/docs/brains.md`")));
+    assert!(!project.join("baudbot").exists() && !project.join("Cargo.lock").exists());
 }
 
 #[test]

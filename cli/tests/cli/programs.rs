@@ -27,6 +27,22 @@ fn a_program_drives_as_the_same_brain_in_this_process() {
 }
 
 #[test]
+fn a_drive_of_a_test_is_the_run_of_the_command() {
+    let toml = include_str!("../../../scenarios/wander.toml");
+    for (seed, seconds) in [(1, 20.0), (5, 7.123)] {
+        let mut scenario = baudbot_scenario::parse(toml).unwrap();
+        scenario.seed = seed;
+        let avoid = |body: &_| baudbot_brains::catalogue::brain("avoid", seed, body).ok();
+        let drive = baudbot_server::drive_each(&scenario, avoid, seconds).unwrap().remove(0);
+        let (seed, seconds) = (seed.to_string(), seconds.to_string());
+        let run = summary(&["run", "wander", "--seconds", &seconds, "--seed", &seed, "--brain", "avoid"]);
+        assert_eq!(run["state_hash"], format!("{:016x}", drive.state_hash()));
+        assert_eq!(run["robots"][0]["distance_m"], drive.distance_m());
+        assert!(drive.collisions.is_empty(), "{:?}", drive.collisions);
+    }
+}
+
+#[test]
 fn bad_programs_are_told_in_a_sentence() {
     for (brain, words) in [
         ("exec:/nowhere/follow", "there is no program `/nowhere/follow`"),

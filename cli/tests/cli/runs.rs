@@ -232,3 +232,20 @@ fn a_full_disk_is_told_once_and_is_an_error() {
     assert_eq!((code, out.as_str()), (1, ""));
     assert_eq!(err, "error: cannot write /dev/full: No space left on device (os error 28)\n");
 }
+
+#[test]
+fn people_read_robots_in_the_natural_order_of_their_names_and_programs_in_that_of_the_world() {
+    let robot =
+        |n: u32| format!("[[robots]]\nname = \"cell-{n}\"\npreset = \"khepera-1\"\nstart.y_m = {n}.0\n");
+    let path = place("cells.toml");
+    std::fs::write(&path, [10, 2, 1].map(robot).concat()).unwrap();
+    let arguments = ["run", path.to_str().unwrap(), "--brain", "none", "--seconds", "0.1"];
+    let order = |text: &str| {
+        let mut names = ["cell-1", "cell-2", "cell-10"];
+        let quoted = |name: &str| text.find(&format!("\"{name}\""));
+        names.sort_by_key(|name| text.find(&format!("{name}\n")).or_else(|| quoted(name)));
+        names
+    };
+    assert_eq!(order(&good(&arguments)), ["cell-1", "cell-2", "cell-10"]);
+    assert_eq!(order(&good(&[&arguments[..], &["--json"]].concat())), ["cell-1", "cell-10", "cell-2"]);
+}

@@ -241,6 +241,18 @@ class Reconnecting(unittest.TestCase):
             with self.assertRaises(type(error)):
                 backoff.wait_s(error)
 
+    def test_a_robot_that_stays_held_is_held_by_another_brain(self):
+        now = [0.0]
+        backoff = Backoff(600.0, lambda line: None, lambda: now[0])
+        backoff.connected()
+        backoff.wait_s(baudbot.NoServer("gone"))
+        for held_for_s in (0.0, 44.0):
+            now[0] = 100.0 + held_for_s
+            backoff.wait_s(baudbot.Taken("held"))
+        now[0] = 145.0
+        with self.assertRaises(baudbot.Taken):
+            backoff.wait_s(baudbot.Taken("held"))
+
 
 class Scenarios(unittest.TestCase):
     def test_are_built_in_files_or_texts(self):

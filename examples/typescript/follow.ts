@@ -1,0 +1,69 @@
+// A brain in TypeScript that follows the wall at its right. It attaches where BAUDBOT_CONNECT, BAUDBOT_WORLD and BAUDBOT_ROBOT say,
+// which `baudbot run --brain 'exec:npx tsx follow.ts'` sets, and drives until the run is over.
+import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
+import { Client, credentials } from "@grpc/grpc-js";
+import * as pb from "./gen/baudbot/v1/brain_link_pb";
+
+const { BAUDBOT_CONNECT = "127.0.0.1:7400", BAUDBOT_WORLD = "wander", BAUDBOT_ROBOT = "robot" } = process.env;
+
+const speed = 0.4;
+const gain = 1.0;
+const wanted = 0.3; // nearness of the wall: 0 is out of range, 1 is very near
+
+/** What the brain does in a step. `value` gives a sensor's last reading, or the other value if none has arrived yet. */
+function step(value: (sensor: string, unread: number) => number): MessageInitShape<typeof pb.CommandSchema> {
+  const ahead = Math.max(value("ir_front", 1), value("ir_front_left", 1));
+  if (ahead > wanted) {
+    return { leftSignal: -0.5 * speed, rightSignal: 0.5 * speed }; // a corner: to the left, on the spot
+  }
+  const right = Math.max(value("ir_right", 0), value("ir_front_right", 0));
+  const turning = gain * speed * (right - wanted); // too near: to the left
+  return { leftSignal: speed - turning, rightSignal: speed + turning };
+}
+
+const server = new Client(BAUDBOT_CONNECT, credentials.createInsecure());
+const stream = server.makeBidiStreamRequest(
+  "/baudbot.v1.BrainLinkService/Attach",
+  (request: pb.AttachRequest) => Buffer.from(toBinary(pb.AttachRequestSchema, request)),
+  (bytes) => fromBinary(pb.AttachResponseSchema, bytes),
+);
+const send = (request: MessageInitShape<typeof pb.AttachRequestSchema>["request"]) =>
+  stream.write(create(pb.AttachRequestSchema, { request }));
+let bodies: pb.RobotDescription[] = [];
+process.exitCode = 1; // until the run is over
+
+send({
+  case: "hello",
+  value: {
+    world: BAUDBOT_WORLD,
+    robots: BAUDBOT_ROBOT.split(","),
+    mode: pb.PortMode.MESSAGES,
+    brain: "follow.ts",
+    thinksAsScenario: true,
+  },
+});
+stream.on("data", ({ response }: pb.AttachResponse) => {
+  if (response.case === "welcome") {
+    bodies = response.value.robots;
+  } else if (response.case === "turn") {
+    const { turn, robots } = response.value;
+    send({ case: "step", value: { turn, robots: robots.map(answer) } });
+  } else if (response.case === "ended") {
+    console.log(`the run is over at tick ${response.value.tick}`);
+    process.exitCode = 0;
+    stream.end();
+  }
+});
+stream.on("end", () => server.close());
+stream.on("error", (error: Error) => {
+  console.error(`follow.ts: ${error.message}`);
+  process.exit(1);
+});
+
+function answer({ robot, atNs, readings }: pb.RobotTurn): MessageInitShape<typeof pb.RobotStepSchema> {
+  const sensors = bodies[robot]?.sensors ?? [];
+  const value = (name: string, unread: number) =>
+    readings.find((reading) => sensors[reading.sensor]?.sensor === name)?.values[0] ?? unread;
+  // The next step is when readings have come, or after 0.1 s: the cable may have lost the command.
+  return { robot, output: { case: "command", value: step(value) }, untilMessage: { atLatestNs: atNs + 100_000_000n } };
+}

@@ -1,0 +1,10 @@
+//! The program: attaches the brain to its robot, and drives until the run is over.
+
+use std::process::ExitCode;
+
+use baudbot_brains::program;
+use wall_follower::Follow;
+
+fn main() -> ExitCode {
+    program::brain("wall-follower", |_body, _seed| Ok(Follow::default()))
+}

@@ -1,0 +1,304 @@
+//! A brain that is driven in a test: a scenario and a brain in, what the robot did out. No network, no thread, no clock.
+
+use std::sync::Arc;
+
+use baudbot_brain::{Body, Brain};
+use baudbot_fields::{FieldError, Path};
+use baudbot_sim::{Ending, Pose, Scenario, SimTime, Turn, World};
+use tonic::Status;
+
+use crate::actor::DirectWorld;
+use crate::server::{ServerError, WorldConfig};
+
+/// Lets a brain drive the only robot of a scenario for so many seconds of simulated time, or until the run ends for another
+/// reason. It is the run of `baudbot run --seconds`, to the last bit: the time takes the place of the scenario's `end.after_s`.
+///
+/// ```
+/// use baudbot_brain::{Action, Brain, Turn};
+///
+/// /// Drives on, and turns on the spot while something is near in front.
+/// struct Timid;
+///
+/// impl Brain for Timid {
+///     fn step(&mut self, turn: &Turn) -> Action {
+///         let ahead = ["ir_front_left", "ir_front", "ir_front_right"];
+///         let is_near = |sensor| turn.value(sensor).is_none_or(|nearness| nearness > 0.2);
+///         if ahead.into_iter().any(is_near) { Action::drive(0.5, -0.5) } else { Action::drive(0.4, 0.4) }
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = baudbot_scenario::parse(include_str!("../../scenarios/wander.toml"))?;
+/// let drive = baudbot_server::drive(&scenario, Timid, 60.0)?;
+/// assert!(drive.collisions.is_empty(), "{:?}", drive.collisions);
+/// assert!(drive.distance_m() > 10.0, "{} m", drive.distance_m());
+/// assert_eq!(drive.state_hash(), baudbot_server::drive(&scenario, Timid, 60.0)?.state_hash());
+/// # Ok(())
+/// # }
+/// ```
+///
+/// A brain that is to be looked at afterwards is lent (`&mut brain`). Another seed is `scenario.seed = 2`, or an override of
+/// the file's field (`baudbot_scenario::parse_with`).
+///
+/// # Errors
+/// If there is not one robot, the time is none, or the brain does what its robot cannot do.
+pub fn drive(scenario: &Scenario, brain: impl Brain, seconds: f64) -> Result<Drive, DriveError> {
+    let [spec] = scenario.robots.as_slice() else {
+        return Err(DriveError::Robots(scenario.robots.len()));
+    };
+    let mut driver = Driver::new(Body::from(spec), Some(brain));
+    let world = run(scenario, std::slice::from_mut(&mut driver), seconds)?;
+    Ok(driver.drive(&world, 0))
+}
+
+/// As [`drive`](drive()), for any number of robots: `brain` makes the brain of each from its data sheet; a robot for which it
+/// makes none keeps still. The drives are in the order of the robots' names.
+///
+/// # Errors
+/// If the time is none, or a brain does what its robot cannot do.
+pub fn drive_each<B: Brain>(
+    scenario: &Scenario,
+    mut brain: impl FnMut(&Body) -> Option<B>,
+    seconds: f64,
+) -> Result<Vec<Drive>, DriveError> {
+    let driver = |body: Body| {
+        let brain = brain(&body);
+        Driver::new(body, brain)
+    };
+    let mut drivers: Vec<_> = scenario.robots.iter().map(Body::from).map(driver).collect();
+    let world = run(scenario, &mut drivers, seconds)?;
+    Ok(drivers.into_iter().enumerate().map(|(robot, driver)| driver.drive(&world, robot)).collect())
+}
+
+/// What a robot did, as it truly was: a brain never knows it.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Name of the robot.
+    pub robot: String,
+    /// Where it was: at the start, and after each tick.
+    pub path: Vec<PathPoint>,
+    /// What it ran into, in order.
+    pub collisions: Vec<DriveCollision>,
+    /// Why the run ended.
+    pub ending: Ending,
+    /// The world at the end, with all that was counted (`world.score()`, `world.robots()`).
+    pub world: Arc<World>,
+    place: usize,
+}
+
+/// Where a robot was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// When, in seconds of simulated time.
+    pub time_s: f64,
+    /// The true pose of its centre, world from robot: metres and radians.
+    pub pose: Pose,
+}
+
+/// That a robot ran into something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveCollision {
+    /// The end of the tick in which it did, in seconds of simulated time.
+    pub time_s: f64,
+    /// Name of the shape, the thing or the other robot.
+    pub with: String,
+}
+
+impl Drive {
+    /// When the run ended, in seconds of simulated time.
+    pub fn time_s(&self) -> f64 {
+        self.world.time().as_seconds()
+    }
+
+    /// Distance that the robot's centre has travelled, in metres, forwards and backwards added.
+    pub fn distance_m(&self) -> f64 {
+        self.world.robot(self.place).counters().distance_m
+    }
+
+    /// The fingerprint of the whole world at the end, as `baudbot run` tells it: equal for equal bits, on every machine.
+    pub fn state_hash(&self) -> u64 {
+        self.world.hash()
+    }
+}
+
+/// Why there is no drive.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// One brain was given, and there is not one robot.
+    #[error("the scenario must have one robot, it has {0}; `drive_each` makes a brain for each")]
+    Robots(usize),
+    /// The time is no time of a run.
+    #[error(transparent)]
+    Seconds(#[from] FieldError),
+    /// The world cannot be made.
+    #[error(transparent)]
+    World(#[from] ServerError),
+    /// A brain did what its robot cannot do.
+    #[error("at {time_s} s the brain of `{robot}` failed: {}", status.message())]
+    Brain {
+        /// Name of the robot.
+        robot: String,
+        /// The instant of its step, in seconds of simulated time.
+        time_s: f64,
+        /// As a server says it.
+        status: Box<Status>,
+    },
+}
+
+/// A robot's brain, and what was seen of the robot.
+struct Driver<B> {
+    body: Arc<Body>,
+    brain: Option<B>,
+    path: Vec<PathPoint>,
+    collisions: Vec<DriveCollision>,
+}
+
+impl<B: Brain> Driver<B> {
+    fn new(body: Body, brain: Option<B>) -> Self {
+        Self { body: body.into(), brain, path: Vec::new(), collisions: Vec::new() }
+    }
+
+    fn step(&mut self, world: &mut DirectWorld, turn: Turn) -> Result<(), DriveError> {
+        let Some(brain) = &mut self.brain else { return Ok(()) };
+        let action = brain.step(&world.world().turn_of(turn, &self.body));
+        world.act(turn, action).map_err(|status| DriveError::Brain {
+            robot: self.body.name.clone(),
+            time_s: turn.at.as_seconds(),
+            status: status.into(),
+        })
+    }
+
+    /// Between two ticks.
+    fn look(&mut self, world: &World, robot: usize) {
+        let time_s = world.time().as_seconds();
+        self.path.push(PathPoint { time_s, pose: world.robot(robot).motion().pose });
+        let own = world.collisions().iter().filter(|collision| collision.robot == self.body.name);
+        self.collisions.extend(own.map(|collision| DriveCollision { time_s, with: collision.with.clone() }));
+    }
+
+    fn drive(self, world: &Arc<World>, place: usize) -> Drive {
+        Drive {
+            robot: self.body.name.clone(),
+            path: self.path,
+            collisions: self.collisions,
+            ending: world.ending().expect("it was driven until it ended").clone(),
+            world: Arc::clone(world),
+            place,
+        }
+    }
+}
+
+/// Drives all robots until the run has ended.
+fn run<B: Brain>(
+    scenario: &Scenario,
+    drivers: &mut [Driver<B>],
+    seconds: f64,
+) -> Result<Arc<World>, DriveError> {
+    let limit = SimTime::from_ns(Path::root().s("seconds", seconds, 1e-9, 1e8)?);
+    let mut scenario = scenario.clone();
+    scenario.end.after = Some(limit);
+    let mut state = World::new(scenario.into());
+    state.keep_timeline(0);
+    let mut world = WorldConfig::from_state("drive", state).direct()?;
+    for (robot, driver) in drivers.iter_mut().enumerate() {
+        driver.look(world.world(), robot);
+        if driver.brain.is_some() {
+            world.attach("brain", &[robot]);
+        }
+    }
+    let mut goes_on = true;
+    while goes_on {
+        for turn in world.begin() {
+            drivers[turn.robot].step(&mut world, turn)?;
+        }
+        goes_on = world.finish();
+        for (robot, driver) in drivers.iter_mut().enumerate() {
+            driver.look(world.world(), robot);
+        }
+    }
+    Ok(Arc::new(world.world().clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use baudbot_brain::Action;
+
+    use super::*;
+
+    /// Drives straight on, and counts its steps.
+    #[derive(Default)]
+    struct Straight {
+        steps: u64,
+        left: f64,
+    }
+
+    impl Brain for Straight {
+        fn step(&mut self, _: &baudbot_brain::Turn) -> Action {
+            self.steps += 1;
+            Action::drive(0.5 + self.left, 0.5)
+        }
+    }
+
+    fn wander() -> Scenario {
+        baudbot_scenario::parse(include_str!("../../scenarios/wander.toml")).unwrap()
+    }
+
+    /// Two robots that stand side by side in the open.
+    fn two() -> Scenario {
+        let robot = |name: &str, y: f64| {
+            format!("[[robots]]\nname = \"{name}\"\npreset = \"khepera-1\"\nstart.y_m = {y:?}\n")
+        };
+        baudbot_scenario::parse(&(robot("bob", 1.0) + &robot("alice", 0.0))).unwrap()
+    }
+
+    #[test]
+    fn a_drive_has_its_path_its_end_and_the_brain_that_was_lent() {
+        let mut brain = Straight::default();
+        let drive = drive(&wander(), &mut brain, 1.0).unwrap();
+        assert_eq!((&drive.ending, drive.time_s()), (&Ending::TimeIsOver, 1.0));
+        assert_eq!(drive.path.len(), 101);
+        assert_eq!(drive.path[0].time_s, 0.0);
+        let way = drive.path[100].pose.position - drive.path[0].pose.position;
+        assert!((way.norm() - drive.distance_m()).abs() < 1e-6, "{way} {}", drive.distance_m());
+        assert!(drive.collisions.is_empty() && brain.steps > 0, "{:?} {}", drive.collisions, brain.steps);
+    }
+
+    #[test]
+    fn a_collision_is_told_with_its_time_and_ends_a_run_whose_policy_says_so() {
+        let mut scenario = wander();
+        let ended = drive(&scenario, Straight::default(), 60.0).unwrap();
+        let [collision] = ended.collisions.as_slice() else { panic!("{:?}", ended.collisions) };
+        assert_eq!((collision.with.as_str(), collision.time_s), ("wall_right", ended.time_s()));
+        assert!(matches!(&ended.ending, Ending::Collision(_)), "{:?}", ended.ending);
+        scenario.collision = baudbot_sim::collision::CollisionPolicy::StopRobot;
+        let stopped = drive(&scenario, Straight::default(), 60.0).unwrap();
+        assert_eq!(stopped.time_s(), 60.0);
+        assert_eq!(stopped.collisions[0].time_s, collision.time_s);
+    }
+
+    #[test]
+    fn robots_have_a_brain_each_or_none() {
+        let only_bob = |body: &Body| (body.name == "bob").then(Straight::default);
+        let drives = drive_each(&two(), only_bob, 2.0).unwrap();
+        let names: Vec<_> = drives.iter().map(|drive| drive.robot.as_str()).collect();
+        assert_eq!(names, ["alice", "bob"]);
+        assert_eq!(drives[0].distance_m(), 0.0);
+        assert!(drives[1].distance_m() > 0.1, "{}", drives[1].distance_m());
+        assert_eq!(drives[0].state_hash(), drives[1].state_hash());
+    }
+
+    #[test]
+    fn what_cannot_be_driven_is_told_in_a_sentence() {
+        let text = |scenario: &Scenario, brain: Straight, seconds: f64| {
+            drive(scenario, brain, seconds).unwrap_err().to_string()
+        };
+        let robots = "the scenario must have one robot, it has 2; `drive_each` makes a brain for each";
+        assert_eq!(text(&two(), Straight::default(), 1.0), robots);
+        for seconds in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+            let error = text(&wander(), Straight::default(), seconds);
+            assert!(error.starts_with("seconds: must be within "), "{error}");
+        }
+        let error = text(&wander(), Straight { left: f64::NAN, ..Straight::default() }, 1.0);
+        assert!(error.starts_with("at 0.") && error.contains("the brain of `robot` failed: "), "{error}");
+    }
+}
