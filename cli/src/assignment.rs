@@ -28,6 +28,18 @@ pub(crate) fn assign(arguments: &[String], robots: &[RobotSpec]) -> anyhow::Resu
     Ok(assigned)
 }
 
+/// Sets what `--parameter` arguments say of all brains that have it.
+pub(crate) fn set_parameters(assigned: &mut Assigned, arguments: &[String]) -> anyhow::Result<()> {
+    for argument in arguments {
+        let Some((name, value)) = argument.split_once('=').filter(|(name, _)| !name.is_empty()) else {
+            return Err(Refused::error(format!("--parameter {argument}: write NAME=VALUE")));
+        };
+        let set = assigned.set_parameter(name, value);
+        set.map_err(|error| Refused::error(format!("--parameter {argument}: {error}")))?;
+    }
+    Ok(())
+}
+
 /// Whether a `--brain` is for all robots that no other one names.
 pub(crate) fn is_for_all(brain: &str) -> bool {
     assignment::split(brain).0.is_none()

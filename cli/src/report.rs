@@ -63,9 +63,9 @@ fn pacing(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Some(lockstep) = &summary.lockstep {
         let share = percent(lockstep.waiting_s / summary.wall_s);
-        let timeouts = lockstep.watchdog_timeouts;
-        let text =
-            format!("{:.3} s for brains, {share} of the wall clock; {timeouts} timeouts", lockstep.waiting_s);
+        let timeouts = usize::try_from(lockstep.watchdog_timeouts).unwrap_or(usize::MAX);
+        let timeouts = count(timeouts, "timeout");
+        let text = format!("{:.3} s for brains, {share} of the wall clock; {timeouts}", lockstep.waiting_s);
         facts.push(("waited", text));
     }
     if let Some(clock) = &summary.clock {
@@ -138,7 +138,11 @@ fn of_robot(robot: &Robot, simulated_s: f64) -> String {
 }
 
 fn robot_facts(robot: &Robot, simulated_s: f64) -> Vec<(&'static str, String)> {
-    let brain = if robot.brain.is_empty() { "none" } else { &robot.brain };
+    let brain = match (robot.brain.as_str(), robot.turns) {
+        ("", 0) => "none",
+        ("", _) => "one that has left",
+        (brain, _) => brain,
+    };
     let mut facts =
         vec![("brain", format!("{brain}, {} turns, {} commands obeyed", robot.turns, robot.commands))];
     if !robot.said.is_empty() {

@@ -11,6 +11,8 @@ use baudbot_sim::model::RobotSpec;
 use baudbot_sim::sensor::Device;
 use wildmatch::WildMatch;
 
+use crate::suggest::UnknownName;
+
 /// Who drives the robots of a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assigned {
@@ -36,6 +38,29 @@ impl Assigned {
         let brain = self.brains.iter().find(|brain| is_its(&brain.robots)).map(|brain| brain.brain.clone());
         let program = || self.programs.iter().find(|task| is_its(&task.robots));
         brain.or_else(|| program().map(|task| format!("{EXEC}{}", task.program)))
+    }
+
+    /// Sets a parameter of all brains that have it. Which parameters a program has, only the program knows.
+    ///
+    /// # Errors
+    /// If no brain has it.
+    pub fn set_parameter(&mut self, name: &str, value: &str) -> Result<(), UnknownName> {
+        let mut known = Vec::new();
+        let mut found = !self.programs.is_empty();
+        for task in &mut self.programs {
+            let text = || serde_json::Value::String(value.to_owned());
+            let value = serde_json::from_str(value).unwrap_or_else(|_| text());
+            task.parameters.insert(name.to_owned(), value);
+        }
+        for assignment in &mut self.brains {
+            if catalogue::takes(&assignment.brain, name) {
+                let and = if assignment.brain.contains(':') { ',' } else { ':' };
+                assignment.brain += &format!("{and}{name}={value}");
+                found = true;
+            }
+            known.extend(catalogue::parameters(&assignment.brain));
+        }
+        if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known)) }
     }
 
     /// Which robots of a world are held, and whether they are to be.

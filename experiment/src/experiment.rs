@@ -249,8 +249,12 @@ fn brain_text(brain: Value) -> Result<(String, Lifetime), Error> {
     };
     let program: raw::Program = baudbot_fields::read(table).map_err(|error| {
         let problem = UnknownName::of(&error.cause).map(|unknown| unknown.to_string());
-        Error::field(format!("brain.{}", error.path), problem.unwrap_or(error.problem))
+        let path = if error.path.is_empty() { "brain".to_owned() } else { format!("brain.{}", error.path) };
+        Error::field(path, problem.unwrap_or(error.problem))
     })?;
+    if program.exec.trim().is_empty() {
+        return Err(Error::field("brain.exec", "is empty; write it as in exec = \"python3 follow.py\""));
+    }
     let lifetime = if program.reuse { Lifetime::ManyRuns } else { Lifetime::Run };
     Ok((format!("{EXEC}{}", program.exec), lifetime))
 }

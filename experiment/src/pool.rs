@@ -107,6 +107,9 @@ impl Workers {
                 return;
             }
         }
+        if let Some(Err(error)) = remote.map(|remote| remote.check_last(experiment)) {
+            let _ = send.send(Err(error));
+        }
     }
 }
 

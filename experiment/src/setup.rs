@@ -1,6 +1,5 @@
 //! The setup of a run: its scenario, and the brain of each robot.
 
-use baudbot_brains::catalogue;
 use baudbot_scenario::{Override, ScenarioError};
 use baudbot_sim::Scenario;
 
@@ -77,28 +76,8 @@ fn assigned(experiment: &Experiment, task: &Task, scenario: &Scenario) -> Result
     }
     for setting in settings(task) {
         if let Setting::Parameter { name, value } = setting {
-            set_parameter(&mut assigned, name, value)?;
+            assigned.set_parameter(name, value)?;
         }
     }
     Ok(assigned)
-}
-
-/// Sets it for all brains that have it. Which parameters a program has, only the program knows.
-fn set_parameter(assigned: &mut Assigned, name: &str, value: &str) -> Result<(), UnknownName> {
-    let mut known = Vec::new();
-    let mut found = !assigned.programs.is_empty();
-    for task in &mut assigned.programs {
-        let text = || serde_json::Value::String(value.to_owned());
-        let value = serde_json::from_str(value).unwrap_or_else(|_| text());
-        task.parameters.insert(name.to_owned(), value);
-    }
-    for assignment in &mut assigned.brains {
-        if catalogue::takes(&assignment.brain, name) {
-            let and = if assignment.brain.contains(':') { ',' } else { ':' };
-            assignment.brain += &format!("{and}{name}={value}");
-            found = true;
-        }
-        known.extend(catalogue::parameters(&assignment.brain));
-    }
-    if found { Ok(()) } else { Err(UnknownName::new("parameter of a brain", name, &known)) }
 }

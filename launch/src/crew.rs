@@ -85,10 +85,9 @@ impl Crew {
         Ok(crew)
     }
 
-    /// From now on the clock knows these programs, and all children that they have.
+    /// Once these programs hold their robots the clock knows them, and all children that they have.
     #[must_use]
     pub fn timed_by(self, clock: ProcessorClock) -> Self {
-        self.tell(&clock);
         Self { clock: Some(clock), ..self }
     }
 
@@ -116,6 +115,8 @@ impl Crew {
             let robots = look().await?;
             let is_held = |name: &String| robots.iter().any(|robot| robot.robot == *name && robot.held);
             let Some(late) = self.members.iter().position(|member| !member.robots.iter().all(is_held)) else {
+                // All that it loads is loaded, and its children are there.
+                self.clock.iter().for_each(|clock| self.tell(clock));
                 return Ok(());
             };
             if let Some(member) = self.exited() {
@@ -173,6 +174,13 @@ impl Crew {
     /// If one has printed an exception.
     pub async fn end(self) -> Result<(), Failure> {
         self.release(&mut Idle::default()).await
+    }
+
+    /// Ends them in the middle of a run: they are told so by a signal at once.
+    pub async fn stop(mut self) {
+        for member in &mut self.members {
+            member.process.end(Duration::ZERO).await;
+        }
     }
 
     /// The same, but lets those live that are for many runs.

@@ -22,6 +22,8 @@ pub struct Failure {
 pub enum Problem {
     /// There is no such program.
     Missing(String),
+    /// It is there, and what its first line names is not.
+    NoInterpreter(String),
     /// It may not be started.
     NotExecutable(String),
     /// It cannot be started for another reason.
@@ -67,7 +69,7 @@ impl Problem {
     /// Whether there was a process, which may have printed something.
     fn is_of_a_process(&self) -> bool {
         match self {
-            Self::Missing(_) | Self::NotExecutable(_) | Self::NotStarted(_) => false,
+            Self::Missing(_) | Self::NoInterpreter(_) | Self::NotExecutable(_) | Self::NotStarted(_) => false,
             Self::NotAttached { .. }
             | Self::ExitedUnattached(_)
             | Self::NotReused(_)
@@ -84,6 +86,11 @@ impl fmt::Display for Problem {
             Self::Missing(program) => write!(
                 f,
                 "there is no program `{}`; name one that is in PATH, or its path",
+                Printable(program)
+            ),
+            Self::NoInterpreter(program) => write!(
+                f,
+                "the interpreter that the first line of `{}` names is not there; look at that line, also for a line end of Windows",
                 Printable(program)
             ),
             Self::NotExecutable(program) => {
@@ -108,7 +115,7 @@ impl fmt::Display for Problem {
                 Ended(*status)
             ),
             Self::Exited(status) => write!(f, "{} before the run was over", Ended(*status)),
-            Self::Traceback => f.write_str("printed an exception"),
+            Self::Traceback => f.write_str("has driven to the end of the run, but printed an exception"),
             Self::Elsewhere { held, robots } => {
                 let robots = robots.join(", ");
                 write!(

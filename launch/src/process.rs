@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::io::ErrorKind;
+use std::path::Path;
 use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 
@@ -50,7 +51,10 @@ impl Process {
         let spawned = command.spawn();
         let mut child = spawned.map_err(|error| {
             let word = program.words[0].clone();
-            let problem = if error.kind() == ErrorKind::NotFound {
+            let is_there = || Path::new(&word).is_file() && program.folder.is_none();
+            let problem = if error.kind() == ErrorKind::NotFound && word.contains('/') && is_there() {
+                Problem::NoInterpreter(word)
+            } else if error.kind() == ErrorKind::NotFound {
                 Problem::Missing(word)
             } else if error.kind() == ErrorKind::PermissionDenied {
                 Problem::NotExecutable(word)

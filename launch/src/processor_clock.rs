@@ -14,38 +14,72 @@ pub struct ProcessorClock(Arc<Mutex<Vec<Program>>>);
 #[derive(Debug)]
 struct Program {
     robots: Vec<String>,
-    /// Its process and its children.
-    processes: Vec<Pid>,
-    /// What was read last: the time of a child that has ended is no longer known, and the sum never decreases.
-    last: Duration,
+    processes: Vec<Process>,
+    /// What those had used that have ended.
+    ended: Duration,
+}
+
+/// A process of a program: its own, or a child.
+#[derive(Debug)]
+struct Process {
+    id: Pid,
+    /// What it had used when it was found: it was loaded then, and did not think.
+    before: Duration,
+    /// What it has used since, when it was read last.
+    used: Duration,
 }
 
 impl ProcessorClock {
-    /// The time that the program of a robot has used with its children that live, in all their threads. `None` if no program
-    /// drives the robot, or the system cannot tell.
+    /// The time that the program of a robot has used with its children, in all their threads, since they were found. It never
+    /// decreases. `None` if no program drives the robot, or the system cannot tell.
     pub fn read(&self, robot: &str) -> Option<Duration> {
         let mut programs = self.programs();
         let program = programs.iter_mut().find(|program| program.robots.iter().any(|name| name == robot))?;
-        let times: Vec<_> = program.processes.iter().filter_map(|&process| used(process)).collect();
-        if times.is_empty() {
-            return None;
+        let mut is_known = false;
+        for process in &mut program.processes {
+            if let Some(used) = used(process.id) {
+                process.used = used.saturating_sub(process.before);
+                is_known = true;
+            }
         }
-        program.last = program.last.max(times.iter().sum());
-        Some(program.last)
+        let sum: Duration = program.processes.iter().map(|process| process.used).sum();
+        is_known.then_some(program.ended + sum)
     }
 
-    /// Sets which programs there are: of each the robots and the processes.
+    /// Sets which programs there are: of each the robots and the processes that live.
     pub(crate) fn set(&self, programs: impl Iterator<Item = (Vec<String>, Vec<Pid>)>) {
         let mut known = self.programs();
-        let old = std::mem::take(&mut *known);
-        let last = |robots: &[String]| {
-            old.iter().find(|program| program.robots == robots).map_or(Duration::ZERO, |program| program.last)
-        };
-        known.extend(programs.map(|(robots, processes)| Program { last: last(&robots), robots, processes }));
+        let mut old = std::mem::take(&mut *known);
+        known.extend(programs.map(|(robots, ids)| {
+            let place = old.iter().position(|program| program.robots == robots);
+            let mut program = place.map_or_else(
+                || Program { robots, processes: Vec::new(), ended: Duration::ZERO },
+                |place| old.swap_remove(place),
+            );
+            program.renew(&ids);
+            program
+        }));
     }
 
     fn programs(&self) -> MutexGuard<'_, Vec<Program>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Program {
+    /// Those that live now are these.
+    fn renew(&mut self, ids: &[Pid]) {
+        let (live, ended): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.processes).into_iter().partition(|process| ids.contains(&process.id));
+        self.ended += ended.iter().map(|process| process.used).sum::<Duration>();
+        self.processes = live;
+        for &id in ids {
+            if !self.processes.iter().any(|process| process.id == id)
+                && let Some(before) = used(id)
+            {
+                self.processes.push(Process { id, before, used: Duration::ZERO });
+            }
+        }
     }
 }
 
@@ -73,21 +107,24 @@ mod tests {
         assert_eq!(clock.read("alice"), None);
         let this = rustix::process::getpid();
         clock.set([(vec!["alice".to_owned()], vec![this])].into_iter());
-        let begun = clock.read("alice").unwrap();
+        assert_eq!(clock.read("bob"), None);
         let mut sum = 0_u64;
-        while clock.read("alice").unwrap() < begun + Duration::from_millis(20) {
+        while clock.read("alice").unwrap() < Duration::from_millis(20) {
             sum = sum.wrapping_mul(3).wrapping_add(1);
         }
-        assert_eq!(clock.read("bob"), None, "{sum}");
         let used = clock.read("alice").unwrap();
-        // Its only child is a process that has hardly begun.
-        let child = std::process::Command::new("sleep").arg("60").spawn();
-        let mut child = child.unwrap();
-        let id = Pid::from_raw(child.id().cast_signed()).unwrap();
-        clock.set([(vec!["alice".to_owned()], vec![id])].into_iter());
-        assert_eq!(clock.read("alice"), Some(used));
-        child.kill().unwrap();
-        child.wait().unwrap();
+        let alone = std::process::Command::new("sleep").arg("60").spawn();
+        let mut alone = alone.unwrap();
+        let idle = Pid::from_raw(alone.id().cast_signed()).unwrap();
+        while std::fs::read_to_string(format!("/proc/{}/comm", alone.id())).unwrap() != "sleep\n" {
+            std::thread::yield_now();
+        }
+        // A process that is found later has used nothing, and what an ended one has used counts on.
+        clock.set([(vec!["alice".to_owned()], vec![idle])].into_iter());
+        let kept = clock.read("alice").unwrap();
+        assert!(kept >= used && kept < used + Duration::from_secs(1), "{kept:?} {used:?} {sum}");
+        alone.kill().unwrap();
+        alone.wait().unwrap();
         assert_eq!(clock.read("alice"), None);
     }
 }

@@ -183,3 +183,23 @@ async fn a_process_that_ends_after_its_run_is_told_when_it_is_to_do_another() {
     let error = crew.attached(Duration::from_secs(60), look).await.unwrap_err().to_string();
     assert!(error.contains("exited with code 0 after a run; for many runs it reads the next one"), "{error}");
 }
+
+#[tokio::test]
+async fn a_first_line_that_names_no_interpreter_is_told() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("crlf.sh");
+    std::fs::write(&path, "#!/bin/sh\r\necho here\r\n").unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let error = start(&path.display().to_string()).unwrap_err();
+    assert!(matches!(error.problem, Problem::NoInterpreter(_)), "{error}");
+    assert!(error.to_string().contains("also for a line end of Windows"), "{error}");
+}
+
+#[tokio::test]
+async fn a_program_is_stopped_at_once_in_the_middle_of_a_run() {
+    let begun = Instant::now();
+    start("sleep 62").unwrap().stop().await;
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    assert_eq!(processes("sleep\u{0}62"), 0);
+}

@@ -11,7 +11,7 @@ use crate::description::DescriptionError;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CatalogueError {
     /// There is no such brain.
-    #[error("no brain `{name}`; there are: {}", known.join(", "))]
+    #[error("no brain `{name}`; there are: {}{}", known.join(", "), hint(name))]
     Brain {
         /// The name given.
         name: String,
@@ -86,4 +86,15 @@ pub enum CatalogueError {
         /// The problem.
         error: DescriptionError,
     },
+}
+
+/// What may have been meant by a name with a folder or an ending.
+fn hint(name: &str) -> String {
+    if name.contains(['/', '.']) {
+        format!("; a program of your own is named as in 'exec:python3 {name}'")
+    } else if name == "exec" {
+        "; a program drives in `baudbot run --brain 'exec:…'`, or attaches by itself".to_owned()
+    } else {
+        String::new()
+    }
 }

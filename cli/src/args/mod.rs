@@ -113,6 +113,9 @@ pub(crate) struct RunArgs {
     /// sensors. `baudbot brain --list` lists the brains.
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
+    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    #[arg(long = "parameter", value_name = "NAME=VALUE")]
+    pub(crate) parameters: Vec<String>,
     /// Before the run begins, wait until programs from elsewhere hold N robots; robots that no --brain names are left to them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) external: Option<u16>,
@@ -208,6 +211,9 @@ pub(crate) struct DiagramArgs {
     /// a brain
     #[arg(long = "brain", value_name = "[ROBOT=]BRAIN[:K=V,…]")]
     pub(crate) brains: Vec<String>,
+    /// Set a parameter of all brains that have it; a program finds it in BAUDBOT_PARAMETERS
+    #[arg(long = "parameter", value_name = "NAME=VALUE")]
+    pub(crate) parameters: Vec<String>,
     /// The robot to show [default: the first]
     #[arg(long, value_name = "ROBOT")]
     pub(crate) robot: Option<String>,

@@ -28,7 +28,7 @@ pub(crate) struct NewBrainArgs {
 pub(crate) enum Language {
     /// With behaviours of baudbot, and one of its own
     Rust,
-    /// With the gRPC contract only
+    /// With the package `baudbot`, which the project has in it
     Python,
 }
 

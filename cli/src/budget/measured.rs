@@ -35,6 +35,25 @@ impl Measured {
         Ok(Self(measured))
     }
 
+    /// Refuses a recording that has none of these robots.
+    pub(super) fn check<'a>(
+        &self,
+        path: Option<&Path>,
+        robots: impl Iterator<Item = &'a RobotSpec>,
+    ) -> anyhow::Result<()> {
+        let Some(path) = path else { return Ok(()) };
+        let mut robots = robots.peekable();
+        if robots.peek().is_none() || robots.any(|robot| self.0.contains_key(&robot.name)) {
+            return Ok(());
+        }
+        let known: Vec<_> = self.0.keys().map(|name| format!("`{name}`")).collect();
+        Err(Refused::error(format!(
+            "--measured {}: it has thinking times of {}, and of none of the robots that are asked for",
+            path.display(),
+            known.join(", ")
+        )))
+    }
+
     /// That of a robot, if it was measured.
     pub(super) fn of(&self, robot: &RobotSpec) -> Option<Thinking> {
         let (durations, _) = self.0.get(&robot.name)?;

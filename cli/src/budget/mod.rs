@@ -31,6 +31,7 @@ pub(crate) fn budget(args: &BudgetArgs) -> anyhow::Result<ExitCode> {
     let wanted = |name: &String| args.robots.is_empty() || args.robots.contains(name);
     let wanted: Vec<_> = scenario.robots.iter().filter(|robot| wanted(&robot.name)).collect();
     let measured = args.measured.as_deref().map(Measured::of_recording).transpose()?.unwrap_or_default();
+    measured.check(args.measured.as_deref(), wanted.iter().copied())?;
     let budget = Budget::of_measured(&scenario, wanted.iter().copied(), |robot| measured.of(robot));
     if let Some(path) = &args.svg {
         return draw(&source.world_name(&scenario), &budget, path).map(|()| code(args, &budget));

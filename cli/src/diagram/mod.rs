@@ -44,7 +44,8 @@ fn show(args: &DiagramArgs, stop: &AtomicBool) -> anyhow::Result<ExitCode> {
     let source = Source::find(&args.scenario)?;
     let scenario = source.parse(&overrides(&args.changes)?)?;
     scenarios::warn(&scenario);
-    let assigned = assignment::assign(&args.brains, &scenario.robots)?;
+    let mut assigned = assignment::assign(&args.brains, &scenario.robots)?;
+    assignment::set_parameters(&mut assigned, &args.parameters)?;
     let place = place(args.robot.as_deref(), &scenario.robots)?;
     let robot = &scenario.robots[place];
     let wanted = wanted(args);

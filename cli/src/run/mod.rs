@@ -117,6 +117,7 @@ impl Plan {
         }
         scenarios::warn(&scenario);
         let mut assigned = assigned(args, &scenario)?;
+        assignment::set_parameters(&mut assigned, &args.parameters)?;
         if args.show_output {
             if assigned.programs.is_empty() {
                 return Err(Refused::error("--show-output: no brain is a program (--brain 'exec:…')"));
@@ -162,7 +163,7 @@ fn assigned(args: &RunArgs, scenario: &Scenario) -> anyhow::Result<Assigned> {
     if free < external.into() {
         return Err(Refused::error(format!(
             "--external {external}: {} without a --brain; give fewer of them one, or ask for fewer",
-            baudbot_plot::quantity::count(free, "robot is")
+            if free == 1 { "1 robot is".to_owned() } else { format!("{free} robots are") }
         )));
     }
     Ok(assigned)

@@ -116,8 +116,10 @@ impl Running<'_, '_> {
         }
         let mut crew = self.crew(&mut control).await?;
         self.external(&mut control).await?;
-        let world = self.plan.world.clone();
-        control.start_world(v1::StartWorldRequest { world }).await.map_err(|status| from_server(&status))?;
+        if !self.outside.interrupted {
+            let request = v1::StartWorldRequest { world: self.plan.world.clone() };
+            control.start_world(request).await.map_err(|status| from_server(&status))?;
+        }
         let bar = progress(self.plan.ticks(), self.outside.args.quiet || self.outside.args.show_output);
         // Who is done holds its robots, too, until the status is there: what it said goes with it.
         let mut done = Vec::new();
@@ -125,7 +127,11 @@ impl Running<'_, '_> {
         bar.finish_and_clear();
         waited?;
         let status = self.pause(control).await?;
-        crew.end().await?;
+        if self.outside.interrupted {
+            crew.stop().await;
+        } else {
+            crew.end().await?;
+        }
         if status.recording.is_none() {
             return Ok(status);
         }

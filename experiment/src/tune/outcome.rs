@@ -234,18 +234,36 @@ fn share(field: &Field, value: f64) -> Option<f64> {
 
 /// The brains of a candidate, as `--brain` has them, and its fields of the scenario, as `--set` has them.
 fn options(experiment: &Experiment, best: &Candidate) -> String {
-    let (brains, sets) = settings(experiment, best);
-    let brains = brains.iter().map(|brain| format!("--brain '{brain}'"));
-    let sets = sets.iter().map(|set| format!("--set '{set}'"));
-    brains.chain(sets).collect::<Vec<_>>().join(" ")
+    let Settings { brains, parameters, sets } = settings(experiment, best);
+    let option = |name: &'static str| move |text: &String| format!("{name} {}", quoted(text));
+    let brains = brains.iter().map(option("--brain")).chain(parameters.iter().map(option("--parameter")));
+    brains.chain(sets.iter().map(option("--set"))).collect::<Vec<_>>().join(" ")
 }
 
-fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec<String>) {
-    let Ok(ranges) = ranges(experiment) else { return Default::default() };
+/// As a word of a shell, in quotes.
+fn quoted(text: &str) -> String {
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
+/// What a candidate sets.
+#[derive(Default)]
+struct Settings {
+    brains: Vec<String>,
+    /// Of programs.
+    parameters: Vec<String>,
+    sets: Vec<String>,
+}
+
+fn settings(experiment: &Experiment, candidate: &Candidate) -> Settings {
+    let Ok(ranges) = ranges(experiment) else { return Settings::default() };
     let mut brains = experiment.brains.clone();
-    let mut sets = Vec::new();
+    let (mut parameters, mut sets) = (Vec::new(), Vec::new());
     for setting in levels(&ranges, &candidate.values).iter().flat_map(|level| &level.settings) {
         if let Setting::Parameter { name, value } = setting {
+            if experiment.has_programs() {
+                parameters.push(format!("{name}={value}"));
+                continue;
+            }
             let takes = |brain: &&mut String| catalogue::takes(assignment::split(brain).1, name);
             for brain in brains.iter_mut().filter(takes) {
                 let and = if brain.contains(':') { ',' } else { ':' };
@@ -255,13 +273,13 @@ fn settings(experiment: &Experiment, candidate: &Candidate) -> (Vec<String>, Vec
             sets.extend(setting.as_override());
         }
     }
-    (brains, sets)
+    Settings { brains, parameters, sets }
 }
 
 /// The tuned brain as a description, if there is one brain and it is described.
 fn description(experiment: &Experiment, best: &Candidate) -> Option<String> {
-    let (brains, _) = settings(experiment, best);
-    let [brain] = brains.as_slice() else { return None };
+    let settings = settings(experiment, best);
+    let [brain] = settings.brains.as_slice() else { return None };
     catalogue::described(assignment::split(brain).1).ok().flatten()
 }
 
