@@ -189,8 +189,13 @@ class Trains(WithTrainer):
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("0.0.0.0:0: a trainer's address must be on this machine", done.stderr)
         server = self.serve("wander")
-        with self.assertRaises(baudbot.Refused), baudbot.Trainer(server.tcp) as trainer:
-            trainer.open()
+        with self.assertRaisesRegex(baudbot.Refused, "address of `baudbot serve --trainer`"), baudbot.Trainer(server.tcp) as trainer:
+            trainer.create("wander")
+        with baudbot.Client(server.tcp) as client:
+            self.assertEqual([world.name for world in client.worlds()], ["wander"])
+        self.train()
+        with self.assertRaisesRegex(baudbot.Refused, "brains and observers to that of `--listen`"):
+            baudbot.attach(Drives, connect=self.address, world="wander")
 
 
 class Evolves(WithTrainer):
