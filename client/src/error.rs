@@ -57,6 +57,9 @@ pub enum Error {
     },
 }
 
+/// The remedy for a connection to the wrong one of a server's listeners.
+const OTHER_ADDRESS: &str = "this address is not for brains; connect to that of `baudbot serve --listen`, and not to that of `--trainer`";
+
 impl From<tonic::Status> for Error {
     fn from(status: tonic::Status) -> Self {
         // A status that the transport makes up says from what; one that the server sent has no source.
@@ -66,7 +69,12 @@ impl From<tonic::Status> for Error {
         if status.metadata().get(REASON).is_some_and(|reason| reason == RESTART) {
             return Self::Restart;
         }
-        Self::Status { code: status.code(), message: Printable(status.message()).to_string() }
+        let words = match (status.code(), status.message()) {
+            // What a server answers for a service that it does not have.
+            (Code::Unimplemented, "") => OTHER_ADDRESS,
+            (_, words) => words,
+        };
+        Self::Status { code: status.code(), message: Printable(words).to_string() }
     }
 }
 
@@ -111,5 +119,13 @@ mod tests {
         let text = Error::from(tonic::Status::already_exists(held)).to_string();
         let expected = r"the server says: held by `\u{1b}]0;pwned\u{7}\u{9b}2J\u{202e}µ\n` (AlreadyExists)";
         assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn a_brain_at_the_address_for_trainers_is_told_where_to_connect() {
+        let text = Error::from(tonic::Status::unimplemented("")).to_string();
+        assert!(text.contains("connect to that of `baudbot serve --listen`"), "{text}");
+        let text = Error::from(tonic::Status::unimplemented("no such thing")).to_string();
+        assert_eq!(text, "the server says: no such thing (Unimplemented)");
     }
 }

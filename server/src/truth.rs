@@ -28,6 +28,8 @@ pub(crate) struct RobotFacts {
     pub(crate) motion: Motion,
     /// Since the start of the run.
     pub(crate) collisions: u64,
+    /// How many of them were before the era: none after a reset, some after a state was restored.
+    pub(crate) collisions_before: u64,
     pub(crate) distance_m: f64,
     pub(crate) battery: Option<Charge>,
     /// Time in each zone of the scenario.
@@ -35,26 +37,32 @@ pub(crate) struct RobotFacts {
 }
 
 impl Truth {
-    /// The truth about these robots of a world.
-    pub(crate) fn of(world: &World, robots: &[usize], era: u64, lockstep: bool) -> Self {
+    /// The truth about these robots of a world, each with how often it had collided when the era began.
+    pub(crate) fn of(
+        world: &World,
+        robots: impl Iterator<Item = (usize, u64)>,
+        era: u64,
+        lockstep: bool,
+    ) -> Self {
         Self {
             era,
             lockstep,
             tick: world.tick(),
             time: world.time(),
             ending: world.ending().cloned(),
-            robots: robots.iter().map(|&robot| facts(world, robot)).collect(),
+            robots: robots.map(|robot| facts(world, robot)).collect(),
             score: Score::of(world),
         }
     }
 }
 
-fn facts(world: &World, index: usize) -> RobotFacts {
+fn facts(world: &World, (index, collisions_before): (usize, u64)) -> RobotFacts {
     let robot = world.robot(index);
     let counters = robot.counters();
     RobotFacts {
         motion: *robot.motion(),
         collisions: counters.collisions,
+        collisions_before,
         distance_m: counters.distance_m,
         battery: Charge::of(&robot),
         in_zone_ns: world.score().in_zone_ns(index).to_vec(),

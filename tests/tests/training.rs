@@ -482,6 +482,33 @@ async fn a_run_that_has_ended_takes_no_step_and_a_reset_by_an_operator_is_seen()
 }
 
 #[tokio::test]
+async fn collisions_before_a_state_that_an_operator_restores_are_not_news() {
+    let changes = ["collision=\"stop-robot\"", "robots.robot.start.x_m=1.5"];
+    let server = serve([world("w", strict(), &changes)]).await;
+    let (mut trainer, mut results) = Trainer::open(&server, &["w"]).await;
+    // Into the wall, and then it stands.
+    for i in 0..300 {
+        let signal = if i < 200 { 0.5 } else { 0.0 };
+        let part = v1::RobotStep { output: Some(signals(signal, signal)), ..Default::default() };
+        let step = v1::Step { turn: turn(&results[0]).unwrap().turn, robots: vec![part] };
+        results = trainer.cycle(vec![(0, Action::Step(step))]).await.unwrap();
+    }
+    let told = |results: &[v1::WorldResult]| {
+        let truth = &results[0].truths[0];
+        (results[0].tick, truth.collisions, truth.collided)
+    };
+    let (tick, collisions, _) = told(&results);
+    assert_eq!((tick, collisions > 0, results[0].truths[0].collided), (300, true, false));
+    let mut operator = operator(&server).await;
+    let snapshot = operator.snapshot_world(v1::SnapshotWorldRequest { world: "w".into() }).await.unwrap();
+    let snapshot = snapshot.into_inner().snapshot;
+    operator.restore_world(v1::RestoreWorldRequest { world: "w".into(), snapshot }).await.unwrap();
+    let again = trainer.cycle(vec![(0, answer(&results[0]).unwrap())]).await.unwrap();
+    assert_eq!(told(&again), (300, collisions, false));
+    server.shutdown().await;
+}
+
+#[tokio::test]
 async fn a_watchdog_detaches_a_trainer_that_does_not_answer_as_any_brain() {
     let server = serve([world("w", watched(50, WatchdogPolicy::Detach), &[])]).await;
     let (mut trainer, first) = Trainer::open(&server, &["w"]).await;

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 import baudbot
-from server import WithServer
+from server import ROOT, WithServer
 from server import baudbot as baudbot_program
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -126,13 +126,76 @@ class Trains(WithTrainer):
         self.assertIsNone(results[1].error)
         self.assertEqual(results[1].turn.body.robot, "robot")
 
+    def test_what_was_refused_can_be_said_again(self):
+        trainer = self.train()
+        names = lambda: [world.name for world in trainer.client.worlds()]  # noqa: E731
+        for refused in [
+            lambda: trainer.create("wander", seeds=[1, -1]),
+            lambda: trainer.create("wander", count=0),
+            lambda: trainer.create("wander", count=2, pace="free"),
+            lambda: trainer.open("wander"),
+        ]:
+            with self.assertRaises(baudbot.Refused):
+                refused()
+            self.assertEqual(names(), ["wander"], "nothing is left over")
+        worlds = trainer.create("wander", count=2, set={"end.after_s": 1.0})
+        self.assertEqual([world.name for world in worlds], ["trained-1", "trained-2"])
+        # What the first robot was to do is forgotten with what was refused.
+        with self.assertRaises(baudbot.NotFound):
+            trainer.step([baudbot.drive(1.0, 1.0), {"bob": None}])
+        results = trainer.step([None, None])
+        while not all(result.ended for result in results):
+            results = trainer.step([None, None])
+        self.assertEqual([result.truth.distance_m for result in results], [0.0, 0.0])
+        # A world's own name, a single world, and any iterable of seeds.
+        self.assertEqual([result.world for result in trainer.reset("trained-2", seed=iter([7]))], ["trained-2"])
+        self.assertEqual([bool(result.ended) for result in trainer.results], [True, False])
+
+    def test_a_command_that_makes_no_sense_names_its_world(self):
+        trainer = self.train()
+        trainer.create("wander", count=3)
+        with self.assertRaises(baudbot.Refused) as caught:
+            trainer.step({"trained-1": None, "trained-3": baudbot.drive(math.nan, 0.0)})
+        text = "world `trained-3`: the server says: worlds[1].step.robots[0].command.left_signal: must be a finite number"
+        self.assertTrue(str(caught.exception).startswith(text), caught.exception)
+
+    def test_all_worlds_are_deleted_though_somebody_has_deleted_one(self):
+        trainer = self.train()
+        trainer.create("wander", count=3)
+        trainer.client.world("trained-2").delete()
+        trainer.close()
+        with baudbot.Client(self.server.tcp) as client:
+            self.assertEqual([world.name for world in client.worlds()], ["wander"])
+
+    def test_several_robots_of_a_world_go_by_their_names(self):
+        trainer = self.train(patience_s=None)
+        text = (ROOT / "scenarios" / "wander.toml").read_text()
+        other = text[text.index("[[robots]]"):].replace('name = "robot"', 'name = "slow"').replace("x_m = -0.2", "x_m = 0.3")
+        slow = "robots.slow.firmware.period_ms"
+        trainer.create(f"{text}\n{other}", set={"end.after_s": 1.0, slow: 50.0})
+        (result,) = trainer.results
+        alone = 0
+        while not result.ended:
+            self.assertEqual(len(result.truths), 2)
+            alone += len(result.turns) == 1
+            for member in ("turn", "truth"):
+                with self.assertRaisesRegex(baudbot.Error, f"has 2 robots; choose by a robot's name: result.{member}s"):
+                    getattr(result, member)
+            (result,) = trainer.step([{name: drives(turn) for name, turn in result.turns.items()}])
+        self.assertGreater(alone, 0, "a single robot had a turn, and was not taken for the only one")
+
     def test_only_this_machine_trains(self):
         done = baudbot_program("serve", "--trainer", "0.0.0.0:0", "--listen", "127.0.0.1:0")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("0.0.0.0:0: a trainer's address must be on this machine", done.stderr)
         server = self.serve("wander")
-        with self.assertRaises(baudbot.Refused), baudbot.Trainer(server.tcp) as trainer:
-            trainer.open()
+        with self.assertRaisesRegex(baudbot.Refused, "address of `baudbot serve --trainer`"), baudbot.Trainer(server.tcp) as trainer:
+            trainer.create("wander")
+        with baudbot.Client(server.tcp) as client:
+            self.assertEqual([world.name for world in client.worlds()], ["wander"])
+        self.train()
+        with self.assertRaisesRegex(baudbot.Refused, "brains and observers to that of `--listen`"):
+            baudbot.attach(Drives, connect=self.address, world="wander")
 
 
 class Evolves(WithTrainer):

@@ -81,7 +81,7 @@ impl WorldActor {
                 let steps = self.sessions.take_overtaken(session);
                 self.settle(&steps);
             }
-            self.sessions.void_turns();
+            self.sessions.void_turns(&self.world);
         }
         self.pacer.pace = pace;
         self.recording.set_pace(pace);

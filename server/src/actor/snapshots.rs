@@ -96,7 +96,7 @@ impl WorldActor {
         self.pacer.clock = None;
         self.ports.inputs.clear();
         self.sessions.reset_quotas();
-        self.sessions.void_turns();
+        self.sessions.void_turns(&self.world);
         self.end_stepping();
         self.drop_interventions();
         self.beliefs.forget_all();

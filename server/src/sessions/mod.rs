@@ -99,6 +99,7 @@ impl Sessions {
             robots: robots.clone(),
             recipient,
             turns: Turns::of_era(self.era),
+            collisions: vec![0; robots.len()],
             debt: Debt::default(),
             answering: Answering::default(),
             quota: Quota::default(),
@@ -112,6 +113,7 @@ impl Sessions {
     pub(crate) fn seat(&mut self, brain: String, robots: Vec<usize>) -> u64 {
         // Nobody is at the other end: Turns are never given, and of the end the brain hears otherwise.
         let (deliveries, _) = mpsc::channel(1);
+        let collisions = vec![0; robots.len()];
         self.add(Session {
             brain,
             raw: false,
@@ -119,6 +121,7 @@ impl Sessions {
             robots,
             recipient: Recipient::Brain(deliveries),
             turns: Turns::default(),
+            collisions,
             debt: Debt::default(),
             answering: Answering::default(),
             quota: Quota::default(),
@@ -244,16 +247,13 @@ impl Sessions {
     }
 
     /// The world is at another time, or has another pace: Turns up to now are void, and no answer is owed.
-    pub(crate) fn void_turns(&mut self) {
+    pub(crate) fn void_turns(&mut self, world: &World) {
         for slot in &mut self.slots {
             slot.forget_open_turn();
             slot.set_until(None);
         }
         self.era += 1;
-        for session in self.by_number.values_mut() {
-            session.turns.void(self.era);
-            session.debt = Debt::Settled;
-        }
+        self.by_number.values_mut().for_each(|session| session.begin_era(self.era, world));
     }
 
     /// Tells the brains whose step it is in the tick that begins. Where the world waits for them, they

@@ -34,6 +34,8 @@ pub(super) struct Session {
     pub(super) robots: Vec<usize>,
     pub(super) recipient: Recipient,
     pub(super) turns: Turns,
+    /// How often each of its robots had collided when the present era began.
+    pub(super) collisions: Vec<u64>,
     pub(super) debt: Debt,
     pub(super) answering: Answering,
     pub(super) quota: Quota,
@@ -75,7 +77,7 @@ impl Turns {
     }
 
     /// All Turns up to now are void: another era begins.
-    pub(super) fn void(&mut self, era: u64) {
+    fn void(&mut self, era: u64) {
         self.void = self.last;
         self.era = era;
         self.given.clear();
@@ -97,6 +99,14 @@ impl Turns {
 }
 
 impl Session {
+    /// Another era begins with this world: Turns up to now are void, and no answer is owed.
+    pub(super) fn begin_era(&mut self, era: u64, world: &World) {
+        self.turns.void(era);
+        self.debt = Debt::Settled;
+        let collisions = self.robots.iter().map(|&robot| world.robot(robot).counters().collisions);
+        self.collisions = collisions.collect();
+    }
+
     /// Gives the brain the Turn of those of its robots that step in this tick, `at` by robot. If the world waits for it, the
     /// brain owes an answer.
     ///
@@ -139,7 +149,12 @@ impl Session {
     }
 
     fn truth(&self, world: &World, lockstep: bool) -> Truth {
-        Truth::of(world, &self.robots, self.turns.era, lockstep)
+        Truth::of(
+            world,
+            self.robots.iter().copied().zip(self.collisions.iter().copied()),
+            self.turns.era,
+            lockstep,
+        )
     }
 
     /// The Turn of this number for its robots that step, `at` by robot.

@@ -175,13 +175,14 @@ impl Trained {
         result
     }
 
-    /// Notes how often each robot has collided. Gives how often it had when the trainer was told last, in this run.
+    /// Notes how often each robot has collided. Gives how often it had when the trainer was told last, or when the world was
+    /// reset or restored since.
     fn note_collisions(&mut self, truth: &Truth) -> Vec<u64> {
         let now: Vec<_> = truth.robots.iter().map(|robot| robot.collisions).collect();
         match self.collisions.replace((truth.era, now.clone())) {
             Some((era, before)) if era == truth.era => before,
-            // The world was reset.
-            Some((_, before)) => vec![0; before.len()],
+            // The world was reset or restored.
+            Some(_) => truth.robots.iter().map(|robot| robot.collisions_before).collect(),
             None => now,
         }
     }

@@ -32,6 +32,8 @@ type Events = {
   frame: Frame;
   /** The next frame is of quite another tick. */
   leap: void;
+  /** The world was reset or restored: another run goes on, perhaps in another arena. */
+  restart: void;
   note: Note;
   /** Something that is drawn has changed besides a frame. */
   drawn: void;
@@ -171,6 +173,7 @@ export class Store extends Emitter<Events> {
     this.trails.cut(tick);
     this.record?.cut(tick, time_ns);
     this.bumps = this.bumps.filter((bump) => bump.time_s < time_ns / 1e9);
+    if (!isReplay) this.emit("restart", undefined);
   }
 
   private leap(): void {

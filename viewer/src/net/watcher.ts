@@ -1,5 +1,6 @@
 /** Keeps a Watch open on the chosen world, with details of the chosen robot, as often as frames are looked at. */
-import { ObserveService } from "../gen/baudbot/v1/observe_pb";
+import { equals } from "@bufbuild/protobuf";
+import { DescribeWorldResponseSchema, ObserveService } from "../gen/baudbot/v1/observe_pb";
 import { WorldState, type Pace } from "../gen/baudbot/v1/world_pb";
 import type { Store } from "../model/store";
 import { secondsOf } from "../model/units";
@@ -10,6 +11,8 @@ import { firstEvery, nextEvery } from "./rate";
 const MEASURE_MS = 1000;
 /** A Watch that fails is tried again after this, unless the world is gone. */
 const RETRY_MS = 1000;
+/** A world that is reset again and again, as by a trainer, is described no more often. */
+const DESCRIBE_MS = 1000;
 
 export class Watcher {
   /** Frames that came in the last second. */
@@ -22,6 +25,9 @@ export class Watcher {
   /** The second in which a Watch begins is not measured. */
   private isSettling = true;
   private frames = 0;
+  /** Whether the world was reset or restored since it was described, and whether that is being looked into. */
+  private isStale = false;
+  private isDescribing = false;
   private measured = { at_ms: performance.now(), tick: 0n, time_ns: 0n };
 
   constructor(
@@ -31,6 +37,10 @@ export class Watcher {
     store.on("robot", () => store.description && this.watch());
     // What is leapt over is no speed.
     store.on("leap", () => (this.isSettling = true));
+    store.on("restart", () => {
+      this.isStale = true;
+      if (!this.isDescribing) void this.describeAgain();
+    });
     setInterval(() => this.measure(), MEASURE_MS);
   }
 
@@ -47,6 +57,24 @@ export class Watcher {
     } catch (error) {
       if (world === this.store.world) this.failed(error);
     }
+  }
+
+  /** After a reset: takes the description if that has made another of it, with other walls for instance. */
+  private async describeAgain(): Promise<void> {
+    this.isDescribing = true;
+    while (this.isStale) {
+      this.isStale = false;
+      const { world, description: former } = this.store;
+      try {
+        const description = await ask(this.connection, ObserveService.method.describeWorld, { world });
+        const isCurrent = former !== undefined && former === this.store.description;
+        if (isCurrent && !equals(DescribeWorldResponseSchema, former, description)) this.store.describe(description);
+      } catch {
+        // A world that is gone, and a lost connection, end the Watch, too, which says so.
+      }
+      await new Promise((resolve) => setTimeout(resolve, DESCRIBE_MS));
+    }
+    this.isDescribing = false;
   }
 
   /** Looks anew, so that a world that stands shows what was changed in it. */

@@ -72,6 +72,11 @@ def from_rpc(error: grpc.RpcError, address: str) -> Error:
         return NoServer(f"no server answers at {address} ({details}); is `baudbot serve` running there?")
     if any(item.key == "baudbot-reason" and item.value == "restart" for item in _trailers(error)):
         return Restart("the operator asked this brain to restart")
+    if code == grpc.StatusCode.UNIMPLEMENTED and not details:
+        return Refused(
+            f"the server at {address} does not serve that there: trainers connect to the address of `baudbot serve --trainer`, "
+            "brains and observers to that of `--listen`"
+        )
     return _KINDS.get(code, Refused)(f"the server says: {details} ({code.name})")
 
 

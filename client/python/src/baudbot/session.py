@@ -58,7 +58,10 @@ class Seat:
             part.raw = output
         elif isinstance(output, Poll):
             part.poll.SetInParent()
-        elif output is not None:
+        elif output is None:
+            # A trainer may say it after something else, which was refused because of another world.
+            part.ClearField("output")
+        else:
             # Also a coroutine, of which only `baudbot.aio` takes the result.
             expected = "bytes" if self.brain.raw else "drive(left, right), poll() or None"
             raise Error(f"{type(self.brain).__name__}.step must return {expected}, returned {output!r}")

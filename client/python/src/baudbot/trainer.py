@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count as numbers
@@ -69,11 +70,12 @@ class Result:
     def _only(self, by_robot: Mapping[str, T], what: str) -> T:
         if self.error is not None:
             raise self.error
-        if len(by_robot) == 1:
+        # Of several robots a single one may have a turn, and that is not always the same one.
+        if len(self.truths) == len(by_robot) == 1:
             return next(iter(by_robot.values()))
         if self.ended is not None and not by_robot:
             raise Error(f"the run of world `{self.world}` has ended ({self.ended}), and there is no {what}; reset it")
-        raise Error(f"world `{self.world}` has {len(by_robot)} of them; choose by a robot's name: result.{what}s[\"…\"]")
+        raise Error(f"world `{self.world}` has {len(self.truths)} robots; choose by a robot's name: result.{what}s[\"…\"]")
 
 
 class Trainer:
@@ -97,8 +99,7 @@ class Trainer:
         attributes = {"patience_s": patience_s, "every_tick": every_tick}
         self._brain = cast("type[Brain]", type("Trainer", (Brain,), attributes))
         self._channel = open_channel(connect)
-        self._requests: queue.SimpleQueue[pb.TrainRequest | None] = queue.SimpleQueue()
-        self._responses = TrainerServiceStub(self._channel).Train(iter(self._requests.get, None))
+        self._stream: _Stream | None = None
         self._trained: dict[str, _Trained] = {}
         self._made: list[World] = []
         self._text: str | None = None
@@ -111,14 +112,11 @@ class Trainer:
 
     def close(self) -> None:
         """Releases all robots, and deletes the worlds that `create` has made."""
-        self._requests.put(None)
-        self._responses.cancel()
+        if self._stream is not None:
+            self._stream.close()
         self._channel.close()
         try:
-            while self._made:
-                self._made.pop().delete()
-        except Error:
-            pass  # the server is gone, and its worlds with it
+            self._delete(self._made)
         finally:
             self.client.close()
 
@@ -146,29 +144,36 @@ class Trainer:
         chosen = None if seeds is None else list(seeds)
         if count is not None and chosen is not None and count != len(chosen):
             raise Refused(f"seeds: there are {len(chosen)}, and count is {count}")
-        total = count or (1 if chosen is None else len(chosen))
+        total = count if count is not None else 1 if chosen is None else len(chosen)
+        if total < 1:
+            raise Refused(f"count: must be at least 1, is {total}")
+        self._text = scenarios.read(scenario)
         taken = {world.name for world in self.client.worlds()}
         free = (f"{name}-{number}" for number in numbers(1) if f"{name}-{number}" not in taken)
-        for i, own in zip(range(total), free):
-            seed = {} if chosen is None else {"seed": chosen[i]}
-            self._made.append(self.client.create_world(scenario, own, set=set, **{**fields, **seed}))
-        self._text = scenarios.read(scenario)
-        self._open([world.name for world in self._made])
+        try:
+            for i, own in zip(range(total), free):
+                seed = {} if chosen is None else {"seed": chosen[i]}
+                self._made.append(self.client.create_world(scenario, own, set=set, **{**fields, **seed}))
+            self._open([world.name for world in self._made])
+        except Error:
+            self._delete(self._made)
+            raise
         return list(self._made)
 
-    def open(self, worlds: Iterable[str] = ("*",)) -> list[World]:
+    def open(self, worlds: str | Iterable[str] = ("*",)) -> list[World]:
         """Takes all robots of worlds that the server has, which must be in lockstep; names may be patterns (`wander-*`)."""
         self._check_unopened()
-        names = matching(worlds, [world.name for world in self.client.worlds()], "world")
+        self._text = None
+        names = matching([worlds] if isinstance(worlds, str) else worlds, [world.name for world in self.client.worlds()], "world")
         self._open(names)
         return [World(self.client, name) for name in names]
 
     def reset(
         self,
-        worlds: Iterable[str | World] | None = None,
+        worlds: str | World | Iterable[str | World] | None = None,
         *,
-        seed: int | Sequence[int] | None = None,
-        poses: Mapping[str, Pose] | Sequence[Mapping[str, Pose]] | None = None,
+        seed: int | Iterable[int] | None = None,
+        poses: Mapping[str, Pose] | Iterable[Mapping[str, Pose]] | None = None,
         set: Mapping[str, Any] | None = None,
         **fields: Any,
     ) -> list[Result]:
@@ -178,7 +183,8 @@ class Trainer:
         fields of the scenario as for `create`. What is not given is as `create` made it. Raises `Refused` or `NotFound` if a
         world refuses its reset, which then stands as before; the others are reset.
         """
-        chosen = list(self._trained.values()) if worlds is None else [self._find(world) for world in worlds]
+        named = [worlds] if isinstance(worlds, (str, World)) else worlds
+        chosen = list(self._trained.values()) if named is None else [self._find(world) for world in named]
         if "baud" in fields and self._text is None:
             raise Refused("baud: is for worlds that `create` has made; use set={\"robots.NAME.link.baud\": …}")
         changes = scenarios.overrides(self._text or "", set or {}, fields)
@@ -222,10 +228,22 @@ class Trainer:
             raise NotFound(unknown("world of this trainer", name, list(self._trained)))
         return self._trained[name]
 
+    def _delete(self, worlds: list[World]) -> None:
+        """Deletes these worlds, as far as they are still there."""
+        while worlds:
+            try:
+                worlds.pop().delete()
+            except NotFound:
+                pass  # somebody has deleted it
+            except Error:
+                worlds.clear()  # the server is gone or does not answer
+
     def _open(self, names: list[str]) -> None:
         program = program_name()
         hellos = [hello(name, [], self._brain, program).hello for name in names]
-        response = self._ask(pb.TrainRequest(open=pb.OpenTraining(worlds=hellos)))
+        # A stream of its own: that of an attempt which was refused is over.
+        self._stream = _Stream(self._channel, self.client.address)
+        response = self._stream.ask(pb.TrainRequest(open=pb.OpenTraining(worlds=hellos)), names)
         make = self._brain
         for place, (name, message) in enumerate(zip(names, response.worlds, strict=True)):
             self._trained[name] = _Trained(place, name, Session(message.welcome, make))
@@ -235,8 +253,9 @@ class Trainer:
     def _exchange(self, actions: dict[_Trained, pb.WorldAction]) -> Error | None:
         """Does something in some worlds, and waits for a turn of theirs with news; the first refusal, if there is any."""
         refused = None
-        while actions:
-            response = self._ask(pb.TrainRequest(cycle=pb.TrainingCycle(worlds=actions.values())))
+        while actions and self._stream is not None:
+            cycle = pb.TrainingCycle(worlds=actions.values())
+            response = self._stream.ask(pb.TrainRequest(cycle=cycle), [trained.name for trained in actions])
             told = list(zip(actions, response.worlds, strict=True))
             for trained, message in told:
                 if refused is None and message.HasField("refused"):
@@ -245,14 +264,37 @@ class Trainer:
             actions = {trained: action for trained, action in taken if action is not None}
         return refused
 
-    def _ask(self, request: pb.TrainRequest) -> pb.TrainResponse:
+
+class _Stream:
+    """Requests to the server, each with a response."""
+
+    def __init__(self, channel: grpc.Channel, address: str) -> None:
+        self._address = address
+        self._requests: queue.SimpleQueue[pb.TrainRequest | None] = queue.SimpleQueue()
+        self._responses = TrainerServiceStub(channel).Train(iter(self._requests.get, None))
+
+    def close(self) -> None:
+        self._requests.put(None)
+        self._responses.cancel()
+
+    def ask(self, request: pb.TrainRequest, names: Sequence[str]) -> pb.TrainResponse:
+        """The response to a request about the worlds of these names."""
         self._requests.put(request)
         try:
             return next(self._responses)
         except grpc.RpcError as error:
-            raise from_rpc(error, self.client.address) from None
+            problem = from_rpc(error, self._address)
+            raise type(problem)(_named(str(problem), names)) from None
         except StopIteration:
             raise closed() from None
+
+
+def _named(text: str, names: Sequence[str]) -> str:
+    """What is wrong with `worlds[3]` of a request, with the name of that world."""
+    place = re.search(r"worlds\[(\d+)\]", text)
+    if place is None or int(place[1]) >= len(names):
+        return text
+    return f"world `{names[int(place[1])]}`: {text}"
 
 
 class _Trained:
@@ -319,10 +361,11 @@ def _kind(kind: world_pb2.EndingKind.ValueType) -> str:
     return known.removeprefix("ENDING_KIND_").lower().replace("_", "-")
 
 
-def _for_each(worlds: Sequence[_Trained], given: T | Sequence[T] | None, what: str) -> list[T | None]:
+def _for_each(worlds: Sequence[_Trained], given: object, what: str) -> list[Any]:
     """What is given for all worlds, or for each."""
-    if not isinstance(given, Sequence):
+    if isinstance(given, Mapping) or not isinstance(given, Iterable):
         return [given] * len(worlds)
-    if len(given) != len(worlds):
-        raise Refused(f"{what}: there are {len(given)}, one for each of {len(worlds)} worlds is needed")
-    return list(given)
+    each = list(given)
+    if len(each) != len(worlds):
+        raise Refused(f"{what}: there are {len(each)}, one for each of {len(worlds)} worlds is needed")
+    return each
