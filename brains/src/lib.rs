@@ -37,6 +37,8 @@ pub mod decision;
 pub mod description;
 pub mod estimate;
 pub mod exploration;
+#[cfg(feature = "program")]
+mod given;
 pub mod localization;
 pub mod mapping;
 pub mod navigate;

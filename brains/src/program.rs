@@ -5,8 +5,8 @@
 //! `baudbot brain NAME` runs them.
 //!
 //! What the command line leaves out is taken from the environment, which `baudbot run --brain 'exec:…'` sets for the programs
-//! that it starts: `BAUDBOT_CONNECT`, `BAUDBOT_WORLD`, `BAUDBOT_ROBOT` (names with commas between them), `BAUDBOT_SEED` and
-//! `BAUDBOT_RECONNECT_S`. A program that loses its server tries to come back, and says so on stderr.
+//! that it starts: `BAUDBOT_CONNECT`, `BAUDBOT_WORLD`, `BAUDBOT_ROBOT` (names with commas between them), `BAUDBOT_SEED`,
+//! `BAUDBOT_PARAMETERS` and `BAUDBOT_RECONNECT_S`. A program that loses its server tries to come back, and says so on stderr.
 
 use std::ffi::OsStr;
 use std::fmt::Display;
@@ -19,11 +19,12 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::catalogue::{shown_name, text_of};
 use crate::description::Description;
+pub use crate::given::Given;
 use crate::registry::Registry;
 use crate::restarting::Restarting;
 
-/// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and the seed of the brain's own
-/// random numbers; it is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
+/// Runs a brain of one's own, under this name. `make` makes it for a robot, from its data sheet and what the program was
+/// [given]: the seed of the brain's own random numbers, and its parameters. It is called for each robot, and again when the brain starts over: when the operator wants that, after a lost
 /// connection, and when the world's time goes back.
 ///
 /// ```no_run
@@ -31,26 +32,37 @@ use crate::restarting::Restarting;
 /// use baudbot_client::{Action, Brain, Turn};
 ///
 /// /// Drives straight on.
-/// struct Straight;
+/// struct Straight {
+///     speed: f64,
+/// }
 ///
 /// impl Brain for Straight {
 ///     fn step(&mut self, _: &Turn) -> Action {
-///         Action::drive(0.5, 0.5)
+///         Action::drive(self.speed, self.speed)
 ///     }
 /// }
 ///
 /// fn main() -> std::process::ExitCode {
-///     program::brain("straight", |_, _| Ok(Straight))
+///     program::brain("straight", |_body, given| Ok(Straight { speed: given.number("speed", 0.5) }))
 /// }
 /// ```
-pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, u64) -> anyhow::Result<B>) -> ExitCode {
+///
+/// [given]: Given
+pub fn brain<B: Brain>(name: &'static str, make: impl Fn(&Body, &Given) -> anyhow::Result<B>) -> ExitCode {
     let arguments = command(name).about("A brain for robots of baudbot's").get_matches();
     let attachment = Attachment { thinks_as_scenario: false, ..attachment(shown_name(name), &arguments) };
-    let seed = seed(&arguments);
-    ended(name, drive(&attachment, |body| make(body, seed)))
+    let driven = Given::of_environment(seed(&arguments)).and_then(|given| {
+        drive(&attachment, |body| {
+            let brain = make(body, &given)?;
+            given.check()?;
+            anyhow::Ok(brain)
+        })
+    });
+    ended(name, driven)
 }
 
-/// Runs a brain that the file describes which the command line names, with these kinds of processes.
+/// Runs a brain that the file describes which the command line names, with these kinds of processes. Parameters of the
+/// environment are paths in that file.
 ///
 /// ```no_run
 /// use baudbot_brains::program;
@@ -80,9 +92,9 @@ fn ended(name: &str, driven: anyhow::Result<()>) -> ExitCode {
 }
 
 fn run_file(file: &str, arguments: &ArgMatches, registry: &Registry) -> anyhow::Result<()> {
-    let description = Description::parse(&text_of(Path::new(file))?)?;
-    let seed = seed(arguments);
-    drive(&attachment(name_of(file), arguments), |body| description.clone().brain(seed, body, registry))
+    let given = Given::of_environment(seed(arguments))?;
+    let description = Description::with_settings(&text_of(Path::new(file))?, &given.settings())?;
+    drive(&attachment(name_of(file), arguments), |body| description.clone().brain(given.seed, body, registry))
 }
 
 /// Attaches, and drives until the run is over.

@@ -6,9 +6,20 @@ import * as pb from "./gen/baudbot/v1/brain_link_pb";
 
 const { BAUDBOT_CONNECT = "127.0.0.1:7400", BAUDBOT_WORLD = "wander", BAUDBOT_ROBOT = "robot" } = process.env;
 
-const speed = 0.4;
-const gain = 1.0;
-const wanted = 0.3; // nearness of the wall: 0 is out of range, 1 is very near
+// `wanted` is the nearness of the wall that it keeps: 0 is out of range, 1 is very near.
+const { speed, gain, wanted } = withParameters({ speed: 0.4, gain: 1.0, wanted: 0.3 });
+
+/** These numbers, or those that BAUDBOT_PARAMETERS has in their place, which a sweep sets. */
+function withParameters<T extends Record<string, number>>(defaults: T): T {
+  const given = JSON.parse(process.env.BAUDBOT_PARAMETERS || "{}") as Record<string, unknown>;
+  for (const [name, value] of Object.entries(given)) {
+    if (!(name in defaults) || typeof value !== "number") {
+      console.error(`follow.ts: there is no number ${name}; there are: ${Object.keys(defaults).join(", ")}`);
+      process.exit(1);
+    }
+  }
+  return { ...defaults, ...given };
+}
 
 /** What the brain does in a step. `value` gives a sensor's last reading, or the other value if none has arrived yet. */
 function step(value: (sensor: string, unread: number) => number): MessageInitShape<typeof pb.CommandSchema> {

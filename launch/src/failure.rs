@@ -93,13 +93,11 @@ impl fmt::Display for Problem {
                 "the interpreter that the first line of `{}` names is not there; look at that line, also for a line end of Windows",
                 Printable(program)
             ),
-            Self::NotExecutable(program) => {
-                let program = Printable(program);
-                write!(
-                    f,
-                    "`{program}` is not executable; run chmod +x on it, or name its interpreter, as in exec:python3 {program}"
-                )
-            }
+            Self::NotExecutable(program) => write!(
+                f,
+                "`{0}` is not executable; run chmod +x on it, or name its interpreter, as in exec:python3 {0}",
+                Printable(program)
+            ),
             Self::NotStarted(reason) => write!(f, "cannot be started: {reason}"),
             Self::NotAttached { robots, patience } => {
                 let (robots, s) = (robots.join(", "), patience.as_secs_f64());
@@ -116,13 +114,11 @@ impl fmt::Display for Problem {
             ),
             Self::Exited(status) => write!(f, "{} before the run was over", Ended(*status)),
             Self::Traceback => f.write_str("has driven to the end of the run, but printed an exception"),
-            Self::Elsewhere { held, robots } => {
-                let robots = robots.join(", ");
-                write!(
-                    f,
-                    "was started for {robots} (BAUDBOT_ROBOT), but {held} is held, which no brain was given"
-                )
-            }
+            Self::Elsewhere { held, robots } => write!(
+                f,
+                "was started for {} (BAUDBOT_ROBOT), but {held} is held, which no brain was given",
+                robots.join(", ")
+            ),
         }
     }
 }

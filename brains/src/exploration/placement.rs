@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn an_interval_below_the_least_width_gets_none() {
         let width = |degrees: f64| Interval { from_rad: -1.0, to_rad: -1.0 + degrees.to_radians() };
-        assert_eq!(PLACEMENT.directions(&width(34.0)), []);
+        assert!(PLACEMENT.directions(&width(34.0)).is_empty());
         assert_eq!(PLACEMENT.directions(&width(35.0)).len(), 1, "0.6 rad are 34.4 degrees");
     }
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{baudbot, good};
+use crate::{Running, baudbot, good};
 
 /// A brain of the catalogue as a program that reads where it attaches in its environment.
 fn program(brain: &str) -> String {
@@ -112,6 +112,47 @@ fn a_diagram_tells_of_a_program_that_fails() {
     let (code, out, err) = baudbot(&["diagram", "wander", "--brain", "exec:sh -c 'echo no luck; exit 3'"]);
     assert!(code == 1 && out.is_empty(), "{code} {out}");
     assert!(err.contains("exited with code 3 before it attached") && err.contains("no luck"), "{err}");
+}
+
+#[test]
+fn ctrl_c_before_a_program_holds_its_robot_runs_nothing() {
+    let socket = format!("unix:{}", tempfile::tempdir().unwrap().keep().join("socket").display());
+    for brain in [&["--brain", "exec:sleep 63"][..], &["--external", "1"]] {
+        let args = [&["run", "wander", "--seconds", "9", "--json", "--listen", &socket], brain].concat();
+        let mut run = Running::start(&args);
+        // Signals are awaited before it listens.
+        assert_eq!(run.first_complaint(), format!("listening on {socket}\n"));
+        run.signal("-INT");
+        let (code, out, _) = run.end();
+        let summary: Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(
+            (code, summary["interrupted"].as_bool(), summary["ticks"].as_u64()),
+            (130, Some(true), Some(0))
+        );
+    }
+}
+
+#[test]
+fn parameters_are_set_of_all_brains_that_have_them() {
+    let shows = "exec:sh -c 'echo $BAUDBOT_PARAMETERS; exit 3'";
+    let (_, _, err) =
+        baudbot(&["run", "wander", "--brain", shows, "--parameter", "speed=0.5", "--parameter", "name=a b"]);
+    assert!(err.contains("{\"name\":\"a b\",\"speed\":0.5}"), "{err}");
+    let run = |brain: &[&str]| summary(&[&["run", "wander", "--seconds", "2", "--brain"], brain].concat());
+    let set = run(&["constant:left=0.1,right=0.1", "--parameter", "left=0.3"]);
+    assert_eq!(set["state_hash"], run(&["constant:left=0.3,right=0.1"])["state_hash"]);
+    for (argument, words) in [("left", "write NAME=VALUE"), ("lefd=1", "lefd")] {
+        let (code, _, err) = baudbot(&["run", "wander", "--brain", "constant", "--parameter", argument]);
+        assert!(
+            code == 2 && err.contains(&format!("--parameter {argument}: ")) && err.contains(words),
+            "{err}"
+        );
+    }
+    let (code, _, err) = baudbot(&["run", "wander", "--brain", "follow.py"]);
+    assert!(
+        code == 2 && err.contains("a program of your own is named as in 'exec:python3 follow.py'"),
+        "{err}"
+    );
 }
 
 #[test]

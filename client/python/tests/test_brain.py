@@ -3,6 +3,7 @@
 import asyncio
 import math
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import baudbot
@@ -194,6 +195,11 @@ class Names(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(baudbot.Refused, words):
                 Settings.find(environment={name: text})
+
+    def test_a_parameter_is_given_once(self):
+        with unittest.mock.patch.dict("os.environ", {"BAUDBOT_PARAMETERS": '{"speed": 0.25}'}):
+            with self.assertRaisesRegex(SystemExit, "--speed is given, and BAUDBOT_PARAMETERS has speed, too"):
+                baudbot.main(Follow, ["--speed", "0.5"])
 
     def test_further_runs_are_lines_of_the_input(self):
         environment = {"BAUDBOT_REUSE": "1", "BAUDBOT_SEED": "1", "BAUDBOT_WORLD": "w"}

@@ -279,8 +279,8 @@ class ManyRuns(WithPrograms):
         self.assertEqual(len(started), 48, said)
         reused, started, said = self.sweep(program, True)
         # One for the first run, by which the length of the sweep is estimated; one for the others; and one for each of its
-        # runs that are done again: the second, the 22nd and the 42nd.
-        self.assertEqual(len(started), 5, said)
+        # runs that are done again: the second, the 22nd, the 42nd and the last.
+        self.assertEqual(len(started), 6, said)
         self.assertEqual(list(fresh.state_hash), list(reused.state_hash))
         self.assertEqual(len(set(reused.state_hash)), 48)
 
@@ -300,6 +300,23 @@ class ManyRuns(WithPrograms):
         self.assertIsNone(rows)
         self.assertRegex(said, "run 2 with seed 3 ends with the state .*; done again by a new process it ends with")
         self.assertIn("keeps something from one run to the next", said)
+
+    def test_what_gathers_over_many_runs_is_found_in_the_last(self):
+        program = (
+            "import baudbot\n"
+            "runs = 0\n"
+            "class Leaks(baudbot.Brain):\n"
+            "  speed = 0.5\n"
+            "  def start(self):\n"
+            "    global runs\n"
+            "    runs += 1\n"
+            "  def step(self, turn):\n"
+            "    return baudbot.drive(self.speed, self.speed if runs < 5 else 0.0)\n"
+            "baudbot.main(Leaks)\n"
+        )
+        rows, _, said = self.sweep(program, True, seeds=4)
+        self.assertIsNone(rows)
+        self.assertIn("run 7 with seed 4 ends with the state", said)
 
     def test_a_program_for_one_run_is_told_so(self):
         program = "import baudbot\nfrom avoid import Avoid\nAvoid.speed = 0.4\nbaudbot.attach(Avoid)\n"

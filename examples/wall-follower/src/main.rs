@@ -6,5 +6,12 @@ use baudbot_brains::program;
 use wall_follower::Follow;
 
 fn main() -> ExitCode {
-    program::brain("wall-follower", |_body, _seed| Ok(Follow::default()))
+    program::brain("wall-follower", |_body, given| {
+        let Follow { speed, gain, wanted } = Follow::default();
+        Ok(Follow {
+            speed: given.number("speed", speed),
+            gain: given.number("gain", gain),
+            wanted: given.number("wanted", wanted),
+        })
+    })
 }

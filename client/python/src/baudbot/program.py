@@ -10,7 +10,7 @@ import sys
 from .attach import drive
 from .brain import Brain
 from .errors import Error
-from .settings import Settings, runs
+from .settings import Settings, environment_parameters, runs
 
 
 def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
@@ -26,6 +26,9 @@ def main(brain: type[Brain], arguments: list[str] | None = None) -> None:
     reconnect_s = None if given.reconnect is None else _seconds(parser, given.reconnect)
     try:
         for environment in runs():
+            both = sorted(parameters.keys() & environment_parameters(environment).keys())
+            if both:
+                raise Error(f"--{both[0]} is given, and BAUDBOT_PARAMETERS has {both[0]}, too; leave out one of them")
             settings = Settings.find(
                 given.connect, given.world, given.robot, given.seed, parameters, reconnect_s, environment
             )

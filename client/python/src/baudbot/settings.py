@@ -57,7 +57,7 @@ class Settings:
             world=world or environment.get("BAUDBOT_WORLD") or None,
             robots=tuple(robots),
             seed=int(_number("BAUDBOT_SEED", "1", environment)) if seed is None else seed,
-            parameters=_parameters(environment) | dict(parameters or {}),
+            parameters=environment_parameters(environment) | dict(parameters or {}),
             reconnect_s=_number("BAUDBOT_RECONNECT_S", "600", environment) if reconnect_s is None else reconnect_s,
         )
 
@@ -106,7 +106,8 @@ def _number(name: str, default: str, environment: Mapping[str, str]) -> float:
         raise Refused(f"{name} must be a number, is {text!r}") from None
 
 
-def _parameters(environment: Mapping[str, str]) -> dict[str, Value]:
+def environment_parameters(environment: Mapping[str, str]) -> dict[str, Value]:
+    """The parameters in `BAUDBOT_PARAMETERS`."""
     text = environment.get("BAUDBOT_PARAMETERS") or "{}"
     try:
         parameters = json.loads(text)
