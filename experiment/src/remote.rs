@@ -104,7 +104,8 @@ impl Remote {
     ) -> Result<Result<Done, String>, Error> {
         match self.runtime.block_on(self.world(experiment, task, lifetime)) {
             Ok(done) => Ok(Ok(done)),
-            Err(Failure::Run(problem)) => Ok(Err(problem)),
+            // A table has a line for it.
+            Err(Failure::Run(problem)) => Ok(Err(problem.replace('\n', " | "))),
             Err(Failure::Server(error)) => Err(error),
         }
     }
@@ -299,13 +300,12 @@ async fn held(
 }
 
 impl From<Broken> for Failure {
-    /// A program that fails is the run's own fault; a table has a line for it. One that does only one run would fail in every
-    /// other.
+    /// A program that fails is the run's own fault. One that does only one run would fail in every other.
     fn from(failure: Broken) -> Self {
         if matches!(failure.problem, Problem::NotReused(_)) {
             return Self::Server(Error::Refused(failure.to_string()));
         }
-        Self::Run(failure.to_string().replace('\n', " | "))
+        Self::Run(failure.to_string())
     }
 }
 

@@ -120,9 +120,11 @@ impl Crew {
                 return Ok(());
             };
             if let Some(member) = self.exited() {
-                let problem = match self.members[member].runs {
-                    0 => Problem::ExitedUnattached,
-                    _ => Problem::NotReused,
+                let has_run = self.members[member].runs > 0;
+                // One that ends well behind its run does not read another; one that fails has tried to.
+                let problem = |status: ExitStatus| match has_run && status.success() {
+                    true => Problem::NotReused(status),
+                    false => Problem::ExitedUnattached(status),
                 };
                 return Err(self.ended(member, problem).await.into());
             }
@@ -183,7 +185,7 @@ impl Crew {
         }
     }
 
-    /// The same, but lets those live that are for many runs.
+    /// As [`end`](Self::end), but lets those live that are for many runs.
     ///
     /// # Errors
     /// If one has printed an exception.

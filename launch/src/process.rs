@@ -51,8 +51,9 @@ impl Process {
         let spawned = command.spawn();
         let mut child = spawned.map_err(|error| {
             let word = program.words[0].clone();
-            let is_there = || Path::new(&word).is_file() && program.folder.is_none();
-            let problem = if error.kind() == ErrorKind::NotFound && word.contains('/') && is_there() {
+            let folder = program.folder.as_deref().unwrap_or_else(|| Path::new(""));
+            let is_there = word.contains('/') && folder.join(&word).is_file();
+            let problem = if error.kind() == ErrorKind::NotFound && is_there {
                 Problem::NoInterpreter(word)
             } else if error.kind() == ErrorKind::NotFound {
                 Problem::Missing(word)

@@ -185,6 +185,21 @@ async fn a_process_that_ends_after_its_run_is_told_when_it_is_to_do_another() {
 }
 
 #[tokio::test]
+async fn a_process_that_fails_at_its_next_run_is_told_as_one_that_fails_at_its_first() {
+    let task =
+        Task { lifetime: Lifetime::ManyRuns, ..task("sh -c 'read -r line; echo no such speed; exit 2'") };
+    let mut idle = Idle::default();
+    let tasks = std::slice::from_ref(&task);
+    let mut crew = Crew::start_or_reuse(tasks, &mut idle, "unix:/nowhere", "one", 7).await.unwrap();
+    held(&mut crew).await.unwrap();
+    crew.release(&mut idle).await.unwrap();
+    let mut crew = Crew::start_or_reuse(tasks, &mut idle, "unix:/nowhere", "two", 7).await.unwrap();
+    let look = async || Ok::<_, Failure>(robots(false));
+    let error = crew.attached(Duration::from_secs(60), look).await.unwrap_err().to_string();
+    assert!(error.contains("exited with code 2 before it attached; it printed\n  no such speed"), "{error}");
+}
+
+#[tokio::test]
 async fn a_first_line_that_names_no_interpreter_is_told() {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().unwrap();
@@ -194,6 +209,11 @@ async fn a_first_line_that_names_no_interpreter_is_told() {
     let error = start(&path.display().to_string()).unwrap_err();
     assert!(matches!(error.problem, Problem::NoInterpreter(_)), "{error}");
     assert!(error.to_string().contains("also for a line end of Windows"), "{error}");
+    // Also of one that is started in its folder.
+    let program = Program::parse("./crlf.sh").unwrap().in_folder(folder.path().to_owned());
+    let task = Task { program, ..task("x") };
+    let error = Crew::start(&[task], "unix:/nowhere", "world", 7).unwrap_err();
+    assert!(matches!(error.problem, Problem::NoInterpreter(_)), "{error}");
 }
 
 #[tokio::test]
