@@ -1,5 +1,6 @@
 //! `baudbot preset`: what robots and parts there are, and where their numbers are from.
 
+use baudbot_evidence::known;
 use baudbot_scenario::presets::{self, Fact, Preset, PresetKind, presets};
 use serde_json::{Value, json};
 
@@ -12,7 +13,11 @@ pub(crate) fn preset(args: &PresetArgs) -> anyhow::Result<()> {
         return if args.json { print_json(&presets().map(about).collect::<Value>()) } else { print(&list()) };
     };
     let preset = presets::preset(name).ok_or_else(|| Refused::error(unknown(name)))?;
-    if args.json { print_json(&with_values(preset)) } else { print(preset.text) }
+    if args.json {
+        print_json(&with_values(preset))
+    } else {
+        print(&format!("# Known: {}.\n{}", known(preset), preset.text))
+    }
 }
 
 /// All presets, kind by kind.
@@ -32,6 +37,7 @@ fn about(preset: &'static Preset) -> Value {
 
 fn with_values(preset: &'static Preset) -> Value {
     let mut about = about(preset);
+    about["known"] = known(preset).into();
     about["values"] = preset.facts().iter().map(value).collect();
     about
 }

@@ -108,6 +108,15 @@ Examples:
 
 A scenario uses a preset with `preset = \"khepera-1\"`: a robot's in [[robots]], others in the table of their part.";
 
+pub(super) const EVIDENCE_EXAMPLES: &str = "\
+Examples:
+  baudbot evidence                               all comparisons, a line each
+  baudbot evidence e-puck-ir                     the points of all comparisons about a preset
+  baudbot evidence khepera-ir --json
+  baudbot evidence --write docs                  the page docs/evidence.md, with pictures in docs/pictures
+
+Ends with 1 if a point disagrees that is not known to, or that is known to and agrees.";
+
 pub(super) const WATCH_EXAMPLES: &str = "\
 Examples:
   baudbot watch                                  the only world at 127.0.0.1:7400

@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
-    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,
+    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,
     REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES, WATCH_EXAMPLES,
 };
 pub(crate) use self::locate::{LocateArgs, Search};
@@ -91,6 +91,9 @@ pub(crate) enum Command {
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
+    /// Holds presets against measurements of real robots: all, or some by their names or presets
+    #[command(after_long_help = EVIDENCE_EXAMPLES)]
+    Evidence(EvidenceArgs),
     /// Exports tables, traces, pictures and films of a recording, or describes it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),
@@ -267,6 +270,24 @@ pub(crate) struct PresetArgs {
     /// Write JSON: the list, or a preset's values, each with its standing and its source
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EvidenceArgs {
+    /// Comparisons, or presets whose comparisons are done, with all their points [default: all, in a line each]
+    pub(crate) names: Vec<String>,
+    /// Write JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the page `evidence.md` and its pictures into this folder
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json"])]
+    pub(crate) write: Option<PathBuf>,
+    /// Fail if the page in this folder is not what would be written
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["names", "json", "write"])]
+    pub(crate) check: Option<PathBuf>,
+    /// Do not tell which experiment is being done
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,7 +1,9 @@
-//! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, and values [`over_time`].
+//! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, values [`over_time`], and
+//! measured values beside simulated ones ([`compared`]).
 //!
 //! `lines` and `heat` draw a [`Chart`]; `page` has what several charts share: title, frame and the names of axes.
 
+pub mod compared;
 mod heat;
 mod lines;
 pub mod over_time;

@@ -1,0 +1,73 @@
+//! How long an echo takes: the brain sends the next command when the answer to the last one is there.
+
+use baudbot_brain::{Body, RawCommands};
+use baudbot_sim::drive::Wheels;
+use baudbot_sim::{Answer, World, Written};
+use serde::Deserialize;
+
+use super::{ExperimentError, lab};
+
+/// Echoes over a serial cable: a command of two bytes, and a reading of one. What was measured are echoes of one byte, so
+/// that characters here are so much shorter that three take the time of two.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Echo {
+    /// Bits of a character: 10 of 8N1.
+    pub bits_per_character: u8,
+    /// Number of exchanges.
+    pub exchanges: usize,
+    /// Longest time between an answer and the next command, in milliseconds; none if the command follows at once. It varies
+    /// evenly.
+    #[serde(default)]
+    pub pause_ms: f64,
+    /// The robot's processor, a preset.
+    pub microcontroller: String,
+}
+
+impl Echo {
+    /// Times of the echoes, in milliseconds, through an adapter of a preset, or through none.
+    pub(super) fn run(&self, adapter: Option<&str>, baud: f64) -> Result<Vec<f64>, ExperimentError> {
+        let adapter = adapter.map(|name| format!(", adapter = {{ preset = \"{name}\" }}")).unwrap_or_default();
+        let toml = format!(
+            "step_ms = {STEP_MS:?}\n[[robots]]\nname = \"robot\"\n{}\n\
+             motors.signal_bits = 8\n\
+             microcontroller.preset = \"{}\"\n\
+             firmware = {{ protocol = \"bare\", mode = \"poll\" }}\n\
+             sensors.compass = {{ kind = \"compass\", bits = 8, period_ms = 1000.0 }}\n\
+             link = {{ kind = \"uart\", baud = {}, bits_per_character = {}{adapter} }}\n",
+            lab::DISC,
+            self.microcontroller,
+            (1.5 * baud) as u32,
+            self.bits_per_character,
+        );
+        let world = lab::specimens(&toml, 1)?.next();
+        Ok(world.map(|world| self.exchange(world)).unwrap_or_default())
+    }
+
+    fn exchange(&self, mut world: World) -> Vec<f64> {
+        let body = Body::from(world.robot(0).spec());
+        let mut commands = RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
+        let (mut echoes_ms, mut sent) = (Vec::new(), None);
+        while echoes_ms.len() < self.exchanges {
+            let turn = world.begin().first().copied();
+            let arrived = world.has_message(0);
+            let Some(turn) = turn.filter(|_| arrived || sent.is_none()) else {
+                world.finish(&[]);
+                continue;
+            };
+            echoes_ms.extend(sent.map(|sent| turn.at.since(sent) as f64 * 1e-6));
+            let share = (echoes_ms.len() as f64 * GOLDEN).fract();
+            let at = turn.at + (share * self.pause_ms * 1e6) as u64;
+            let sequence = commands.next_command(&[]);
+            let written = Written::Command { sequence, wheels: Wheels::default(), others: &[] };
+            world.finish_answers(&[Answer { robot: 0, at, written }]);
+            sent = Some(at);
+        }
+        echoes_ms
+    }
+}
+
+/// A brain steps at most once a tick, so that this must be shorter than any echo.
+const STEP_MS: f64 = 0.05;
+/// Its multiples are spread evenly over 0 to 1.
+const GOLDEN: f64 = 0.618_033_988_749_895;
