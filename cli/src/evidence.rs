@@ -26,7 +26,8 @@ fn compare(args: &EvidenceArgs) -> anyhow::Result<ExitCode> {
     let mut told = Vec::new();
     let mut is_as_known = true;
     for comparison in &chosen {
-        let points = comparison.run().with_context(|| format!("cannot do the experiment `{}`", comparison.name))?;
+        let points =
+            comparison.run().with_context(|| format!("cannot do the experiment `{}`", comparison.name))?;
         is_as_known &= points.iter().all(|point| point.agrees == point.measured.disagrees.is_none());
         if args.json {
             told.push(as_json(comparison, &points));
@@ -43,7 +44,8 @@ fn compare(args: &EvidenceArgs) -> anyhow::Result<ExitCode> {
 /// The comparisons of these names or about these presets; all without any.
 fn chosen(names: &[String]) -> anyhow::Result<Vec<Comparison>> {
     let all = comparisons();
-    let is_of = |comparison: &Comparison, name: &String| comparison.name == name || comparison.presets.contains(name);
+    let is_of =
+        |comparison: &Comparison, name: &String| comparison.name == name || comparison.presets.contains(name);
     if let Some(unknown) = names.iter().find(|name| !all.iter().any(|comparison| is_of(comparison, name))) {
         let known: Vec<_> = all.iter().map(|comparison| comparison.name).collect();
         return Err(Refused::error(format!(
@@ -51,18 +53,21 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Comparison>> {
             known.join(", ")
         )));
     }
-    let wanted = |comparison: &Comparison| names.is_empty() || names.iter().any(|name| is_of(comparison, name));
+    let wanted =
+        |comparison: &Comparison| names.is_empty() || names.iter().any(|name| is_of(comparison, name));
     Ok(all.into_iter().filter(wanted).collect())
 }
 
 /// A line, or the table of all points.
 fn words(comparison: &Comparison, points: &[Compared<'_>], whole: bool) -> String {
     let agree = points.iter().filter(|point| point.agrees).count();
-    let line = format!("{}: {agree} of {} points agree ({})\n", comparison.name, points.len(), comparison.title);
+    let line =
+        format!("{}: {agree} of {} points agree ({})\n", comparison.name, points.len(), comparison.title);
     if !whole {
         return line;
     }
-    let head = [comparison.x.clone(), format!("measured: {}", comparison.y), "simulated".into(), String::new()];
+    let head =
+        [comparison.x.clone(), format!("measured: {}", comparison.y), "simulated".into(), String::new()];
     let rows: Vec<_> = std::iter::once(head).chain(points.iter().map(row)).collect();
     format!("{line}{}source: {}\n\n", table("  ", &rows), comparison.source)
 }
@@ -110,7 +115,8 @@ fn write(folder: &Path, quiet: bool) -> anyhow::Result<ExitCode> {
     for file in made(quiet)? {
         let path = folder.join(&file.path);
         if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).with_context(|| format!("cannot make the folder {}", parent.display()))?;
+            std::fs::create_dir_all(parent)
+                .with_context(|| format!("cannot make the folder {}", parent.display()))?;
         }
         text::write(&path, &file.text)?;
     }
@@ -118,10 +124,15 @@ fn write(folder: &Path, quiet: bool) -> anyhow::Result<ExitCode> {
 }
 
 fn check(folder: &Path, quiet: bool) -> anyhow::Result<ExitCode> {
-    let is_old = |file: &File| std::fs::read_to_string(folder.join(&file.path)).ok().as_ref() != Some(&file.text);
+    let is_old =
+        |file: &File| std::fs::read_to_string(folder.join(&file.path)).ok().as_ref() != Some(&file.text);
     let old: Vec<_> = made(quiet)?.into_iter().filter(is_old).collect();
     for file in &old {
-        tell!("{} is not what `baudbot evidence --write {}` makes", folder.join(&file.path).display(), folder.display());
+        tell!(
+            "{} is not what `baudbot evidence --write {}` makes",
+            folder.join(&file.path).display(),
+            folder.display()
+        );
     }
     Ok(if old.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

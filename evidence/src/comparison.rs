@@ -120,8 +120,8 @@ macro_rules! comparisons {
 /// All comparisons, in the order of the page.
 pub fn comparisons() -> Vec<Comparison> {
     let read = |(name, text): (&'static str, &str)| {
-        let comparison: Comparison =
-            toml::from_str(text).unwrap_or_else(|error| panic!("{name}.toml, which is a part of the program: {error}"));
+        let comparison: Comparison = toml::from_str(text)
+            .unwrap_or_else(|error| panic!("{name}.toml, which is a part of the program: {error}"));
         Comparison { name, ..comparison }
     };
     FILES.into_iter().map(read).collect()
@@ -161,9 +161,9 @@ impl Bound {
                     |factor: f64| ratio.is_none_or(|ratio| ratio >= 1.0 / factor && ratio <= factor);
                 off <= percent / 100.0 * measured.mean.abs() && spread_factor.is_none_or(is_spread)
             }
-            Self::Range => measured
-                .range
-                .is_some_and(|[least, most]| simulated.mean >= least && simulated.mean <= most),
+            Self::Range => {
+                measured.range.is_some_and(|[least, most]| simulated.mean >= least && simulated.mean <= most)
+            }
             Self::Exact => off <= 1e-9 * measured.mean.abs(),
         }
     }

@@ -66,10 +66,18 @@ impl SettledBy {
                 "The response to a step",
                 "Take it with `baudbot measure step`, and fit it with `baudbot fit`.",
             ),
-            Self::Echo => ("Echo times", "Take them with `baudbot measure echo`, and fit them with `baudbot fit`."),
-            Self::Pins => ("A logic analyser", "Watch the pins: when is the sensor read, and when does a byte begin?"),
-            Self::Ammeter => ("An ammeter", "Measure the current, and discharge the battery at a constant one."),
-            Self::Manual => ("The manual or the firmware", "Read it up: it is a setting or a format, not a measurement."),
+            Self::Echo => {
+                ("Echo times", "Take them with `baudbot measure echo`, and fit them with `baudbot fit`.")
+            }
+            Self::Pins => {
+                ("A logic analyser", "Watch the pins: when is the sensor read, and when does a byte begin?")
+            }
+            Self::Ammeter => {
+                ("An ammeter", "Measure the current, and discharge the battery at a constant one.")
+            }
+            Self::Manual => {
+                ("The manual or the firmware", "Read it up: it is a setting or a format, not a measurement.")
+            }
             Self::Choice => (
                 "Choices of the simulation",
                 "They are no property of the robot: how finely it is simulated, or a default that a scenario replaces.",
@@ -79,7 +87,8 @@ impl SettledBy {
 
     /// What settles a field, by its name.
     fn of(field: &str) -> Option<Self> {
-        let settled_by = |(names, settled_by): &(&[&str], Self)| names.contains(&field).then_some(*settled_by);
+        let settled_by =
+            |(names, settled_by): &(&[&str], Self)| names.contains(&field).then_some(*settled_by);
         BY_FIELD.iter().find_map(settled_by)
     }
 }
@@ -87,29 +96,67 @@ impl SettledBy {
 const BY_FIELD: [(&[&str], SettledBy); 9] = [
     (
         &[
-            "mass_kg", "height_m", "half_track_m", "wheel_radius_m", "mount", "length_m", "travel_m", "radius_m",
+            "mass_kg",
+            "height_m",
+            "half_track_m",
+            "wheel_radius_m",
+            "mount",
+            "length_m",
+            "travel_m",
+            "radius_m",
             "inertia_kg_m2",
         ],
         SettledBy::Ruler,
     ),
     (
         &[
-            "c1_m2", "c2", "opening_rad", "range_m", "lookup", "gain_spread", "offset_spread", "idle_v", "detection",
-            "hard_iron_rad", "soft_iron_rad", "curve_m_v", "min_m", "max_m", "near_opening_rad",
+            "c1_m2",
+            "c2",
+            "opening_rad",
+            "range_m",
+            "lookup",
+            "gain_spread",
+            "offset_spread",
+            "idle_v",
+            "detection",
+            "hard_iron_rad",
+            "soft_iron_rad",
+            "curve_m_v",
+            "min_m",
+            "max_m",
+            "near_opening_rad",
         ],
         SettledBy::Curve,
     ),
     (
         &[
-            "additive", "uniform", "multiplicative", "sigma_m", "drift", "wander_sigma_m", "wander_time_s", "bandwidth_hz",
-            "drift_time_s", "sigma",
+            "additive",
+            "uniform",
+            "multiplicative",
+            "sigma_m",
+            "drift",
+            "wander_sigma_m",
+            "wander_time_s",
+            "bandwidth_hz",
+            "drift_time_s",
+            "sigma",
         ],
         SettledBy::Rest,
     ),
     (
         &[
-            "lag_ms", "gain_n_s", "dead_time_ms", "full_speed_m_s", "max_torque_nm", "viscous_friction_nm_s", "trim_us",
-            "dead_band_us", "curve_us_rpm", "max_acceleration_steps_s2", "max_rate_steps_s", "counts_per_turn",
+            "lag_ms",
+            "gain_n_s",
+            "dead_time_ms",
+            "full_speed_m_s",
+            "max_torque_nm",
+            "viscous_friction_nm_s",
+            "trim_us",
+            "dead_band_us",
+            "curve_us_rpm",
+            "max_acceleration_steps_s2",
+            "max_rate_steps_s",
+            "counts_per_turn",
         ],
         SettledBy::Step,
     ),
@@ -119,13 +166,29 @@ const BY_FIELD: [(&[&str], SettledBy); 9] = [
     ),
     (
         &[
-            "period_ms", "phase_ms", "latency_ms", "acquisition_us", "holdoff_us", "bounce_ms", "operations_per_s",
-            "framing_us_per_byte", "receiving_us_per_byte", "obeying_us", "bootloader_s",
+            "period_ms",
+            "phase_ms",
+            "latency_ms",
+            "acquisition_us",
+            "holdoff_us",
+            "bounce_ms",
+            "operations_per_s",
+            "framing_us_per_byte",
+            "receiving_us_per_byte",
+            "obeying_us",
+            "bootloader_s",
         ],
         SettledBy::Pins,
     ),
     (
-        &["holding_w", "idle_w", "internal_resistance_ohm", "capacity_mah", "efficiency", "capacity_over_current"],
+        &[
+            "holding_w",
+            "idle_w",
+            "internal_resistance_ohm",
+            "capacity_mah",
+            "efficiency",
+            "capacity_over_current",
+        ],
         SettledBy::Ammeter,
     ),
     (&["bits", "signal_bits", "baud", "characters", "first_step", "sentences", "rows"], SettledBy::Manual),

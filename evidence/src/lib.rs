@@ -16,7 +16,7 @@ pub mod page;
 mod picture;
 mod sample;
 
-pub use comparison::{At, Bound, Comparison, Compared, Point, Reliability, comparisons};
+pub use comparison::{At, Bound, Compared, Comparison, Point, Reliability, comparisons};
 pub use experiment::ExperimentError;
 pub use known::known;
 pub use sample::Sample;

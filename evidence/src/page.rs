@@ -35,7 +35,8 @@ pub fn page(mut done: impl FnMut(&Comparison)) -> Result<Vec<File>, ExperimentEr
         contents += &entry(comparison, &points);
         files.push(File { path, text: picture(comparison, &points) });
     }
-    let text = [INTRODUCTION, &contents, &sections, &fields_section(), &known_section(), &guesses_section()].concat();
+    let text = [INTRODUCTION, &contents, &sections, &fields_section(), &known_section(), &guesses_section()]
+        .concat();
     files.insert(0, File { path: "evidence.md".into(), text });
     Ok(files)
 }
@@ -74,7 +75,8 @@ fn section(comparison: &Comparison, points: &[Compared<'_>], picture: &str) -> S
         simulated.trim(),
         bound.words()
     );
-    let _ = write!(text, "![{title}]({picture})\n\n| {x} | measured: {y} | simulated | |\n|---|---|---|---|\n");
+    let _ =
+        write!(text, "![{title}]({picture})\n\n| {x} | measured: {y} | simulated | |\n|---|---|---|---|\n");
     for Compared { measured, simulated, agrees } in points {
         let count = measured.n.map(|n| format!(", n {n}")).unwrap_or_default();
         let spread = measured.sd.map(|sd| format!(" ± {}", short(sd))).unwrap_or_default();
@@ -104,8 +106,8 @@ fn fields_section() -> String {
          | preset | field | value | known | source | |\n|---|---|---|---|---|---|\n",
     );
     for field in fields() {
-        let value = field.value().map_or("none".into(), |value| value.to_string());
-        let verdict = field.disagrees.as_ref().map_or("agrees".into(), |why| format!("{RED}{why}"));
+        let value = field.value().map_or_else(|| "none".into(), |value| value.to_string());
+        let verdict = field.disagrees.as_ref().map_or_else(|| "agrees".into(), |why| format!("{RED}{why}"));
         let _ = writeln!(
             text,
             "| `{}` | `{}` | {value} | {} | {} ({}) | {verdict} |",

@@ -6,7 +6,8 @@ use baudbot_scenario::presets::preset;
 /// What of a comparison is not as it says.
 fn surprises(comparison: &Comparison) -> Vec<String> {
     let points = comparison.run().unwrap_or_else(|error| panic!("{}: {error}", comparison.name));
-    let is_surprise = |point: &&baudbot_evidence::Compared<'_>| point.agrees == point.measured.disagrees.is_some();
+    let is_surprise =
+        |point: &&baudbot_evidence::Compared<'_>| point.agrees == point.measured.disagrees.is_some();
     let words = |point: baudbot_evidence::Compared<'_>| {
         let (measured, simulated) = (point.measured, point.simulated);
         format!(

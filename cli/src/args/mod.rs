@@ -20,8 +20,9 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
 use self::help::{
-    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP, PRESET_EXAMPLES,
-    REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES, WATCH_EXAMPLES,
+    BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
+    PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
+    WATCH_EXAMPLES,
 };
 pub(crate) use self::locate::{LocateArgs, Search};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};

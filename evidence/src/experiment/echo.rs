@@ -27,7 +27,8 @@ pub struct Echo {
 impl Echo {
     /// Times of the echoes, in milliseconds, through an adapter of a preset, or through none.
     pub(super) fn run(&self, adapter: Option<&str>, baud: f64) -> Result<Vec<f64>, ExperimentError> {
-        let adapter = adapter.map(|name| format!(", adapter = {{ preset = \"{name}\" }}")).unwrap_or_default();
+        let adapter =
+            adapter.map(|name| format!(", adapter = {{ preset = \"{name}\" }}")).unwrap_or_default();
         let toml = format!(
             "step_ms = {STEP_MS:?}\n[[robots]]\nname = \"robot\"\n{}\n\
              motors.signal_bits = 8\n\
@@ -46,7 +47,8 @@ impl Echo {
 
     fn exchange(&self, mut world: World) -> Vec<f64> {
         let body = Body::from(world.robot(0).spec());
-        let mut commands = RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
+        let mut commands =
+            RawCommands::new(&body).expect("the scenario was read, so its messages fit the wire");
         let (mut echoes_ms, mut sent) = (Vec::new(), None);
         while echoes_ms.len() < self.exchanges {
             let turn = world.begin().first().copied();

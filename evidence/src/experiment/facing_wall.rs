@@ -40,6 +40,10 @@ impl FacingWall {
 
     /// The readings of a specimen as its brain gets them.
     fn read(&self, mut world: World) -> Vec<f64> {
+        // A device with a clock of its own has no value at first.
+        while world.time().as_seconds() < SETTLED_S {
+            lab::idle(&mut world);
+        }
         let (mut values, mut samples) = (Vec::new(), 0);
         while values.len() < self.readings {
             lab::idle(&mut world);
@@ -54,3 +58,6 @@ impl FacingWall {
         values
     }
 }
+
+/// When every sensor has read what is before it.
+const SETTLED_S: f64 = 0.2;

@@ -1,9 +1,12 @@
 //! Experiments with real robots, repeated in worlds of ours.
 
+mod battery;
 mod echo;
 mod facing_wall;
+mod gps;
 mod lab;
 mod motion;
+mod one_way;
 mod sampling;
 mod sonar;
 
@@ -13,9 +16,12 @@ use serde::Deserialize;
 use crate::comparison::At;
 use crate::sample::Sample;
 
+pub use battery::{Discharge, Quantity};
 pub use echo::Echo;
 pub use facing_wall::FacingWall;
+pub use gps::AtRest;
 pub use motion::{Speed, StepRate, TurnStep};
+pub use one_way::OneWay;
 pub use sampling::{Instants, Sampling};
 pub use sonar::{Cone, Farthest, Form, Target};
 
@@ -41,6 +47,12 @@ pub enum Experiment {
     Cone(Cone),
     /// Targets on the axis of an ultrasonic sensor.
     Farthest(Farthest),
+    /// A battery that is discharged at the currents in amperes that the points have.
+    Discharge(Discharge),
+    /// A satellite receiver that stands still; the points are its axes.
+    AtRest(AtRest),
+    /// Commands over the links that the points name.
+    OneWay(OneWay),
 }
 
 /// Why an experiment was not done.
@@ -87,6 +99,9 @@ impl Experiment {
             Self::Sampling(experiment) => experiment.run(at.number()?)?,
             Self::Cone(experiment) => experiment.run(at.number()?)?,
             Self::Farthest(experiment) => experiment.run(at.name()?)?,
+            Self::Discharge(experiment) => experiment.run(at.number()?)?,
+            Self::AtRest(experiment) => experiment.run(at.name()?)?,
+            Self::OneWay(experiment) => experiment.run(at.name()?)?,
         };
         Sample::of(&values).ok_or_else(|| ExperimentError::Nothing { at: at.clone() })
     }

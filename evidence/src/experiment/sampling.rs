@@ -32,13 +32,15 @@ impl Sampling {
         let (own, first) = (format!("{}{number}", self.sensor), format!("{}0", self.sensor));
         let mut differences = Vec::new();
         for mut world in lab::specimens(&toml, 1)? {
-            let names: Vec<_> = world.robot(0).spec().sensors.iter().map(|sensor| sensor.name.clone()).collect();
+            let names: Vec<_> =
+                world.robot(0).spec().sensors.iter().map(|sensor| sensor.name.clone()).collect();
             let place = |wanted: &str| names.iter().position(|name| name == wanted);
             let Some((own, first)) = place(&own).zip(place(&first)) else { continue };
             let mut instants: [Vec<u64>; 2] = Default::default();
             for _ in 0..1000 {
                 lab::idle(&mut world);
-                let sampled: Vec<_> = world.robot(0).sensors().map(|sensor| (sensor.samples, sensor.sampled_at)).collect();
+                let sampled: Vec<_> =
+                    world.robot(0).sensors().map(|sensor| (sensor.samples, sensor.sampled_at)).collect();
                 for (instants, place) in instants.iter_mut().zip([own, first]) {
                     let (samples, at) = sampled[place];
                     if samples as usize > instants.len() {
@@ -48,9 +50,13 @@ impl Sampling {
             }
             let [own, first] = instants;
             match self.of {
-                Instants::Period => differences.extend(own.windows(2).map(|pair| (pair[1] - pair[0]) as f64 * 1e-6)),
+                Instants::Period => {
+                    differences.extend(own.windows(2).map(|pair| (pair[1] - pair[0]) as f64 * 1e-6))
+                }
                 Instants::Phase => {
-                    differences.extend(own.iter().zip(&first).map(|(own, first)| own.saturating_sub(*first) as f64 * 1e-6));
+                    differences.extend(
+                        own.iter().zip(&first).map(|(own, first)| own.saturating_sub(*first) as f64 * 1e-6),
+                    );
                 }
             }
         }

@@ -56,7 +56,8 @@ impl Cone {
         let mut widest = 0.0;
         for half_degrees in 0..120 {
             let degrees = 0.5 * f64::from(half_degrees);
-            let target = Target { name: "board".into(), form: Form::Plate, width_m: self.width_m, height_m: 2.0 };
+            let target =
+                Target { name: "board".into(), form: Form::Plate, width_m: self.width_m, height_m: 2.0 };
             if hears(&self.preset, &target, distance_m, degrees.to_radians())? {
                 widest = degrees;
             } else {
@@ -98,14 +99,26 @@ fn hears(preset: &str, target: &Target, distance_m: f64, off_axis_rad: f64) -> R
         Form::Plate => {
             let (dx, dy) = (0.5 * target.width_m * -sin, 0.5 * target.width_m * cos);
             let (back_x, back_y) = (0.01 * cos, 0.01 * sin);
-            let corners = [(x - dx, y - dy), (x - dx + back_x, y - dy + back_y), (x + dx + back_x, y + dy + back_y), (x + dx, y + dy)];
+            let corners = [
+                (x - dx, y - dy),
+                (x - dx + back_x, y - dy + back_y),
+                (x + dx + back_x, y + dy + back_y),
+                (x + dx, y + dy),
+            ];
             let corners: Vec<_> = corners.iter().map(|(x, y)| format!("[{x:?}, {y:?}]")).collect();
-            format!("polygons = [{{ name = \"plate\", solid = true, points_m = [{}], {} }}]", corners.join(", "), height)
+            format!(
+                "polygons = [{{ name = \"plate\", solid = true, points_m = [{}], {} }}]",
+                corners.join(", "),
+                height
+            )
         }
         Form::Cylinder => {
             let radius_m = 0.5 * target.width_m;
             let middle_m = x + radius_m;
-            format!("circles = [{{ name = \"cylinder\", x_m = {middle_m:?}, y_m = {y:?}, radius_m = {radius_m:?}, {} }}]", height)
+            format!(
+                "circles = [{{ name = \"cylinder\", x_m = {middle_m:?}, y_m = {y:?}, radius_m = {radius_m:?}, {} }}]",
+                height
+            )
         }
     };
     let toml = format!(
@@ -120,6 +133,7 @@ fn hears(preset: &str, target: &Target, distance_m: f64, off_axis_rad: f64) -> R
 
 fn heard(mut world: World, distance_m: f64) -> usize {
     let (mut readings, mut samples, mut heard) = (0, 0, 0);
+    let nothing_m = world.robot(0).spec().sensors[0].device.range_m().unwrap_or(f64::INFINITY);
     while readings < READINGS {
         lab::idle(&mut world);
         let robot = world.robot(0);
@@ -127,7 +141,7 @@ fn heard(mut world: World, distance_m: f64) -> usize {
         if sensor.samples > samples && !sensor.sample.is_empty() {
             samples = sensor.samples;
             readings += 1;
-            heard += usize::from(sensor.sample[0] < 1.2 * distance_m + 0.1);
+            heard += usize::from(sensor.sample[0] < nothing_m && (sensor.sample[0] - distance_m).abs() < 0.1);
         }
     }
     heard

@@ -181,7 +181,10 @@ mod tests {
         for x in [[Some(1.0), Some(2.0)], [None, None]] {
             let picture = chart(x);
             roxmltree::Document::parse(&picture).unwrap();
-            assert!(picture.contains("measured, place 0: 1 ± 0.25") && picture.contains("simulated, place 1: 1.5"));
+            assert!(
+                picture.contains("measured, place 0: 1 ± 0.25")
+                    && picture.contains("simulated, place 1: 1.5")
+            );
             assert_eq!(picture.matches(LATE).count(), 2, "the point and the legend");
         }
     }
