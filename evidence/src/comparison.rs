@@ -1,9 +1,8 @@
 //! What was measured on a real robot, and whether a world of ours gives the same.
 
-use std::fmt;
-
 use serde::Deserialize;
 
+use crate::at::At;
 use crate::experiment::{Experiment, ExperimentError};
 use crate::sample::Sample;
 
@@ -50,16 +49,6 @@ pub enum Reliability {
     Excerpt,
     /// From memory; the source was not found.
     Recalled,
-}
-
-/// What was varied, at one point.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
-pub enum At {
-    /// A number, in the unit of the comparison's `x`.
-    Number(f64),
-    /// A name.
-    Name(String),
 }
 
 /// A measured point.
@@ -192,15 +181,6 @@ impl Reliability {
             Self::Computed => "computed from the source's data",
             Self::Excerpt => "read in an excerpt or a thread",
             Self::Recalled => "recalled; the source was not found",
-        }
-    }
-}
-
-impl fmt::Display for At {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(number) => write!(f, "{number}"),
-            Self::Name(name) => f.write_str(name),
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! [`page`] makes `docs/evidence.md` and its pictures of all of this. `known` says in a line how well a preset is known.
 
+mod at;
 mod comparison;
 pub mod experiment;
 pub mod fields;
@@ -16,7 +17,8 @@ pub mod page;
 mod picture;
 mod sample;
 
-pub use comparison::{At, Bound, Compared, Comparison, Point, Reliability, comparisons};
+pub use at::At;
+pub use comparison::{Bound, Compared, Comparison, Point, Reliability, comparisons};
 pub use experiment::ExperimentError;
 pub use known::known;
 pub use sample::Sample;

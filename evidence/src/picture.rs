@@ -2,7 +2,8 @@
 
 use baudbot_plot::chart::compared::{Chart, Point, Value};
 
-use crate::comparison::{At, Compared, Comparison};
+use crate::at::At;
+use crate::comparison::{Compared, Comparison};
 
 /// Measured and simulated values as SVG.
 pub(crate) fn picture(comparison: &Comparison, points: &[Compared<'_>]) -> String {

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
+use crate::at::At;
 use crate::sample::Sample;
 
 /// Fixes of a preset, by its brain.
@@ -21,10 +22,7 @@ impl AtRest {
     /// The standard deviations of the fixes on each axis, in metres, one for each receiver.
     pub(super) fn run(&self, axis: &str) -> Result<Vec<f64>, ExperimentError> {
         let Some(component) = ["east", "north"].iter().position(|name| *name == axis) else {
-            return Err(ExperimentError::At {
-                expected: "`east` or `north`",
-                at: crate::At::Name(axis.into()),
-            });
+            return Err(ExperimentError::At { expected: "`east` or `north`", at: At::Name(axis.into()) });
         };
         let toml = format!(
             "step_ms = 100.0\nsubsteps = 100\n[[robots]]\nname = \"robot\"\n{}\nsensors.gps.preset = \"{}\"\n",

@@ -13,7 +13,7 @@ mod sonar;
 use baudbot_scenario::ScenarioError;
 use serde::Deserialize;
 
-use crate::comparison::At;
+use crate::at::At;
 use crate::sample::Sample;
 
 pub use battery::{Discharge, Quantity};
@@ -88,37 +88,35 @@ impl Experiment {
 
     fn run_at(&self, at: &At) -> Result<Sample, ExperimentError> {
         let values = match self {
-            Self::FacingWall(experiment) => experiment.run(at.number()?)?,
+            Self::FacingWall(experiment) => experiment.run(number(at)?)?,
             Self::EchoOfAdapter(experiment) => {
-                experiment.run(Some(at.name()?).filter(|name| *name != "none"), 115_200.0)?
+                experiment.run(Some(name(at)?).filter(|name| *name != "none"), 115_200.0)?
             }
-            Self::EchoAtBaud(experiment) => experiment.run(Some("ft232r-1ms"), at.number()?)?,
-            Self::TurnStep(experiment) => experiment.run(at.name()?)?,
-            Self::Speed(experiment) => experiment.run(at.number()?)?,
-            Self::StepRate(experiment) => experiment.run(at.number()?)?,
-            Self::Sampling(experiment) => experiment.run(at.number()?)?,
-            Self::Cone(experiment) => experiment.run(at.number()?)?,
-            Self::Farthest(experiment) => experiment.run(at.name()?)?,
-            Self::Discharge(experiment) => experiment.run(at.number()?)?,
-            Self::AtRest(experiment) => experiment.run(at.name()?)?,
-            Self::OneWay(experiment) => experiment.run(at.name()?)?,
+            Self::EchoAtBaud(experiment) => experiment.run(Some("ft232r-1ms"), number(at)?)?,
+            Self::TurnStep(experiment) => experiment.run(name(at)?)?,
+            Self::Speed(experiment) => experiment.run(number(at)?)?,
+            Self::StepRate(experiment) => experiment.run(number(at)?)?,
+            Self::Sampling(experiment) => experiment.run(number(at)?)?,
+            Self::Cone(experiment) => experiment.run(number(at)?)?,
+            Self::Farthest(experiment) => experiment.run(name(at)?)?,
+            Self::Discharge(experiment) => experiment.run(number(at)?)?,
+            Self::AtRest(experiment) => experiment.run(name(at)?)?,
+            Self::OneWay(experiment) => experiment.run(name(at)?)?,
         };
         Sample::of(&values).ok_or_else(|| ExperimentError::Nothing { at: at.clone() })
     }
 }
 
-impl At {
-    fn number(&self) -> Result<f64, ExperimentError> {
-        match self {
-            Self::Number(number) => Ok(*number),
-            Self::Name(_) => Err(ExperimentError::At { expected: "a number", at: self.clone() }),
-        }
+fn number(at: &At) -> Result<f64, ExperimentError> {
+    match at {
+        At::Number(number) => Ok(*number),
+        At::Name(_) => Err(ExperimentError::At { expected: "a number", at: at.clone() }),
     }
+}
 
-    fn name(&self) -> Result<&str, ExperimentError> {
-        match self {
-            Self::Name(name) => Ok(name),
-            Self::Number(_) => Err(ExperimentError::At { expected: "a name", at: self.clone() }),
-        }
+fn name(at: &At) -> Result<&str, ExperimentError> {
+    match at {
+        At::Name(name) => Ok(name),
+        At::Number(_) => Err(ExperimentError::At { expected: "a name", at: at.clone() }),
     }
 }

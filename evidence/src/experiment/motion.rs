@@ -9,6 +9,7 @@ use baudbot_sim::{Answer, World, Written};
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
+use crate::at::At;
 
 /// A robot that is told to turn on the spot.
 #[derive(Clone, Debug, Deserialize)]
@@ -84,7 +85,7 @@ fn instant(name: &str) -> Result<Instant, ExperimentError> {
         "has 63 % of its rate" => Ok(Instant::TimeConstant),
         other => Err(ExperimentError::At {
             expected: "`begins to turn` or `has 63 % of its rate`",
-            at: crate::At::Name(other.into()),
+            at: At::Name(other.into()),
         }),
     }
 }

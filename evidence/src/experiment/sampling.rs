@@ -1,5 +1,6 @@
 //! When the sensors of a robot are read.
 
+use baudbot_sim::World;
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
@@ -22,44 +23,41 @@ pub struct Sampling {
 pub enum Instants {
     /// The time between two of them, in milliseconds.
     Period,
-    /// The time since the first sensor was read, in milliseconds.
+    /// The time since sensor 0 was read, in milliseconds.
     Phase,
 }
 
 impl Sampling {
     pub(super) fn run(&self, number: f64) -> Result<Vec<f64>, ExperimentError> {
         let toml = format!("step_ms = 1.0\n[[robots]]\nname = \"robot\"\npreset = \"{}\"\n", self.preset);
-        let (own, first) = (format!("{}{number}", self.sensor), format!("{}0", self.sensor));
-        let mut differences = Vec::new();
-        for mut world in lab::specimens(&toml, 1)? {
-            let names: Vec<_> =
-                world.robot(0).spec().sensors.iter().map(|sensor| sensor.name.clone()).collect();
-            let place = |wanted: &str| names.iter().position(|name| name == wanted);
-            let Some((own, first)) = place(&own).zip(place(&first)) else { continue };
-            let mut instants: [Vec<u64>; 2] = Default::default();
-            for _ in 0..1000 {
-                lab::idle(&mut world);
-                let sampled: Vec<_> =
-                    world.robot(0).sensors().map(|sensor| (sensor.samples, sensor.sampled_at)).collect();
-                for (instants, place) in instants.iter_mut().zip([own, first]) {
-                    let (samples, at) = sampled[place];
-                    if samples as usize > instants.len() {
-                        instants.push(at.as_ns());
-                    }
-                }
-            }
-            let [own, first] = instants;
-            match self.of {
-                Instants::Period => {
-                    differences.extend(own.windows(2).map(|pair| (pair[1] - pair[0]) as f64 * 1e-6))
-                }
-                Instants::Phase => {
-                    differences.extend(
-                        own.iter().zip(&first).map(|(own, first)| own.saturating_sub(*first) as f64 * 1e-6),
-                    );
-                }
+        let names = [number, 0.0].map(|number| format!("{}{number}", self.sensor));
+        let world = lab::specimens(&toml, 1)?.next();
+        let Some([own, first]) = world.and_then(|world| instants_ns(world, &names)) else {
+            return Ok(Vec::new());
+        };
+        let between = |from: u64, to: u64| to.saturating_sub(from) as f64 * 1e-6;
+        Ok(match self.of {
+            Instants::Period => own.windows(2).map(|pair| between(pair[0], pair[1])).collect(),
+            Instants::Phase => first.iter().zip(&own).map(|(first, own)| between(*first, *own)).collect(),
+        })
+    }
+}
+
+/// The instants at which these sensors are read within a second.
+fn instants_ns(mut world: World, names: &[String; 2]) -> Option<[Vec<u64>; 2]> {
+    let robot = world.robot(0);
+    let mut sensors = robot.spec().sensors.iter().map(|sensor| &sensor.name);
+    let first = sensors.clone().position(|name| *name == names[1])?;
+    let places = [sensors.position(|name| *name == names[0])?, first];
+    let mut instants: [Vec<u64>; 2] = Default::default();
+    while world.time().as_seconds() < 1.0 {
+        lab::idle(&mut world);
+        let sensors: Vec<_> = world.robot(0).sensors().collect();
+        for (instants, place) in instants.iter_mut().zip(places) {
+            if sensors[place].samples as usize > instants.len() {
+                instants.push(sensors[place].sampled_at.as_ns());
             }
         }
-        Ok(differences)
     }
+    Some(instants)
 }

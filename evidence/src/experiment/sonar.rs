@@ -5,6 +5,7 @@ use baudbot_sim::World;
 use serde::Deserialize;
 
 use super::{ExperimentError, lab};
+use crate::at::At;
 
 /// A flat board that faces the sensor, at angles from the sensor's axis.
 #[derive(Clone, Debug, Deserialize)]
@@ -72,10 +73,7 @@ impl Farthest {
     /// The largest distance, in metres, at which the target is heard in most readings.
     pub(super) fn run(&self, name: &str) -> Result<Vec<f64>, ExperimentError> {
         let Some(target) = self.targets.iter().find(|target| target.name == name) else {
-            return Err(ExperimentError::At {
-                expected: "the name of a target",
-                at: crate::At::Name(name.into()),
-            });
+            return Err(ExperimentError::At { expected: "the name of a target", at: At::Name(name.into()) });
         };
         let mut farthest = 0.0;
         for hundredths in (10..=500).step_by(5) {
@@ -90,45 +88,47 @@ impl Farthest {
 
 /// Whether a sensor hears a target, in more than half of ten readings.
 fn hears(preset: &str, target: &Target, distance_m: f64, off_axis_rad: f64) -> Result<bool, ExperimentError> {
-    // The robot stands in the origin and the sensor on its rim; the target is beside the sensor's axis.
-    let (sin, cos) = math::sin_cos(off_axis_rad);
-    let (x, y) = (lab::RIM_M + distance_m * cos, distance_m * sin);
-    // It stands on the floor, and the sensor looks at its middle.
-    let height = format!("height_m = {:?}", target.height_m);
-    let thing = match target.form {
-        Form::Plate => {
-            let (dx, dy) = (0.5 * target.width_m * -sin, 0.5 * target.width_m * cos);
-            let (back_x, back_y) = (0.01 * cos, 0.01 * sin);
-            let corners = [
-                (x - dx, y - dy),
-                (x - dx + back_x, y - dy + back_y),
-                (x + dx + back_x, y + dy + back_y),
-                (x + dx, y + dy),
-            ];
-            let corners: Vec<_> = corners.iter().map(|(x, y)| format!("[{x:?}, {y:?}]")).collect();
-            format!(
-                "polygons = [{{ name = \"plate\", solid = true, points_m = [{}], {} }}]",
-                corners.join(", "),
-                height
-            )
-        }
-        Form::Cylinder => {
-            let radius_m = 0.5 * target.width_m;
-            let middle_m = x + radius_m;
-            format!(
-                "circles = [{{ name = \"cylinder\", x_m = {middle_m:?}, y_m = {y:?}, radius_m = {radius_m:?}, {} }}]",
-                height
-            )
-        }
-    };
+    // The robot stands in the origin with the sensor on its rim, and the sensor looks at the target's middle.
     let toml = format!(
-        "step_ms = 100.0\nsubsteps = 100\n[arena]\n{thing}\n[[robots]]\nname = \"robot\"\n{}\nsensors.sonar.preset = \"{preset}\"\nsensors.sonar.height_m = {:?}\n",
+        "step_ms = 100.0\nsubsteps = 100\n[arena]\n{}\n[[robots]]\nname = \"robot\"\n{}\n\
+         sensors.sonar.preset = \"{preset}\"\nsensors.sonar.height_m = {:?}\n",
+        thing(target, distance_m, off_axis_rad),
         lab::DISC,
         0.5 * target.height_m
     );
     let world = lab::specimens(&toml, 1)?.next();
     let heard = world.map(|world| heard(world, distance_m)).unwrap_or_default();
     Ok(heard > READINGS / 2)
+}
+
+/// A target that stands on the floor, beside the sensor's axis.
+fn thing(target: &Target, distance_m: f64, off_axis_rad: f64) -> String {
+    let (sin, cos) = math::sin_cos(off_axis_rad);
+    let (x, y) = (lab::RIM_M + distance_m * cos, distance_m * sin);
+    let Target { width_m, height_m, .. } = target;
+    match target.form {
+        Form::Plate => {
+            let corner = |side: f64, behind_m: f64| {
+                let beside_m = side * 0.5 * width_m;
+                format!(
+                    "[{:?}, {:?}]",
+                    x - beside_m * sin + behind_m * cos,
+                    y + beside_m * cos + behind_m * sin
+                )
+            };
+            let corners =
+                [corner(-1.0, 0.0), corner(-1.0, 0.01), corner(1.0, 0.01), corner(1.0, 0.0)].join(", ");
+            format!(
+                "polygons = [{{ name = \"plate\", solid = true, points_m = [{corners}], height_m = {height_m:?} }}]"
+            )
+        }
+        Form::Cylinder => {
+            let (radius_m, middle_m) = (0.5 * width_m, x + 0.5 * width_m);
+            format!(
+                "circles = [{{ name = \"cylinder\", x_m = {middle_m:?}, y_m = {y:?}, radius_m = {radius_m:?}, height_m = {height_m:?} }}]"
+            )
+        }
+    }
 }
 
 fn heard(mut world: World, distance_m: f64) -> usize {

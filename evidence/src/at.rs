@@ -1,0 +1,24 @@
+//! Where a point of a comparison is.
+
+use std::fmt;
+
+use serde::Deserialize;
+
+/// What was varied, at one point.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum At {
+    /// A number, in the unit of the comparison's `x`.
+    Number(f64),
+    /// A name.
+    Name(String),
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}
