@@ -306,8 +306,8 @@ fn start_later(path: &Path, mind: &mut Mind, sensors: &mut [Sensor]) -> Result<(
         return Ok(());
     }
     if matches!(mind.link, Link::Onboard) {
-        let problem = "is how long a chip takes that is reset when a serial port is opened, and on board there is none; \
-                       leave it out";
+        let problem = "is the wait of a chip that is reset when its serial port is opened, and on board nothing opens \
+                       one; leave it out, or use the preset `atmega328p` in place of `arduino-uno`";
         return Err(path.field("microcontroller").field("bootloader_s").error(problem));
     }
     for sensor in sensors.iter_mut().filter(|sensor| sensor.is_on_wire()) {
