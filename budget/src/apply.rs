@@ -34,11 +34,7 @@ impl Robot {
             Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
             Change::FewerBits => fewer_bits(spec),
             Change::Stream(period_ns) => {
-                set_firmware(
-                    spec,
-                    spec.firmware.protocol,
-                    Mode::Stream(new_schedule(spec, period_ns)),
-                );
+                set_firmware(spec, spec.firmware.protocol, Mode::Stream(new_schedule(spec, period_ns)));
             }
             Change::Step(step_ns) => {
                 new.substeps = new.substeps.saturating_mul((step_ns / new.step_ns) as u32);

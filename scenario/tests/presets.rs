@@ -70,7 +70,11 @@ fn every_part_fits_a_robot() {
         let (part, more) = match preset.kind {
             PresetKind::Sensor => ("sensors.s", ""),
             PresetKind::Adapter => ("link.adapter", "link.preset = \"uart-115200\"\n"),
-            _ => (preset.kind.word(), ""),
+            PresetKind::Robot
+            | PresetKind::Motors
+            | PresetKind::Microcontroller
+            | PresetKind::Link
+            | PresetKind::Battery => (preset.kind.word(), ""),
         };
         // The Pololu's gears make ARSim's body stiff.
         let toml =
@@ -280,9 +284,7 @@ fn what_the_file_says_wins_field_by_field() {
         "body = { mass_kg = 0.07 }\nlink = { baud = 38400 }\nsensors.ir_0 = { noise = { uniform = 0.0 } }",
     );
     assert_eq!((spec.drive.mass_kg, spec.drive.radius_m), (0.07, 0.0275));
-    assert!(
-        matches!(&spec.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2)
-    );
+    assert!(matches!(&spec.link, Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2));
     let noise = &sensor(&spec, "ir_0").noise;
     assert_eq!((noise.uniform, noise.gain_spread), (0.0, 0.1));
     assert_eq!(sensor(&spec, "ir_1").noise.uniform, 0.01);
@@ -291,12 +293,10 @@ fn what_the_file_says_wins_field_by_field() {
 #[test]
 fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_robots() {
     let other = spec("khepera-1", "link = { kind = \"ideal\" }\nmotors = { kind = \"stepper\" }");
-    assert_eq!(other.link, baudbot_sim::link::Link::Ideal);
+    assert_eq!(other.link, Link::Ideal);
     assert!(matches!(other.drive.motor, Motors::Stepper(_)));
     let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
-    assert!(
-        matches!(&own.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64)
-    );
+    assert!(matches!(&own.link, Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64));
     assert_eq!(own.processor.ram_bytes, Some(26));
     let polled = spec("create-2", "firmware = { mode = \"poll\" }");
     assert_eq!(polled.firmware.mode, baudbot_sim::firmware::Mode::Poll);
@@ -332,7 +332,8 @@ fn adapters_have_presets_in_every_link_and_give_way_as_other_parts_do() {
     // In a link of the robot's preset, and in one of the link's own.
     let own = link("link = { adapter = { preset = \"ch340\" } }", &[]);
     assert_eq!(down_ns(&own), Some(43_000));
-    let other = link("link = { preset = \"uart-115200\", adapter = { preset = \"ft232r\", latency_ms = 2 } }", &[]);
+    let other =
+        link("link = { preset = \"uart-115200\", adapter = { preset = \"ft232r\", latency_ms = 2 } }", &[]);
     assert!(matches!(adapter(&other), Adapter::Ftdi(ftdi) if ftdi.latency_ns == 2_000_000));
     assert_eq!(down_ns(&other), Some(80_000));
     // By overrides, and in place of a radio.
@@ -341,9 +342,14 @@ fn adapters_have_presets_in_every_link_and_give_way_as_other_parts_do() {
     let cabled = spec("e-puck", "link = { adapter = { preset = \"ft232r-1ms\" } }").link.clone();
     assert!(matches!(adapter(&cabled), Adapter::Ftdi(ftdi) if ftdi.latency_ns == 1_000_000));
     // Of a sensor's own cable.
-    let laser = with_sensor("urg-04lx", ", port = { link = { adapter = { preset = \"ch340\" } } }");
+    let laser = with_sensor(
+        "urg-04lx",
+        ", port = { link = { preset = \"uart-115200\", adapter = { preset = \"ch340\" } } }",
+    );
     assert_eq!(down_ns(&laser.port.unwrap().link), Some(43_000));
-    let message = refusal(&robot(&format!("{BODY}link = {{ kind = \"uart\", baud = 9600, adapter.preset = \"usb\" }}")));
+    let message = refusal(&robot(&format!(
+        "{BODY}link = {{ kind = \"uart\", baud = 9600, adapter.preset = \"usb\" }}"
+    )));
     assert_eq!(message, "robots[0].link.adapter.preset: `usb` is a link, but an adapter is needed");
 }
 
@@ -351,12 +357,16 @@ fn adapters_have_presets_in_every_link_and_give_way_as_other_parts_do() {
 fn radios_hold_what_was_measured() {
     let range_ms = |name: &str| {
         let toml = robot(&format!("{BODY}link.preset = \"{name}\""));
-        let Adapter::Bluetooth(radio) = adapter(&parse(&toml, &[]).robots[0].link) else { panic!("no radio") };
+        let Adapter::Bluetooth(radio) = adapter(&parse(&toml, &[]).robots[0].link) else {
+            panic!("no radio")
+        };
         [radio.latency_ns - radio.spread_ns, radio.latency_ns + radio.spread_ns].map(|ns| ns as f64 * 1e-6)
     };
     // 100 commands by BLE: 108 ± 26 ms, four fifths of them from 77 to 140 ms (garretthagen21/OmniBot).
     let [least, most] = range_ms("ble");
-    assert!(((least + most) / 2.0 - 108.0).abs() < 1.0 && ((most - least) / 12_f64.sqrt() - 26.0).abs() < 0.1);
+    assert!(
+        ((least + most) / 2.0 - 108.0).abs() < 1.0 && ((most - least) / 12_f64.sqrt() - 26.0).abs() < 0.1
+    );
     let [p10, p90] = [0.1, 0.9].map(|share| least + share * (most - least));
     assert!((p10 - 77.0).abs() < 6.0 && (p90 - 140.0).abs() < 6.0, "{p10} {p90}");
     // A query, one packet there and two back: 30 to 80 ms. A message of several bytes, two packets: 120 ms.
@@ -387,7 +397,7 @@ fn overrides_choose_presets_and_change_what_the_file_does_not_mention() {
     let changed = preset_robot("khepera-1", "", &sets);
     let changed = &changed.robots[0];
     assert!(matches!(&sensor(changed, "ir_3").device, Device::Infrared(ir) if ir.range_m == 0.04));
-    assert_eq!((&changed.link, changed.sensors.len()), (&baudbot_sim::link::Link::Ideal, 8));
+    assert_eq!((&changed.link, changed.sensors.len()), (&Link::Ideal, 8));
 }
 
 #[test]

@@ -149,7 +149,9 @@ fn frames_jitter_and_a_fixed_way_down_leave_a_snapshot_its_future_and_byte_error
         (world.robot(0).uplink().corrupted_bytes, world.hash())
     };
     let plain = wrong("");
-    for more in [", extra_frames = 2", ", jitter_us = 90", ", down_us = 45", ", jitter_us = 2500, extra_frames = 1"] {
+    for more in
+        [", extra_frames = 2", ", jitter_us = 90", ", down_us = 45", ", jitter_us = 2500, extra_frames = 1"]
+    {
         let other = wrong(more);
         assert!(plain.0 > 10 && plain.0 == other.0, "{more}: {plain:?} {other:?}");
         assert_ne!(plain.1, other.1, "{more}");

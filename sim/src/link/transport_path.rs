@@ -42,9 +42,8 @@ pub(super) struct TransportPath {
 
 impl TransportPath {
     pub(super) fn new(link: &Link, seed: u64, name: &[&str], direction: Direction) -> Self {
-        let latencies = stream(link.adapter(), direction).map(|stream| {
-            Latencies::new(link.adapter(), Stream::of(seed, &[&name.concat(), stream]))
-        });
+        let latencies = stream(link.adapter(), direction)
+            .map(|stream| Latencies::new(link.adapter(), Stream::of(seed, &[&name.concat(), stream])));
         Self {
             direction,
             since: SimTime::ZERO,
