@@ -215,7 +215,8 @@ fn a_flood_of_commands_leaves_no_more_under_way_than_one_a_step() {
     for i in 0..300 {
         let at = world.begin()[0].at;
         let signal = |n: u32| f64::from(n + i) / f64::from(commands + 300);
-        let bytes: Vec<_> = (0..commands).flat_map(|n| command_of_three(&world, [signal(n), 0.5, 0.1])).collect();
+        let bytes: Vec<_> =
+            (0..commands).flat_map(|n| command_of_three(&world, [signal(n), 0.5, 0.1])).collect();
         world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
         sizes.push(world.save().len());
     }

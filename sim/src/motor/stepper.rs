@@ -149,7 +149,10 @@ mod tests {
         // Of a signal of 11 bits the whole speed counts: 512 of 1023 is 500.5 steps/s.
         assert_eq!(motor.pulses_per_s(512.0 / 1023.0), 500.0);
         // Firmware asks for nothing beyond its full rate, and for nothing below a step a second.
-        assert_eq!([1.2, -1.2, 0.0004, 0.0].map(|signal| motor.pulses_per_s(signal)), [1000.0, -1000.0, 0.0, 0.0]);
+        assert_eq!(
+            [1.2, -1.2, 0.0004, 0.0].map(|signal| motor.pulses_per_s(signal)),
+            [1000.0, -1000.0, 0.0, 0.0]
+        );
         let slow = Stepper { timer_hz: Some(300.0), ..motor };
         assert_eq!(slow.pulses_per_s(1.0), 300.0);
     }

@@ -70,7 +70,13 @@ mod tests {
     use super::VelocityMotor;
 
     fn motor() -> VelocityMotor {
-        VelocityMotor { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.5, efficiency: 0.7, reached: Vec::new() }
+        VelocityMotor {
+            gain_n_s: 1.5,
+            max_torque_nm: 1.0,
+            full_speed_m_s: 0.5,
+            efficiency: 0.7,
+            reached: Vec::new(),
+        }
     }
 
     #[test]

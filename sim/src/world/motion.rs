@@ -333,7 +333,8 @@ impl Robot {
 
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
-        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery_and_delay.first, &spec.drive.motor)
+        let (Some(battery), Some(state), Motors::Dc(_)) =
+            (&spec.battery, &self.battery_and_delay.first, &spec.drive.motor)
         else {
             return signals;
         };

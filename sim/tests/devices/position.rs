@@ -126,13 +126,14 @@ fn autocorrelation(errors: &[f64], lag: usize) -> f64 {
 
 #[test]
 fn an_error_of_two_parts_has_the_autocorrelation_of_both() {
-    let both = "wander_sigma_m = 2.0\nwander_time_s = 300.0\nshort_wander_sigma_m = 1.5\nshort_wander_time_s = 60.0";
+    let both =
+        "wander_sigma_m = 2.0\nwander_time_s = 30.0\nshort_wander_sigma_m = 1.5\nshort_wander_time_s = 6.0";
     // Some 1700 of the slow part's times: a standard error of about 0.03.
-    let errors = easts(10.0, both, 50_000);
+    let errors = easts(1.0, both, 50_000);
     let [slow, short] = [4.0, 2.25];
     for lag in [1, 3, 6, 12, 30, 60] {
-        let t = lag as f64 * 10.0;
-        let expected = (slow * (-t / 300.0).exp() + short * (-t / 60.0).exp()) / (slow + short);
+        let t = lag as f64;
+        let expected = (slow * (-t / 30.0).exp() + short * (-t / 6.0).exp()) / (slow + short);
         let found = autocorrelation(&errors, lag);
         assert!((found - expected).abs() < 0.08, "{t} s: {found}, not {expected}");
     }
