@@ -254,10 +254,11 @@ const SENSORS_M_DEG: [[f64; 3]; 8] = [
     [0.0335, 0.0105, 18.0],
 ];
 
-/// The e-puck's of `scenario/presets/e-puck.toml`, with its stepper motors: the wheels have the speeds that are commanded.
+/// The e-puck's of `scenario/presets/e-puck.toml`, with stepper motors whose wheels have the speeds that are commanded. They are
+/// not those of a preset, which may be corrected: that would be another workload.
 const SMALL_BODY: &str = "\
 body = { radius_m = 0.035, mass_kg = 0.15, inertia_kg_m2 = 9.2e-5, wheel_radius_m = 0.0205, half_track_m = 0.0265 }
-motors = { preset = \"e-puck-stepper\" }
+motors = { kind = \"stepper\", steps_per_turn = 1000, full_rate_steps_s = 1000, max_rate_steps_s = 1200, max_acceleration_steps_s2 = 4000 }
 ";
 
 /// A disc of 0.3 m with steppers: up to 0.5 m/s.

@@ -174,6 +174,7 @@ impl RobotBudget {
             step_ns: plan.step_ns,
             deadline_ns: plan.deadline_ns(),
             starts_after_ns: plan.spec.processor.bootloader_ns,
+            dead_time_ns: plan.spec.dead_time_ns,
             rates: rates::rates(plan, &bounds, &outcome),
             ages: ages::ages(plan, &bounds, &outcome),
             chip: loads::chip(plan),

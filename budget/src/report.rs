@@ -215,6 +215,8 @@ pub struct RobotBudget {
     pub starts_after_ns: u64,
     /// The cycle.
     pub cycle: Cycle,
+    /// How much later than the end of the cycle a command reaches the motors, in nanoseconds: it is no part of the cycle.
+    pub dead_time_ns: u64,
     /// How often things can be done; the exchanges first.
     pub rates: Vec<Rate>,
     /// How old readings are, in the order of the robot's sensors.

@@ -57,6 +57,8 @@ pub(super) struct RawBattery {
     #[serde(default)]
     idle_w: f64,
     curve_share_v: Option<Vec<(f64, f64)>>,
+    #[serde(default)]
+    capacity_a_share: Vec<(f64, f64)>,
     charge: Option<f64>,
 }
 
@@ -126,7 +128,24 @@ pub(super) fn battery(path: &Path, raw: RawBattery) -> Result<(Battery, f64)> {
         capacity_c: Battery::coulombs(path.positive("capacity_mah", raw.capacity_mah)?),
         internal_resistance_ohm: path.not_negative("internal_resistance_ohm", raw.internal_resistance_ohm)?,
         curve,
+        yields: yields(&path.field("capacity_a_share"), raw.capacity_a_share)?,
         idle_w: path.not_negative("idle_w", raw.idle_w)?,
     };
     Ok((battery, path.within("charge", raw.charge.unwrap_or(1.0), 0.0, 1.0)?))
 }
+
+/// Which share of its capacity a battery gives at which current.
+fn yields(path: &Path, points: Vec<(f64, f64)>) -> Result<Vec<(f64, f64)>> {
+    for (i, &(current, share)) in points.iter().enumerate() {
+        path.index(i).within("current", current, 0.0, 1e6)?;
+        path.index(i).within("share", share, MIN_YIELD, 1.0)?;
+        if i > 0 && current <= points[i - 1].0 {
+            let problem = format!("currents must increase, {current} follows {}", points[i - 1].0);
+            return Err(path.index(i).error(problem));
+        }
+    }
+    Ok(points)
+}
+
+/// A battery that gives less of its capacity gives nothing.
+const MIN_YIELD: f64 = 1e-3;

@@ -22,6 +22,8 @@ pub(super) struct ParsedMotors {
     pub(super) signal_limit: Option<f64>,
     /// How long motors keep running without a command, in nanoseconds.
     pub(super) timeout_ns: Option<u64>,
+    /// How much later commands reach the motors, in nanoseconds.
+    pub(super) dead_time_ns: u64,
 }
 
 /// What ARSim's DC motors do and others do not.
@@ -41,9 +43,11 @@ struct RawMotors {
     noise_sigma: f64,
     noise_spread: f64,
     timeout_ms: Option<f64>,
+    dead_time_ms: f64,
 }
 
-const COMMON_FIELDS: [&str; 5] = ["kind", "signal_bits", "noise_sigma", "noise_spread", "timeout_ms"];
+const COMMON_FIELDS: [&str; 6] =
+    ["kind", "signal_bits", "noise_sigma", "noise_spread", "timeout_ms", "dead_time_ms"];
 
 #[derive(Clone, Copy, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -99,11 +103,18 @@ struct RawVelocityMotor {
     max_torque_nm: f64,
     full_speed_m_s: f64,
     efficiency: f64,
+    curve_signal_share: Vec<(f64, f64)>,
 }
 
 impl Default for RawVelocityMotor {
     fn default() -> Self {
-        Self { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.8, efficiency: 0.7 }
+        Self {
+            gain_n_s: 1.5,
+            max_torque_nm: 1.0,
+            full_speed_m_s: 0.8,
+            efficiency: 0.7,
+            curve_signal_share: Vec::new(),
+        }
     }
 }
 
@@ -148,6 +159,8 @@ struct RawStepper {
     max_rate_steps_s: Option<f64>,
     max_acceleration_steps_s2: f64,
     holding_w: f64,
+    timer_hz: Option<f64>,
+    hold_ms: Option<f64>,
 }
 
 impl Default for RawStepper {
@@ -158,11 +171,13 @@ impl Default for RawStepper {
             max_rate_steps_s: None,
             max_acceleration_steps_s2: 4000.0,
             holding_w: 0.5,
+            timer_hz: None,
+            hold_ms: None,
         }
     }
 }
 
-/// Most points of a servo's curve.
+/// Most points of a curve.
 const MAX_POINTS: usize = 1000;
 
 /// The motors that this table describes.
@@ -185,6 +200,7 @@ pub(super) fn motors(path: &Path, mut table: Table) -> Result<ParsedMotors> {
         encoding: encoding(path, common.signal_bits, quirks.unlimited_signals)?,
         signal_limit: (!quirks.unlimited_signals).then_some(1.0),
         timeout_ns: common.timeout_ms.map(|ms| path.ms("timeout_ms", ms, 0.01, 1e7)).transpose()?,
+        dead_time_ns: path.ms("dead_time_ms", common.dead_time_ms, 0.0, MAX_DEAD_TIME_MS)?,
     })
 }
 
@@ -221,7 +237,7 @@ fn motor(path: &Path, kind: MotorKind, fields: Sheet) -> Result<(Motors, Quirks)
             };
             (Motors::Dc(dc(path, &raw)?), quirks)
         }
-        MotorKind::Velocity => (Motors::Velocity(velocity(path, &fields.read(path)?)?), NO_QUIRKS),
+        MotorKind::Velocity => (Motors::Velocity(velocity(path, fields.read(path)?)?), NO_QUIRKS),
         MotorKind::Servo => (Motors::Servo(servo(path, fields.read(path)?)?), NO_QUIRKS),
         MotorKind::Stepper => (Motors::Stepper(stepper(path, &fields.read(path)?)?), NO_QUIRKS),
     })
@@ -241,7 +257,7 @@ fn dc(path: &Path, raw: &RawDcMotor) -> Result<DcMotor> {
     })
 }
 
-fn velocity(path: &Path, raw: &RawVelocityMotor) -> Result<VelocityMotor> {
+fn velocity(path: &Path, raw: RawVelocityMotor) -> Result<VelocityMotor> {
     Ok(VelocityMotor {
         gain_n_s: path.positive("gain_n_s", raw.gain_n_s)?,
         max_torque_nm: path.positive("max_torque_nm", raw.max_torque_nm)?,
@@ -252,7 +268,19 @@ fn velocity(path: &Path, raw: &RawVelocityMotor) -> Result<VelocityMotor> {
             MAX_SPEED_M_S,
         )?,
         efficiency: path.within("efficiency", raw.efficiency, MIN_EFFICIENCY, 1.0)?,
+        reached: reached(&path.field("curve_signal_share"), raw.curve_signal_share)?,
     })
+}
+
+fn reached(path: &Path, points: Vec<(f64, f64)>) -> Result<Vec<(f64, f64)>> {
+    has_points(path, &points, 0)?;
+    for (i, &(signal, share)) in points.iter().enumerate() {
+        let path = path.index(i);
+        path.within("signal", signal, 0.0, 1.0)?;
+        path.within("share", share, MIN_REACHED, 1.0)?;
+    }
+    increases(path, &points, "signals")?;
+    Ok(points)
 }
 
 fn servo(path: &Path, raw: RawServo) -> Result<Servo> {
@@ -271,21 +299,28 @@ fn servo(path: &Path, raw: RawServo) -> Result<Servo> {
 }
 
 fn curve(path: &Path, points: Vec<(f64, f64)>) -> Result<Vec<(f64, f64)>> {
-    if points.is_empty() || points.len() > MAX_POINTS {
-        let problem = format!("a curve has 1 to {MAX_POINTS} points, this one {}", points.len());
-        return Err(path.error(problem));
-    }
+    has_points(path, &points, 1)?;
     for (i, &(pulse_us, rpm)) in points.iter().enumerate() {
         let path = path.index(i);
         path.within("pulse_us", pulse_us, 0.0, MAX_PULSE_US)?;
         path.within("rpm", rpm, -MAX_RPM, MAX_RPM)?;
     }
-    if let Some(i) = points.windows(2).position(|pair| pair[0].0 >= pair[1].0) {
-        let (before, after) = (points[i].0, points[i + 1].0);
-        let problem = format!("pulses must increase, and {after} follows {before}");
-        return Err(path.index(i + 1).error(problem));
-    }
+    increases(path, &points, "pulses")?;
     Ok(points)
+}
+
+fn has_points(path: &Path, points: &[(f64, f64)], least: usize) -> Result<()> {
+    if (least..=MAX_POINTS).contains(&points.len()) {
+        return Ok(());
+    }
+    let problem = format!("a curve has {least} to {MAX_POINTS} points, this one {}", points.len());
+    Err(path.error(problem))
+}
+
+fn increases(path: &Path, points: &[(f64, f64)], what: &str) -> Result<()> {
+    let Some(i) = points.windows(2).position(|pair| pair[0].0 >= pair[1].0) else { return Ok(()) };
+    let (before, after) = (points[i].0, points[i + 1].0);
+    Err(path.index(i + 1).error(format!("{what} must increase, and {after} follows {before}")))
 }
 
 fn stepper(path: &Path, raw: &RawStepper) -> Result<Stepper> {
@@ -297,6 +332,8 @@ fn stepper(path: &Path, raw: &RawStepper) -> Result<Stepper> {
         max_rate_steps_s: rate("max_rate_steps_s", raw.max_rate_steps_s.unwrap_or(full_rate_steps_s))?,
         max_acceleration_steps_s2: rate("max_acceleration_steps_s2", raw.max_acceleration_steps_s2)?,
         holding_w: path.not_negative("holding_w", raw.holding_w)?,
+        timer_hz: raw.timer_hz.map(|hz| rate("timer_hz", hz)).transpose()?,
+        hold_s: raw.hold_ms.map(|ms| path.within("hold_ms", ms, 0.0, 1e6)).transpose()?.map(|ms| ms / 1e3),
     })
 }
 
@@ -314,7 +351,13 @@ const MAX_SPEED_M_S: f64 = 1e3;
 const MAX_RPM: f64 = 1e6;
 const MAX_RATE: f64 = 1e9;
 
+/// No motors are as slow to obey as that.
+const MAX_DEAD_TIME_MS: f64 = 1e3;
+
 /// No pulse is longer than a second.
 const MAX_PULSE_US: f64 = 1e6;
 
 const MIN_EFFICIENCY: f64 = 1e-3;
+
+/// A motor that reaches less than that of its speed does not turn.
+const MIN_REACHED: f64 = 1e-3;

@@ -113,6 +113,7 @@ fn model(
 ) -> Result<(RobotModel, Vec<faults::RawFault>)> {
     let motors = motors::motors(&path.field("motors"), core::mem::take(&mut raw.motors))?;
     let (signal_limit, motor, timeout) = (motors.signal_limit, motors.encoding, motors.timeout_ns);
+    let dead_time_ns = motors.dead_time_ns;
     let body = path.field("body");
     let (outline, radius_m) = outline(&body, &raw.body)?;
     let look = shapes::look(&body, raw.body.height_m, raw.body.color)?;
@@ -132,6 +133,7 @@ fn model(
         battery,
         charge,
         command_timeout_ns: timeout,
+        dead_time_ns,
         sensors: sensors.into(),
         processor,
         firmware,

@@ -2,11 +2,15 @@
 //!
 //! The voltage at the terminals is that of the open circuit, which depends on the charge left, less what
 //! the internal resistance takes: V = V₀(q) − R I. A consumer of the power P draws the smaller current that
-//! solves P = V I. No battery gives more than V₀² / (4 R).
+//! solves P = V I. No battery gives more than V₀² / (4 R). What a battery gives before it is empty falls with the
+//! current: a current I takes I / c(I) of the charge, where c is the share of the capacity that a constant current of
+//! this size gets out of it.
 //!
 //! Deviations. The notes speak of batteries that run low (§7.2.2, §8.2) and have no model of one. Over a
 //! step the open-circuit voltage is taken as it is at its start. There is no self-discharge, no ageing and
-//! no temperature.
+//! no temperature. A real battery gives some of what a large current left in it to a smaller one afterwards; here that is
+//! lost. Polarisation builds up over minutes; here it is a part of R, which is therefore several times what a meter finds at
+//! 1 kHz.
 
 use alloc::vec::Vec;
 
@@ -27,6 +31,9 @@ pub struct Battery {
     /// Open-circuit voltage as a share of the nominal one, over the share of the charge that is left, which
     /// increases: linear in between, held beyond the ends.
     pub curve: Vec<(f64, f64)>,
+    /// Current in A and share of the capacity that it gets out of a full battery, currents increasing: linear in between,
+    /// held beyond the ends. Empty if every current gets all of it.
+    pub yields: Vec<(f64, f64)>,
     /// What the robot's electronics take all the time, in W.
     pub idle_w: f64,
 }
@@ -71,6 +78,11 @@ impl Battery {
         self.nominal_v * curve::value(&self.curve, share)
     }
 
+    /// Share of the capacity that a constant current of so many A gets out of it.
+    pub fn yield_at(&self, current_a: f64) -> f64 {
+        if self.yields.is_empty() { 1.0 } else { curve::value(&self.yields, current_a) }
+    }
+
     /// The current at which a source of `source_v` gives `power_w`, or, if it cannot, as much as it can.
     fn discharging_a(&self, source_v: f64, power_w: f64) -> f64 {
         let resistance = self.internal_resistance_ohm;
@@ -100,9 +112,11 @@ impl BatteryState {
         if self.is_empty(battery) || power_w <= 0.0 || source_v <= 0.0 || dt_s <= 0.0 {
             return 0.0;
         }
-        self.current_a = battery.discharging_a(source_v, power_w).min(self.charge_c / dt_s);
+        let current_a = battery.discharging_a(source_v, power_w);
+        let share = battery.yield_at(current_a);
+        self.current_a = current_a.min(share * self.charge_c / dt_s);
         let energy = (source_v - battery.internal_resistance_ohm * self.current_a) * self.current_a * dt_s;
-        self.charge_c = (self.charge_c - self.current_a * dt_s).max(0.0);
+        self.charge_c = (self.charge_c - self.current_a * dt_s / share).max(0.0);
         self.used_j += energy;
         energy
     }
@@ -155,6 +169,8 @@ const EMPTY: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
+    use alloc::vec::Vec;
+
     use super::{Battery, BatteryState};
 
     /// Four AA cells.
@@ -164,6 +180,7 @@ mod tests {
             capacity_c: Battery::coulombs(2000.0),
             internal_resistance_ohm: 0.1,
             curve: Battery::nimh_curve(),
+            yields: Vec::new(),
             idle_w: 0.1,
         }
     }

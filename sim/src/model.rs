@@ -60,6 +60,9 @@ pub struct RobotModel {
     pub charge: f64,
     /// Motors stand still if no command comes for so long, in nanoseconds.
     pub command_timeout_ns: Option<u64>,
+    /// How much later than its microcontroller obeys them commands reach the motors, in nanoseconds. Other actuators are
+    /// not delayed.
+    pub dead_time_ns: u64,
     /// Sensors. Models whose sensors are alike share them.
     pub sensors: Sensors,
     /// The cost of the microcontroller's tasks.

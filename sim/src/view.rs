@@ -54,7 +54,7 @@ impl<'a> RobotView<'a> {
 
     /// The motor signals in force in the last step.
     pub fn signals(&self) -> Wheels {
-        self.state.signals
+        self.state.motor_signals()
     }
 
     /// Its actuators besides the wheels.
@@ -64,7 +64,7 @@ impl<'a> RobotView<'a> {
 
     /// What feeds it, and how much is left of that, if it can run out.
     pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
-        self.spec.battery.as_ref().zip(self.state.battery.as_ref())
+        self.spec.battery.as_ref().zip(self.state.battery_and_delay.first.as_ref())
     }
 
     /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's

@@ -1,8 +1,9 @@
 //! What the kinds of motors do to a robot in its world, and which scenarios with them are refused.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use crate::common::{BODY, refusal, run, tick, world};
+use crate::common::{BODY, command, refusal, run, tick, world};
 use baudbot_sim::motor::Steps;
 use baudbot_sim::{Input, World};
 use baudbot_wire::{frame, write_command};
@@ -75,6 +76,162 @@ fn a_turret_obeys_with_its_next_pulse() {
         .collect();
     // Commanded in tick 1, at 5 ms; the next pulse begins at 20 ms, which is tick 4.
     assert_eq!(turns, [false, false, false, false, true, true]);
+}
+
+/// Motors that do at once what they are told, on a robot with a lamp.
+fn at_once(top: &str, motors: &str) -> World {
+    let lamp = "[robots.actuators.lamp]\nkind = \"lamp\"\nintensity_cd = 1.0\n";
+    let motors = format!("kind = \"stepper\", max_acceleration_steps_s2 = 1e9{motors}");
+    world(&(robot(top, BODY, &motors) + lamp))
+}
+
+/// Ticks in which the robot moves and in which its lamp is lit, if it is told to do both in tick 1 and then nothing more.
+fn told_once(mut world: World, ticks: usize) -> [Vec<usize>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
+    for i in 0..ticks {
+        let at = world.begin()[0].at;
+        let bytes = if i == 1 { command_of_three(&world, [1.0; 3]) } else { Vec::new() };
+        world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+        if speeds(&world).0 > 0.0 {
+            found[0].push(i);
+        }
+        if world.robot(0).actuators()[0].signal > 0.0 {
+            found[1].push(i);
+        }
+    }
+    found
+}
+
+#[test]
+fn a_dead_time_delays_the_motors_by_so_much_and_nothing_else() {
+    let found = |dead: &str| told_once(at_once("step_ms = 10.0", dead), 20);
+    // Told at 10 ms: 95 ms later is within the step from 100 ms on, so the one at 110 ms is the first to have it.
+    for (dead, first) in [("", 1), (", dead_time_ms = 10.0", 2), (", dead_time_ms = 95.0", 11)] {
+        let [moves, lit] = found(dead);
+        assert_eq!(moves, (first..20).collect::<Vec<_>>(), "{dead}");
+        assert_eq!(lit, (1..20).collect::<Vec<_>>(), "{dead}");
+    }
+    let cycles = |dead: &str| {
+        let mut world = at_once("step_ms = 10.0", dead);
+        run_three(&mut world, 50);
+        let cycles = world.robot(0).cycles().clone();
+        (cycles.kept, cycles.late, cycles.durations.max_ns())
+    };
+    assert_eq!(cycles(", dead_time_ms = 95.0"), cycles(""));
+    assert!(cycles("").0 >= 49, "{:?}", cycles(""));
+}
+
+fn run_three(world: &mut World, ticks: usize) {
+    for i in 0..ticks {
+        let at = world.begin()[0].at;
+        let bytes = command_of_three(world, [(i % 3) as f64 / 2.0, 0.5, 0.1]);
+        world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+    }
+}
+
+#[test]
+fn what_stops_the_motors_passes_their_dead_time_too() {
+    let moves = |motors: &str| told_once(at_once("step_ms = 10.0", motors), 40)[0].clone();
+    // Told at 10 ms, stopped by the firmware at 60 ms; both 100 ms later.
+    assert_eq!(moves(", timeout_ms = 50.0"), (1..6).collect::<Vec<_>>());
+    assert_eq!(moves(", timeout_ms = 50.0, dead_time_ms = 100.0"), (11..16).collect::<Vec<_>>());
+    // A deadline of 20 ms that is missed after the second step, found out by the third.
+    let late = |dead: &str| {
+        let late = "brain = { deadline_ms = 20.0, on_late = \"stop\" }\n";
+        let motors = format!("kind = \"stepper\", max_acceleration_steps_s2 = 1e9{dead}");
+        let mut world = world(&(robot("step_ms = 10.0", BODY, &motors) + late));
+        let tick = |i: u64| {
+            let at = world.begin()[0].at;
+            let bytes = if i == 0 { command(world.robot(0).spec(), 1.0, 1.0) } else { Vec::new() };
+            world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+            speeds(&world).0 > 0.0
+        };
+        (0..30).map(tick).collect::<Vec<_>>()
+    };
+    let (at_once, later) = (late(""), late(", dead_time_ms = 100.0"));
+    assert!(at_once.contains(&true) && !at_once[29], "{at_once:?}");
+    assert_eq!(later[..10], [false; 10]);
+    assert_eq!(later[10..], at_once[..20]);
+}
+
+#[test]
+fn a_servo_has_its_dead_time_after_its_pulse() {
+    let motors = "kind = \"servo\", lag_ms = 0.0, dead_time_ms = 10.0";
+    let mut world = world(&robot("step_ms = 5.0", BODY, motors));
+    run(&mut world, 1, 0.0, 0.0);
+    // Commanded at 5 ms, in a pulse from 20 ms on.
+    let moves: Vec<bool> = (1..8)
+        .map(|_| {
+            tick(&mut world, 1.0, 1.0);
+            speeds(&world).0 > 0.0
+        })
+        .collect();
+    assert_eq!(moves, [false, false, false, false, false, true, true]);
+}
+
+#[test]
+fn a_move_to_a_position_passes_the_dead_time_too() {
+    let begins = |dead: &str| {
+        let mut world = world(&format!(
+            "step_ms = 10.0\nnoise = false\n[[robots]]\nname = \"k\"\npreset = \"khepera-1\"\n\
+             firmware = {{ protocol = \"khepera\" }}\nlink = {{ kind = \"ideal\" }}\nmotors = {{ {dead} }}\n"
+        ));
+        let moves = |i: usize| {
+            let at = world.begin()[0].at;
+            let bytes: &[u8] = if i == 0 { b"C,500,500\r" } else { b"" };
+            world.finish(&[Input { robot: 0, at, bytes }]);
+            speeds(&world).0 > 0.0
+        };
+        (0..60).map(moves).position(|moves| moves).unwrap()
+    };
+    assert_eq!(begins("dead_time_ms = 200.0"), begins("") + 20);
+}
+
+#[test]
+fn what_is_under_way_to_the_motors_is_part_of_the_state() {
+    let mut world = at_once("step_ms = 10.0\nnoise = false", ", dead_time_ms = 95.0");
+    run_three(&mut world, 30);
+    let scenario = Arc::clone(world.scenario());
+    let mut loaded = World::load(scenario, &world.save(), world.hash()).unwrap();
+    for _ in 0..30 {
+        run_three(&mut world, 1);
+        run_three(&mut loaded, 1);
+        assert_eq!((loaded.hash(), speeds(&loaded)), (world.hash(), speeds(&world)));
+    }
+    // Two worlds that differ in nothing else yet.
+    let mut other = world.clone();
+    run_three(&mut world, 1);
+    let at = other.begin()[0].at;
+    let bytes = command_of_three(&other, [0.9, 0.5, 0.1]);
+    other.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+    assert_eq!(speeds(&other), speeds(&world));
+    assert_ne!(other.hash(), world.hash());
+}
+
+#[test]
+fn a_flood_of_commands_leaves_no_more_under_way_than_one_a_step() {
+    let mut world = at_once("step_ms = 10.0\nsubsteps = 2", ", dead_time_ms = 1000.0");
+    let (mut sizes, commands) = (Vec::new(), 2000);
+    for i in 0..300 {
+        let at = world.begin()[0].at;
+        let signal = |n: u32| f64::from(n + i) / f64::from(commands + 300);
+        let bytes: Vec<_> =
+            (0..commands).flat_map(|n| command_of_three(&world, [signal(n), 0.5, 0.1])).collect();
+        world.finish(&[Input { robot: 0, at, bytes: &bytes }]);
+        sizes.push(world.save().len());
+    }
+    // A hundred entries of at most 26 bytes, and counters that grow by a byte now and then.
+    assert!(sizes[299] < sizes[0] + 3000 && sizes[299] <= sizes[150] + 100, "{sizes:?}");
+}
+
+#[test]
+fn a_dead_time_of_0_is_none_to_the_bit() {
+    let worlds = ["", ", dead_time_ms = 0.0"].map(|dead| {
+        let mut world = at_once("step_ms = 10.0", dead);
+        run_three(&mut world, 100);
+        (world.hash(), world.save())
+    });
+    assert_eq!(worlds[0], worlds[1]);
 }
 
 fn command_of_three(world: &World, signals: [f64; 3]) -> Vec<u8> {
@@ -200,4 +357,18 @@ fn fields_of_another_kind_and_numbers_that_make_no_sense_name_their_path() {
     servo("curve_us_rpm = [[1500, 1e9]]", "curve_us_rpm[0].rpm: must be within");
     servo("curve_us_rpm = [[1500]]", "curve_us_rpm[0]: invalid length");
     servo("frame_ms = -1", "frame_ms: must be within 0");
+    refused("dead_time_ms = -1", "robots[0].motors.dead_time_ms: must be within 0 and 1000, is -1");
+    refused("dead_time_ms = 1001", "robots[0].motors.dead_time_ms: must be within 0 and 1000, is 1001");
+    refused("kind = \"stepper\", timer_hz = 0", "robots[0].motors.timer_hz: must be within");
+    refused("kind = \"stepper\", hold_ms = -1", "robots[0].motors.hold_ms: must be within 0 and 1000000");
+    refused("kind = \"servo\", timer_hz = 10", "robots[0].motors.timer_hz: unknown field `timer_hz`");
+    let curve = |points: &str, expected: &str| {
+        refused(
+            &format!("kind = \"velocity\", curve_signal_share = {points}"),
+            &format!("robots[0].motors.curve_signal_share{expected}"),
+        );
+    };
+    curve("[[-0.1, 1.0]]", "[0].signal: must be within 0 and 1, is -0.1");
+    curve("[[0.1, 1.5]]", "[0].share: must be within 0.001 and 1, is 1.5");
+    curve("[[0.5, 1.0], [0.5, 0.9]]", "[1]: signals must increase, and 0.5 follows 0.5");
 }

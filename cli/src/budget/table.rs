@@ -74,6 +74,10 @@ fn cycle(robot: &RobotBudget) -> String {
     if let Some(why) = &robot.cycle.unbounded {
         let _ = writeln!(text, "    no worst case: {why}");
     }
+    if robot.dead_time_ns > 0 {
+        let dead = duration(robot.dead_time_ns as f64);
+        let _ = writeln!(text, "    the motors have a dead time of {dead}, which comes after the cycle");
+    }
     text
 }
 

@@ -627,6 +627,9 @@ pub struct RobotBudget {
     /// Why not every fix was tried; empty if all were.
     #[prost(string, tag = "14")]
     pub left_out: ::prost::alloc::string::String,
+    /// How much later than the end of the cycle a command reaches the motors, in nanoseconds: it is no part of the cycle.
+    #[prost(uint64, tag = "15")]
+    pub dead_time_ns: u64,
 }
 /// A duration, with its minimum, typical and maximum values.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]

@@ -11,6 +11,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         deadline_ns,
         // Of the scenario, and not in the contract.
         starts_after_ns: _,
+        dead_time_ns,
         cycle,
         rates,
         ages,
@@ -25,6 +26,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         robot,
         step_ns,
         deadline_ns,
+        dead_time_ns,
         rows: cycle.rows.into_iter().map(row).collect(),
         total: Some(span(cycle.total)),
         unbounded: cycle.unbounded.unwrap_or_default(),

@@ -5,6 +5,7 @@
 //! has to follow.
 
 mod dc;
+mod delay;
 mod frame;
 mod noise;
 mod positional;
@@ -13,6 +14,7 @@ mod stepper;
 mod velocity;
 
 pub use dc::DcMotor;
+pub(crate) use delay::DelayLine;
 pub use noise::MotorNoise;
 pub(crate) use noise::NoiseState;
 pub use positional::PositionalServo;
@@ -52,7 +54,7 @@ impl Motors {
                 motor.power_w(signal, wheel_radius_m * wheel_speed_rad_s, wheel_radius_m)
             }
             Self::Servo(servo) => servo.power_w(signal, wheel_speed_rad_s),
-            Self::Stepper(stepper) => stepper.power_w(),
+            Self::Stepper(stepper) => stepper.power_w(signal),
         }
     }
 

@@ -1,6 +1,8 @@
 //! Stepper motor: it turns by one step a pulse, if it can follow.
 //!
-//! The signal sets the rate of the pulses at once, and that is what firmware counts. The rotor's rate moves
+//! The signal sets the rate v of the pulses at once, and that is what firmware counts. Firmware that makes its pulses with
+//! a timer of the rate f makes one every n = ⌊f / |v|⌋ ticks, so f / n pulses a second (e-puck: library/motor_led of
+//! gctronic/e-puck-library; f = 10 kHz, and 950 steps/s become 1000). The rotor's rate moves
 //! towards it by no more than an acceleration allows. Above the pull-out rate there is no torque left: the
 //! rotor stands still at once. Pulses that the rotor did not follow are lost, and nothing tells the
 //! firmware.
@@ -8,10 +10,13 @@
 //! Deviations. The notes have no stepper motors. A real rotor that cannot follow falls back by four steps
 //! at a time or stalls altogether; here the difference is spread evenly, and a rotor that runs on when the
 //! pulses stop counts as fewer lost steps. The rotor has the speed of its wheel, so that a robot which is
-//! held back by a wall loses steps.
+//! held back by a wall loses steps. A timer's speeds are whole numbers of steps/s within the full rate, as in the e-puck's
+//! firmware. Coils that are switched off between two steps hold as well as others, and those of the e-puck are on all the
+//! time from 601 steps/s on, where a hold of 1/650 s gives 92 to 100 % of it.
 
 use core::f64::consts::TAU;
 
+use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
 /// The model of a stepper motor and its gear box.
@@ -25,8 +30,12 @@ pub struct Stepper {
     pub max_rate_steps_s: f64,
     /// How fast the rotor's rate can change, in steps per s².
     pub max_acceleration_steps_s2: f64,
-    /// Electrical power that its coils take, turning or holding, in W.
+    /// Electrical power that its coils take while they are on, in W.
     pub holding_w: f64,
+    /// Rate of the timer that makes the pulses, in Hz; `None` can make any rate of pulses.
+    pub timer_hz: Option<f64>,
+    /// For how long coils are on after a step at most, in s; `None` leaves them on.
+    pub hold_s: Option<f64>,
 }
 
 /// The steps of one motor.
@@ -52,16 +61,34 @@ impl Stepper {
     /// Commands `dt_s` of pulses at this signal to the motor of a wheel that turns at this speed, in rad/s,
     /// and gives back the wheel's speed during that time.
     pub fn step(&self, state: &mut StepperState, wheel_speed_rad_s: f64, signal: f64, dt_s: f64) -> f64 {
-        let commanded = self.full_rate_steps_s * signal;
+        let commanded = self.pulses_per_s(signal);
         let rate = self.rate_steps_s(wheel_speed_rad_s * self.steps_per_turn / TAU, commanded, dt_s);
         state.commanded_steps += commanded * dt_s;
         state.lost_steps += (commanded - rate) * dt_s;
         rate * TAU / self.steps_per_turn
     }
 
-    /// Electrical power that it takes, in W: the coils' current does not depend on what the rotor does.
-    pub fn power_w(&self) -> f64 {
-        self.holding_w
+    /// Pulses a second at this signal, negative backwards.
+    pub fn pulses_per_s(&self, signal: f64) -> f64 {
+        let asked = self.full_rate_steps_s * signal;
+        self.timer_hz.map_or(asked, |timer_hz| self.timed(timer_hz, asked))
+    }
+
+    /// Electrical power that it takes at this signal, in W: the coils' current does not depend on what the rotor does.
+    pub fn power_w(&self, signal: f64) -> f64 {
+        let share = self.hold_s.map_or(1.0, |hold_s| (hold_s * self.pulses_per_s(signal).abs()).min(1.0));
+        share * self.holding_w
+    }
+
+    /// The rate that a timer makes of this one.
+    #[inline(never)]
+    fn timed(&self, timer_hz: f64, asked: f64) -> f64 {
+        let whole = math::round(asked.clamp(-self.full_rate_steps_s, self.full_rate_steps_s));
+        if whole == 0.0 {
+            return 0.0;
+        }
+        let ticks = math::floor(timer_hz / whole.abs()).max(1.0);
+        (timer_hz / ticks).copysign(whole)
     }
 
     /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step
@@ -88,7 +115,14 @@ mod tests {
             max_rate_steps_s: 1000.0,
             max_acceleration_steps_s2: 4000.0,
             holding_w: 0.5,
+            timer_hz: None,
+            hold_s: None,
         }
+    }
+
+    /// With what its firmware does: a timer of 10 kHz, and coils that are on for 1/650 s after a step.
+    fn epuck_firmware() -> Stepper {
+        Stepper { timer_hz: Some(10_000.0), hold_s: Some(1.0 / 650.0), ..epuck() }
     }
 
     /// The wheel's speed after these steps of 1 ms.
@@ -101,6 +135,44 @@ mod tests {
         let mut state = StepperState::default();
         let speed = 0.0205 * run(&epuck(), &mut state, 0.0, 1.0, 1000);
         assert!((speed - 0.1288).abs() < 5e-5, "{speed}");
+    }
+
+    #[test]
+    fn a_timer_of_10_khz_makes_the_rates_of_an_epucks_firmware() {
+        let motor = epuck_firmware();
+        let rates = [1000, 950, 900, 800, 700, 600, 500, 400, 300];
+        let found = rates.map(|asked| motor.pulses_per_s(f64::from(asked) / 1000.0));
+        let ticks = [10.0, 10.0, 11.0, 12.0, 14.0, 16.0, 20.0, 25.0, 33.0];
+        assert_eq!(found, ticks.map(|ticks| 10_000.0 / ticks));
+        let back = rates.map(|asked| -motor.pulses_per_s(f64::from(-asked) / 1000.0));
+        assert_eq!(back, found);
+        // Of a signal of 11 bits the whole speed counts: 512 of 1023 is 500.5 steps/s.
+        assert_eq!(motor.pulses_per_s(512.0 / 1023.0), 500.0);
+        // Firmware asks for nothing beyond its full rate, and for nothing below a step a second.
+        assert_eq!(
+            [1.2, -1.2, 0.0004, 0.0].map(|signal| motor.pulses_per_s(signal)),
+            [1000.0, -1000.0, 0.0, 0.0]
+        );
+        let slow = Stepper { timer_hz: Some(300.0), ..motor };
+        assert_eq!(slow.pulses_per_s(1.0), 300.0);
+    }
+
+    #[test]
+    fn the_steps_of_a_timer_are_those_that_are_counted_and_made() {
+        let (motor, mut state) = (epuck_firmware(), StepperState::default());
+        let speed = run(&motor, &mut state, 0.0, 0.95, 2000);
+        assert!((speed - core::f64::consts::TAU).abs() < 1e-12, "{speed}");
+        assert!((state.commanded_steps - 2000.0).abs() < 1e-9, "{state:?}");
+    }
+
+    #[test]
+    fn coils_that_are_switched_off_after_a_step_take_less_power_at_low_rates() {
+        let motor = epuck_firmware();
+        assert_eq!([0.0, 1.0, -0.7].map(|signal| motor.power_w(signal)), [0.0, 0.5, 0.5]);
+        // 300 becomes 303 steps/s: on for 303/650 of the time.
+        let found = motor.power_w(0.3);
+        assert!((found - 0.5 * (10_000.0 / 33.0) / 650.0).abs() < 1e-12, "{found}");
+        assert_eq!([0.0, 0.3, 1.0].map(|signal| epuck().power_w(signal)), [0.5; 3]);
     }
 
     #[test]

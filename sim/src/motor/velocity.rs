@@ -5,7 +5,12 @@
 //! Euler steps of Δt are stable for 2 A K Δt / M < 2, and do not swing for < 1.
 //!
 //! Deviations. The notes demand encoders to measure v with, and so do scenarios; but the regulator sees the
-//! wheel's true speed, without the counting. It has no lag, as in the notes.
+//! wheel's true speed, without the counting. It has no lag, as in the notes. Where a robot is known to stay behind what it is
+//! commanded, a measured curve has the share of v_ref that it reaches, in place of the cause.
+
+use alloc::vec::Vec;
+
+use crate::curve;
 
 /// The model of a velocity-regulated motor.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,13 +23,28 @@ pub struct VelocityMotor {
     pub full_speed_m_s: f64,
     /// Mechanical power per electrical power, in (0, 1].
     pub efficiency: f64,
+    /// Size of the signal and share of v_ref that is reached at it, signals increasing: linear in between, held beyond the
+    /// ends. Empty if all of it is reached.
+    pub reached: Vec<(f64, f64)>,
 }
 
 impl VelocityMotor {
     /// Torque on the wheel, in N m, at this signal and speed of the wheel's rim: (3.15), then the limit.
     pub fn torque_nm(&self, signal: f64, rim_speed_m_s: f64) -> f64 {
-        let reference = self.full_speed_m_s * signal;
+        let reference = self.reference_m_s(signal);
         (self.gain_n_s * (reference - rim_speed_m_s)).clamp(-self.max_torque_nm, self.max_torque_nm)
+    }
+
+    /// The speed of the wheel's rim that it goes for at this signal, in m/s.
+    pub fn reference_m_s(&self, signal: f64) -> f64 {
+        let linear = self.full_speed_m_s * signal;
+        if self.reached.is_empty() { linear } else { self.sagging(linear, signal) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sagging(&self, linear_m_s: f64, signal: f64) -> f64 {
+        linear_m_s * curve::value(&self.reached, signal.abs())
     }
 
     /// Electrical power that it takes, in W: the mechanical power over the efficiency, nothing when it
@@ -43,12 +63,20 @@ impl VelocityMotor {
 
 #[cfg(test)]
 mod tests {
+    use alloc::vec::Vec;
+
     use baudbot_geometry::math;
 
     use super::VelocityMotor;
 
     fn motor() -> VelocityMotor {
-        VelocityMotor { gain_n_s: 1.5, max_torque_nm: 1.0, full_speed_m_s: 0.5, efficiency: 0.7 }
+        VelocityMotor {
+            gain_n_s: 1.5,
+            max_torque_nm: 1.0,
+            full_speed_m_s: 0.5,
+            efficiency: 0.7,
+            reached: Vec::new(),
+        }
     }
 
     #[test]
@@ -58,6 +86,16 @@ mod tests {
         assert_eq!(motor.torque_nm(0.8, 0.4), 0.0);
         assert_eq!(motor.torque_nm(1.0, -0.5), 1.0);
         assert_eq!(motor.torque_nm(-1.0, 0.5), -1.0);
+    }
+
+    #[test]
+    fn a_motor_that_sags_goes_for_the_share_of_its_curve_both_ways() {
+        let motor = VelocityMotor { reached: [(0.2, 1.0), (1.0, 0.8)].into(), ..motor() };
+        let found = [0.1, 0.6, 1.0, -0.6, 0.0].map(|signal| motor.reference_m_s(signal));
+        for (found, expected) in found.into_iter().zip([0.05, 0.27, 0.4, -0.27, 0.0]) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+        assert!(motor.torque_nm(1.0, 0.4).abs() < 1e-15);
     }
 
     #[test]

@@ -167,8 +167,9 @@ impl Robot {
         now: SimTime,
         first: usize,
     ) -> Option<(SimTime, Task)> {
-        let Self { microcontroller, motion, actuators, battery, pings, recorder, .. } = self;
-        let mut at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
+        let Self { microcontroller, motion, actuators, battery_and_delay, pings, recorder, .. } = self;
+        let battery = battery_and_delay.first.as_ref();
+        let mut at = measurement(spec, tick, now, (motion, actuators, battery));
         let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
             let sensor = acquired.sensor as u16;
             if acquired.ping.is_some() {
@@ -239,8 +240,9 @@ impl Robot {
         let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {
-                let Self { microcontroller, motion, actuators, battery, .. } = self;
-                let at = measurement(spec, tick, now, (motion, actuators, battery.as_ref()));
+                let Self { microcontroller, motion, actuators, battery_and_delay, .. } = self;
+                let battery = battery_and_delay.first.as_ref();
+                let at = measurement(spec, tick, now, (motion, actuators, battery));
                 microcontroller.measure(spec, i, &at);
             }
             Event::Output => {

@@ -6,9 +6,11 @@
 mod advance;
 mod brain_end;
 mod cycles;
+mod dead_time;
 mod onboard;
 mod recorder;
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use baudbot_geometry::Pose;
@@ -26,7 +28,8 @@ use crate::laptop::Laptop;
 use crate::link::{Direction, Line, Link};
 use crate::microcontroller::Microcontroller;
 use crate::model::{RobotSpec, Start};
-use crate::motor::NoiseState;
+use crate::motor::{DelayLine, NoiseState};
+use crate::pair::Pair;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
 use crate::sensor::port::PortState;
@@ -36,7 +39,8 @@ use crate::time::SimTime;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Robot {
     pub(crate) motion: Motion,
-    /// The motor signals in force.
+    /// The motor signals that the microcontroller gives. Behind a dead time the motors have older ones:
+    /// [`motor_signals`](Self::motor_signals).
     pub(crate) signals: Wheels,
     pub(crate) motor_noise: NoiseState,
     /// Ran into something in the last tick.
@@ -50,7 +54,8 @@ pub(crate) struct Robot {
     /// The cables of the sensors that have their own, in their order.
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
-    pub(crate) battery: Option<BatteryState>,
+    /// Its battery, and what is under way to its motors, on a robot that has the one or the other.
+    pub(crate) battery_and_delay: Pair<BatteryState, Box<DelayLine>>,
     /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
     /// When the last command was obeyed.
@@ -112,7 +117,10 @@ impl Robot {
                 .map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name))
                 .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
-            battery: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
+            battery_and_delay: Pair {
+                first: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
+                second: (spec.dead_time_ns > 0).then(Box::default),
+            },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,
             counters: RobotCounters::default(),

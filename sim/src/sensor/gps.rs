@@ -1,5 +1,6 @@
 //! Satellite positioning (§1.2.2): latitude and longitude with an error that wanders slowly, and none where
-//! the sky is hidden.
+//! the sky is hidden. The error is the sum of two first-order Gauss–Markov processes: the autocorrelation of a real
+//! receiver's (a Garmin 12XL over 20 days, by D. L. Wilson) falls for about a minute, bends, and then falls slowly.
 //!
 //! Deviation: the notes speak of three satellites; a receiver whose clock is not right needs four. How many
 //! there are is not modelled: the sky is seen or it is not.
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Measurement;
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, level};
+use crate::pair::Pair;
 use crate::random::Stream;
 use crate::time::{SECOND_NS, SimTime};
 use baudbot_fields::{FieldError, Path};
@@ -25,6 +27,10 @@ pub struct Gps {
     pub wander_sigma_m: f64,
     /// Time in which the error forgets itself, in seconds.
     pub wander_time_s: f64,
+    /// Standard deviation of a second error, which wanders faster, along x and y each, in metres.
+    pub short_wander_sigma_m: f64,
+    /// Time in which the second error forgets itself, in seconds.
+    pub short_wander_time_s: f64,
     /// Standard deviation of what is added to each fix, in metres.
     pub sigma_m: f64,
     /// Standard deviation of the speed over ground, in m/s.
@@ -38,15 +44,16 @@ pub struct Gps {
 pub(crate) struct Wander {
     error_m: [f64; 2],
     last: SimTime,
-    /// Since when the sky is seen.
-    sky_since: Option<SimTime>,
+    /// Since when the sky is seen, and the second error, if there is one.
+    sky_and_short: Pair<SimTime, [f64; 2]>,
     /// The last position, which is repeated without a fix.
     position_deg: [f64; 2],
 }
 
 impl Wander {
     pub(super) fn is_sound(&self) -> bool {
-        crate::sound::numbers(self.error_m.into_iter().chain(self.position_deg))
+        let short = self.sky_and_short.second.into_iter().flatten();
+        crate::sound::numbers(self.error_m.into_iter().chain(self.position_deg).chain(short))
     }
 }
 
@@ -59,6 +66,10 @@ pub(crate) struct Sheet {
     #[serde(default = "wander_time_s")]
     wander_time_s: f64,
     #[serde(default)]
+    short_wander_sigma_m: f64,
+    #[serde(default = "short_wander_time_s")]
+    short_wander_time_s: f64,
+    #[serde(default)]
     sigma_m: f64,
     #[serde(default)]
     speed_sigma_m_s: f64,
@@ -68,6 +79,10 @@ pub(crate) struct Sheet {
 
 fn wander_time_s() -> f64 {
     200.0
+}
+
+fn short_wander_time_s() -> f64 {
+    60.0
 }
 
 impl Sense for Gps {
@@ -82,6 +97,8 @@ impl Sense for Gps {
         let device = Self {
             wander_sigma_m: path.sigma("wander_sigma_m", sheet.wander_sigma_m)?,
             wander_time_s: path.positive("wander_time_s", sheet.wander_time_s)?,
+            short_wander_sigma_m: path.sigma("short_wander_sigma_m", sheet.short_wander_sigma_m)?,
+            short_wander_time_s: path.positive("short_wander_time_s", sheet.short_wander_time_s)?,
             sigma_m: path.sigma("sigma_m", sheet.sigma_m)?,
             speed_sigma_m_s: path.sigma("speed_sigma_m_s", sheet.speed_sigma_m_s)?,
             reacquire_ns: (reacquire_s * SECOND_NS as f64) as u64,
@@ -103,12 +120,16 @@ impl Sense for Gps {
 
     /// At the start the error is anything that it can be later.
     fn remember(&self, _: &Pose, stream: &mut Stream) -> Box<Wander> {
-        let mut draw =
-            || if self.wander_sigma_m == 0.0 { 0.0 } else { self.wander_sigma_m * stream.normal() };
+        let mut draw = |sigma_m: f64| if sigma_m == 0.0 { 0.0 } else { sigma_m * stream.normal() };
+        let error_m = [draw(self.wander_sigma_m), draw(self.wander_sigma_m)];
+        let short = [draw(self.short_wander_sigma_m), draw(self.short_wander_sigma_m)];
         Box::new(Wander {
-            error_m: [draw(), draw()],
+            error_m,
             last: SimTime::ZERO,
-            sky_since: Some(SimTime::ZERO),
+            sky_and_short: Pair {
+                first: Some(SimTime::ZERO),
+                second: (self.short_wander_sigma_m > 0.0).then_some(short),
+            },
             position_deg: [0.0; 2],
         })
     }
@@ -127,14 +148,16 @@ impl Sense for Gps {
         }
         let position = at.motion.pose.position;
         let sky = at.scene.surroundings.sky_at(position);
-        wander.sky_since = if sky { wander.sky_since.or(Some(at.now)) } else { None };
+        let sky_since = &mut wander.sky_and_short.first;
+        *sky_since = if sky { sky_since.or(Some(at.now)) } else { None };
         let back = |since: SimTime| since == SimTime::ZERO || at.now.since(since) >= self.reacquire_ns;
-        let fix = wander.sky_since.is_some_and(back);
+        let fix = sky_since.is_some_and(back);
         if fix {
             let [mut east, mut north] = [position.x, position.y];
             if at.noise {
-                east += wander.error_m[0] + self.sigma_m * stream.normal();
-                north += wander.error_m[1] + self.sigma_m * stream.normal();
+                let [short_east, short_north] = wander.sky_and_short.second.unwrap_or_default();
+                east += wander.error_m[0] + short_east + self.sigma_m * stream.normal();
+                north += wander.error_m[1] + short_north + self.sigma_m * stream.normal();
             }
             wander.position_deg = degrees(at.scene.surroundings.origin_deg, east, north);
         }
@@ -153,17 +176,27 @@ impl Sense for Gps {
 }
 
 impl Gps {
-    /// A first-order Gauss–Markov process: exact for any time since the last fix.
+    /// Both errors as they are now.
     fn wander_on(&self, wander: &mut Wander, now: SimTime, stream: &mut Stream) {
         let dt = now.since(core::mem::replace(&mut wander.last, now)) as f64 / SECOND_NS as f64;
-        if self.wander_sigma_m == 0.0 || dt == 0.0 {
+        if dt == 0.0 {
             return;
         }
-        let keep = math::exp(-dt / self.wander_time_s);
-        let fresh = self.wander_sigma_m * math::sqrt(1.0 - keep * keep);
-        for error in &mut wander.error_m {
-            *error = keep * *error + fresh * stream.normal();
+        if self.wander_sigma_m > 0.0 {
+            wander_for(&mut wander.error_m, (self.wander_sigma_m, self.wander_time_s), dt, stream);
         }
+        if let Some(short) = &mut wander.sky_and_short.second {
+            wander_for(short, (self.short_wander_sigma_m, self.short_wander_time_s), dt, stream);
+        }
+    }
+}
+
+/// A first-order Gauss–Markov process: exact for any time `dt` since the last fix.
+fn wander_for(error_m: &mut [f64; 2], (sigma_m, time_s): (f64, f64), dt: f64, stream: &mut Stream) {
+    let keep = math::exp(-dt / time_s);
+    let fresh = sigma_m * math::sqrt(1.0 - keep * keep);
+    for error in error_m {
+        *error = keep * *error + fresh * stream.normal();
     }
 }
 

@@ -298,11 +298,15 @@ impl Robot {
     /// A substep of the motors and the other actuators, as if the robot were alone.
     fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
         self.take_up(spec, now, dt);
-        let powered = match (&spec.battery, &self.battery) {
+        let given = match &self.battery_and_delay.second {
+            None => self.signals,
+            Some(_) => self.delay(spec, now),
+        };
+        let powered = match (&spec.battery, &self.battery_and_delay.first) {
             (Some(battery), Some(state)) => !state.is_empty(battery),
             _ => true,
         };
-        let signals = if powered { self.motor_noise.apply(self.signals) } else { Wheels::default() };
+        let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
         let slip = scenario.surroundings.slip_of(&spec.drive, &self.motion);
         self.motion = spec.drive.step(&self.motion, signals, slip, dt);
@@ -315,7 +319,7 @@ impl Robot {
                 state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
-        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery) {
+        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery_and_delay.first) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
             let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
             state.draw(battery, battery.idle_w + motors_w, dt);
@@ -329,7 +333,8 @@ impl Robot {
 
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
-        let (Some(battery), Some(state), Motors::Dc(_)) = (&spec.battery, &self.battery, &spec.drive.motor)
+        let (Some(battery), Some(state), Motors::Dc(_)) =
+            (&spec.battery, &self.battery_and_delay.first, &spec.drive.motor)
         else {
             return signals;
         };

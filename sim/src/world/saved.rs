@@ -127,7 +127,9 @@ impl Robot {
     fn check(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> Result<(), SavedError> {
         same(self.ports.len() == other.ports.len(), "sensor cables")?;
         same(self.actuators.len() == other.actuators.len(), "actuators")?;
-        same(self.battery.is_some() == other.battery.is_some(), "batteries")?;
+        let (parts, others) = (&self.battery_and_delay, &other.battery_and_delay);
+        same(parts.first.is_some() == others.first.is_some(), "batteries")?;
+        same(parts.second.is_some() == others.second.is_some(), "dead times")?;
         let sensors = spec.sensors.len();
         same(other.microcontroller.channels().len() == sensors, "sensors")?;
         same(other.laptop.readings.len() == sensors, "sensors")?;
@@ -144,8 +146,10 @@ impl Robot {
         let port = |(port, &i): (&PortState, &usize)| port.is_sound(&spec.sensors[i], now, sensors);
         sound(ports.into_iter().all(port), "sensor cables")?;
         sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;
-        let battery = spec.battery.as_ref().zip(other.battery.as_ref());
+        let battery = spec.battery.as_ref().zip(others.first.as_ref());
         sound(battery.is_none_or(|(battery, state)| state.is_sound(battery)), "battery")?;
+        let line = others.second.as_ref();
+        sound(line.is_none_or(|line| line.is_sound(spec.dead_time_ns, now)), "dead time")?;
         let RobotCounters { collisions, distance_m, turns } = other.counters;
         sound(sound::numbers([distance_m]) && [collisions, turns].into_iter().all(sound::count), "counters")?;
         sound(other.cycles.are_sound(), "control cycles")

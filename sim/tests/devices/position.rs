@@ -109,6 +109,45 @@ fn a_receivers_wandering_error_is_stationary_and_forgets_itself() {
     assert!((found - (-1.0_f64).exp()).abs() < 0.07, "{found}");
 }
 
+/// Easts of the error, one every `step_s`.
+fn easts(step_s: f64, more: &str, fixes: usize) -> Vec<f64> {
+    let top = format!("step_ms = {:?}\n{ORIGIN}", step_s * 1e3);
+    let sensor = named("s", &format!("kind = \"gps\"\n{more}"));
+    let toml = scene(&top, "motors = { kind = \"stepper\" }", &sensor);
+    collect(&toml, fixes).iter().map(|sample| metres(sample).0).collect()
+}
+
+/// Autocorrelation at a lag of so many samples.
+fn autocorrelation(errors: &[f64], lag: usize) -> f64 {
+    let variance: f64 = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+    let products: f64 = errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b).sum();
+    products / (errors.len() - lag) as f64 / variance
+}
+
+#[test]
+fn an_error_of_two_parts_has_the_autocorrelation_of_both() {
+    let both =
+        "wander_sigma_m = 2.0\nwander_time_s = 30.0\nshort_wander_sigma_m = 1.5\nshort_wander_time_s = 6.0";
+    // Some 1700 of the slow part's times: a standard error of about 0.03.
+    let errors = easts(1.0, both, 50_000);
+    let [slow, short] = [4.0, 2.25];
+    for lag in [1, 3, 6, 12, 30, 60] {
+        let t = lag as f64;
+        let expected = (slow * (-t / 30.0).exp() + short * (-t / 6.0).exp()) / (slow + short);
+        let found = autocorrelation(&errors, lag);
+        assert!((found - expected).abs() < 0.08, "{t} s: {found}, not {expected}");
+    }
+    let variance: f64 = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+    assert!((variance / 6.25 - 1.0).abs() < 0.1, "{variance}");
+}
+
+#[test]
+fn a_second_part_that_is_off_draws_nothing_and_changes_nothing() {
+    let one = "wander_sigma_m = 2.0\nsigma_m = 0.1";
+    let off = "wander_sigma_m = 2.0\nsigma_m = 0.1\nshort_wander_sigma_m = 0.0\nshort_wander_time_s = 1.0";
+    assert_eq!(easts(1.0, one, 50), easts(1.0, off, 50));
+}
+
 #[test]
 fn a_receivers_speed_has_its_own_noise() {
     let toml = with_sensor(&format!("step_ms = 0.05\n{ORIGIN}"), "kind = \"gps\"\nspeed_sigma_m_s = 0.1");

@@ -263,6 +263,14 @@ fn actuators_and_batteries() {
     let battery = |fields: &str| {
         scene("", &format!("battery = {{ nominal_v = 12.0, capacity_mah = 1000.0, {fields} }}"), "")
     };
+    refused(
+        &battery("capacity_a_share = [[1.0, 0.9], [0.5, 0.8]]"),
+        "robots[0].battery.capacity_a_share[1]: currents must increase, 0.5 follows 1",
+    );
+    refused(
+        &battery("capacity_a_share = [[1.0, 0.0]]"),
+        "robots[0].battery.capacity_a_share[0].share: must be within 0.001 and 1, is 0",
+    );
     let flat = scene("", "battery = { nominal_v = 1e-320, capacity_mah = 1000.0 }", "");
     refused(&flat, "robots[0].battery.nominal_v: must be within 0.001 and 1000000");
     refused(&battery("charge = 1.5"), "robots[0].battery.charge: must be within 0 and 1, is 1.5");

@@ -117,7 +117,13 @@ fn laser() -> impl Strategy<Value = Laser> {
 
 /// A body whose wheels do what they are commanded.
 fn drive() -> Drive {
-    let motor = VelocityMotor { gain_n_s: 1.0, max_torque_nm: 1.0, full_speed_m_s: 1.0, efficiency: 1.0 };
+    let motor = VelocityMotor {
+        gain_n_s: 1.0,
+        max_torque_nm: 1.0,
+        full_speed_m_s: 1.0,
+        efficiency: 1.0,
+        reached: Vec::new(),
+    };
     Drive {
         radius_m: 0.1,
         half_track_m: 0.1,
