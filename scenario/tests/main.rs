@@ -4,6 +4,7 @@
 mod common;
 mod documentation;
 mod files;
+mod measured;
 mod presets;
 mod starts;
 mod warnings;

@@ -197,7 +197,8 @@ fn questions_that_come_while_the_robot_is_busy_are_answered_in_the_order_of_the_
     let mut world = khepera("kind = \"ideal\"", "microcontroller = { obeying_us = 300.0 }");
     let said = "D,0,0\rL,0,1\rX\rB\rH\rH\rN\rG,7,7\r";
     let heard = say(&mut world, said, 3);
-    let readings = format!("n{};", ",0".repeat(10));
+    // Residual values of the six IR sensors that were read by then, with nothing near; two others, and two counts.
+    let readings = format!("n{}{};", ",64".repeat(6), ",0".repeat(4));
     assert_eq!(heard, format!("b,5.02,5.01;d;{readings}g;h,7,7;l;Command not found;"));
 }
 

@@ -242,6 +242,18 @@ impl Viewpoint<'_> {
         }
     }
 
+    /// Its radius in metres, if it is round.
+    pub(crate) fn radius_of(&self, hit: &RayHit) -> Option<f64> {
+        match hit.what {
+            What::Fixed(baudbot_geometry::Shape::Segment(_)) => None,
+            What::Fixed(baudbot_geometry::Shape::Circle(i)) => Some(self.index.circles()[i].radius),
+            What::Figure(i) => {
+                let figure = &self.scene.frozen.bodies[i];
+                figure.outline.is_empty().then_some(figure.disc.radius)
+            }
+        }
+    }
+
     /// The angle between the ray and the surface's normal where they meet, in [0, π/2].
     pub(crate) fn incidence_rad(&self, ray: &Ray, hit: &RayHit) -> f64 {
         let at = ray.at(hit.distance_m);

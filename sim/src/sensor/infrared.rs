@@ -5,12 +5,16 @@
 //! before the mean is taken (3.13), and the mean's noise is clamped to [0, 1], as in ARSim. One ray looks
 //! straight ahead, where (3.11) would divide by 0 (ARSim then always reads 0). ARSim draws its noise once a
 //! ray and keeps the last; the distribution is that of one draw, which is what we do.
+//!
+//! With samples (3.2) the ray that comes back first gives the reading, whatever its angle in the fan is: so the fan should be
+//! as wide as the sensor sees well, and not as wide as it notices anything. The light around a sensor changes no reading of a
+//! lit one: real ones subtract what they read with the emitter off, which may leave less than 0; here 0 is the least.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use baudbot_geometry::{Fan, Pencil};
+use baudbot_geometry::{Fan, Pencil, math};
 use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, fan, levels};
@@ -31,6 +35,27 @@ pub struct Infrared {
     pub range_m: f64,
     /// How a reading comes about.
     pub model: InfraredModel,
+    /// The steps of its own converter, if these are coarser than those of the codes that are sent.
+    pub converter: Option<Converter>,
+}
+
+/// An analogue-to-digital converter with fewer bits than its results are sent in: the lower ones are 0, as in the values of a
+/// Khepera, which are multiples of 4 and 1020 at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Converter {
+    /// The difference between neighbouring readings.
+    step: f64,
+    /// How many steps the largest reading is.
+    top: f64,
+}
+
+impl Converter {
+    /// The reading that is nearest to a value in [0, 1].
+    #[cold]
+    #[inline(never)]
+    fn convert(self, value: f64) -> f64 {
+        math::floor(value / self.step + 0.5).min(self.top) * self.step
+    }
 }
 
 /// How an IR reading comes about.
@@ -67,6 +92,8 @@ pub(crate) struct Sheet {
     ambient_saturation_lux: Option<f64>,
     #[serde(default)]
     sigma: f64,
+    full_scale: Option<u64>,
+    converter_bits: Option<u64>,
 }
 
 impl Sense for Infrared {
@@ -80,8 +107,10 @@ impl Sense for Infrared {
         let multiplicative = path.sigma("sigma", sheet.sigma)?;
         let fan = fan(path, sheet.opening_rad, PI, sheet.rays)?;
         let range_m = path.length("range_m", sheet.range_m)?;
-        let device = Self { mount: fit.mount, fan, range_m, model: model(path, sheet)? };
-        Ok(Built { multiplicative, ..Built::new(device, levels(path, fit.bits, 1, 0.0, 1.0)?) })
+        let (max, converter) = codes(path, &sheet, fit.bits)?;
+        let encodings = levels(path, fit.bits, 1, 0.0, max)?;
+        let device = Self { mount: fit.mount, fan, range_m, model: model(path, sheet)?, converter };
+        Ok(Built { multiplicative, ..Built::new(device, encodings) })
     }
 
     fn components(&self) -> Vec<Component> {
@@ -114,7 +143,29 @@ impl Sense for Infrared {
 
     fn bound(&self, values: &mut [f64]) {
         values[0] = values[0].clamp(0.0, 1.0);
+        if let Some(converter) = self.converter {
+            values[0] = converter.convert(values[0]);
+        }
     }
+}
+
+/// The reading that the largest code stands for, and the converter that makes the codes, if it is a coarser one.
+fn codes(path: &Path, sheet: &Sheet, bits: Option<u64>) -> Result<(f64, Option<Converter>), FieldError> {
+    let Some(bits) = bits else {
+        let problem = "goes with `bits`, which is missing";
+        path.refuse("full_scale", sheet.full_scale.is_some(), problem)?;
+        path.refuse("converter_bits", sheet.converter_bits.is_some(), problem)?;
+        return Ok((1.0, None));
+    };
+    let bits = path.whole_within("bits", bits, 1, 32)?;
+    let largest = (1_u64 << bits) - 1;
+    let full_scale = path.whole_within("full_scale", sheet.full_scale.unwrap_or(largest), 1, largest)?;
+    let converter = |own_bits| {
+        let own_bits = path.whole_within("converter_bits", own_bits, 1, bits)?;
+        let step = 1_u64 << (bits - own_bits);
+        Ok(Converter { step: step as f64 / full_scale as f64, top: (full_scale / step) as f64 })
+    };
+    Ok((largest as f64 / full_scale as f64, sheet.converter_bits.map(converter).transpose()?))
 }
 
 fn model(path: &Path, sheet: Sheet) -> Result<InfraredModel, FieldError> {
@@ -169,6 +220,10 @@ impl Infrared {
     fn sampled(&self, at: &Measurement<'_>, lookup: &Lookup, stream: &mut Stream) -> f64 {
         let pose = self.mount.world_from_sensor(at);
         let viewpoint = self.mount.look(at, &pose, self.range_m);
+        if !lookup.has_angles() {
+            let distance_m = viewpoint.nearest(&pose, &self.fan).unwrap_or(f64::INFINITY);
+            return lookup.read(distance_m, 0.0, at.noise.then_some(stream));
+        }
         let seen = self
             .fan
             .rays(pose.position, pose.direction())

@@ -78,6 +78,11 @@ impl Lookup {
         Ok(Self { distances_m, angles_rad, samples })
     }
 
+    /// Whether the samples depend on the angle of incidence.
+    pub(crate) fn has_angles(&self) -> bool {
+        !self.angles_rad.is_empty()
+    }
+
     /// A reading at this distance, in metres, and this angle of incidence, in radians, whose sign does not
     /// matter. What lies beyond the measured distances or angles is read as the nearest of them; whether
     /// anything is read at all there is for the caller to say.

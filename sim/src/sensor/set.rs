@@ -86,11 +86,9 @@ fn reach_of(sensors: &[Sensor]) -> Option<Reach> {
 }
 
 fn sector_of(sensor: &Sensor, reach: Reach) -> Option<Sector> {
-    let Device::Infrared(Infrared { mount, fan, range_m, model: InfraredModel::Phenomenological { .. } }) =
-        &sensor.device
-    else {
-        return None;
-    };
+    let Device::Infrared(infrared) = &sensor.device else { return None };
+    let Infrared { mount, fan, range_m, model, .. } = infrared;
+    let InfraredModel::Phenomenological { .. } = model else { return None };
     let is_there = mount.turret.is_none() && mount.height.layer == reach.layer && fan.len() <= FEW_RAYS;
     is_there.then(|| Sector::new(&mount.pose, fan, *range_m))?
 }

@@ -3,7 +3,8 @@
 //! S = min dᵢ with probability p, and D_max (nothing heard) else; below D_min it is D_min. The microcontroller
 //! that times the echo waits for it: a reading takes as long as the sound travels.
 //!
-//! Deviation: with cross-talk on, a pulse that another robot sent in the last tick and that arrives while this
+//! Deviations. A target that is too small to be heard where it is can be told from a wall by its [`Echo`], which the notes
+//! do not mention. With cross-talk on, a pulse that another robot sent in the last tick and that arrives while this
 //! one listens is taken for the echo.
 
 use alloc::vec;
@@ -15,7 +16,7 @@ use serde::Deserialize;
 
 use super::kind::{Built, Component, Effect, Fit, Place, Sense, TIMED_BY_PROCESSOR, fan, levels};
 use super::style::Style;
-use super::{Measurement, Mount};
+use super::{Echo, Measurement, Mount};
 use crate::random::Stream;
 use crate::scene::Ping;
 use crate::time::{SECOND_NS, SimTime};
@@ -42,6 +43,8 @@ pub struct Sonar {
     pub timeout_ns: u64,
     /// Whether it hears the pulses of other robots.
     pub cross_talk: CrossTalk,
+    /// How strong an echo it hears; whatever its rays meet, if this is left open.
+    pub echo: Option<Echo>,
 }
 
 /// Whether a sonar and those of other robots disturb each other.
@@ -70,6 +73,7 @@ pub(crate) struct Sheet {
     timeout_ms: Option<f64>,
     #[serde(default)]
     cross_talk: bool,
+    wall_range_m: Option<f64>,
 }
 
 fn certain() -> f64 {
@@ -93,6 +97,8 @@ impl Sense for Sonar {
         let max_m = path.length("max_m", sheet.max_m)?;
         let sound_m_s = path.within("sound_m_s", sheet.sound_m_s, 1.0, 1e5)?;
         let echo_ms = 2.0 * max_m / sound_m_s * 1e3;
+        let wall_range_m =
+            sheet.wall_range_m.map(|range_m| path.within("wall_range_m", range_m, max_m, 1e6)).transpose()?;
         let device = Self {
             mount: fit.mount,
             fan: fan(path, sheet.opening_rad, PI, sheet.rays)?,
@@ -103,6 +109,7 @@ impl Sense for Sonar {
             holdoff_ns: path.us("holdoff_us", sheet.holdoff_us, 1e6)?,
             timeout_ns: path.ms("timeout_ms", sheet.timeout_ms.unwrap_or(echo_ms), 0.001, 1e6)?,
             cross_talk: if sheet.cross_talk { CrossTalk::On } else { CrossTalk::Off },
+            echo: wall_range_m.map(|range_m| Echo::new(range_m, sound_m_s)),
         };
         Ok(Built::new(device, levels(path, fit.bits, 1, 0.0, max_m)?))
     }
@@ -128,7 +135,11 @@ impl Sense for Sonar {
         let heard = !at.noise || self.detection >= 1.0 || stream.uniform() < self.detection;
         let pose = self.mount.world_from_sensor(at);
         let viewpoint = self.mount.look(at, &pose, self.max_m);
-        let mut nearest = viewpoint.nearest(&pose, &self.fan).filter(|_| heard);
+        let nearest = match &self.echo {
+            None => viewpoint.nearest(&pose, &self.fan),
+            Some(echo) => echo.nearest(&viewpoint, &pose, &self.fan),
+        };
+        let mut nearest = nearest.filter(|_| heard);
         let ping = (self.cross_talk == CrossTalk::On).then(|| {
             let strange = self.strange_echo(at, &pose, nearest.unwrap_or(self.max_m));
             nearest = strange.or(nearest);

@@ -1,5 +1,5 @@
 //! Distance sensor with a voltage for its output, such as Sharp's GP2D12 (§1.2.2): the nearer, the higher,
-//! but below some centimetres the voltage falls again, so that 3 cm can look like 20.
+//! but below some centimetres the voltage falls again, so that 3 cm can look like 8.
 //!
 //! The distance is that of the ray that comes back first. Such a sensor measures at its own pace and holds its
 //! output in between: its scenario gives it an own clock.

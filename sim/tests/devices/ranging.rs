@@ -108,6 +108,28 @@ fn a_lookup_chooses_each_sample_as_often_as_another() {
     assert!(outcome.fits(), "{counts:?}: {outcome:?}");
 }
 
+#[test]
+fn a_converter_of_8_bits_in_codes_of_10_makes_multiples_of_4_up_to_1020() {
+    for (d, code) in
+        [(0.05, 1020.0), (0.1, 1020.0), (0.2, 768.0), (0.3, 512.0), (0.401, 252.0), (0.499, 4.0), (0.7, 0.0)]
+    {
+        let table = format!(
+            "{LOOKUP}\nbits = 10\nconverter_bits = 8\n\
+             lookup = {{ distances_m = [0.1, 0.5], samples = [[[1.0]], [[0.0]]] }}"
+        );
+        near(1023.0 * single(&with_sensor(&wall(0.2 + d), &table)), code);
+    }
+}
+
+#[test]
+fn full_scale_is_the_code_of_a_reading_of_1() {
+    let ir = format!("{IR}\nbits = 13\nfull_scale = 4505");
+    let world = world(&with_sensor("", &ir));
+    let encoding = world.robot(0).spec().sensors[0].encodings[0];
+    assert_eq!([0.0, 0.5, 1.0].map(|reading| encoding.number(reading)), [Some(0), Some(2253), Some(4505)]);
+    near(encoding.value_of(4505).unwrap(), 1.0);
+}
+
 fn lamp(x: f64, y: f64, intensity: f64) -> String {
     format!("[[arena.lights]]\nname = \"l\"\nx_m = {x:?}\ny_m = {y:?}\nintensity_cd = {intensity:?}\n")
 }
@@ -205,6 +227,36 @@ fn noise_of_a_sonar_is_normal_on_an_echo_and_leaves_silence_alone() {
     echoes.retain(|&value| value != 3.0);
     assert_rate(SAMPLES as u64 - echoes.len() as u64, SAMPLES as u64, 0.1);
     assert_distributed(&mut echoes, |scale| normal(1.0, 0.02 * scale));
+}
+
+/// Of a sonar that hears a wall up to 6 m, how far it hears something that is so wide and so high: by steps of 1 cm.
+fn heard_up_to(width_m: f64, height_m: f64) -> f64 {
+    let sonar = SONAR.replace("max_m = 3.0", "max_m = 6.0\nwall_range_m = 6.0\nheight_m = 0.01");
+    let hears = |d: &f64| {
+        let (x, y) = (0.2 + d, 0.5 * width_m);
+        let board = block("board", [x, -y, x + 0.01, y], &format!("height_m = {height_m:?}"));
+        single(&with_sensor(&board, &sonar)) < 6.0
+    };
+    (5..=600).map(|cm| f64::from(cm) * 0.01).take_while(hears).last().unwrap()
+}
+
+#[test]
+fn a_sonar_loses_a_target_the_sooner_the_smaller_it_is_and_a_wall_where_it_should() {
+    let wide: Vec<_> = [0.01, 0.03, 0.1, 0.3].into_iter().map(|width| heard_up_to(width, 1.0)).collect();
+    assert!(wide.is_sorted() && wide[0] < 2.5 && wide[3] > 5.97, "{wide:?}");
+    let high: Vec<_> = [0.01, 0.03, 0.1, 0.3].into_iter().map(|height| heard_up_to(1.0, height)).collect();
+    assert!(high.is_sorted() && high[0] < 2.5 && high[3] > 5.97, "{high:?}");
+    // Width and height do alike, but for the steps in which the width is found.
+    assert!(wide.iter().zip(&high).all(|(wide, high)| (wide / high - 1.0).abs() < 0.1), "{wide:?} {high:?}");
+}
+
+#[test]
+fn a_wall_of_many_short_pieces_is_as_loud_as_one_piece() {
+    let sonar = SONAR.replace("max_m = 3.0", "max_m = 6.0\nwall_range_m = 6.0");
+    let pieces: String = (-60..60)
+        .map(|i| block(&format!("p{i}"), [5.7, 0.01 * f64::from(i), 5.8, 0.01 * f64::from(i + 1)], ""))
+        .collect();
+    near(single(&with_sensor(&pieces, &sonar)), 5.5);
 }
 
 /// When the microcontroller gets to read the compass, whose turn comes right after the sonar's.

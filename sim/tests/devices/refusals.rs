@@ -54,6 +54,24 @@ fn a_clock_that_is_shorter_than_the_sweep() {
 }
 
 #[test]
+fn codes_of_an_infrared_sensor_that_do_not_fit_its_bits() {
+    let ir = format!("{IR}\nc1_m2 = 0.03\nc2 = 0.1");
+    sensor(&format!("{ir}\nconverter_bits = 8"), ".converter_bits: goes with `bits`, which is missing");
+    sensor(&format!("{ir}\nfull_scale = 1000"), ".full_scale: goes with `bits`, which is missing");
+    sensor(&format!("{ir}\nbits = 8\nconverter_bits = 9"), ".converter_bits: must be within 1 and 8, is 9");
+    sensor(&format!("{ir}\nbits = 8\nfull_scale = 256"), ".full_scale: must be within 1 and 255, is 256");
+    sensor(&format!("{ir}\nbits = 33\nfull_scale = 256"), ".bits: must be within 1 and 32, is 33");
+}
+
+#[test]
+fn a_sonar_that_hears_a_wall_less_far_than_it_measures() {
+    sensor(
+        &format!("{SONAR}\nmin_m = 0.0\nwall_range_m = 2.9"),
+        ".wall_range_m: must be within 3 and 1000000, is 2.9",
+    );
+}
+
+#[test]
 fn a_clock_for_what_the_processor_times_itself() {
     sensor(
         &format!("{SONAR}\nmin_m = 0.0\nclock = {{ period_ms = 50.0 }}"),
