@@ -116,9 +116,10 @@ pub fn comparisons() -> Vec<Comparison> {
     FILES.into_iter().map(read).collect()
 }
 
-const FILES: [(&str, &str); 10] = comparisons![
-    "khepera-ir" "e-puck-ir" "thymio-ir" "gp2d12" "e-puck-period" "e-puck-pairs" "e-puck-steps" "thymio-speed"
-    "create-turn" "ping-targets"
+const FILES: [(&str, &str); 19] = comparisons![
+    "khepera-ir" "khepera-1-ir" "e-puck-ir" "thymio-ir" "gp2d12" "hc-sr04-cone" "hc-sr04-targets" "ping-targets"
+    "e-puck-period" "e-puck-pairs" "e-puck-steps" "thymio-speed" "create-turn"
+    "adapters" "ftdi-over-baud" "radio" "nimh-capacity" "nimh-voltage" "gps-rest"
 ];
 
 impl Comparison {

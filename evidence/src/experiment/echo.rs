@@ -12,8 +12,8 @@ use super::{ExperimentError, lab};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Echo {
-    /// Bits of a character: 10 of 8N1.
-    pub bits_per_character: u8,
+    /// Bits of a character on the real cable. Here it has 10, and the baud rate is such that it takes as long.
+    pub bits_per_character: f64,
     /// Number of exchanges.
     pub exchanges: usize,
     /// Longest time between an answer and the next command, in milliseconds; none if the command follows at once. It varies
@@ -35,11 +35,10 @@ impl Echo {
              microcontroller.preset = \"{}\"\n\
              firmware = {{ protocol = \"bare\", mode = \"poll\" }}\n\
              sensors.compass = {{ kind = \"compass\", bits = 8, period_ms = 1000.0 }}\n\
-             link = {{ kind = \"uart\", baud = {}, bits_per_character = {}{adapter} }}\n",
+             link = {{ kind = \"uart\", baud = {}, bits_per_character = 10{adapter} }}\n",
             lab::DISC,
             self.microcontroller,
-            (1.5 * baud) as u32,
-            self.bits_per_character,
+            (1.5 * baud * 10.0 / self.bits_per_character) as u32,
         );
         let world = lab::specimens(&toml, 1)?.next();
         Ok(world.map(|world| self.exchange(world)).unwrap_or_default())
