@@ -116,8 +116,8 @@ pub fn comparisons() -> Vec<Comparison> {
     FILES.into_iter().map(read).collect()
 }
 
-const FILES: [(&str, &str); 19] = comparisons![
-    "khepera-ir" "khepera-1-ir" "e-puck-ir" "thymio-ir" "gp2d12" "hc-sr04-cone" "hc-sr04-targets" "ping-targets"
+const FILES: [(&str, &str); 21] = comparisons![
+    "khepera-ir" "khepera-1-ir" "e-puck-ir" "thymio-ir" "gp2d12" "gp2d12-near" "hc-sr04-card" "hc-sr04-cone" "hc-sr04-targets" "ping-targets"
     "e-puck-period" "e-puck-pairs" "e-puck-steps" "thymio-speed" "create-turn"
     "adapters" "ftdi-over-baud" "radio" "nimh-capacity" "nimh-voltage" "gps-rest"
 ];

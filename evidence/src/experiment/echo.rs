@@ -8,10 +8,12 @@ use serde::Deserialize;
 use super::{ExperimentError, lab};
 
 /// Echoes over a serial cable: a command of two bytes, and a reading of one. What was measured are echoes of one byte, so
-/// that characters here are so much shorter that three take the time of two.
+/// that characters are shorter here, and three take the time of the measured ones.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Echo {
+    /// Characters that an echo takes on the cable: two if a robot sends the byte back, one through a loopback plug.
+    pub characters: f64,
     /// Bits of a character on the real cable. Here it has 10, and the baud rate is such that it takes as long.
     pub bits_per_character: f64,
     /// Number of exchanges.
@@ -38,7 +40,7 @@ impl Echo {
              link = {{ kind = \"uart\", baud = {}, bits_per_character = 10{adapter} }}\n",
             lab::DISC,
             self.microcontroller,
-            (1.5 * baud * 10.0 / self.bits_per_character) as u32,
+            (3.0 / self.characters * baud * 10.0 / self.bits_per_character) as u32,
         );
         let world = lab::specimens(&toml, 1)?.next();
         Ok(world.map(|world| self.exchange(world)).unwrap_or_default())

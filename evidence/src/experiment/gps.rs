@@ -21,9 +21,9 @@ pub struct AtRest {
 impl AtRest {
     /// The standard deviations of the fixes on each axis, in metres, one for each receiver.
     pub(super) fn run(&self, axis: &str) -> Result<Vec<f64>, ExperimentError> {
-        let Some(component) = ["east", "north"].iter().position(|name| *name == axis) else {
-            return Err(ExperimentError::At { expected: "`east` or `north`", at: At::Name(axis.into()) });
-        };
+        if axis != "latitude" {
+            return Err(ExperimentError::At { expected: "`latitude`", at: At::Name(axis.into()) });
+        }
         let toml = format!(
             "step_ms = 100.0\nsubsteps = 100\n[[robots]]\nname = \"robot\"\n{}\nsensors.gps.preset = \"{}\"\n",
             lab::DISC,
@@ -38,7 +38,7 @@ impl AtRest {
                 let Some(sensor) = robot.sensors().next() else { break };
                 if sensor.samples > samples {
                     samples = sensor.samples;
-                    fixes.extend(sensor.sample.get(component).copied());
+                    fixes.extend(sensor.sample.first().map(|degrees| degrees * METRES_PER_DEGREE));
                 }
             }
             deviations.extend(Sample::of(&fixes).map(|sample| sample.sd));
@@ -46,3 +46,6 @@ impl AtRest {
         Ok(deviations)
     }
 }
+
+/// Of latitude.
+const METRES_PER_DEGREE: f64 = 111_195.0;
