@@ -48,4 +48,4 @@ impl AtRest {
 }
 
 /// Of latitude.
-const METRES_PER_DEGREE: f64 = 111_195.0;
+const METRES_PER_DEGREE: f64 = 111_194.9;
