@@ -34,6 +34,14 @@ fn budget(toml: &str) -> RobotBudget {
     Budget::of(&baudbot_scenario::parse(toml).unwrap_or_else(|error| panic!("{error}"))).robots.remove(0)
 }
 
+#[test]
+fn a_dead_time_is_stated_and_no_part_of_the_cycle() {
+    let [with, without] = ["", "motors = { dead_time_ms = 0.0 }\n"]
+        .map(|fields| budget(&format!("[[robots]]\nname = \"c\"\npreset = \"create-2\"\n{fields}")));
+    assert_eq!((with.dead_time_ns, without.dead_time_ns), (100_000_000, 0));
+    assert_eq!(RobotBudget { dead_time_ns: 0, ..with }, without);
+}
+
 fn most_per_s(robot: &RobotBudget, what: &str) -> f64 {
     let rate = robot.rates.iter().find(|rate| rate.what == what);
     rate.unwrap_or_else(|| panic!("no {what} in {:?}", robot.rates)).most_per_s.unwrap()

@@ -143,9 +143,10 @@ impl Drive {
                 self.roll(&mut next, Wheels { left, right: speed(signals.right, wheels.right) }, dt);
             }
             Motors::Stepper(stepper) => {
+                let commanded = stepper.pulses(signals);
                 let Steps { left, right } = next.steps.get_or_insert_default();
-                let left = stepper.step(left, wheels.left, signals.left, dt);
-                let right = stepper.step(right, wheels.right, signals.right, dt);
+                let left = stepper.step(left, wheels.left, commanded.left, dt);
+                let right = stepper.step(right, wheels.right, commanded.right, dt);
                 self.roll(&mut next, Wheels { left, right }, dt);
             }
         }

@@ -44,6 +44,19 @@ fn json_has_the_unit_in_each_name() {
 }
 
 #[test]
+fn a_dead_time_of_the_motors_stands_below_the_cycle_and_in_the_json() {
+    let robot = ["budget", "wander", "--set", "robots.robot.motors.dead_time_ms=120"];
+    let out = good(&robot);
+    assert!(
+        out.contains("    the motors have a dead time of 120 ms, which comes after the cycle\n"),
+        "{out}"
+    );
+    assert!(!good(&["budget", "wander"]).contains("dead time"), "{out}");
+    let json: Value = serde_json::from_str(&good(&[&robot[..], &["--json"]].concat())).unwrap();
+    assert_eq!(json["robots"][0]["dead_time_ns"], 120_000_000);
+}
+
+#[test]
 fn one_robot_can_be_asked_for_and_one_that_there_is_not_is_refused() {
     let out = good(&["budget", "khepera", "--robot", "khepera"]);
     assert_eq!(out.matches("robot khepera: ").count(), 1, "{out}");

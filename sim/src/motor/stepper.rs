@@ -19,6 +19,8 @@ use core::f64::consts::TAU;
 use baudbot_geometry::math;
 use serde::{Deserialize, Serialize};
 
+use crate::wheels::Wheels;
+
 /// The model of a stepper motor and its gear box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepper {
@@ -58,37 +60,47 @@ pub struct Steps {
 }
 
 impl Stepper {
-    /// Commands `dt_s` of pulses at this signal to the motor of a wheel that turns at this speed, in rad/s,
+    /// Commands `dt_s` of pulses at this rate, in steps/s, to the motor of a wheel that turns at this speed, in rad/s,
     /// and gives back the wheel's speed during that time.
-    pub fn step(&self, state: &mut StepperState, wheel_speed_rad_s: f64, signal: f64, dt_s: f64) -> f64 {
-        let commanded = self.pulses_per_s(signal);
+    pub fn step(&self, state: &mut StepperState, wheel_speed_rad_s: f64, commanded: f64, dt_s: f64) -> f64 {
         let rate = self.rate_steps_s(wheel_speed_rad_s * self.steps_per_turn / TAU, commanded, dt_s);
         state.commanded_steps += commanded * dt_s;
         state.lost_steps += (commanded - rate) * dt_s;
         rate * TAU / self.steps_per_turn
     }
 
+    /// Pulses a second that two motors get at these signals, negative backwards.
+    #[inline]
+    pub(crate) fn pulses(&self, signals: Wheels) -> Wheels {
+        if self.timer_hz.is_some() {
+            return self.timed_pulses(signals);
+        }
+        let Wheels { left, right } = signals;
+        Wheels { left: self.full_rate_steps_s * left, right: self.full_rate_steps_s * right }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn timed_pulses(&self, Wheels { left, right }: Wheels) -> Wheels {
+        Wheels { left: self.pulses_per_s(left), right: self.pulses_per_s(right) }
+    }
+
     /// Pulses a second at this signal, negative backwards.
     pub fn pulses_per_s(&self, signal: f64) -> f64 {
         let asked = self.full_rate_steps_s * signal;
-        self.timer_hz.map_or(asked, |timer_hz| self.timed(timer_hz, asked))
-    }
-
-    /// Electrical power that it takes at this signal, in W: the coils' current does not depend on what the rotor does.
-    pub fn power_w(&self, signal: f64) -> f64 {
-        let share = self.hold_s.map_or(1.0, |hold_s| (hold_s * self.pulses_per_s(signal).abs()).min(1.0));
-        share * self.holding_w
-    }
-
-    /// The rate that a timer makes of this one.
-    #[inline(never)]
-    fn timed(&self, timer_hz: f64, asked: f64) -> f64 {
+        let Some(timer_hz) = self.timer_hz else { return asked };
         let whole = math::round(asked.clamp(-self.full_rate_steps_s, self.full_rate_steps_s));
         if whole == 0.0 {
             return 0.0;
         }
         let ticks = math::floor(timer_hz / whole.abs()).max(1.0);
         (timer_hz / ticks).copysign(whole)
+    }
+
+    /// Electrical power that it takes at this signal, in W: the coils' current does not depend on what the rotor does.
+    pub fn power_w(&self, signal: f64) -> f64 {
+        let share = self.hold_s.map_or(1.0, |hold_s| (hold_s * self.pulses_per_s(signal).abs()).min(1.0));
+        share * self.holding_w
     }
 
     /// The rotor's next rate. A change that it can follow gives the commanded rate itself, so that no step
@@ -127,7 +139,7 @@ mod tests {
 
     /// The wheel's speed after these steps of 1 ms.
     fn run(motor: &Stepper, state: &mut StepperState, speed: f64, signal: f64, steps: u32) -> f64 {
-        (0..steps).fold(speed, |speed, _| motor.step(state, speed, signal, 0.001))
+        (0..steps).fold(speed, |speed, _| motor.step(state, speed, motor.pulses_per_s(signal), 0.001))
     }
 
     #[test]
@@ -191,7 +203,7 @@ mod tests {
     #[test]
     fn a_rate_that_rises_slowly_loses_nothing() {
         let (motor, mut state) = (epuck(), StepperState::default());
-        (0..=500).fold(0.0, |speed, i| motor.step(&mut state, speed, f64::from(i) / 500.0, 0.001));
+        (0..=500).fold(0.0, |speed, i| motor.step(&mut state, speed, f64::from(2 * i), 0.001));
         assert_eq!(state.lost_steps, 0.0);
         assert!((state.commanded_steps - 250.5).abs() < 1e-9, "{state:?}");
     }
