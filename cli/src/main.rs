@@ -54,6 +54,7 @@ mod text;
 mod together;
 mod trace;
 mod tune;
+mod umbmark;
 mod viewer;
 mod watch;
 mod work;
@@ -110,6 +111,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Budget(args) => return budget::budget(&args),
         Command::Plan(args) => return plan::plan(&args),
         Command::Locate(args) => return locate::locate(&args),
+        Command::Umbmark(args) => return umbmark::umbmark(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),

@@ -6,6 +6,7 @@ mod answers;
 mod common;
 mod coverage;
 mod cycles;
+mod deviation;
 mod devices;
 mod devices_scenarios;
 mod faults;

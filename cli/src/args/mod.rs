@@ -10,6 +10,7 @@ mod pace;
 mod places;
 mod plan;
 mod record;
+mod umbmark;
 mod work;
 
 use std::path::PathBuf;
@@ -30,6 +31,7 @@ pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
@@ -88,6 +90,9 @@ pub(crate) enum Command {
     /// Localizes a robot by a scan of its laser, and shows which poses were tried
     #[command(after_long_help = locate::EXAMPLES)]
     Locate(LocateArgs),
+    /// Measures the systematic errors of a robot's odometry by squares in both directions (UMBmark)
+    #[command(after_long_help = umbmark::EXAMPLES)]
+    Umbmark(UmbmarkArgs),
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
