@@ -3,8 +3,8 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
-//!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
+//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
+//!    `preset`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -33,6 +33,7 @@ mod link;
 mod locate;
 mod logs;
 mod map;
+mod measure;
 mod natural;
 mod new;
 mod opened;
@@ -111,6 +112,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Budget(args) => return budget::budget(&args),
         Command::Plan(args) => return plan::plan(&args),
         Command::Locate(args) => return locate::locate(&args),
+        Command::Measure(command) => return measure::measure(&command),
         Command::Umbmark(args) => return umbmark::umbmark(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),

@@ -4,6 +4,7 @@ mod brain;
 mod export;
 mod help;
 mod locate;
+mod measure;
 mod new;
 mod over;
 mod pace;
@@ -25,6 +26,7 @@ use self::help::{
     REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES, WATCH_EXAMPLES,
 };
 pub(crate) use self::locate::{LocateArgs, Search};
+pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
@@ -93,6 +95,9 @@ pub(crate) enum Command {
     /// Measures the systematic errors of a robot's odometry by squares in both directions (UMBmark)
     #[command(after_long_help = umbmark::EXAMPLES)]
     Umbmark(UmbmarkArgs),
+    /// Measures a real robot on the desk: echoes of its serial port, a sensor's curve, a step of its motors
+    #[command(subcommand)]
+    Measure(MeasureCommand),
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),
