@@ -9,9 +9,9 @@
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
 //!    for Perfetto, `map` an arena in characters, `link` a link in words, `together` warns of sensors whose readings arrive
-//!    too far apart, `robot_groups` groups the robots of one table. `text` lays out columns and is the only module that
-//!    writes to a terminal, `viewer` prints the address of a page, and `foxglove` serves Foxglove. Pictures are
-//!    `baudbot-plot`'s.
+//!    too far apart, `robot_groups` groups the robots of one table. `escapes` are bytes as a command line has them. `text`
+//!    lays out columns and is the only module that writes to a terminal, `viewer` prints the address of a page, and
+//!    `foxglove` serves Foxglove. Pictures are `baudbot-plot`'s.
 //! 5. `logs` writes the log, to stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; everything else shares one thread.
@@ -27,6 +27,7 @@ mod connect;
 mod csv;
 mod diagram;
 mod error;
+mod escapes;
 mod export;
 mod foxglove;
 mod link;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::finite;
-use crate::measure::unescaped;
+use crate::escapes::unescaped;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum MeasureCommand {

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use baudbot_plot::quantity::{count, handy};
 
+use super::numbers::numbers;
 use super::port::Port;
 use super::table::Table;
 use super::typed::{Typed, ask};
-use super::words::numbers;
 use crate::args::{Bytes, CurveArgs};
 use crate::signals::{INTERRUPTED, Stop};
 use crate::text::{self, tell};
@@ -21,11 +21,14 @@ pub(super) fn curve(args: &CurveArgs) -> anyhow::Result<ExitCode> {
         notes.push(("device", device.display().to_string()));
         notes.push(("baud", args.port.baud.to_string()));
     }
-    let columns = if args.sensor.is_some() { "distance_mm,value_raw,sensor" } else { "distance_mm,value_raw" };
+    let columns =
+        if args.sensor.is_some() { "distance_mm,value_raw,sensor" } else { "distance_mm,value_raw" };
     let mut table = Table::open(&args.output, &notes, columns)?;
     let stop = Stop::listen().context("cannot listen for Ctrl-C")?;
     let mut source = match (&args.device, &args.ask) {
-        (Some(device), Some(ask)) => Source::Device { port: Port::open(&args.port, device)?, ask: ask.clone() },
+        (Some(device), Some(ask)) => {
+            Source::Device { port: Port::open(&args.port, device)?, ask: ask.clone() }
+        }
         (None, _) | (_, None) => Source::Person,
     };
     if !table.is_empty() {
@@ -59,7 +62,9 @@ fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop
             "" => continue,
             "undo" | "u" => {
                 match table.undo()? {
-                    Some((distance_mm, rows)) => tell!("took back {} at {distance_mm} mm", count(rows, "reading")),
+                    Some((distance_mm, rows)) => {
+                        tell!("took back {} at {distance_mm} mm", count(rows, "reading"))
+                    }
                     None => tell!("there is nothing to take back"),
                 }
                 continue;
@@ -67,7 +72,9 @@ fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop
             _ => {}
         }
         let Some(distance_mm) = distance_mm(&line) else {
-            tell!("`{line}` is no distance; type a number with its unit, such as `50 mm`, `5 cm` or `0.05 m`");
+            tell!(
+                "`{line}` is no distance; type a number with its unit, such as `50 mm`, `5 cm` or `0.05 m`"
+            );
             continue;
         };
         let (readings, is_stopped) = source.readings(args, stop)?;
@@ -97,7 +104,8 @@ impl Source {
                     }
                 },
                 Self::Person => {
-                    let prompt = format!("  reading {} of {} (Enter ends): ", readings.len() + 1, args.readings);
+                    let prompt =
+                        format!("  reading {} of {} (Enter ends): ", readings.len() + 1, args.readings);
                     match ask(&prompt, stop)? {
                         Typed::Stopped => return Ok((readings, true)),
                         Typed::End => break,
@@ -142,7 +150,11 @@ impl std::fmt::Display for NoReading {
         match &self.last {
             Some(line) => write!(f, "{}: `{line}` has no number {}; see --number", self.device, self.number),
             None => {
-                write!(f, "{}: no line came in time; check --baud, --ask and the end of its lines", self.device)
+                write!(
+                    f,
+                    "{}: no line came in time; check --baud, --ask and the end of its lines",
+                    self.device
+                )
             }
         }
     }

@@ -2,22 +2,21 @@
 //!
 //! [`echo`] times bytes on a serial port, [`curve`] collects a sensor's readings at distances, [`step`] watches wheels that
 //! are told to turn. [`port`] is the serial port, [`table`] a table that can be continued,
-//! [`typed`] asks a person, [`words`] has the words of robots.
+//! [`typed`] asks a person, [`numbers`] finds numbers in replies.
 
 mod curve;
 mod echo;
+mod numbers;
 mod port;
 mod step;
 mod table;
 mod typed;
-mod words;
 
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
 use baudbot_plot::quantity::handy;
 
-pub(crate) use self::words::unescaped;
 use crate::args::MeasureCommand;
 use crate::text::pairs;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -79,7 +78,8 @@ mod tests {
     fn a_summary_has_percentiles_by_rank() {
         let numbers: Vec<_> = (1..=200).rev().map(f64::from).collect();
         let words = summary("echoes", &numbers, "ms");
-        for line in ["echoes  200", "mean    100.5 ms", "sd      57.879 ms", "min     1 ms", "p50     100 ms"] {
+        for line in ["echoes  200", "mean    100.5 ms", "sd      57.879 ms", "min     1 ms", "p50     100 ms"]
+        {
             assert!(words.contains(line), "{line}: {words}");
         }
         assert!(words.contains("p99     198 ms\nmax     200 ms\n"), "{words}");
@@ -89,7 +89,8 @@ mod tests {
 
     #[test]
     fn a_header_is_notes_and_columns() {
-        let text = header(&[("experiment", "echo".to_owned()), ("baud", "9600".to_owned())], "sent_us,received_us");
+        let text =
+            header(&[("experiment", "echo".to_owned()), ("baud", "9600".to_owned())], "sent_us,received_us");
         assert_eq!(text, "# experiment: echo\n# baud: 9600\nsent_us,received_us\n");
     }
 }

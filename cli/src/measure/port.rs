@@ -53,7 +53,8 @@ impl Port {
         settings.make_raw();
         settings.control_modes |= ControlModes::CREAD | ControlModes::CLOCAL;
         settings.control_modes -= ControlModes::CSTOPB | ControlModes::CRTSCTS;
-        let set = settings.set_speed(baud).and_then(|()| tcsetattr(&self.file, OptionalActions::Now, &settings));
+        let set =
+            settings.set_speed(baud).and_then(|()| tcsetattr(&self.file, OptionalActions::Now, &settings));
         let now = set.and_then(|()| tcgetattr(&self.file));
         if now.is_ok_and(|now| now.output_speed() == baud) {
             return Ok(());

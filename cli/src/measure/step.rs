@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 
 use super::header;
+use super::numbers::numbers;
 use super::port::Port;
 use super::typed::{Typed, ask};
-use super::words::{numbers, unescaped};
 use crate::args::StepArgs;
 use crate::error::Refused;
+use crate::escapes::unescaped;
 use crate::output_files;
 use crate::signals::{INTERRUPTED, Stop};
 use crate::text::{self, pairs, tell};
@@ -44,7 +45,9 @@ fn is_allowed(args: &StepArgs, stop: &Stop) -> anyhow::Result<bool> {
         return Ok(true);
     }
     if !io::stdin().is_terminal() {
-        return Err(Refused::error("the robot will move: give it room and say --yes, or run this in a terminal"));
+        return Err(Refused::error(
+            "the robot will move: give it room and say --yes, or run this in a terminal",
+        ));
     }
     tell!(
         "THE ROBOT WILL MOVE for {} s with the commands {} and {}. Put its wheels in the air, or give it room, and have its \
@@ -179,7 +182,8 @@ impl Log<'_> {
             });
             row += &speeds.map_or(",".to_owned(), |[left, right]| format!(",{:.6}", 0.5 * (left + right)));
             if let Some(track_m) = self.args.track_m {
-                row += &speeds.map_or(",".to_owned(), |[left, right]| format!(",{:.6}", (right - left) / track_m));
+                row += &speeds
+                    .map_or(",".to_owned(), |[left, right]| format!(",{:.6}", (right - left) / track_m));
             }
         }
         self.last = Some((time_s, counts));

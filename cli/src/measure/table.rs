@@ -112,7 +112,10 @@ mod tests {
         let mut table = open(&path).unwrap();
         table.add(["20,310".to_owned()]).unwrap();
         assert_eq!(table.undo().unwrap(), Some(("20".to_owned(), 2)));
-        assert_eq!(fs::read_to_string(&path).unwrap(), "# experiment: curve\ndistance_mm,value_raw\n10,900\n10,901\n");
+        assert_eq!(
+            fs::read_to_string(&path).unwrap(),
+            "# experiment: curve\ndistance_mm,value_raw\n10,900\n10,901\n"
+        );
         assert_eq!(table.undo().unwrap(), Some(("10".to_owned(), 2)));
         assert_eq!(table.undo().unwrap(), None);
     }

@@ -103,7 +103,19 @@ fn echoes_are_timed_and_the_settings_of_the_port_are_restored() {
     let before = device.settings();
     let path = out.to_str().unwrap();
     let words = good(&[
-        "measure", "echo", "--device", &device.path, "--count", "50", "--bytes", "3", "--settle-ms", "0", "--baud", "9600", "-o",
+        "measure",
+        "echo",
+        "--device",
+        &device.path,
+        "--count",
+        "50",
+        "--bytes",
+        "3",
+        "--settle-ms",
+        "0",
+        "--baud",
+        "9600",
+        "-o",
         path,
     ]);
     assert!(words.contains("echoes  50\n") && words.contains("lost    0\n"), "{words}");
@@ -135,7 +147,18 @@ fn an_echo_that_is_lost_is_counted_and_one_that_is_wrong_is_no_echo() {
         }
     });
     let (code, out, err) = baudbot(&[
-        "measure", "echo", "--device", &device.path, "--count", "10", "--settle-ms", "0", "--timeout-ms", "100", "-o", "-",
+        "measure",
+        "echo",
+        "--device",
+        &device.path,
+        "--count",
+        "10",
+        "--settle-ms",
+        "0",
+        "--timeout-ms",
+        "100",
+        "-o",
+        "-",
     ]);
     assert_eq!(code, 0, "{err}");
     assert!(out.ends_with("# lost: 2\n"), "{out}");
@@ -144,7 +167,8 @@ fn an_echo_that_is_lost_is_counted_and_one_that_is_wrong_is_no_echo() {
 
 #[test]
 fn ports_that_are_not_there_not_ports_silent_or_in_use_are_refused_with_a_remedy() {
-    let port = |device: &str| baudbot(&["measure", "echo", "--device", device, "--settle-ms", "0", "-o", "-"]);
+    let port =
+        |device: &str| baudbot(&["measure", "echo", "--device", device, "--settle-ms", "0", "-o", "-"]);
     for (device, words) in [
         ("/dev/ttyUSB77", "--device /dev/ttyUSB77: there is no such device; "),
         ("/dev/null", "--device /dev/null: is not a serial port; "),
@@ -157,7 +181,16 @@ fn ports_that_are_not_there_not_ports_silent_or_in_use_are_refused_with_a_remedy
     assert!(code == 2 && err.contains("--device: name the serial port"), "{err}");
     let silent = Device::start(|_| Vec::new());
     let (code, _, err) = baudbot(&[
-        "measure", "echo", "--device", &silent.path, "--settle-ms", "0", "--timeout-ms", "20", "-o", "-",
+        "measure",
+        "echo",
+        "--device",
+        &silent.path,
+        "--settle-ms",
+        "0",
+        "--timeout-ms",
+        "20",
+        "-o",
+        "-",
     ]);
     assert!(code == 1 && err.contains("no echo of 5 messages at 115200 baud; is TX wired to RX"), "{err}");
     // While another program has it open.
@@ -171,7 +204,10 @@ fn ports_that_are_not_there_not_ports_silent_or_in_use_are_refused_with_a_remedy
 #[test]
 fn the_sketch_needs_no_device() {
     let sketch = good(&["measure", "echo", "--sketch"]);
-    assert!(sketch.contains("Serial.begin(115200)") && sketch.contains("Serial.write(Serial.read())"), "{sketch}");
+    assert!(
+        sketch.contains("Serial.begin(115200)") && sketch.contains("Serial.write(Serial.read())"),
+        "{sketch}"
+    );
 }
 
 #[test]
@@ -199,8 +235,22 @@ fn readings_of_a_curve_come_from_the_device() {
     let out = place("curve-device.csv");
     let path = out.to_str().unwrap();
     let args = [
-        "measure", "curve", "-o", path, "--device", &device.path, "--settle-ms", "0", "--ask", "N\\n", "--number", "2",
-        "--readings", "3", "--sensor", "ir",
+        "measure",
+        "curve",
+        "-o",
+        path,
+        "--device",
+        &device.path,
+        "--settle-ms",
+        "0",
+        "--ask",
+        "N\\n",
+        "--number",
+        "2",
+        "--readings",
+        "3",
+        "--sensor",
+        "ir",
     ];
     let (code, _, err) = typing(&args, "3 cm\n");
     assert!(code == 0 && err.contains("30 mm: 3 readings, mean 502, sd 1"), "{err}");
@@ -233,9 +283,32 @@ fn a_step_is_watched_and_the_robot_is_stopped() {
     let (device, out) = (robot(Arc::clone(&told)), place("step.csv"));
     let path = out.to_str().unwrap();
     let args = [
-        "measure", "step", "--device", &device.path, "--settle-ms", "0", "--command", "D,{left},{right}\\n", "--ask", "H\\n",
-        "--left", "10", "--right", "-5", "--full", "20", "--seconds", "0.5", "--rest-s", "0.2", "--m-per-count", "0.001",
-        "--track-m", "0.5", "-o", path,
+        "measure",
+        "step",
+        "--device",
+        &device.path,
+        "--settle-ms",
+        "0",
+        "--command",
+        "D,{left},{right}\\n",
+        "--ask",
+        "H\\n",
+        "--left",
+        "10",
+        "--right",
+        "-5",
+        "--full",
+        "20",
+        "--seconds",
+        "0.5",
+        "--rest-s",
+        "0.2",
+        "--m-per-count",
+        "0.001",
+        "--track-m",
+        "0.5",
+        "-o",
+        path,
     ];
     let (code, _, err) = baudbot(&args);
     assert!(code == 2 && err.contains("the robot will move: give it room and say --yes"), "{err}");
@@ -245,7 +318,10 @@ fn a_step_is_watched_and_the_robot_is_stopped() {
     let rows = rows(&out);
     assert_eq!(rows[0], "time_s,command_left,command_right,count_left,count_right,speed_m_s,turn_rate_rad_s");
     assert!(rows[1].ends_with(",0,0,,"), "{rows:?}");
-    assert!(rows.iter().any(|row| row.split(',').nth(1) == Some("0.5") && row.split(',').nth(2) == Some("-0.25")), "{rows:?}");
+    assert!(
+        rows.iter().any(|row| row.split(',').nth(1) == Some("0.5") && row.split(',').nth(2) == Some("-0.25")),
+        "{rows:?}"
+    );
     assert!(rows.last().unwrap().contains(",0,0,"), "{rows:?}");
     let told = told.lock().unwrap();
     assert_eq!(told[..3], ["D,0,0", "D,10,-5", "D,0,0"], "{told:?}");
@@ -257,8 +333,27 @@ fn ctrl_c_stops_the_robot() {
     let told: Arc<std::sync::Mutex<Vec<String>>> = Arc::default();
     let (device, out) = (robot(Arc::clone(&told)), place("step-interrupted.csv"));
     let running = Running::start(&[
-        "measure", "step", "--device", &device.path, "--settle-ms", "0", "--command", "D,{left},{right}\\n", "--ask", "H\\n",
-        "--left", "10", "--right", "10", "--seconds", "60", "--rest-s", "0.1", "--yes", "-o", out.to_str().unwrap(),
+        "measure",
+        "step",
+        "--device",
+        &device.path,
+        "--settle-ms",
+        "0",
+        "--command",
+        "D,{left},{right}\\n",
+        "--ask",
+        "H\\n",
+        "--left",
+        "10",
+        "--right",
+        "10",
+        "--seconds",
+        "60",
+        "--rest-s",
+        "0.1",
+        "--yes",
+        "-o",
+        out.to_str().unwrap(),
     ]);
     while told.lock().unwrap().len() < 2 {
         thread::sleep(Duration::from_millis(10));
@@ -278,8 +373,25 @@ fn a_robot_that_does_not_answer_is_not_told_to_move() {
         String::new()
     });
     let (code, _, err) = baudbot(&[
-        "measure", "step", "--device", &device.path, "--settle-ms", "0", "--timeout-ms", "50", "--command",
-        "D,{left},{right}\\n", "--ask", "H\\n", "--left", "10", "--right", "10", "--yes", "-o", "-",
+        "measure",
+        "step",
+        "--device",
+        &device.path,
+        "--settle-ms",
+        "0",
+        "--timeout-ms",
+        "50",
+        "--command",
+        "D,{left},{right}\\n",
+        "--ask",
+        "H\\n",
+        "--left",
+        "10",
+        "--right",
+        "10",
+        "--yes",
+        "-o",
+        "-",
     ]);
     assert!(code == 1 && err.contains("no answer with the counts of two wheels"), "{err}");
     assert!(told.lock().unwrap().iter().all(|line| line == "H" || line == "D,0,0"));

@@ -12,7 +12,8 @@ const ARSIM: &str = "arsim";
 /// A robot of 0.34 m between the wheels, with fine encoders; `more` is of its body, and `sensors` are its sensors.
 fn scenario(name: &str, more: &str, sensors: &str) -> PathBuf {
     let path = place(name);
-    let body = "radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.06, wheel_radius_m = 0.05, half_track_m = 0.17";
+    let body =
+        "radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.06, wheel_radius_m = 0.05, half_track_m = 0.17";
     let toml = format!(
         "step_ms = 10.0\n\
          [[arena.polygons]]\nname = \"cell\"\nsolid = false\npoints_m = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\n\

@@ -162,7 +162,8 @@ mod tests {
         let cw = group("cw", &[[-300.0, -100.0], [-320.0, -80.0]]);
         assert_eq!(cw.center(), Some([-310.0, -90.0]));
         let svg = scatter(vec![cw, group("ccw", &[[20.0, 30.0]])]).draw();
-        for words in ["cw: −300, −100", "cw: −320, −80", "centre of gravity, cw: −310, −90", "ccw: 20, 30"] {
+        for words in ["cw: −300, −100", "cw: −320, −80", "centre of gravity, cw: −310, −90", "ccw: 20, 30"]
+        {
             assert!(svg.contains(words), "{words}: {svg}");
         }
         assert!(svg.contains(SERIES[0]) && svg.contains(SERIES[1]));

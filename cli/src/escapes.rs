@@ -1,4 +1,4 @@
-//! The words of robots: commands as a command line has them, and numbers in replies.
+//! Bytes as a command line has them: text with escapes.
 
 /// A text with `\n`, `\r`, `\t`, `\\` and `\xNN` as the bytes that they stand for.
 ///
@@ -17,7 +17,8 @@ pub(crate) fn unescaped(text: &str) -> Result<Vec<u8>, EscapeError> {
             Some(b't') => (b'\t', 1),
             Some(b'\\') => (b'\\', 1),
             Some(b'x') => {
-                let digits = rest.get(1..3).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+                let digits =
+                    rest.get(1..3).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
                 (digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()).ok_or_else(unknown)?, 3)
             }
             _ => return Err(unknown()),
@@ -41,13 +42,6 @@ impl std::fmt::Display for EscapeError {
 
 impl std::error::Error for EscapeError {}
 
-/// The numbers in a reply, in their order: `n,12,-3.5` has 12 and −3.5. Digits that belong to a word, as in `ir0`, are none.
-pub(super) fn numbers(reply: &str) -> Vec<f64> {
-    let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '+' | '_');
-    let words = reply.split(|c| !is_part(c)).filter(|word| word.starts_with(|c: char| !c.is_ascii_alphabetic()));
-    words.filter_map(|word| word.parse().ok()).filter(|number: &f64| number.is_finite()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,14 +54,5 @@ mod tests {
         for (text, found) in [("a\\q", "q"), ("\\x4", "x4"), ("\\x+1", "x+1"), ("\\", ""), ("\\é", "é")] {
             assert_eq!(unescaped(text), Err(EscapeError(found.to_owned())), "{text}");
         }
-    }
-
-    #[test]
-    fn numbers_are_found_between_words() {
-        assert_eq!(numbers("n,12,-3.5\r"), [12.0, -3.5]);
-        assert_eq!(numbers("distance: 1e3 mm, ir0 = 7"), [1000.0, 7.0]);
-        assert_eq!(numbers("left=4 right=5; nan inf --"), [4.0, 5.0]);
-        assert_eq!(numbers("h,007,+2"), [7.0, 2.0]);
-        assert!(numbers("d").is_empty());
     }
 }
