@@ -13,7 +13,7 @@ fn robot(deviation: &str) -> String {
          motors = {{ kind = \"servo\", lag_ms = 0.0, frame_ms = 0.0, curve_us_rpm = [[1300.0, -60.0], [1700.0, 60.0]] }}\n\
          [robots.sensors.encoders]\nkind = \"encoders\"\ncounts_per_turn = 100000\n\
          [robots.sensors.odometer]\nkind = \"odometer\"\n\
-         [robots.sensors.gyroscope]\nkind = \"gyroscope\"\n"
+         [robots.sensors.gyroscope]\nkind = \"gyroscope\"\nrange_rad_s = 10.0\n"
     )
 }
 

@@ -52,7 +52,7 @@ const MOST_SIDE_M: f64 = 1000.0;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  baudbot umbmark wander                         five squares of 4 m each way, by the robot's odometer
+  baudbot umbmark arsim                          five squares of 4 m each way, by the robot's odometer
   baudbot umbmark my.toml --check                E_max,syst before and after the correction
   baudbot umbmark my.toml --set robots.robot.body.track_ratio=1.02 --set robots.robot.body.wheel_ratio=1.002 --check
   baudbot umbmark khepera --side-m 0.5 --runs 10 --svg ends.svg

@@ -93,7 +93,7 @@ fn drive(args: &StepArgs, robot: &mut Robot<'_>, log: &mut Log<'_>, stop: &Stop)
                 return Ok(true);
             }
             let sent = Instant::now();
-            let counts = robot.counts()?;
+            let counts = robot.counts(log.start + Duration::from_secs_f64(end_s))?;
             log.note(sent + (Instant::now() - sent) / 2, command, counts)?;
             if log.samples == 0 && log.missed >= GIVES_UP_AFTER {
                 return Err(robot.silent());
@@ -120,10 +120,13 @@ impl Robot<'_> {
         self.port.write(&unescaped(&text.replace("{right}", &right.to_string()))?)
     }
 
-    /// Counts of both wheels; `None` if no answer with them came in time.
-    fn counts(&mut self) -> anyhow::Result<Option<[f64; 2]>> {
+    /// Counts of both wheels; `None` if no answer with them came in time, or before the command is to change.
+    fn counts(&mut self, change: Instant) -> anyhow::Result<Option<[f64; 2]>> {
+        // An answer that came too late is not one to this question.
+        self.port.discard()?;
         self.port.write(&self.args.ask.0)?;
-        let deadline = Instant::now() + Duration::from_millis(self.args.port.timeout_ms.into());
+        let timeout = Duration::from_millis(self.args.port.timeout_ms.into());
+        let deadline = change.min(Instant::now() + timeout);
         let first = usize::from(self.args.number) - 1;
         while let Some(line) = self.port.line(deadline)? {
             // Commands are answered, too, but not with so many numbers.

@@ -3,11 +3,11 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use baudbot_brain::{BelievedPose, Body};
 use baudbot_brains::composed::Composed;
 use baudbot_brains::description::Description;
 use baudbot_brains::odometry::{Calibration, Parameters};
 use baudbot_brains::registry::Registry;
+use baudbot_client::{BelievedPose, Body};
 use baudbot_experiment::in_process::InProcess;
 use baudbot_geometry::{Pose, angle};
 use baudbot_plot::quantity::handy;
@@ -235,3 +235,42 @@ const REST_NS: u64 = 2_000_000_000;
 const PATIENCE: f64 = 10.0;
 /// Ticks from one look at the brain to the next.
 const LOOK_EVERY: u64 = 10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROBOT: &str = "[[robots]]\nname = \"r\"\nstart = { x_m = 3.0, speed_m_s = 0.1 }\n\
+                         body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n";
+
+    fn scenario(more: &str) -> Scenario {
+        baudbot_scenario::parse(&format!("{ROBOT}{more}")).unwrap()
+    }
+
+    #[test]
+    fn no_brain_learns_how_its_robot_differs_from_its_data_sheet() {
+        let sheet = Body::from(&scenario("").robots[0]);
+        let other = ROBOT.replace(" }\n", ", wheel_ratio = 1.1, wheel_scale = 0.9, track_ratio = 1.2 }\n");
+        let other = other.replace(
+            "speed_m_s = 0.1, wheel_ratio = 1.1, wheel_scale = 0.9, track_ratio = 1.2",
+            "speed_m_s = 0.1",
+        );
+        let other = baudbot_scenario::parse(&other).unwrap();
+        assert!(other.robots[0].drive.deviation.is_some());
+        assert_eq!(Body::from(&other.robots[0]), sheet);
+    }
+
+    #[test]
+    fn the_robot_is_alone_and_at_rest_at_the_origin() {
+        let crowd = "[[arena.circles]]\nname = \"c\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 0.1\n\
+                     [[arena.zones]]\nname = \"ice\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 9.0\nslip = 0.5\n\
+                     [[robots]]\nname = \"s\"\nstart = { x_m = -3.0 }\n\
+                     body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }\n";
+        let scenario = scenario(crowd);
+        let alone = alone(&scenario, &scenario.robots[0]);
+        assert_eq!(alone.robots.len(), 1);
+        let start = alone.robots[0].start;
+        assert_eq!((start.pose, start.speed_m_s), (Pose::new(0.0, 0.0, 0.0), 0.0));
+        assert!(alone.arena.pillars().is_empty() && alone.surroundings.zones.is_empty());
+    }
+}

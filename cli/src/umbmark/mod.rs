@@ -106,5 +106,6 @@ fn robot<'a>(name: Option<&str>, robots: &'a [RobotSpec]) -> anyhow::Result<&'a 
 
 /// A length in millimetres, to a tenth.
 fn mm(length_m: f64) -> String {
-    format!("{:.1}", 1e3 * length_m)
+    // No error is no negative one.
+    format!("{:.1}", (1e4 * length_m).round() / 10.0 + 0.0)
 }
