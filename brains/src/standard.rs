@@ -11,9 +11,10 @@ use crate::behavior::follow_path::FollowPath;
 use crate::behavior::follow_wall::FollowWall;
 use crate::behavior::go_to::GoTo;
 use crate::behavior::home::Home;
+use crate::behavior::square::Square;
 use crate::behavior::taxis::Taxis;
 use crate::behavior::turn_away::TurnAway;
-use crate::behavior::{follow_path, go_to, taxis};
+use crate::behavior::{follow_path, go_to, square, taxis};
 use crate::cognition::localization::{self, Localize};
 use crate::cognition::odometry::{self, CountWheels};
 use crate::cognition::particles::Disperse;
@@ -50,6 +51,7 @@ impl Registry {
             .motor("go_to", |parameters: go_to::Parameters, _| GoTo::new(&parameters))
             .motor("home", |parameters, context| Home::new(parameters, &context))
             .motor("potential_field", |parameters, context| PotentialField::new(parameters, context.body))
+            .motor("square", |parameters: square::Parameters, context| Square::new(&parameters, context.body))
             .motor("taxis", |parameters: taxis::Parameters, context| Taxis::new(&parameters, context.body))
             .motor("turn_away", |parameters, context| TurnAway::new(parameters, context.body))
             .motor("vfh", |parameters, context| Vfh::new(parameters, context.body))

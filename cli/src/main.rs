@@ -3,15 +3,16 @@
 //! From the command line inwards:
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
-//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
-//!    `evidence`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
+//! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
+//!    `preset`, `evidence`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune`
+//!    share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
 //!    for Perfetto, `map` an arena in characters, `link` a link in words, `together` warns of sensors whose readings arrive
-//!    too far apart, `robot_groups` groups the robots of one table. `text` lays out columns and is the only module that
-//!    writes to a terminal, `viewer` prints the address of a page, and `foxglove` serves Foxglove. Pictures are
-//!    `baudbot-plot`'s.
+//!    too far apart, `robot_groups` groups the robots of one table. `escapes` are bytes as a command line has them. `text`
+//!    lays out columns and is the only module that writes to a terminal, `viewer` prints the address of a page, and
+//!    `foxglove` serves Foxglove. Pictures are `baudbot-plot`'s.
 //! 5. `logs` writes the log, to stderr or, with the feature `otel`, to a collector.
 //!
 //! Worlds have threads of their own, in `baudbot-server`, and `signals` has one; everything else shares one thread.
@@ -27,6 +28,7 @@ mod connect;
 mod csv;
 mod diagram;
 mod error;
+mod escapes;
 mod evidence;
 mod export;
 mod foxglove;
@@ -34,6 +36,7 @@ mod link;
 mod locate;
 mod logs;
 mod map;
+mod measure;
 mod natural;
 mod new;
 mod opened;
@@ -55,6 +58,7 @@ mod text;
 mod together;
 mod trace;
 mod tune;
+mod umbmark;
 mod viewer;
 mod watch;
 mod work;
@@ -112,6 +116,8 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Plan(args) => return plan::plan(&args),
         Command::Locate(args) => return locate::locate(&args),
         Command::Evidence(args) => return evidence::evidence(&args),
+        Command::Measure(command) => return measure::measure(&command),
+        Command::Umbmark(args) => return umbmark::umbmark(&args),
         Command::Preset(args) => preset::preset(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),

@@ -82,6 +82,12 @@ pub(crate) fn write_err(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{}", PrintableLines(text));
 }
 
+/// Writes the beginning of a line that a person ends, to stderr.
+pub(crate) fn prompt(text: &str) {
+    let mut err = io::stderr().lock();
+    let _ = write!(err, "{}", Printable(text)).and_then(|()| err.flush());
+}
+
 /// Writes what a program reads to a file, or to stdout for `-`.
 pub(crate) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     if path == Path::new("-") {

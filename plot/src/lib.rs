@@ -2,7 +2,7 @@
 //!
 //! 1. [`arena`] draws a scenario from above: its start, the trails of a run, a planned path, a pose search.
 //! 2. [`timing`] draws timing diagrams: lanes of bars over one axis of time.
-//! 3. [`chart`] draws lines, heat maps, the progress of a tuning, and values over time.
+//! 3. [`chart`] draws lines, heat maps, the progress of a tuning, values over time, and places.
 //!
 //! All of them share the rest: [`palette`] is the one table of colours, which Foxglove's scenes and the viewer follow,
 //! [`svg`] writes elements, [`scale`] has axes and ticks, [`text`] fits text into the room that there is,

@@ -130,6 +130,9 @@ pub(super) struct Body {
     pub(super) inertia_kg_m2: f64,
     pub(super) wheel_radius_m: f64,
     pub(super) half_track_m: Option<f64>,
+    pub(super) wheel_ratio: Option<f64>,
+    pub(super) wheel_scale: Option<f64>,
+    pub(super) track_ratio: Option<f64>,
     #[serde(default)]
     pub(super) wheel_mass_kg: f64,
     #[serde(default)]

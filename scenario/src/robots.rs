@@ -16,7 +16,7 @@ use super::{actuators, cable, faults, link, raw, sensors, shapes};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
-use baudbot_sim::drive::{Drive, Wheel, forward_gain, turn_gain};
+use baudbot_sim::drive::{Deviation, Drive, Wheel, forward_gain, turn_gain};
 use baudbot_sim::firmware::{Firmware, Mode};
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{RobotModel, RobotSpec};
@@ -281,8 +281,26 @@ fn drive(path: &Path, body: &raw::Body, radius_m: f64, motors: ParsedMotors) -> 
         motor: motors.motors,
         motor_noise: motors.noise,
         motor_track_factor: motors.track_factor,
+        deviation: deviation(path, body, half_track_m)?,
     })
 }
+
+/// How a robot differs from its data sheet; none that does in nothing.
+fn deviation(path: &Path, body: &raw::Body, half_track_m: f64) -> Result<Option<Deviation>> {
+    let factor = |field: &str, given: Option<f64>| {
+        path.within(field, given.unwrap_or(1.0), LEAST_DEVIATION, MOST_DEVIATION)
+    };
+    let wheel_ratio = factor("wheel_ratio", body.wheel_ratio)?;
+    let wheel_scale = factor("wheel_scale", body.wheel_scale)?;
+    let track_ratio = factor("track_ratio", body.track_ratio)?;
+    let differs = [wheel_ratio, wheel_scale, track_ratio] != [1.0; 3];
+    Ok(differs.then(|| Deviation::new(wheel_ratio, wheel_scale, track_ratio * half_track_m)))
+}
+
+/// No wheel and no track is so far from its data sheet.
+const LEAST_DEVIATION: f64 = 0.5;
+/// The same, upwards.
+const MOST_DEVIATION: f64 = 2.0;
 
 fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
     Ok(Processor {

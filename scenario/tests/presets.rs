@@ -257,7 +257,7 @@ fn a_boe_bot_drives_for_two_thirds_of_the_time_that_the_charge_of_its_cells_woul
     while world.robot(0).battery().is_some_and(|(battery, state)| !state.is_empty(battery)) {
         for i in 0..100 {
             if i % 25 == 0 {
-                tick(&mut world, 0.2, 0.25)
+                tick(&mut world, 0.2, 0.25);
             } else {
                 world.begin();
                 world.finish(&[]);
@@ -308,9 +308,9 @@ fn a_garmins_error_bends_at_a_minute_falls_slowly_and_is_1_5_m_in_twelve_minutes
 
 #[test]
 fn presets_have_the_numbers_that_were_confirmed() {
-    let counts = |spec: &RobotSpec| match &sensor(spec, "encoders").device {
-        Device::Encoders(encoders) => encoders.counts_per_turn,
-        other => panic!("{other:?}"),
+    let counts = |spec: &RobotSpec| {
+        let Device::Encoders(encoders) = &sensor(spec, "encoders").device else { panic!("no encoders") };
+        encoders.counts_per_turn
     };
     // AutonomyLab/libcreate: wheels of 72.1 mm by callipers, 508.8 counts a turn.
     let create = spec("create-2", "");

@@ -9,6 +9,8 @@
 //!   (2.6) in place of (2.31) and (2.32).
 //! - ARSim feeds its motors wheel speeds computed with half the half track. `motor_track_factor` is that
 //!   quirk: 0.5 in ARSim's preset, 1 (equations 2.2 and 2.3) everywhere else.
+//! - The notes' wheels are those of the data sheet. A [`Deviation`] makes the robot go as other wheels lead it, as slip
+//!   does; masses, torques and counts stay those of the data sheet.
 
 use baudbot_geometry::{Pose, Twist, angle, math};
 use serde::{Deserialize, Serialize};
@@ -45,6 +47,30 @@ pub struct Drive {
     pub motor_noise: MotorNoise,
     /// See the module's deviations.
     pub motor_track_factor: f64,
+    /// How this specimen differs from its data sheet, if it does.
+    pub deviation: Option<Deviation>,
+}
+
+/// How the wheels of one robot differ from the numbers above, which are those of its data sheet.
+///
+/// Borenstein & Feng 1996 (UMBmark) name the two systematic errors of odometry that matter: unequal wheel diameters
+/// E_d = D_R / D_L, and an uncertain wheelbase E_b = b_actual / b_nominal. Third is the mean of both diameters, E_s.
+/// Encoders, odometers and brains go on reckoning with the data sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Diameter of each wheel, as a multiple of the data sheet's.
+    pub wheels: Wheels,
+    /// Half the distance between the points where the wheels touch the ground, in metres.
+    pub half_track_m: f64,
+}
+
+impl Deviation {
+    /// With D_R / D_L = `wheel_ratio`, the mean of both diameters `wheel_scale` times the data sheet's, and this half
+    /// track, in metres. Ratio and scale must be positive.
+    pub fn new(wheel_ratio: f64, wheel_scale: f64, half_track_m: f64) -> Self {
+        let left = 2.0 * wheel_scale / (wheel_ratio + 1.0);
+        Self { wheels: Wheels { left, right: wheel_ratio * left }, half_track_m }
+    }
 }
 
 /// Mass of one wheel and its moment of inertia about its axis.
@@ -123,8 +149,9 @@ impl Drive {
     }
 
     /// One Euler step of `dt` seconds under these motor signals: speeds from the motors, then
-    /// (3.18)–(3.22). `slip` is the share of each wheel's rolling that is lost on slippery ground, if any is.
-    pub fn step(&self, motion: &Motion, signals: Wheels, slip: Option<Wheels>, dt: f64) -> Motion {
+    /// (3.18)–(3.22). `grip` is how far each wheel carries the robot for each metre that it seems to roll, if that is not a
+    /// metre: on slippery ground, or if the wheels are not those of the data sheet.
+    pub fn step(&self, motion: &Motion, signals: Wheels, grip: Option<Wheels>, dt: f64) -> Motion {
         let mut next = *motion;
         let wheels = motion.wheel_speed_rad_s;
         match &self.motor {
@@ -150,7 +177,7 @@ impl Drive {
                 self.roll(&mut next, Wheels { left, right }, dt);
             }
         }
-        self.advance(&mut next, slip, dt);
+        self.advance(&mut next, grip, dt);
         next
     }
 
@@ -176,9 +203,9 @@ impl Drive {
     }
 
     /// The pose follows the speeds: (3.18)–(3.22).
-    fn advance(&self, motion: &mut Motion, slip: Option<Wheels>, dt: f64) {
+    fn advance(&self, motion: &mut Motion, grip: Option<Wheels>, dt: f64) {
         let rolled = motion.rolled();
-        let moved = slip.map_or(rolled, |slip| self.slipping(rolled, slip));
+        let moved = grip.map_or(rolled, |grip| self.carried(rolled, grip));
         motion.pose.heading = angle::wrap(motion.pose.heading + moved.turn * dt);
         let (sin, cos) = math::sin_cos(motion.pose.heading);
         motion.pose.position.x += moved.forward * cos * dt;
@@ -189,10 +216,11 @@ impl Drive {
         motion.travel_m.right += right_m_s * dt;
     }
 
-    /// The motion over ground of a body whose wheels roll as if it moved so, but slip.
-    pub(crate) fn slipping(&self, rolled: Twist, slip: Wheels) -> Twist {
+    /// The motion over ground of a body whose wheels roll as if it moved so, but carry it this far for each metre.
+    pub(crate) fn carried(&self, rolled: Twist, grip: Wheels) -> Twist {
         let [left, right] = rolled.wheels(self.half_track_m);
-        Twist::of_wheels([(1.0 - slip.left) * left, (1.0 - slip.right) * right], self.half_track_m)
+        let half_track_m = self.deviation.map_or(self.half_track_m, |deviation| deviation.half_track_m);
+        Twist::of_wheels([grip.left * left, grip.right * right], half_track_m)
     }
 
     /// After something else has changed a robot's speeds, the wheels roll as they say.
@@ -237,7 +265,7 @@ impl Drive {
 
 #[cfg(test)]
 mod tests {
-    use super::{Wheel, forward_gain, turn_gain};
+    use super::{Deviation, Wheel, forward_gain, turn_gain};
 
     #[test]
     fn massless_wheels_give_the_simple_gains_of_2_33_and_2_34() {
@@ -252,5 +280,13 @@ mod tests {
         assert!((forward_gain(3.0, 0.1, wheel) - 1.0 / (0.1 * 1.3)).abs() < 1e-12);
         // r/R = 0.5; I_w R/(I r) = 0.015; m R r / I = 0.03.
         assert!((turn_gain(0.2, 0.2, 0.1, wheel) - 1.0 / (0.5 + 2.0 * 0.045)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn diameters_have_the_ratio_and_the_mean_that_they_are_to_have() {
+        let Deviation { wheels, half_track_m } = Deviation::new(1.02, 0.99, 0.2);
+        assert!((wheels.right / wheels.left - 1.02).abs() < 1e-15, "{wheels:?}");
+        assert!((0.5 * (wheels.left + wheels.right) - 0.99).abs() < 1e-15, "{wheels:?}");
+        assert_eq!(half_track_m, 0.2);
     }
 }

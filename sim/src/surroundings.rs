@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use baudbot_geometry::{Circle, Point, Twist, math, polygon};
 
-use crate::drive::{Drive, Motion, Wheels};
+use crate::drive::{Deviation, Drive, Motion, Wheels};
 use crate::time::SimTime;
 
 /// All of it.
@@ -161,25 +161,33 @@ impl Surroundings {
         self.zones_at(point).map(|zone| zone.slip).fold(0.0, f64::max)
     }
 
-    /// How much each of a robot's wheels slips where it stands, if anything is slippery at all.
+    /// How far each of a robot's wheels carries it for each metre that the wheel seems to roll, where it stands; `None`: a
+    /// metre.
     #[inline]
-    pub(crate) fn slip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
-        if self.zones.is_empty() { None } else { self.slip_in_zones(drive, motion) }
-    }
-
-    fn slip_in_zones(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
-        if !self.zones.iter().any(|zone| zone.slip > 0.0) {
-            return None;
+    pub(crate) fn grip_of(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
+        if self.zones.is_empty() && drive.deviation.is_none() {
+            None
+        } else {
+            self.grip_in_zones(drive, motion)
         }
-        let wheel = |y| self.slip_at(motion.pose.transform(Point::new(0.0, y)));
-        Some(Wheels { left: wheel(drive.half_track_m), right: wheel(-drive.half_track_m) })
     }
 
-    /// A robot's true motion, which is that of its rolling wheels but for slip.
+    /// That of a robot that differs from its data sheet, or in an arena with zones.
+    fn grip_in_zones(&self, drive: &Drive, motion: &Motion) -> Option<Wheels> {
+        if !self.zones.iter().any(|zone| zone.slip > 0.0) {
+            return drive.deviation.map(|deviation| deviation.wheels);
+        }
+        let wheel = |y| 1.0 - self.slip_at(motion.pose.transform(Point::new(0.0, y)));
+        let grip = Wheels { left: wheel(drive.half_track_m), right: wheel(-drive.half_track_m) };
+        let Some(Deviation { wheels, .. }) = drive.deviation else { return Some(grip) };
+        Some(Wheels { left: wheels.left * grip.left, right: wheels.right * grip.right })
+    }
+
+    /// A robot's true motion, which is that of its rolling wheels but for slip and for its deviation from its data sheet.
     #[inline]
     pub(crate) fn over_ground(&self, drive: &Drive, motion: &Motion) -> Twist {
         let rolled = motion.rolled();
-        self.slip_of(drive, motion).map_or(rolled, |slip| drive.slipping(rolled, slip))
+        self.grip_of(drive, motion).map_or(rolled, |grip| drive.carried(rolled, grip))
     }
 
     /// Power of the chargers at a point, in watts.

@@ -7,6 +7,7 @@ mod bootloader;
 mod common;
 mod coverage;
 mod cycles;
+mod deviation;
 mod devices;
 mod devices_scenarios;
 mod faults;

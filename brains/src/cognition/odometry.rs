@@ -4,8 +4,8 @@ use baudbot_brain::{Body, SensorKind};
 use baudbot_geometry::Pose;
 use serde::Deserialize;
 
-use crate::odometry::{self, OVERDUE_NS, Odometry};
-use crate::parameter::{ParameterError, check_not_negative};
+use crate::odometry::{self, Calibration, OVERDUE_NS, Odometry};
+use crate::parameter::{ParameterError, check_not_negative, check_positive};
 use crate::process::{Awaited, CognitiveProcess, StepContext};
 
 /// What it counts by.
@@ -19,11 +19,21 @@ pub struct Parameters {
     pub start: Option<[f64; 3]>,
     /// Variance of the error of a wheel's way, in square metres for each metre that it goes.
     pub variance_m2_per_m: f64,
+    /// Diameters of the left and of the right wheel, as multiples of the data sheet's.
+    pub wheel_factors: [f64; 2],
+    /// Distance between the wheels, as a multiple of the data sheet's.
+    pub track_factor: f64,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { sensor: "odometer".to_owned(), start: None, variance_m2_per_m: 1e-4 }
+        Self {
+            sensor: "odometer".to_owned(),
+            start: None,
+            variance_m2_per_m: 1e-4,
+            wheel_factors: [1.0; 2],
+            track_factor: 1.0,
+        }
     }
 }
 
@@ -48,11 +58,15 @@ impl CountWheels {
         };
         let variance_m2_per_m = parameters.variance_m2_per_m;
         check_not_negative([("variance_m2_per_m", variance_m2_per_m)])?;
+        let (wheels, track) = (parameters.wheel_factors, parameters.track_factor);
+        let [left, right] = wheels;
+        check_positive([("wheel_factors[0]", left), ("wheel_factors[1]", right), ("track_factor", track)])?;
         let is_odometer =
             body.sensor(&parameters.sensor).is_some_and(|sensor| sensor.kind == SensorKind::Odometer);
         let start = parameters.start.map(|[x, y, heading]| Pose::new(x, y, heading));
         let start = start.or_else(|| (!is_odometer).then(|| Pose::new(0.0, 0.0, 0.0)));
-        let known = odometry::Parameters { variance_m2_per_m, ..known };
+        let calibration = Calibration { wheels, track };
+        let known = odometry::Parameters { variance_m2_per_m, calibration, ..known };
         Ok(Self { parameters: known, sensor: parameters.sensor.clone(), start })
     }
 }

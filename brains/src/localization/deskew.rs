@@ -206,6 +206,7 @@ mod tests {
             modulus: None,
             variance_m2_per_m: 1e-4,
             past_ns: 10_000_000_000,
+            calibration: odometry::Calibration::NONE,
         };
         let start = moving(middle)(900_000_000).unwrap();
         let mut odometry = Odometry::new(parameters, 900_000_000, Estimate::exact(start));

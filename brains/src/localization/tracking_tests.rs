@@ -86,6 +86,7 @@ fn track(
         modulus: None,
         variance_m2_per_m: 3.0 * NOISE_M * NOISE_M,
         past_ns: 10_000_000_000,
+        calibration: odometry::Calibration::NONE,
     };
     let mut truths = vec![start()];
     let mut odometry = Odometry::new(parameters, 0, Estimate::within(start(), 0.01, 0.01));

@@ -17,7 +17,8 @@
 //!   long ago the last reading was.
 //! - The notes say that the error grows, not how. G neglects that c differs from d. Only what is independent
 //!   from metre to metre is in k: a wheel that is larger than its data sheet says makes an error of another kind,
-//!   which grows faster, so take k larger than the wheels' noise.
+//!   which grows faster, so take k larger than the wheels' noise. Errors of that kind are measured once and taken out by a
+//!   [`Calibration`].
 //!
 //! The scan of a laser arrives late, and says where the robot was when it was taken. Therefore the last
 //! poses are kept: [`Odometry::at`] looks one up and [`Odometry::correct`] corrects it, and all that came after. What came before
@@ -54,6 +55,22 @@ pub struct Parameters {
     pub variance_m2_per_m: f64,
     /// How far back poses are kept, in nanoseconds: those of readings, and those that were corrected.
     pub past_ns: u64,
+    /// By what this robot is known to differ from the above.
+    pub calibration: Calibration,
+}
+
+/// What a calibration such as UMBmark (Borenstein & Feng 1996) has found: by which factors a robot differs from its data sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// c_l and c_r: diameters of the left and of the right wheel, as multiples of the data sheet's.
+    pub wheels: [f64; 2],
+    /// E_b: distance between the wheels, as a multiple of the data sheet's.
+    pub track: f64,
+}
+
+impl Calibration {
+    /// A robot that is as its data sheet says.
+    pub const NONE: Self = Self { wheels: [1.0; 2], track: 1.0 };
 }
 
 /// Where the robot is by its wheels.
@@ -109,6 +126,7 @@ impl Parameters {
             modulus,
             variance_m2_per_m: 1e-4,
             past_ns: PAST_NS,
+            calibration: Calibration::NONE,
         })
     }
 }
@@ -191,10 +209,9 @@ impl Odometry {
     /// were missed are in the next reading; but between two of them a wheel must not make half the modulus.
     pub fn encoders(&mut self, at_ns: u64, counts: [f64; 2]) {
         if let Some(Last::Counts(before)) = self.last.replace(Last::Counts(counts)) {
-            let ways_m = [0, 1].map(|i| {
-                self.parameters.m_per_count[i] * unwrapped(counts[i] - before[i], self.parameters.modulus)
-            });
-            self.advance(at_ns, Step::of_wheels(ways_m, self.parameters.half_track_m));
+            let Parameters { m_per_count, modulus, .. } = self.parameters;
+            let ways_m = [0, 1].map(|i| m_per_count[i] * unwrapped(counts[i] - before[i], modulus));
+            self.advance(at_ns, self.rolled(ways_m));
         }
     }
 
@@ -202,8 +219,10 @@ impl Odometry {
     /// count.
     pub fn odometer(&mut self, at_ns: u64, odometer_from_robot: Pose) {
         if let Some(Last::Odometer(before)) = self.last.replace(Last::Odometer(odometer_from_robot)) {
-            let then_from_now = before.inverse().compose(&odometer_from_robot);
-            self.advance(at_ns, Step::of_motion(then_from_now, self.parameters.half_track_m));
+            let step =
+                Step::of_motion(before.inverse().compose(&odometer_from_robot), self.parameters.half_track_m);
+            let is_as_told = self.parameters.calibration == Calibration::NONE;
+            self.advance(at_ns, if is_as_told { step } else { self.rolled(step.ways_m) });
         }
     }
 
@@ -294,6 +313,17 @@ impl Odometry {
         true
     }
 
+    /// The step that wheels make which count these ways, in metres of the data sheet's wheels.
+    fn rolled(&self, [left, right]: [f64; 2]) -> Step {
+        let [left_factor, right_factor] = self.parameters.calibration.wheels;
+        Step::of_wheels([left_factor * left, right_factor * right], self.half_track_m())
+    }
+
+    /// Half the distance between this robot's wheels, in metres.
+    fn half_track_m(&self) -> f64 {
+        self.parameters.calibration.track * self.parameters.half_track_m
+    }
+
     fn newest(&self) -> &Past {
         self.past.back().expect("the past begins with the start and is never emptied")
     }
@@ -321,7 +351,7 @@ impl Odometry {
     }
 
     fn stepped(&self, estimate: &Estimate, step: &Step) -> Estimate {
-        step.apply(estimate, self.parameters.half_track_m, self.parameters.variance_m2_per_m)
+        step.apply(estimate, self.half_track_m(), self.parameters.variance_m2_per_m)
     }
 }
 

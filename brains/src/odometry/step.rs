@@ -11,7 +11,7 @@ pub(super) struct Step {
     /// The robot's new frame in its old one.
     pub(super) then_from_now: Pose,
     /// Ways of the left and the right wheel, in metres.
-    ways_m: [f64; 2],
+    pub(super) ways_m: [f64; 2],
 }
 
 impl Default for Step {

@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use baudbot_brain::Component;
+use baudbot_geometry::Twist;
 
 use super::*;
 use crate::test_body::{body, turn};
@@ -14,6 +15,7 @@ const PARAMETERS: Parameters = Parameters {
     modulus: None,
     variance_m2_per_m: 1e-4,
     past_ns: PAST_NS,
+    calibration: Calibration::NONE,
 };
 
 fn odometry(parameters: Parameters, start: Pose) -> Odometry {
@@ -302,4 +304,37 @@ fn a_track_has_the_same_poses_in_whatever_order() {
         let expected = odometry.at(at_ns).map(|estimate| estimate.world_from_robot);
         assert_eq!(track.pose_at(at_ns), expected, "{at_ns}");
     }
+}
+
+/// A robot whose right wheel is 2 % larger than the left one, and whose wheels are 5 % farther apart than it says.
+const MEASURED: Calibration = Calibration { wheels: [0.99, 1.0098], track: 1.05 };
+
+#[test]
+fn a_calibrated_robot_knows_its_wheels() {
+    let mut odometry = odometry(Parameters { calibration: MEASURED, ..PARAMETERS }, Pose::new(0.0, 0.0, 0.0));
+    odometry.encoders(1, [1000.0, 1000.0]);
+    let turned = (1.0098 - 0.99) / (2.0 * 1.05 * HALF_TRACK_M);
+    let expected = Twist { forward: 0.9999, turn: turned }.then_from_now();
+    assert_near(odometry.estimate().world_from_robot, expected, 1e-12);
+}
+
+#[test]
+fn what_an_odometer_reckons_wrong_is_reckoned_again() {
+    let calibrated = Parameters { calibration: MEASURED, ..PARAMETERS };
+    let [mut counts, mut told] =
+        [0, 1].map(|_| Odometry::new(calibrated, 0, Estimate::within(Pose::new(0.0, 0.0, 0.0), 0.0, 0.0)));
+    // The robot's own odometer believes the data sheet.
+    let mut odometer_from_robot = Pose::new(3.0, -1.0, 2.0);
+    counts.encoders(0, [0.0; 2]);
+    told.odometer(0, odometer_from_robot);
+    for (i, [left, right]) in [[400.0, 500.0], [900.0, 450.0], [-200.0, 300.0]].into_iter().enumerate() {
+        let before = if i == 0 { [0.0; 2] } else { [[400.0, 500.0], [900.0, 450.0]][i - 1] };
+        let ways_m = [0.001 * (left - before[0]), 0.001 * (right - before[1])];
+        odometer_from_robot =
+            odometer_from_robot.compose(&Twist::of_wheels(ways_m, HALF_TRACK_M).then_from_now());
+        counts.encoders(i as u64 + 1, [left, right]);
+        told.odometer(i as u64 + 1, odometer_from_robot);
+    }
+    assert_near(told.estimate().world_from_robot, counts.estimate().world_from_robot, 1e-12);
+    assert!(counts.estimate().world_from_robot.position.coords.norm() > 0.05);
 }

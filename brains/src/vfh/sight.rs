@@ -271,6 +271,7 @@ mod tests {
             modulus: None,
             variance_m2_per_m: 0.0,
             past_ns: 10_000_000_000,
+            calibration: odometry::Calibration::NONE,
         };
         let mut odometry = Odometry::new(parameters, 0, Estimate::exact(Pose::new(0.0, 0.0, 0.0)));
         for at_ns in (0..=until_ns).step_by(100_000_000) {

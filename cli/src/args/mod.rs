@@ -4,12 +4,14 @@ mod brain;
 mod export;
 mod help;
 mod locate;
+mod measure;
 mod new;
 mod over;
 mod pace;
 mod places;
 mod plan;
 mod record;
+mod umbmark;
 mod work;
 
 use std::path::PathBuf;
@@ -25,12 +27,14 @@ use self::help::{
     WATCH_EXAMPLES,
 };
 pub(crate) use self::locate::{LocateArgs, Search};
+pub(crate) use self::measure::{Bytes, CurveArgs, EchoArgs, MeasureCommand, PortArgs, StepArgs};
 pub(crate) use self::new::{Language, NewBrainArgs, NewCommand};
 pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
+pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
 use crate::logs::{LogFilter, LogFormat};
 
@@ -89,6 +93,12 @@ pub(crate) enum Command {
     /// Localizes a robot by a scan of its laser, and shows which poses were tried
     #[command(after_long_help = locate::EXAMPLES)]
     Locate(LocateArgs),
+    /// Measures the systematic errors of a robot's odometry by squares in both directions (UMBmark)
+    #[command(after_long_help = umbmark::EXAMPLES)]
+    Umbmark(UmbmarkArgs),
+    /// Measures a real robot on the desk: echoes of its serial port, a sensor's curve, a step of its motors
+    #[command(subcommand)]
+    Measure(MeasureCommand),
     /// Lists presets of robots and their parts, or shows one with the sources of its numbers
     #[command(after_long_help = PRESET_EXAMPLES)]
     Preset(PresetArgs),

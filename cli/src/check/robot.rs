@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use baudbot_geometry::Pose;
 use baudbot_plot::quantity::{NOTHING, count, duration, handy};
+use baudbot_sim::drive::{Deviation, Drive, Wheels};
 use baudbot_sim::fault::{Fault, When};
 use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::model::{Deadline, OnLate, RobotSpec};
@@ -74,10 +75,20 @@ fn body(robot: &RobotSpec) -> String {
         corners => format!("{corners} corners in a radius of {} m", handy(drive.radius_m)),
     };
     format!(
-        "{shape}, {} kg, wheels of radius {} m, {} m apart",
+        "{shape}, {} kg, wheels of radius {} m, {} m apart{}",
         drive.mass_kg,
         drive.wheel_radius_m,
-        handy(2.0 * drive.half_track_m)
+        handy(2.0 * drive.half_track_m),
+        drive.deviation.map_or(String::new(), |deviation| specimen(drive, &deviation))
+    )
+}
+
+/// How one robot differs from its data sheet.
+fn specimen(drive: &Drive, deviation: &Deviation) -> String {
+    let Wheels { left, right } = deviation.wheels;
+    format!(
+        "; in truth the left wheel is {left:.6} and the right wheel {right:.6} times as large, the distance {:.6} times",
+        deviation.half_track_m / drive.half_track_m
     )
 }
 

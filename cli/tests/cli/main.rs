@@ -12,6 +12,7 @@ mod foxglove;
 mod hostile;
 mod locating;
 mod logs;
+mod measure;
 mod new;
 mod otel;
 mod paths;
@@ -26,6 +27,7 @@ mod sweep;
 mod terminal;
 mod timelines;
 mod tune;
+mod umbmark;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;

@@ -1,8 +1,8 @@
 //! A line for each value of one field over the values of another, with bands of 95 %.
 
-use super::page::{self, Frame, line, text, width};
+use super::page::{self, Frame, line, marker, text, width};
 use super::{Chart, Field, Figure, Point};
-use crate::palette::{FRAME, GRID, PALE_INK, PAPER, SERIES};
+use crate::palette::{FRAME, GRID, PALE_INK, SERIES};
 use crate::scale::{Scale, number};
 use crate::svg::{Canvas, Element, drawn, path, px};
 
@@ -151,21 +151,6 @@ fn stroke(canvas: &mut Canvas, (i, line): (usize, &Line), across: &Scale, up: &S
     for spot in &line.points {
         canvas.put(marker(i, (across.px(spot.x), up.px(spot.y)), line.color).titled(&spot.words));
     }
-}
-
-/// A mark of another form for each line, for people who see no colours.
-fn marker(i: usize, (x, y): (f64, f64), color: &str) -> Element {
-    let corners: &[(f64, f64)] = match i % 4 {
-        1 => &[(-3.6, -3.6), (3.6, -3.6), (3.6, 3.6), (-3.6, 3.6)],
-        2 => &[(0.0, -4.8), (4.6, 3.6), (-4.6, 3.6)],
-        3 => &[(0.0, -5.0), (5.0, 0.0), (0.0, 5.0), (-5.0, 0.0)],
-        _ => {
-            let circle = Element::new("circle").number("cx", x).number("cy", y).number("r", 4.0);
-            return circle.set("fill", color).set("stroke", PAPER);
-        }
-    };
-    let points: Vec<_> = corners.iter().map(|(dx, dy)| format!("{} {}", px(x + dx), px(y + dy))).collect();
-    Element::new("polygon").set("points", &points.join(" ")).set("fill", color).set("stroke", PAPER)
 }
 
 fn legend(canvas: &mut Canvas, frame: &Frame, title: &str, lines: &[Line]) {

@@ -59,6 +59,21 @@ pub(super) fn names(canvas: &mut Canvas, frame: &Frame, x: &str, y: &str) {
     canvas.put(upwards((22.0, middle_y), y).set("font-weight", "600"));
 }
 
+/// A mark of another form for each line or group, for people who see no colours.
+pub(super) fn marker(i: usize, (x, y): (f64, f64), color: &str) -> Element {
+    let corners: &[(f64, f64)] = match i % 4 {
+        1 => &[(-3.6, -3.6), (3.6, -3.6), (3.6, 3.6), (-3.6, 3.6)],
+        2 => &[(0.0, -4.8), (4.6, 3.6), (-4.6, 3.6)],
+        3 => &[(0.0, -5.0), (5.0, 0.0), (0.0, 5.0), (-5.0, 0.0)],
+        _ => {
+            let circle = Element::new("circle").number("cx", x).number("cy", y).number("r", 4.0);
+            return circle.set("fill", color).set("stroke", PAPER);
+        }
+    };
+    let points: Vec<_> = corners.iter().map(|(dx, dy)| format!("{} {}", px(x + dx), px(y + dy))).collect();
+    Element::new("polygon").set("points", &points.join(" ")).set("fill", color).set("stroke", PAPER)
+}
+
 /// About how wide a text is, in pixels: fonts differ.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     0.56 * size * text.chars().count() as f64

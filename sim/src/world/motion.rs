@@ -308,8 +308,8 @@ impl Robot {
         };
         let signals = if powered { self.motor_noise.apply(given) } else { Wheels::default() };
         let signals = self.under_load(spec, signals);
-        let slip = scenario.surroundings.slip_of(&spec.drive, &self.motion);
-        self.motion = spec.drive.step(&self.motion, signals, slip, dt);
+        let grip = scenario.surroundings.grip_of(&spec.drive, &self.motion);
+        self.motion = spec.drive.step(&self.motion, signals, grip, dt);
         for (actuator, state) in spec.actuators.iter().zip(&mut self.actuators) {
             if let ActuatorKind::Turret(servo) = &actuator.kind {
                 // A pulse begins in the first substep of each frame.

@@ -137,6 +137,7 @@ fn drive() -> Drive {
         motor: Motors::Velocity(motor),
         motor_noise: MotorNoise::default(),
         motor_track_factor: 1.0,
+        deviation: None,
     }
 }
 

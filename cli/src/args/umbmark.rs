@@ -1,0 +1,61 @@
+//! The arguments of `baudbot umbmark`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{ChangeArgs, finite};
+
+#[derive(Debug, Args)]
+pub(crate) struct UmbmarkArgs {
+    /// A scenario file, or a built-in scenario: arsim, khepera, wander
+    pub(crate) scenario: String,
+    /// The robot to measure [default: the first]
+    #[arg(long, value_name = "ROBOT")]
+    pub(crate) robot: Option<String>,
+    /// Steer by this sensor of the robot [default: its encoders, or else its odometer]
+    #[arg(long, value_name = "SENSOR")]
+    pub(crate) sensor: Option<String>,
+    /// Side of the square, in metres
+    #[arg(long, value_name = "M", default_value_t = 4.0, allow_negative_numbers = true, value_parser = side)]
+    pub(crate) side_m: f64,
+    /// Runs in each direction
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) runs: u32,
+    /// Speed on the sides, in metres a second [default: 0.2, or what suits a robot that is slower or faster]
+    #[arg(long, value_name = "M/S", allow_negative_numbers = true, value_parser = finite)]
+    pub(crate) speed_m_s: Option<f64>,
+    /// Measure again with the corrections that were found
+    #[arg(long)]
+    pub(crate) check: bool,
+    /// Draw where the runs ended as an SVG picture; `-` is stdout, and nothing else is then written there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    /// Write the result as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+/// The side of a square that a robot can drive round.
+fn side(text: &str) -> Result<f64, String> {
+    let fits = |side_m: &f64| (LEAST_SIDE_M..=MOST_SIDE_M).contains(side_m);
+    finite(text)
+        .ok()
+        .filter(fits)
+        .ok_or_else(|| format!("must be from {LEAST_SIDE_M} to {MOST_SIDE_M}, is {text}"))
+}
+
+const LEAST_SIDE_M: f64 = 0.1;
+const MOST_SIDE_M: f64 = 1000.0;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  baudbot umbmark arsim                          five squares of 4 m each way, by the robot's odometer
+  baudbot umbmark my.toml --check                E_max,syst before and after the correction
+  baudbot umbmark my.toml --set robots.robot.body.track_ratio=1.02 --set robots.robot.body.wheel_ratio=1.002 --check
+  baudbot umbmark khepera --side-m 0.5 --runs 10 --svg ends.svg
+  baudbot umbmark my.toml --json | python3 -m json.tool
+
+The robot drives in an empty arena of its own, whatever the scenario's arena is. See docs/umbmark.md.";
