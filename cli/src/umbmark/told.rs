@@ -222,7 +222,7 @@ fn ends(analysis: &Analysis) -> String {
     let mut rows = vec![head];
     for (name, group) in [("cw", &analysis.cw), ("ccw", &analysis.ccw)] {
         for (i, EndError { x_m, y_m, heading_rad }) in group.errors.iter().enumerate() {
-            let heading = format!("{:.2}", heading_rad.to_degrees());
+            let heading = format!("{:.2}", (1e2 * heading_rad.to_degrees()).round() / 1e2 + 0.0);
             rows.push([
                 format!("{name} {}", i + 1),
                 mm(*x_m),
