@@ -1,5 +1,6 @@
 //! How well a preset is known, in a line.
 
+use baudbot_plot::quantity::count;
 use baudbot_scenario::presets::{Preset, Standing};
 
 use crate::comparison::comparisons;
@@ -10,15 +11,16 @@ use crate::fields::fields;
 pub fn known(preset: &Preset) -> String {
     let standings: Vec<_> = preset.facts().into_iter().filter_map(|fact| fact.standing).collect();
     let guesses = standings.iter().filter(|standing| **standing == Standing::Guess).count();
-    let sourced = match standings.len() {
-        0 => "made of other presets".into(),
-        n => format!("{} of {n} numbers have a source, {guesses} are guesses", n - guesses),
+    let sourced = match (standings.len(), guesses) {
+        (0, _) => "no numbers of its own".into(),
+        (n, 0) => format!("{} from a source", count(n, "number")),
+        (n, _) => format!("{} of {} from a source", n - guesses, count(n, "number")),
     };
     match compared(preset.name) {
         (0, 0) => format!("{sourced}; not compared with a real one"),
-        (agree, 0) => format!("{sourced}; agrees with a real one in all {agree} comparisons"),
+        (agree, 0) => format!("{sourced}; agrees with a real one in {}", count(agree, "point")),
         (agree, differ) => {
-            format!("{sourced}; agrees with a real one in {agree} of {} comparisons", agree + differ)
+            format!("{sourced}; agrees with a real one in {agree} of {}", count(agree + differ, "point"))
         }
     }
 }

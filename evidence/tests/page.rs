@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use baudbot_evidence::known;
 use baudbot_evidence::page::page;
+use baudbot_scenario::presets::presets;
 
 #[test]
 fn docs_evidence_md_and_its_pictures_are_what_the_program_makes() {
@@ -12,5 +14,14 @@ fn docs_evidence_md_and_its_pictures_are_what_the_program_makes() {
         let text =
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         assert!(text == file.text, "{} is not up to date: baudbot evidence --write docs", path.display());
+    }
+}
+
+#[test]
+fn docs_presets_md_says_of_each_preset_how_well_it_is_known() {
+    const DOCS: &str = include_str!("../../docs/presets.md");
+    for preset in presets() {
+        let row = format!("| `{}` | {} | {} |", preset.name, preset.description, known(preset));
+        assert!(DOCS.contains(&row), "docs/presets.md has no row `{row}`");
     }
 }

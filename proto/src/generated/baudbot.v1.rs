@@ -630,6 +630,10 @@ pub struct RobotBudget {
     /// How much later than the end of the cycle a command reaches the motors, in nanoseconds: it is no part of the cycle.
     #[prost(uint64, tag = "15")]
     pub dead_time_ns: u64,
+    /// When the robot's program starts, in nanoseconds after the start of the run: so long a bootloader waits, and there are no
+    /// cycles.
+    #[prost(uint64, tag = "16")]
+    pub starts_after_ns: u64,
 }
 /// A duration, with its minimum, typical and maximum values.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]

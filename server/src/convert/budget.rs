@@ -9,8 +9,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         robot,
         step_ns,
         deadline_ns,
-        // Of the scenario, and not in the contract.
-        starts_after_ns: _,
+        starts_after_ns,
         dead_time_ns,
         cycle,
         rates,
@@ -27,6 +26,7 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         step_ns,
         deadline_ns,
         dead_time_ns,
+        starts_after_ns,
         rows: cycle.rows.into_iter().map(row).collect(),
         total: Some(span(cycle.total)),
         unbounded: cycle.unbounded.unwrap_or_default(),

@@ -180,6 +180,7 @@ class RobotBudget(_message.Message):
     DEADLINE_NS_FIELD_NUMBER: _builtins.int
     LEFT_OUT_FIELD_NUMBER: _builtins.int
     DEAD_TIME_NS_FIELD_NUMBER: _builtins.int
+    STARTS_AFTER_NS_FIELD_NUMBER: _builtins.int
     robot: _builtins.str
     """Its name."""
     step_ns: _builtins.int
@@ -196,6 +197,10 @@ class RobotBudget(_message.Message):
     """Why not every fix was tried; empty if all were."""
     dead_time_ns: _builtins.int
     """How much later than the end of the cycle a command reaches the motors, in nanoseconds: it is no part of the cycle."""
+    starts_after_ns: _builtins.int
+    """When the robot's program starts, in nanoseconds after the start of the run: so long a bootloader waits, and there are no
+    cycles.
+    """
     @_builtins.property
     def rows(self) -> _containers.RepeatedCompositeFieldContainer[Global___BudgetRow]:
         """The parts of a cycle, in their order."""
@@ -242,10 +247,11 @@ class RobotBudget(_message.Message):
         deadline_ns: _builtins.int = ...,
         left_out: _builtins.str = ...,
         dead_time_ns: _builtins.int = ...,
+        starts_after_ns: _builtins.int = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["chip", b"chip", "total", b"total"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["ages", b"ages", "bottleneck", b"bottleneck", "chip", b"chip", "dead_time_ns", b"dead_time_ns", "deadline_ns", b"deadline_ns", "left_out", b"left_out", "loads", b"loads", "rates", b"rates", "remedies", b"remedies", "robot", b"robot", "rows", b"rows", "step_ns", b"step_ns", "total", b"total", "unbounded", b"unbounded", "verdict", b"verdict"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["ages", b"ages", "bottleneck", b"bottleneck", "chip", b"chip", "dead_time_ns", b"dead_time_ns", "deadline_ns", b"deadline_ns", "left_out", b"left_out", "loads", b"loads", "rates", b"rates", "remedies", b"remedies", "robot", b"robot", "rows", b"rows", "starts_after_ns", b"starts_after_ns", "step_ns", b"step_ns", "total", b"total", "unbounded", b"unbounded", "verdict", b"verdict"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
