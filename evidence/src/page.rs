@@ -162,7 +162,7 @@ fn anchor(title: &str) -> String {
 }
 
 /// A number with four digits that count.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
