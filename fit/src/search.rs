@@ -1,0 +1,330 @@
+//! The least cost of a few numbers, and how far each of them can go before the cost has risen.
+//!
+//! A cost is −log L, the negative logarithm of a likelihood. The interval of a number is the set of its values at which the
+//! least cost over all others exceeds the least cost of all by no more than [`REGULAR`]: half of 3.84, the 95 % quantile of
+//! χ² with one degree of freedom. The edge of a distribution, such as the width of a uniform one, is no regular number: the
+//! cost rises linearly beyond its best value, twice the rise has a χ² distribution with two degrees of freedom, and the
+//! quantile is 5.99 ([`EDGE`]).
+//!
+//! The optimiser is Nelder and Mead's, in coordinates from 0 to 1, started again where it stopped.
+
+use argmin::core::{CostFunction, Error, Executor, State};
+use argmin::solver::neldermead::NelderMead;
+
+/// Rise of the cost at the ends of the interval of a regular number.
+pub const REGULAR: f64 = 1.920_729;
+
+/// The same for a number that is the edge of a distribution.
+pub const EDGE: f64 = 2.995_732;
+
+/// How a number is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By its logarithm; its range is above 0.
+    Log,
+}
+
+/// A number that is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// The least value that is tried.
+    pub from: f64,
+    /// The greatest.
+    pub to: f64,
+    /// How it is searched.
+    pub scale: Scale,
+    /// The rise of the cost at the ends of its interval.
+    pub rise: f64,
+}
+
+impl Unknown {
+    /// A regular number in this range.
+    pub fn linear(from: f64, to: f64) -> Self {
+        Self { from, to, scale: Scale::Linear, rise: REGULAR }
+    }
+
+    /// A regular number above 0 in this range, which is searched by its logarithm.
+    pub fn log(from: f64, to: f64) -> Self {
+        Self { from, to, scale: Scale::Log, rise: REGULAR }
+    }
+
+    /// The same number as the edge of a distribution.
+    pub fn edge(self) -> Self {
+        Self { rise: EDGE, ..self }
+    }
+
+    /// The number at a share of the range.
+    pub fn at(&self, share: f64) -> f64 {
+        let share = share.clamp(0.0, 1.0);
+        match self.scale {
+            Scale::Linear => self.from + share * (self.to - self.from),
+            Scale::Log => self.from * (self.to / self.from).powf(share),
+        }
+    }
+
+    /// The share of the range at which a number is.
+    pub fn share(&self, number: f64) -> f64 {
+        let share = match self.scale {
+            Scale::Linear => (number - self.from) / (self.to - self.from),
+            Scale::Log => (number.max(self.from) / self.from).ln() / (self.to / self.from).ln(),
+        };
+        share.clamp(0.0, 1.0)
+    }
+}
+
+/// The numbers of least cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Best {
+    /// The numbers.
+    pub values: Vec<f64>,
+    /// Their cost.
+    pub cost: f64,
+}
+
+/// How far a number can go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interval {
+    /// The lower end.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+    /// Whether the cost had not risen at the least value that is tried.
+    pub open_low: bool,
+    /// The same of the greatest.
+    pub open_high: bool,
+    /// The number that went farthest with it, and how far, as a share of its range.
+    pub partner: Option<(usize, f64)>,
+}
+
+impl Interval {
+    /// The width as a share of the range that is tried.
+    pub fn share(&self, unknown: &Unknown) -> f64 {
+        unknown.share(self.high) - unknown.share(self.low)
+    }
+}
+
+/// A search: numbers and their cost.
+pub struct Search<'a> {
+    /// The numbers.
+    pub unknowns: Vec<Unknown>,
+    /// −log L of their values; infinite where there is none.
+    pub cost: &'a dyn Fn(&[f64]) -> f64,
+}
+
+impl Search<'_> {
+    /// The numbers of least cost that are found from any of these.
+    pub fn best(&self, starts: &[Vec<f64>]) -> Best {
+        let free: Vec<usize> = (0..self.unknowns.len()).collect();
+        let found = starts.iter().map(|start| self.from(&self.shares(start), &free, &STEPS));
+        let found = found.reduce(|a, b| if b.1 < a.1 { b } else { a });
+        let (shares, cost) = found.unwrap_or((vec![0.5; self.unknowns.len()], f64::INFINITY));
+        Best { values: self.values(&shares), cost }
+    }
+
+    /// How far a number can go from the best. If better numbers are found on the way, they replace the best.
+    pub fn interval(&self, best: &mut Best, of: usize) -> Interval {
+        for _ in 0..RETRIES {
+            match self.walk(best, of) {
+                Ok(interval) => return interval,
+                Err(better) => *best = better,
+            }
+        }
+        self.walk(best, of).unwrap_or_else(|better| {
+            let value = better.values[of];
+            Interval { low: value, high: value, open_low: true, open_high: true, partner: None }
+        })
+    }
+
+    fn walk(&self, best: &Best, of: usize) -> Result<Interval, Best> {
+        let low = self.end(best, of, -1.0)?;
+        let high = self.end(best, of, 1.0)?;
+        let unknown = &self.unknowns[of];
+        let partner = [&low, &high].into_iter().flat_map(|end| {
+            let moved = |i: usize| (end.shares[i] - self.unknowns[i].share(best.values[i])).abs();
+            (0..self.unknowns.len()).filter(|i| *i != of).map(move |i| (i, moved(i)))
+        });
+        let partner = partner.max_by(|a, b| a.1.total_cmp(&b.1));
+        let values = (unknown.at(low.shares[of]), unknown.at(high.shares[of]));
+        Ok(Interval {
+            low: values.0,
+            high: values.1,
+            open_low: low.is_open,
+            open_high: high.is_open,
+            partner,
+        })
+    }
+
+    /// One end of an interval: outwards with growing steps, then by halves.
+    fn end(&self, best: &Best, of: usize, sign: f64) -> Result<End, Best> {
+        let start = self.shares(&best.values);
+        let limit = if sign < 0.0 { 0.0 } else { 1.0 };
+        let target = best.cost + self.unknowns[of].rise;
+        let (mut inside, mut step) = (start.clone(), FIRST_STEP);
+        let mut outside = loop {
+            let reached = (inside[of] - limit).abs() < 1e-12;
+            if reached {
+                return Ok(End { shares: inside, is_open: true });
+            }
+            let at = if (limit - inside[of]) * sign <= step { limit } else { inside[of] + sign * step };
+            let (shares, cost) = self.constrained(&inside, of, at);
+            if cost < best.cost - SLACK {
+                return Err(Best { values: self.values(&shares), cost });
+            }
+            if cost > target {
+                break at;
+            }
+            inside = shares;
+            step *= 2.0;
+        };
+        for _ in 0..HALVINGS {
+            let at = 0.5 * (inside[of] + outside);
+            let (shares, cost) = self.constrained(&inside, of, at);
+            if cost > target {
+                outside = at
+            } else {
+                inside = shares
+            }
+            if (outside - inside[of]).abs() < 0.003 * (outside - start[of]).abs() {
+                break;
+            }
+        }
+        Ok(End { shares: inside, is_open: false })
+    }
+
+    /// The least cost with one number held.
+    fn constrained(&self, near: &[f64], held: usize, at: f64) -> (Vec<f64>, f64) {
+        let mut start = near.to_vec();
+        start[held] = at;
+        let free: Vec<usize> = (0..self.unknowns.len()).filter(|i| *i != held).collect();
+        self.from(&start, &free, &SHORT_STEPS)
+    }
+
+    /// Nelder and Mead from a point, with these numbers free.
+    fn from(&self, start: &[f64], free: &[usize], steps: &[f64]) -> (Vec<f64>, f64) {
+        let mut at = start.to_vec();
+        let mut cost = (self.cost)(&self.values(&at));
+        if free.is_empty() {
+            return (at, cost);
+        }
+        for &step in steps {
+            let problem = Free { search: self, start: at.clone(), free };
+            if let Some((point, found)) = nelder_mead(problem, step)
+                && found < cost
+            {
+                for (&i, share) in free.iter().zip(point) {
+                    at[i] = share.clamp(0.0, 1.0);
+                }
+                cost = (self.cost)(&self.values(&at));
+            }
+        }
+        (at, cost)
+    }
+
+    fn values(&self, shares: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().zip(shares).map(|(unknown, share)| unknown.at(*share)).collect()
+    }
+
+    fn shares(&self, values: &[f64]) -> Vec<f64> {
+        self.unknowns.iter().zip(values).map(|(unknown, value)| unknown.share(*value)).collect()
+    }
+}
+
+struct End {
+    shares: Vec<f64>,
+    is_open: bool,
+}
+
+/// The numbers that are free, as the optimiser sees them.
+struct Free<'a, 'b> {
+    search: &'a Search<'b>,
+    start: Vec<f64>,
+    free: &'a [usize],
+}
+
+impl CostFunction for Free<'_, '_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    /// Beyond the range the cost is that at its edge and more.
+    fn cost(&self, point: &Vec<f64>) -> Result<f64, Error> {
+        let mut shares = self.start.clone();
+        let mut excess = 0.0;
+        for (&i, &share) in self.free.iter().zip(point) {
+            shares[i] = share.clamp(0.0, 1.0);
+            excess += (share - shares[i]).abs();
+        }
+        let cost = (self.search.cost)(&self.search.values(&shares));
+        Ok(if cost.is_nan() { f64::MAX } else { cost.min(f64::MAX / 2.0) + BEYOND * excess })
+    }
+}
+
+fn nelder_mead(problem: Free<'_, '_>, step: f64) -> Option<(Vec<f64>, f64)> {
+    let start: Vec<f64> = problem.free.iter().map(|i| problem.start[*i]).collect();
+    let mut simplex = vec![start.clone()];
+    for (i, share) in start.iter().enumerate() {
+        let mut corner = start.clone();
+        corner[i] = if share + step > 1.0 { share - step } else { share + step };
+        simplex.push(corner);
+    }
+    let solver = NelderMead::new(simplex).with_sd_tolerance(TOLERANCE).ok()?;
+    let most = 120 * start.len() as u64;
+    let result = Executor::new(problem, solver).configure(|state| state.max_iters(most)).run().ok()?;
+    let state = result.state();
+    Some((state.get_best_param()?.clone(), state.get_best_cost()))
+}
+
+/// Sizes of the simplices that a search starts with, one after the other.
+const STEPS: [f64; 3] = [0.08, 0.02, 0.003];
+const SHORT_STEPS: [f64; 2] = [0.01, 0.002];
+
+/// First step of a walk, as a share of the range.
+const FIRST_STEP: f64 = 1e-5;
+
+/// By so much a cost may be below the best before it counts as better.
+const SLACK: f64 = 0.01;
+
+/// How often a better best is taken.
+const RETRIES: usize = 4;
+
+const HALVINGS: usize = 24;
+
+/// The spread of a simplex's costs at which it stops.
+const TOLERANCE: f64 = 1e-4;
+
+/// Cost for each range's length beyond the range.
+const BEYOND: f64 = 1e3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gaussian_has_its_interval_at_1_96_standard_deviations() {
+        let cost = |x: &[f64]| 0.5 * ((x[0] - 3.0) / 0.1).powi(2) + 0.5 * ((x[1] + x[0] - 1.0) / 0.2).powi(2);
+        let search = Search {
+            unknowns: vec![Unknown::linear(-10.0, 10.0), Unknown::linear(-50.0, 50.0)],
+            cost: &cost,
+        };
+        let mut best = search.best(&[vec![0.0, 0.0]]);
+        assert!((best.values[0] - 3.0).abs() < 1e-3 && (best.values[1] + 2.0).abs() < 1e-2, "{best:?}");
+        let interval = search.interval(&mut best, 0);
+        assert!(
+            (interval.low - 3.0 + 0.196).abs() < 2e-3 && (interval.high - 3.196).abs() < 2e-3,
+            "{interval:?}"
+        );
+        let other = search.interval(&mut best, 1);
+        assert!((other.high - other.low - 2.0 * 1.96 * 0.05_f64.sqrt()).abs() < 1e-2, "{other:?}");
+    }
+
+    #[test]
+    fn numbers_of_which_only_the_product_matters_take_each_other_to_the_ends() {
+        let cost = |x: &[f64]| 0.5 * ((x[0] * x[1] - 1.0) / 0.01).powi(2);
+        let search = Search { unknowns: vec![Unknown::log(0.1, 10.0), Unknown::log(0.1, 10.0)], cost: &cost };
+        let mut best = search.best(&[vec![0.5, 0.5]]);
+        let interval = search.interval(&mut best, 0);
+        assert!(interval.open_low && interval.open_high, "{interval:?}");
+        assert!(interval.partner.is_some_and(|(i, moved)| i == 1 && moved > 0.3), "{interval:?}");
+    }
+}
