@@ -55,7 +55,7 @@ fn of_port(
     let wire = Span::between(wire::least_ns(link, bytes.least), Some(most));
     let hold = wire::hold_up_ns(link);
     let keeps_up = match adapter(link) {
-        Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => true,
+        Adapter::None | Adapter::Cdc(_) | Adapter::Ftdi(_) => true,
         Adapter::Bluetooth(radio) => {
             let packet = wire::packet_ns(&radio).most;
             let at_once =

@@ -8,7 +8,7 @@ use baudbot_wire::Encoding;
 use super::change::{Change, MS, Robot, chip, has_many_bits, has_many_signal_bits};
 use baudbot_scenario::presets::Preset;
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
-use baudbot_sim::link::{Adapter, Ftdi, Link, Uart, Usb};
+use baudbot_sim::link::{Adapter, Frames, Ftdi, Link, Uart, Usb};
 use baudbot_sim::model::RobotModel;
 use baudbot_sim::schedule::Schedule;
 use baudbot_sim::sensor::Sensor;
@@ -21,7 +21,7 @@ impl Robot {
         match change {
             Change::Latency(ns) => set_adapter(&mut spec.link, |old| match old {
                 Adapter::Ftdi(ftdi) => Adapter::Ftdi(Ftdi { latency_ns: ns, ..ftdi }),
-                other @ (Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_)) => other,
+                other @ (Adapter::None | Adapter::Cdc(_) | Adapter::Bluetooth(_)) => other,
             }),
             Change::Baud(baud) => set_baud(&mut spec.link, baud),
             Change::PortBauds(baud) => {
@@ -34,17 +34,13 @@ impl Robot {
             Change::Bare => set_firmware(spec, Protocol::Bare { gap_ns: 0 }, spec.firmware.mode),
             Change::FewerBits => fewer_bits(spec),
             Change::Stream(period_ns) => {
-                set_firmware(
-                    spec,
-                    spec.firmware.protocol,
-                    Mode::Stream(new_schedule(&spec.firmware, period_ns)),
-                );
+                set_firmware(spec, spec.firmware.protocol, Mode::Stream(new_schedule(spec, period_ns)));
             }
             Change::Step(step_ns) => {
                 new.substeps = new.substeps.saturating_mul((step_ns / new.step_ns) as u32);
                 new.step_ns = step_ns;
             }
-            Change::Cdc => set_adapter(&mut spec.link, |_| Adapter::Cdc { frame_ns: MS }),
+            Change::Cdc => set_adapter(&mut spec.link, |_| Adapter::Cdc(Frames::of(MS))),
             Change::Usb => spec.link = usb(),
             Change::Chip(preset) => set_chip(spec, preset),
             Change::Laptop => {
@@ -113,10 +109,10 @@ fn set_firmware(spec: &mut RobotModel, protocol: Protocol, mode: Mode) {
     spec.firmware = Firmware::new(protocol, mode, &sensors, spec.firmware.layout().motors.to_vec());
 }
 
-fn new_schedule(firmware: &Firmware, period_ns: u64) -> Schedule {
-    let phase_ns = match firmware.mode {
+fn new_schedule(spec: &RobotModel, period_ns: u64) -> Schedule {
+    let phase_ns = match spec.firmware.mode {
         Mode::Stream(frame) => frame.phase_ns(),
-        Mode::Poll => 0,
+        Mode::Poll => spec.processor.bootloader_ns,
     };
     Schedule::new(period_ns, phase_ns)
 }
@@ -147,5 +143,23 @@ fn set_chip(spec: &mut RobotModel, preset: &Preset) {
     let Some(chip) = chip(preset) else { return };
     let thinking_ns = spec.brain_operations.and_then(|operations| chip.thinking_ns(operations));
     spec.thinking_ns = thinking_ns.unwrap_or(spec.thinking_ns);
+    start_after(spec, chip.bootloader_ns);
     spec.processor = chip;
+}
+
+/// All that is due counts from the start of the firmware, so with another bootloader it is due at other times.
+fn start_after(spec: &mut RobotModel, new_ns: u64) {
+    let old_ns = spec.processor.bootloader_ns;
+    if old_ns == new_ns {
+        return;
+    }
+    let moved = |schedule: Schedule| schedule.earlier_by(old_ns).later_by(new_ns);
+    let mut sensors = spec.sensors.to_vec();
+    for sensor in sensors.iter_mut().filter(|sensor| sensor.is_on_wire()) {
+        sensor.schedule = moved(sensor.schedule);
+    }
+    spec.sensors = sensors.into();
+    if let Mode::Stream(frame) = &mut spec.firmware.mode {
+        *frame = moved(*frame);
+    }
 }

@@ -10,7 +10,7 @@ use baudbot_wire::Encoding;
 use super::report::Cost;
 use baudbot_scenario::presets::{Preset, PresetKind, presets};
 use baudbot_sim::fault::{Fault, FaultKind};
-use baudbot_sim::firmware::{Firmware, Mode, Protocol};
+use baudbot_sim::firmware::{Mode, Protocol};
 use baudbot_sim::link::{Adapter, Link, Uart};
 use baudbot_sim::model::{Deadline, OnLate, RobotModel, RobotSpec};
 use baudbot_sim::processor::Processor;
@@ -235,11 +235,11 @@ impl Robot {
             Change::PortBauds(baud) => Some(self.port_overrides(baud)),
             Change::NoAges => one(at("firmware.ages=false")),
             Change::Bare => {
-                let mode = mode_fields(&self.spec.firmware).join(", ");
+                let mode = mode_fields(&self.spec).join(", ");
                 one(at(&format!("firmware={{ protocol = \"bare\", {mode} }}")))
             }
             Change::Stream(_) => {
-                let fields = mode_fields(&self.with(change).spec.firmware).into_iter();
+                let fields = mode_fields(&self.with(change).spec).into_iter();
                 Some(fields.map(|field| at(&format!("firmware.{}", field.replace(" = ", "=")))).collect())
             }
             Change::FewerBits => {
@@ -297,10 +297,10 @@ impl Change {
 pub(super) fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
     let most = match uart.adapter {
         Adapter::None | Adapter::Bluetooth(_) => u32::MAX,
-        Adapter::Cdc { .. } => CDC_MOST,
+        Adapter::Cdc(_) => CDC_MOST,
         Adapter::Ftdi(ftdi) => {
             let bits = 19 * u64::from(ftdi.packet_bytes) * u64::from(uart.bits_per_character) * SECOND_NS;
-            u32::try_from(bits / ftdi.frame_ns).unwrap_or(u32::MAX)
+            u32::try_from(bits / ftdi.frames.frame_ns).unwrap_or(u32::MAX)
         }
     };
     let now = uart.baud;
@@ -308,10 +308,12 @@ pub(super) fn faster(uart: &Uart) -> impl Iterator<Item = u32> {
 }
 
 /// When a firmware speaks, as a scenario says it.
-fn mode_fields(firmware: &Firmware) -> Vec<String> {
-    match firmware.mode {
+fn mode_fields(spec: &RobotModel) -> Vec<String> {
+    match spec.firmware.mode {
         Mode::Poll => alloc::vec!["mode = \"poll\"".to_string()],
         Mode::Stream(frame) => {
+            // A scenario counts from the start of the firmware.
+            let frame = frame.earlier_by(spec.processor.bootloader_ns);
             let [period, phase] = [frame.period_ns(), frame.phase_ns()].map(|ns| ns as f64 / 1e6);
             let [period, phase] = [format!("period_ms = {period}"), format!("phase_ms = {phase}")];
             alloc::vec!["mode = \"stream\"".to_string(), period, phase]
@@ -363,6 +365,7 @@ pub(super) fn chip(preset: &Preset) -> Option<Processor> {
         obeying_ns: ns("obeying_us"),
         operations_per_s: number("operations_per_s"),
         ram_bytes: number("ram_bytes").map(|bytes| bytes as u64),
+        bootloader_ns: number("bootloader_s").map_or(0, |s| (s * 1e9 + 0.5) as u64),
     })
 }
 

@@ -92,7 +92,7 @@ impl Ear {
     fn through_adapter(&self, out: SimTime, landed: SimTime) -> SimTime {
         match adapter(&self.link) {
             Adapter::None => landed,
-            Adapter::Cdc { frame_ns } => landed.up_to(frame_ns),
+            Adapter::Cdc(frames) => frames.at_laptop(landed, frames.jitter_ns / 2),
             Adapter::Ftdi(ftdi) => {
                 let packet = u64::from(ftdi.packet_bytes.max(1));
                 let full = self.bytes / packet * packet;
@@ -101,7 +101,7 @@ impl Ear {
                     all if all == self.bytes => landed,
                     full => (out + self.link.burst_ns(full) + ftdi.latency_ns).max(landed),
                 };
-                closed.up_to(ftdi.frame_ns)
+                ftdi.frames.at_laptop(closed, ftdi.frames.jitter_ns / 2)
             }
             Adapter::Bluetooth(radio) => landed + radio.latency_ns + radio.latency_ns / 2,
         }

@@ -173,6 +173,7 @@ impl RobotBudget {
             robot: plan.spec.name.clone(),
             step_ns: plan.step_ns,
             deadline_ns: plan.deadline_ns(),
+            starts_after_ns: plan.spec.processor.bootloader_ns,
             rates: rates::rates(plan, &bounds, &outcome),
             ages: ages::ages(plan, &bounds, &outcome),
             chip: loads::chip(plan),

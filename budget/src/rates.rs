@@ -113,7 +113,7 @@ fn round_trip_ns(plan: &Plan<'_>, bounds: &Bounds) -> u64 {
     match adapter(link) {
         // A message that does not end with a full packet ends with the timer, which the one before restarted.
         Adapter::Ftdi(ftdi) if has_rest(bounds, ftdi.packet_bytes) => least.max(ftdi.latency_ns),
-        Adapter::Ftdi(_) | Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_) => least,
+        Adapter::Ftdi(_) | Adapter::None | Adapter::Cdc(_) | Adapter::Bluetooth(_) => least,
     }
 }
 

@@ -211,6 +211,8 @@ pub struct RobotBudget {
     pub step_ns: u64,
     /// When a cycle must be over, in nanoseconds: Δt, or the deadline that the scenario states.
     pub deadline_ns: u64,
+    /// Until when after the start of the run nothing happens, in nanoseconds, because a bootloader waits; no part of a cycle.
+    pub starts_after_ns: u64,
     /// The cycle.
     pub cycle: Cycle,
     /// How often things can be done; the exchanges first.

@@ -107,7 +107,7 @@ impl<'a> Timeline<'a> {
             samples: vec![None; plan.on_wire().len()],
             watches: plan.on_wire().iter().map(|sensor| Watch::of(sensor, plan.noise)).collect(),
             ears: plan.ports().map(|(i, sensor, _, link)| Ear::new(i, sensor, link, plan.noise)).collect(),
-            free_at: SimTime::ZERO,
+            free_at: SimTime::from_ns(plan.spec.processor.bootloader_ns),
             up: Line::up(&link, 1, &["budget:up"]),
             down: Line::down(&link, 1, &["budget:down"]),
             sent: VecDeque::new(),
@@ -123,16 +123,18 @@ impl<'a> Timeline<'a> {
         }
     }
 
-    /// Carries it out until there are so many cycles, or so many events are over.
+    /// Carries it out until there are so many cycles, or so many events are over. It begins in the tick in which the
+    /// firmware starts.
     pub(super) fn run(plan: Plan<'a>, cycles: usize, events: usize) -> Outcome {
         let mut timeline = Self::new(plan, events);
-        let mut start = SimTime::ZERO;
+        let before = plan.spec.processor.bootloader_ns / plan.step_ns * plan.step_ns;
+        let mut start = SimTime::from_ns(before);
         while timeline.outcome.cycles.len() < cycles && timeline.left > 0 {
             let end = start + plan.step_ns;
             timeline.tick(start, end);
             start = end;
         }
-        timeline.outcome.ran_ns = start.as_ns();
+        timeline.outcome.ran_ns = start.as_ns() - before;
         timeline.outcome.events = events - timeline.left;
         timeline.outcome
     }
@@ -142,7 +144,7 @@ impl<'a> Timeline<'a> {
         self.left = self.left.saturating_sub(1);
         if earliest < end {
             let at = self.advance(end, Some(earliest)).unwrap_or(end);
-            self.step(at, start);
+            self.step(at);
         }
         self.advance(end, None);
     }
@@ -291,7 +293,7 @@ impl<'a> Timeline<'a> {
     }
 
     /// The brain steps: what has come is news no more, and is answered.
-    fn step(&mut self, at: SimTime, tick: SimTime) {
+    fn step(&mut self, at: SimTime) {
         self.outcome.steps += 1;
         for (ages, sampled) in self.outcome.ages.iter_mut().zip(&mut self.sampled) {
             ages.extend(sampled.take().map(|sampled| at.since(sampled)));
@@ -305,7 +307,7 @@ impl<'a> Timeline<'a> {
         self.busy_until = written;
         let news = self.news.take();
         // The first word of a polled robot is the brain's.
-        if news.is_some() || (self.plan.polls() && tick == SimTime::ZERO) {
+        if news.is_some() || (self.plan.polls() && self.outcome.steps == 1) {
             self.write(written, news.flatten().map(|cycle| Open { stepped: at, written, ..cycle }));
         }
     }

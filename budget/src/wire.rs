@@ -1,7 +1,7 @@
 //! The delays of a message on its way, at least and at most: the wire, the adapter, a frame of USB.
 
 use super::plan::{Range, adapter};
-use baudbot_sim::link::{Adapter, Bluetooth, Link};
+use baudbot_sim::link::{Adapter, Bluetooth, Ftdi, Link};
 use baudbot_sim::sensor::Sensor;
 use baudbot_sim::sensor::port::Format;
 use baudbot_sim::time::SimTime;
@@ -38,8 +38,10 @@ pub(super) fn packet_ns(radio: &Bluetooth) -> Range {
 pub(super) fn hold_up_ns(link: &Link) -> Range {
     match adapter(link) {
         Adapter::None => Range::default(),
-        Adapter::Cdc { frame_ns } => Range { least: 0, most: frame_ns },
-        Adapter::Ftdi(ftdi) => Range { least: 0, most: ftdi.latency_ns + ftdi.frame_ns },
+        Adapter::Cdc(frames) => Range { least: frames.least_up_ns(), most: frames.most_up_ns() },
+        Adapter::Ftdi(Ftdi { latency_ns, frames, .. }) => {
+            Range { least: frames.least_up_ns(), most: latency_ns + frames.most_up_ns() }
+        }
         Adapter::Bluetooth(radio) => {
             let packet = packet_ns(&radio);
             Range { least: packet.least, most: 2 * packet.most }
@@ -50,8 +52,10 @@ pub(super) fn hold_up_ns(link: &Link) -> Range {
 /// The same for a byte that a brain writes.
 pub(super) fn hold_down_ns(link: &Link) -> Range {
     match adapter(link) {
-        Adapter::Ftdi(ftdi) => Range { least: 0, most: ftdi.frame_ns },
-        Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_) => hold_up_ns(link),
+        Adapter::Cdc(frames) | Adapter::Ftdi(Ftdi { frames, .. }) => {
+            Range { least: frames.down_ns.unwrap_or(0), most: frames.most_down_ns() }
+        }
+        Adapter::None | Adapter::Bluetooth(_) => hold_up_ns(link),
     }
 }
 
@@ -59,7 +63,7 @@ pub(super) fn hold_down_ns(link: &Link) -> Range {
 pub(super) fn radio(link: &Link) -> Option<Bluetooth> {
     match adapter(link) {
         Adapter::Bluetooth(radio) => Some(radio),
-        Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => None,
+        Adapter::None | Adapter::Cdc(_) | Adapter::Ftdi(_) => None,
     }
 }
 

@@ -93,6 +93,37 @@ fn operations_in_10_ms(toml: &str) -> f64 {
 }
 
 #[test]
+fn exchanges_over_real_adapters_are_foretold() {
+    // Whole frames: 1, 2 and 3 ms, and the timer of 16 ms as drivers set it.
+    for (preset, expected) in
+        [("ft232r-1ms", 1000.0), ("ch340", 500.0), ("atmega16u2", 333.3), ("ft232r", 62.5)]
+    {
+        let toml = bare(1, &format!("baud = 115200, adapter = {{ preset = \"{preset}\" }}"));
+        let measured = run(baudbot_scenario::parse(&toml).unwrap(), 4.0).messages_per_s();
+        let robot = budget(&toml);
+        let typical = robot.rates[0].typical_per_s.unwrap();
+        assert!((measured / expected - 1.0).abs() < 0.01, "{preset}: {measured}");
+        assert!((typical / measured - 1.0).abs() < 0.01, "{preset}: foretold {typical}, measured {measured}");
+        assert!(most_per_s(&robot, "exchanges") >= measured, "{preset}");
+    }
+}
+
+#[test]
+fn a_bootloader_is_no_part_of_a_cycle_and_the_report_says_how_long_it_waits() {
+    for mode in ["mode = \"poll\"", "period_ms = 10.0"] {
+        let toml = bare(4, "baud = 9600").replace("mode = \"poll\"", mode);
+        let uno = toml.replace("\nfirmware", "\nmicrocontroller = { bootloader_s = 1.6 }\nfirmware");
+        let (plain, uno) = (budget(&toml), budget(&uno));
+        assert_eq!((plain.starts_after_ns, uno.starts_after_ns), (0, 1_600_000_000));
+        assert_eq!(
+            (&plain.cycle, &plain.ages, plain.verdict),
+            (&uno.cycle, &uno.ages, uno.verdict),
+            "{mode}"
+        );
+    }
+}
+
+#[test]
 fn known_numbers_are_foretold_and_measured() {
     let mut table = format!("{:<52} {:>10} {:>10}\n", "", "foretold", "measured");
     let polled = [

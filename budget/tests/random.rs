@@ -14,10 +14,22 @@ fn one_of(values: &'static [&'static str]) -> impl Strategy<Value = &'static str
     prop::sample::select(values)
 }
 
+/// What a chip adds to the frames of the bus, with a jitter of more than a frame, too.
+fn frames() -> impl Strategy<Value = String> {
+    let jitter_us = prop_oneof![2 => 1_u32..200, 1 => 500_u32..4000];
+    let jitter = prop_oneof![Just(String::new()), jitter_us.prop_map(|us| format!(", jitter_us = {us}"))];
+    let down_us = prop_oneof![2 => 0_u32..100, 1 => 500_u32..4000];
+    let down = prop_oneof![Just(String::new()), down_us.prop_map(|us| format!(", down_us = {us}"))];
+    (0_u32..4, jitter, down).prop_map(|(extra, jitter, down)| {
+        let extra = if extra > 0 { format!(", extra_frames = {extra}") } else { String::new() };
+        format!("{extra}{jitter}{down}")
+    })
+}
+
 fn adapters() -> impl Strategy<Value = String> {
-    let ftdi = (1_u32..20, prop_oneof![Just(62_u32), 4_u32..64]);
-    let ftdi = ftdi.prop_map(|(ms, bytes)| {
-        format!(", adapter = {{ kind = \"ftdi\", latency_ms = {ms}, packet_bytes = {bytes} }}")
+    let ftdi = (1_u32..20, prop_oneof![Just(62_u32), 4_u32..64], frames());
+    let ftdi = ftdi.prop_map(|(ms, bytes, frames)| {
+        format!(", adapter = {{ kind = \"ftdi\", latency_ms = {ms}, packet_bytes = {bytes}{frames} }}")
     });
     let radio =
         (0_u32..30, 0.0..1.0, one_of(&["0", "0.1"]), 20_u32..400).prop_map(|(ms, spread, bursts, bytes)| {
@@ -27,8 +39,8 @@ fn adapters() -> impl Strategy<Value = String> {
              burst_probability = {bursts}, burst_ms = 50, packet_bytes = {bytes} }}"
             )
         });
-    let cdc = Just(", adapter = { kind = \"cdc\" }".to_owned());
-    prop_oneof![3 => Just(String::new()), 1 => cdc, 2 => ftdi, 2 => radio]
+    let cdc = frames().prop_map(|frames| format!(", adapter = {{ kind = \"cdc\"{frames} }}"));
+    prop_oneof![3 => Just(String::new()), 2 => cdc, 2 => ftdi, 2 => radio]
 }
 
 fn uarts() -> impl Strategy<Value = String> {
@@ -110,20 +122,22 @@ pub(crate) fn scenarios() -> impl Strategy<Value = String> {
     let step = prop::sample::select(vec![0.5, 1.0, 2.0, 5.0, 10.0, 20.0]);
     let processor = (0_u32..60, 0_u32..60, 0_u32..500).prop_map(|(framing, receiving, obeying)| {
         format!(
-            "microcontroller = {{ framing_us_per_byte = {framing}, receiving_us_per_byte = {receiving}, \
-             obeying_us = {obeying} }}\n"
+            "framing_us_per_byte = {framing}, receiving_us_per_byte = {receiving}, obeying_us = {obeying}, "
         )
     });
-    let processor = prop_oneof![Just(String::new()), processor];
+    let bootloader_s = prop_oneof![3 => Just(0.0), 1 => 0.0..0.4];
+    let processor = (prop_oneof![Just(String::new()), processor], bootloader_s);
     let thinking = prop_oneof![3 => Just(0_u32), 1 => 0_u32..30_000];
     let sensors = prop::collection::vec(sensors(), 1..8);
     let motors =
         one_of(&["motors = { signal_bits = 8 }\n", "", "motors = { kind = \"servo\", signal_bits = 8 }\n"]);
     (step, any::<bool>(), links(), firmwares(), processor, thinking, motors, sensors).prop_map(
-        |(step, noise, link, firmware, processor, thinking, motors, sensors)| {
+        |(step, noise, link, firmware, (processor, bootloader_s), thinking, motors, sensors)| {
+            // On board nothing resets the chip.
+            let bootloader_s = if link.contains("onboard") { 0.0 } else { bootloader_s };
             let mut toml = format!(
-                "step_ms = {step}\nnoise = {noise}\n[[robots]]\nname = \"r\"\n{BODY}\n{motors}{firmware}{processor}\
-                 link = {link}\nbrain = {{ thinking_us = {thinking} }}\n"
+                "step_ms = {step}\nnoise = {noise}\n[[robots]]\nname = \"r\"\n{BODY}\n{motors}{firmware}\
+                 microcontroller = {{ {processor}bootloader_s = {bootloader_s:.6} }}\nlink = {link}\nbrain = {{ thinking_us = {thinking} }}\n"
             );
             for (i, sensor) in sensors.iter().enumerate() {
                 write!(toml, "[robots.sensors.s{i}]\n{sensor}").unwrap();

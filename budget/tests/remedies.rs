@@ -66,6 +66,13 @@ fn a_chip_that_waits_is_told_not_to() {
     let remedies = check(&polled(115_200), &[]);
     assert_eq!(remedies[0], "a latency timer of 1 ms");
     has(&remedies, "an adapter without a latency timer");
+    // Of a chip as it was measured, too: what it adds to the frames of the bus stays.
+    let real = polled(115_200).replace("kind = \"ftdi\"", "preset = \"ft232r\"");
+    let remedies = check(&real, &[]);
+    assert_eq!(remedies[0], "a latency timer of 1 ms");
+    has(&remedies, "an adapter without a latency timer");
+    let total = |toml: String| budget(&toml, &["robots.r.link.adapter.latency_ms=1"]).cycle.total;
+    assert_ne!(total(polled(115_200)), total(real));
     // At 1200 baud that is not enough.
     let remedies = check(&polled(1200), &[]);
     assert_eq!(remedies[0], "a latency timer of 1 ms and 9600 baud");
@@ -91,7 +98,7 @@ fn a_brain_on_board_gets_another_chip_or_a_laptop() {
 }
 
 /// What makes a robot slow, so that there is something to fix.
-const SQUEEZES: [&str; 7] = [
+const SQUEEZES: [&str; 9] = [
     "link={ kind = \"uart\", baud = 1200 }",
     "link={ kind = \"uart\", baud = 9600, adapter = { kind = \"ftdi\" } }",
     "link={ kind = \"uart\", baud = 4800, adapter = { kind = \"bluetooth\" } }",
@@ -99,6 +106,8 @@ const SQUEEZES: [&str; 7] = [
     "brain.deadline_ms=3",
     "firmware={ protocol = \"khepera\" }",
     "firmware={ protocol = \"bare\", mode = \"poll\", gap_ms = 15.0 }",
+    "link={ preset = \"uart-9600\", adapter = { preset = \"ft232r\" } }",
+    "microcontroller={ preset = \"bs2\", bootloader_s = 0.3007 }",
 ];
 
 /// Checks the remedies of each robot, with changes that the scenario may refuse; says what they are.

@@ -42,6 +42,8 @@ pub(crate) fn run_thinking(
     let mut readable = vec![Vec::new(); sensors];
     let mut ages = vec![Vec::new(); sensors];
     let mut last: Option<u64> = None;
+    let bootloader_ns = world.robot(0).spec().processor.bootloader_ns;
+    let mut has_started = false;
     for tick in 0..ticks {
         let turns = world.begin().to_vec();
         let Some(turn) = turns.first() else {
@@ -60,8 +62,10 @@ pub(crate) fn run_thinking(
         }
         let news = last.replace(heard + ports).is_some_and(|last| heard + ports > last);
         let first = heard + ports > 0 && tick == 0;
-        // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it.
-        let asks = tick == 0 && world.robot(0).spec().firmware.mode == Mode::Poll;
+        // Who is polled speaks when asked; who streams needs no first word, which would delay the answer to it. Before its
+        // firmware starts nobody hears.
+        let is_first = !core::mem::replace(&mut has_started, turn.at.as_ns() >= bootloader_ns) && has_started;
+        let asks = is_first && world.robot(0).spec().firmware.mode == Mode::Poll;
         let speaks = asks || news || first;
         let input =
             Input { robot: 0, at: turn.at + thinking_ns(tick), bytes: if speaks { &bytes } else { &[] } };

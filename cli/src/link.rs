@@ -1,7 +1,7 @@
 //! A link in words and numbers.
 
 use baudbot_plot::quantity::{count, duration, handy};
-use baudbot_sim::link::{Adapter, Link, Uart, Usb};
+use baudbot_sim::link::{Adapter, Frames, Link, Uart, Usb};
 
 /// As the scenario file calls it.
 pub(crate) fn kind(link: &Link) -> &'static str {
@@ -75,14 +75,16 @@ fn half_duplex(turnaround_ns: u64) -> String {
 fn adapter(adapter: &Adapter) -> Option<String> {
     match adapter {
         Adapter::None => None,
-        Adapter::Cdc { frame_ns } => {
-            Some(format!("USB adapter with frames of {}", duration(*frame_ns as f64)))
+        Adapter::Cdc(frames) => {
+            let ms = duration(frames.frame_ns as f64);
+            Some(format!("USB adapter with frames of {ms}{}", on_usb(frames)))
         }
         Adapter::Ftdi(ftdi) => Some(format!(
-            "USB adapter with packets of {} bytes and a latency timer of {}: at most {} exchanges/s of shorter messages",
+            "USB adapter with packets of {} bytes and a latency timer of {}: at most {} exchanges/s of shorter messages{}",
             ftdi.packet_bytes,
             duration(ftdi.latency_ns as f64),
-            handy(1e9 / ftdi.latency_ns as f64)
+            handy(1e9 / ftdi.latency_ns as f64),
+            on_usb(&ftdi.frames)
         )),
         Adapter::Bluetooth(radio) => Some(format!(
             "radio with packets of {} bytes that take {} ± {}, and {} more with probability {}",
@@ -93,6 +95,16 @@ fn adapter(adapter: &Adapter) -> Option<String> {
             radio.burst_probability
         )),
     }
+}
+
+/// What a chip adds to the frames of the bus.
+fn on_usb(frames: &Frames) -> String {
+    let parts = [
+        (frames.extra > 0).then(|| format!("{} more up", count(frames.extra as usize, "frame"))),
+        (frames.jitter_ns > 0).then(|| format!("a jitter of {} up", duration(frames.jitter_ns as f64))),
+        frames.down_ns.map(|ns| format!("{} down", duration(ns as f64))),
+    ];
+    parts.into_iter().flatten().map(|part| format!(", {part}")).collect()
 }
 
 fn outages(n: usize) -> Option<String> {
@@ -128,6 +140,10 @@ mod tests {
         ));
         let cdc = "{ kind = \"uart\", baud = 9600, adapter = { kind = \"cdc\" } }";
         assert!(text(cdc).ends_with("960 bytes/s, USB adapter with frames of 1 ms"));
+        let ch340 = "{ kind = \"uart\", baud = 9600, adapter = { preset = \"ch340\" } }";
+        assert!(text(ch340).ends_with(
+            "960 bytes/s, USB adapter with frames of 1 ms, 1 frame more up, a jitter of 90 µs up, 43 µs down"
+        ));
     }
 
     #[test]

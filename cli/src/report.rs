@@ -229,7 +229,7 @@ fn losses(robot: &Robot) -> Option<String> {
         let reasons = [
             (line.overrun_bytes, "found their receiver full"),
             (line.refused_bytes, "were refused by a full driver"),
-            (line.lost_bytes, "came while the cable was out"),
+            (line.lost_bytes, "came while the cable was out or the microcontroller was starting"),
             (line.corrupted_bytes, "came with a wrong bit"),
         ];
         let reasons: Vec<_> =

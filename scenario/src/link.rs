@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::raw;
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::link::{
-    Adapter, Bluetooth, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
+    Adapter, Bluetooth, Frames, Ftdi, LEAST_BAUD, Link, MOST_BAUD, Outage, PACKETS_PER_FRAME, Uart, Usb,
 };
 use baudbot_sim::time::{SECOND_NS, SimTime};
 
@@ -17,6 +17,10 @@ const MAX_OUTAGES: usize = 1000;
 
 /// Shortest and longest USB frame, in milliseconds; 0.125 ms is a high-speed microframe.
 const FRAME_MS: (f64, f64) = (0.125, 100.0);
+
+/// Most frames that a chip may add, and the longest of an adapter's short delays, in microseconds.
+const MOST_EXTRA_FRAMES: u64 = 100;
+const MOST_US: f64 = 1e5;
 
 pub(super) fn link(path: &Path, raw: &raw::Link) -> Result<Link> {
     match raw.kind {
@@ -146,21 +150,41 @@ fn adapter(path: &Path, raw: &raw::Adapter) -> Result<Adapter> {
             path.refuse("latency_ms", raw.latency_ms.is_some(), problem)?;
             path.refuse("packet_bytes", raw.packet_bytes.is_some(), problem)?;
             refuse_all(path, &radio_fields, "only a radio has that; did you mean kind = \"bluetooth\"?")?;
-            Ok(Adapter::Cdc { frame_ns: frame_ns(path, raw.frame_ms)? })
+            frames(path, raw).map(Adapter::Cdc)
         }
         raw::AdapterKind::Ftdi => {
             refuse_all(path, &radio_fields, "only a radio has that; did you mean kind = \"bluetooth\"?")?;
             Ok(Adapter::Ftdi(Ftdi {
                 latency_ns: path.ms("latency_ms", raw.latency_ms.unwrap_or(16.0), 1.0, 255.0)?,
                 packet_bytes: packet_bytes(path, raw.packet_bytes, 62, 510)?,
-                frame_ns: frame_ns(path, raw.frame_ms)?,
+                frames: frames(path, raw)?,
             }))
         }
         raw::AdapterKind::Bluetooth => {
-            path.refuse("frame_ms", raw.frame_ms.is_some(), "a radio has no USB frames")?;
+            let problem = "a radio has no USB frames; its delays are latency_ms and spread_ms";
+            refuse_all(path, &frames_fields(raw), problem)?;
             bluetooth(path, raw).map(Adapter::Bluetooth)
         }
     }
+}
+
+fn frames_fields(raw: &raw::Adapter) -> Fields<4> {
+    [
+        ("frame_ms", raw.frame_ms.is_some()),
+        ("extra_frames", raw.extra_frames.is_some()),
+        ("jitter_us", raw.jitter_us.is_some()),
+        ("down_us", raw.down_us.is_some()),
+    ]
+}
+
+fn frames(path: &Path, raw: &raw::Adapter) -> Result<Frames> {
+    let us = |field, us| path.us(field, us, MOST_US);
+    Ok(Frames {
+        frame_ns: frame_ns(path, raw.frame_ms)?,
+        extra: path.whole_within("extra_frames", raw.extra_frames.unwrap_or(0), 0, MOST_EXTRA_FRAMES)? as u32,
+        jitter_ns: us("jitter_us", raw.jitter_us.unwrap_or(0.0))?,
+        down_ns: raw.down_us.map(|down_us| us("down_us", down_us)).transpose()?,
+    })
 }
 
 fn bluetooth(path: &Path, raw: &raw::Adapter) -> Result<Bluetooth> {
@@ -194,7 +218,7 @@ fn keeps_up(path: &Path, uart: &Uart) -> Result<()> {
     }
     let packet_bytes = match uart.adapter {
         Adapter::Ftdi(Ftdi { packet_bytes, .. }) => packet_bytes,
-        Adapter::None | Adapter::Cdc { .. } | Adapter::Bluetooth(_) => 64,
+        Adapter::None | Adapter::Cdc(_) | Adapter::Bluetooth(_) => 64,
     };
     let problem = format!(
         "{PACKETS_PER_FRAME} packets of {packet_bytes} bytes a frame keep up with {most} baud, not with {baud}"

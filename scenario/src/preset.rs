@@ -96,7 +96,7 @@ impl Expander {
         Ok(chain)
     }
 
-    /// A part of a robot; a sensor may have a link of its own.
+    /// A part of a robot; a sensor may have a link of its own, and a link an adapter.
     fn part(&mut self, path: &Path, part: Option<&mut Value>, kind: PresetKind) -> Result<()> {
         let Some(Value::Table(part)) = part else { return Ok(()) };
         if let Some(preset) = self.take(path, part, kind)? {
@@ -106,6 +106,9 @@ impl Expander {
             && let Some(Value::Table(port)) = part.get_mut("port")
         {
             self.part(&path.field("port").field("link"), port.get_mut("link"), PresetKind::Link)?;
+        }
+        if kind == PresetKind::Link {
+            self.part(&path.field("adapter"), part.get_mut("adapter"), PresetKind::Adapter)?;
         }
         Ok(())
     }

@@ -148,6 +148,7 @@ pub(super) struct Microcontroller {
     pub(super) obeying_us: f64,
     pub(super) operations_per_s: Option<f64>,
     pub(super) ram_bytes: Option<u64>,
+    pub(super) bootloader_s: f64,
 }
 
 #[derive(Debug, Default, serde::Deserialize)]
@@ -212,6 +213,9 @@ pub(super) struct Adapter {
     pub(super) latency_ms: Option<f64>,
     pub(super) packet_bytes: Option<u64>,
     pub(super) frame_ms: Option<f64>,
+    pub(super) extra_frames: Option<u64>,
+    pub(super) jitter_us: Option<f64>,
+    pub(super) down_us: Option<f64>,
     pub(super) spread_ms: Option<f64>,
     pub(super) burst_probability: Option<f64>,
     pub(super) burst_ms: Option<f64>,

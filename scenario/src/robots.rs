@@ -17,7 +17,7 @@ use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
 use baudbot_sim::drive::{Drive, Wheel, forward_gain, turn_gain};
-use baudbot_sim::firmware::Firmware;
+use baudbot_sim::firmware::{Firmware, Mode};
 use baudbot_sim::link::Link;
 use baudbot_sim::model::{RobotModel, RobotSpec};
 use baudbot_sim::processor::Processor;
@@ -29,6 +29,9 @@ pub(super) const MAX_ROBOTS: usize = 10_000;
 
 /// Most rays that one sensor casts in a tick.
 const MAX_RAYS_A_TICK: u64 = 100_000;
+
+/// Longest wait of a bootloader, in seconds.
+const MOST_BOOTLOADER_S: f64 = 60.0;
 
 type Result<T> = core::result::Result<T, FieldError>;
 
@@ -114,11 +117,12 @@ fn model(
     let (outline, radius_m) = outline(&body, &raw.body)?;
     let look = shapes::look(&body, raw.body.height_m, raw.body.color)?;
     let drive = drive(&body, &raw.body, radius_m, motors)?;
-    let Equipment { actuators, battery, charge, sensors } = equipment(path, &mut raw, radius_m, context)?;
+    let Equipment { actuators, battery, charge, mut sensors } = equipment(path, &mut raw, radius_m, context)?;
     motors::can_be_regulated(&path.field("motors"), &drive.motor, &sensors)?;
     motors::can_be_counted(&path.field("sensors"), &drive.motor, &sensors)?;
-    let Mind { processor, link, thinking_ns, firmware } =
-        mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
+    let mut mind = mind(path, &raw, &sensors, alloc::vec![motor; 2 + actuators.len()], context.step)?;
+    start_later(path, &mut mind, &mut sensors)?;
+    let Mind { processor, link, thinking_ns, firmware } = mind;
     let model = RobotModel {
         drive,
         outline,
@@ -288,7 +292,31 @@ fn processor(path: &Path, raw: &raw::Microcontroller) -> Result<Processor> {
             .map(|n| path.within("operations_per_s", n, 1.0, 1e12))
             .transpose()?,
         ram_bytes: raw.ram_bytes,
+        bootloader_ns: {
+            let s = path.within("bootloader_s", raw.bootloader_s, 0.0, MOST_BOOTLOADER_S)?;
+            (s * SECOND_NS as f64 + 0.5) as u64
+        },
     })
+}
+
+/// Nothing is due before the bootloader starts the firmware, and then all is due as much later.
+fn start_later(path: &Path, mind: &mut Mind, sensors: &mut [Sensor]) -> Result<()> {
+    let ns = mind.processor.bootloader_ns;
+    if ns == 0 {
+        return Ok(());
+    }
+    if matches!(mind.link, Link::Onboard) {
+        let problem = "is the wait of a chip that is reset when its serial port is opened, and on board nothing opens \
+                       one; leave it out, or use the preset `atmega328p` in place of `arduino-uno`";
+        return Err(path.field("microcontroller").field("bootloader_s").error(problem));
+    }
+    for sensor in sensors.iter_mut().filter(|sensor| sensor.is_on_wire()) {
+        sensor.schedule = sensor.schedule.later_by(ns);
+    }
+    if let Mode::Stream(schedule) = &mut mind.firmware.mode {
+        *schedule = schedule.later_by(ns);
+    }
+    Ok(())
 }
 
 /// How long a brain thinks that does not say, in nanoseconds: a time, or operations of the processor that it runs

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use crate::common::{ARSIM, refusal, run, tick, world};
 use baudbot_scenario::Override;
 use baudbot_scenario::presets::{Preset, PresetKind, preset, presets};
+use baudbot_sim::link::{Adapter, Ftdi, Link};
 use baudbot_sim::model::RobotSpec;
 use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::port::Format;
@@ -66,11 +67,18 @@ fn every_robot_stands_alone_in_an_empty_world_in_steps_of_10_ms() {
 #[test]
 fn every_part_fits_a_robot() {
     for preset in presets().filter(|preset| preset.kind != PresetKind::Robot) {
-        let is_sensor = preset.kind == PresetKind::Sensor;
-        let part = if is_sensor { "sensors.s" } else { preset.kind.word() };
+        let (part, more) = match preset.kind {
+            PresetKind::Sensor => ("sensors.s", ""),
+            PresetKind::Adapter => ("link.adapter", "link.preset = \"uart-115200\"\n"),
+            PresetKind::Robot
+            | PresetKind::Motors
+            | PresetKind::Microcontroller
+            | PresetKind::Link
+            | PresetKind::Battery => (preset.kind.word(), ""),
+        };
         // The Pololu's gears make ARSim's body stiff.
         let toml =
-            format!("substeps = 100\n{}", robot(&format!("{BODY}{part}.preset = \"{}\"", preset.name)));
+            format!("substeps = 100\n{}", robot(&format!("{BODY}{more}{part}.preset = \"{}\"", preset.name)));
         parse(&toml, &[]);
     }
 }
@@ -276,9 +284,7 @@ fn what_the_file_says_wins_field_by_field() {
         "body = { mass_kg = 0.07 }\nlink = { baud = 38400 }\nsensors.ir_0 = { noise = { uniform = 0.0 } }",
     );
     assert_eq!((spec.drive.mass_kg, spec.drive.radius_m), (0.07, 0.0275));
-    assert!(
-        matches!(&spec.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2)
-    );
+    assert!(matches!(&spec.link, Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 2));
     let noise = &sensor(&spec, "ir_0").noise;
     assert_eq!((noise.uniform, noise.gain_spread), (0.0, 0.1));
     assert_eq!(sensor(&spec, "ir_1").noise.uniform, 0.01);
@@ -287,12 +293,10 @@ fn what_the_file_says_wins_field_by_field() {
 #[test]
 fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_robots() {
     let other = spec("khepera-1", "link = { kind = \"ideal\" }\nmotors = { kind = \"stepper\" }");
-    assert_eq!(other.link, baudbot_sim::link::Link::Ideal);
+    assert_eq!(other.link, Link::Ideal);
     assert!(matches!(other.drive.motor, Motors::Stepper(_)));
     let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
-    assert!(
-        matches!(&own.link, baudbot_sim::link::Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64)
-    );
+    assert!(matches!(&own.link, Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64));
     assert_eq!(own.processor.ram_bytes, Some(26));
     let polled = spec("create-2", "firmware = { mode = \"poll\" }");
     assert_eq!(polled.firmware.mode, baudbot_sim::firmware::Mode::Poll);
@@ -310,6 +314,64 @@ fn another_way_to_say_it_drops_the_presets() {
     assert_eq!(spec("thymio-2", "body.radius_m = 0.07").outline.len(), 0);
     let mounted = with_sensor("gp2d12", ", mount = { x_m = 0.1 }");
     assert!(matches!(mounted.device, Device::VoltageRanger(ranger) if ranger.mount.pose.position.x == 0.1));
+}
+
+/// The adapter of a link.
+fn adapter(link: &Link) -> Adapter {
+    let Link::Uart(uart) = link else { panic!("no uart: {link:?}") };
+    uart.adapter
+}
+
+#[test]
+fn adapters_have_presets_in_every_link_and_give_way_as_other_parts_do() {
+    let down_ns = |link: &Link| match adapter(link) {
+        Adapter::Cdc(frames) | Adapter::Ftdi(Ftdi { frames, .. }) => frames.down_ns,
+        Adapter::None | Adapter::Bluetooth(_) => None,
+    };
+    let link = |fields: &str, sets: &[&str]| preset_robot("khepera-1", fields, sets).robots[0].link.clone();
+    // In a link of the robot's preset, and in one of the link's own.
+    let own = link("link = { adapter = { preset = \"ch340\" } }", &[]);
+    assert_eq!(down_ns(&own), Some(43_000));
+    let other =
+        link("link = { preset = \"uart-115200\", adapter = { preset = \"ft232r\", latency_ms = 2 } }", &[]);
+    assert!(matches!(adapter(&other), Adapter::Ftdi(ftdi) if ftdi.latency_ns == 2_000_000));
+    assert_eq!(down_ns(&other), Some(80_000));
+    // By overrides, and in place of a radio.
+    let set = link("", &["link.adapter={ preset = \"atmega16u2\", jitter_us = 0 }"]);
+    assert!(matches!(adapter(&set), Adapter::Cdc(frames) if frames.extra == 2 && frames.jitter_ns == 0));
+    let cabled = spec("e-puck", "link = { adapter = { preset = \"ft232r-1ms\" } }").link.clone();
+    assert!(matches!(adapter(&cabled), Adapter::Ftdi(ftdi) if ftdi.latency_ns == 1_000_000));
+    // Of a sensor's own cable.
+    let laser = with_sensor(
+        "urg-04lx",
+        ", port = { link = { preset = \"uart-115200\", adapter = { preset = \"ch340\" } } }",
+    );
+    assert_eq!(down_ns(&laser.port.unwrap().link), Some(43_000));
+    let message = refusal(&robot(&format!(
+        "{BODY}link = {{ kind = \"uart\", baud = 9600, adapter.preset = \"usb\" }}"
+    )));
+    assert_eq!(message, "robots[0].link.adapter.preset: `usb` is a link, but an adapter is needed");
+}
+
+#[test]
+fn radios_hold_what_was_measured() {
+    let range_ms = |name: &str| {
+        let toml = robot(&format!("{BODY}link.preset = \"{name}\""));
+        let Adapter::Bluetooth(radio) = adapter(&parse(&toml, &[]).robots[0].link) else {
+            panic!("no radio")
+        };
+        [radio.latency_ns - radio.spread_ns, radio.latency_ns + radio.spread_ns].map(|ns| ns as f64 * 1e-6)
+    };
+    // 100 commands by BLE: 108 ± 26 ms, four fifths of them from 77 to 140 ms (garretthagen21/OmniBot).
+    let [least, most] = range_ms("ble");
+    assert!(
+        ((least + most) / 2.0 - 108.0).abs() < 1.0 && ((most - least) / 12_f64.sqrt() - 26.0).abs() < 0.1
+    );
+    let [p10, p90] = [0.1, 0.9].map(|share| least + share * (most - least));
+    assert!((p10 - 77.0).abs() < 6.0 && (p90 - 140.0).abs() < 6.0, "{p10} {p90}");
+    // A query, one packet there and two back: 30 to 80 ms. A message of several bytes, two packets: 120 ms.
+    let [least, most] = range_ms("bluetooth");
+    assert!(3.0 * least <= 30.0 && 3.0 * most >= 80.0 && 2.0 * most >= 120.0, "{least} {most}");
 }
 
 #[test]
@@ -335,7 +397,7 @@ fn overrides_choose_presets_and_change_what_the_file_does_not_mention() {
     let changed = preset_robot("khepera-1", "", &sets);
     let changed = &changed.robots[0];
     assert!(matches!(&sensor(changed, "ir_3").device, Device::Infrared(ir) if ir.range_m == 0.04));
-    assert_eq!((&changed.link, changed.sensors.len()), (&baudbot_sim::link::Link::Ideal, 8));
+    assert_eq!((&changed.link, changed.sensors.len()), (&Link::Ideal, 8));
 }
 
 #[test]

@@ -15,6 +15,10 @@ pub struct Processor {
     pub operations_per_s: Option<f64>,
     /// Memory for a brain's variables, in bytes, if that matters.
     pub ram_bytes: Option<u64>,
+    /// How long its bootloader waits at the start of a run before it starts the firmware, in nanoseconds: opening a serial
+    /// port pulls DTR, and on many boards that resets the chip. Until then nothing is read, sent, taken or obeyed, and bytes
+    /// that come are lost. Schedules begin with the firmware: their phases have this time in them.
+    pub bootloader_ns: u64,
 }
 
 impl Processor {

@@ -31,6 +31,16 @@ impl Schedule {
         self.phase_ns
     }
 
+    /// The same with its first due instant so many nanoseconds later.
+    pub fn later_by(&self, ns: u64) -> Self {
+        Self { phase_ns: self.phase_ns.saturating_add(ns), ..*self }
+    }
+
+    /// The same with its first due instant so many nanoseconds earlier, at the start of the run at the earliest.
+    pub fn earlier_by(&self, ns: u64) -> Self {
+        Self { phase_ns: self.phase_ns.saturating_sub(ns), ..*self }
+    }
+
     /// The schedule at the start of a run.
     pub fn start(&self) -> Due {
         Due { next: SimTime::from_ns(self.phase_ns), missed: 0 }

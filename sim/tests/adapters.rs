@@ -26,9 +26,14 @@ const FTDI: &str = "adapter = { kind = \"ftdi\" }";
 /// The instants, in milliseconds, at which the readings of a polled firmware are at a brain that answers each at
 /// once, in so many seconds.
 fn exchanges(world: &mut World, seconds: u32) -> Vec<f64> {
+    exchanges_in(world, seconds * 2000)
+}
+
+/// The same in so many ticks.
+fn exchanges_in(world: &mut World, ticks: u32) -> Vec<f64> {
     let bytes = command(world.robot(0).spec(), 0.0, 0.0);
     let mut arrivals = Vec::new();
-    for tick in 0..seconds * 2000 {
+    for tick in 0..ticks {
         let turn = world.begin()[0];
         let arrived = world.robot(0).uplink().messages > arrivals.len() as u64;
         if arrived {
@@ -87,6 +92,72 @@ fn exchanges_a_second_by_adapter_and_baud_rate() {
         table.push('\n');
     }
     insta::assert_snapshot!(table);
+}
+
+/// Mean and standard deviation of the exchanges of a brain that answers each reading of a byte at once with a command of
+/// two, over this adapter, with the program of an Arduino at the other end.
+fn echoes(adapter: &str) -> (f64, f64) {
+    let mut world = world(&format!(
+        "step_ms = 0.1\n[[robots]]\nname = \"r\"\n{BODY}\nmotors = {{ signal_bits = 8 }}\n\
+         microcontroller = {{ preset = \"atmega328p\" }}\nfirmware = {{ {POLL} }}\n\
+         link = {{ preset = \"uart-115200\"{adapter} }}\n[robots.sensors.c]\nkind = \"compass\"\nbits = 8\n\
+         period_ms = 100\n"
+    ));
+    let arrivals = exchanges_in(&mut world, 40_000);
+    let took: Vec<f64> = arrivals.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mean = took.iter().sum::<f64>() / took.len() as f64;
+    let variance = took.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / took.len() as f64;
+    (mean, variance.sqrt())
+}
+
+#[test]
+fn a_brain_that_answers_at_once_has_the_exchanges_that_were_measured_over_real_adapters() {
+    // seeraven/arduinoLatency, results/odroidxu4: 12,000 echoes of a byte at 115,200 baud. Commands have two bytes here,
+    // which changes nothing where exchanges take whole frames.
+    for (name, measured, deviation) in
+        [("ft232r-1ms", 0.924, 0.040), ("ch340", 2.178, 0.036), ("atmega16u2", 3.177, 0.037)]
+    {
+        let (mean, sd) = echoes(&format!(", adapter = {{ preset = \"{name}\" }}"));
+        assert!((mean / measured - 1.0).abs() < 0.1, "{name}: mean {mean}, measured {measured}");
+        assert!((0.5..2.0).contains(&(sd / deviation)), "{name}: deviation {sd}, measured {deviation}");
+    }
+    let (mean, _) = echoes(", adapter = { preset = \"ft232r\" }");
+    assert!((1e3 / mean - 62.5).abs() < 0.1, "{mean}");
+}
+
+#[test]
+fn a_boards_own_uart_and_an_arduinos_program_take_24_us_besides_the_wire() {
+    // An echo of a byte took 0.198 ± 0.006 ms between a Raspberry Pi's own UART and a Nano (seeraven/arduinoLatency,
+    // kmod_ttyS0): two characters, 0.1736 ms, and 24 µs for both programs. Here there are three characters.
+    let (mean, sd) = echoes("");
+    let character = 10.0 / 115.2;
+    let rest = mean - 3.0 * character;
+    assert!((rest - 0.024).abs() < 1e-3, "{rest}");
+    assert!((rest + 2.0 * character - 0.198).abs() < 0.006 && sd < 1e-5, "{rest} {sd}");
+}
+
+#[test]
+fn frames_jitter_and_a_fixed_way_down_leave_a_snapshot_its_future_and_byte_errors_alone() {
+    let wrong = |more: &str| {
+        let link = uart(115_200, &format!("byte_error_rate = 0.02, adapter = {{ kind = \"cdc\"{more} }}"));
+        let mut world = robot(&link, "period_ms = 10");
+        run(&mut world, 777, 0.3, 0.1);
+        let mut other = world.clone();
+        run(&mut world, 2000, 0.1, 0.3);
+        run(&mut other, 2000, 0.1, 0.3);
+        assert_eq!(world.hash(), other.hash(), "{more}");
+        (world.robot(0).uplink().corrupted_bytes, world.hash())
+    };
+    let plain = wrong("");
+    for more in
+        [", extra_frames = 2", ", jitter_us = 90", ", down_us = 45", ", jitter_us = 2500, extra_frames = 1"]
+    {
+        let other = wrong(more);
+        assert!(plain.0 > 10 && plain.0 == other.0, "{more}: {plain:?} {other:?}");
+        assert_ne!(plain.1, other.1, "{more}");
+    }
+    // What adds nothing draws nothing.
+    assert_eq!(plain, wrong(", extra_frames = 0, jitter_us = 0"));
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn every_cable_is_in_one_of_them() {
                 Link::Uart(uart) => {
                     cables.insert(match uart.adapter {
                         Adapter::None => "no adapter",
-                        Adapter::Cdc { .. } => "cdc",
+                        Adapter::Cdc(_) => "cdc",
                         Adapter::Ftdi(_) => "ftdi",
                         Adapter::Bluetooth(_) => "bluetooth",
                     });

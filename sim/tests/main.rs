@@ -3,6 +3,7 @@
 mod adapters;
 mod airtight;
 mod answers;
+mod bootloader;
 mod common;
 mod coverage;
 mod cycles;

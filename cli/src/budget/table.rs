@@ -10,6 +10,10 @@ use crate::text::{percent, table};
 /// The complete report on a robot; `thinking` is a line about its brain.
 pub(super) fn robot(robot: &RobotBudget, thinking: &str) -> String {
     let mut text = format!("robot {}: {}\n{thinking}", robot.robot, verdict(robot));
+    if robot.starts_after_ns > 0 {
+        let starts = duration(robot.starts_after_ns as f64);
+        let _ = writeln!(text, "  nothing happens before {starts}, when the bootloader starts the firmware");
+    }
     text += &cycle(robot);
     text += &rates(robot);
     text += &ages(robot);

@@ -34,13 +34,21 @@ pub enum PresetKind {
     Motors,
     Microcontroller,
     Link,
+    Adapter,
     Battery,
 }
 
 impl PresetKind {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Robot, Self::Sensor, Self::Motors, Self::Microcontroller, Self::Link, Self::Battery];
+    pub const ALL: [Self; 7] = [
+        Self::Robot,
+        Self::Sensor,
+        Self::Motors,
+        Self::Microcontroller,
+        Self::Link,
+        Self::Adapter,
+        Self::Battery,
+    ];
 
     /// The word in the file, which is the name of its table, too.
     pub const fn word(self) -> &'static str {
@@ -50,6 +58,7 @@ impl PresetKind {
             Self::Motors => "motors",
             Self::Microcontroller => "microcontroller",
             Self::Link => "link",
+            Self::Adapter => "adapter",
             Self::Battery => "battery",
         }
     }
@@ -62,6 +71,7 @@ impl PresetKind {
             Self::Motors => "a pair of motors",
             Self::Microcontroller => "a microcontroller",
             Self::Link => "a link",
+            Self::Adapter => "an adapter",
             Self::Battery => "a battery",
         }
     }
@@ -92,6 +102,7 @@ impl Preset {
             b"motors" => PresetKind::Motors,
             b"microcontroller" => PresetKind::Microcontroller,
             b"link" => PresetKind::Link,
+            b"adapter" => PresetKind::Adapter,
             b"battery" => PresetKind::Battery,
             _ => panic!("a preset's kind is none that there is"),
         };
@@ -132,7 +143,8 @@ static PRESETS: &[Preset] = presets! {
     "mpu-6050-gyro" "mpu-6050-accelerometer" "hmc6352" "hmc5883l" "gps-garmin-15" "adns-3080"
     "whisker" "photoresistor"
     "parallax-servo" "pololu-37d-30-1" "e-puck-stepper"
-    "bs2" "basicx" "zbasic" "atmega328p" "m68331" "dspic30f6014a"
-    "uart-9600" "uart-38400" "uart-115200" "usb" "bluetooth" "onboard"
+    "bs2" "basicx" "zbasic" "atmega328p" "arduino-uno" "m68331" "dspic30f6014a"
+    "uart-9600" "uart-38400" "uart-115200" "usb" "bluetooth" "ble" "onboard"
+    "ft232r" "ft232r-1ms" "ch340" "atmega16u2"
     "4xaa-nimh"
 };

@@ -9,6 +9,8 @@ pub(crate) fn robot_budget(robot: RobotBudget) -> v1::RobotBudget {
         robot,
         step_ns,
         deadline_ns,
+        // Of the scenario, and not in the contract.
+        starts_after_ns: _,
         cycle,
         rates,
         ages,

@@ -50,9 +50,11 @@ const LINES: [Of<LineMeasures>; 9] = [
         l.counters.bytes as f64
     }),
     ("baudbot_link_messages_total", "Complete messages that arrived.", |l| l.counters.messages as f64),
-    ("baudbot_link_lost_bytes_total", "Bytes lost because the cable was out.", |l| {
-        l.counters.lost_bytes as f64
-    }),
+    (
+        "baudbot_link_lost_bytes_total",
+        "Bytes lost because the cable was out, or the bootloader still waited.",
+        |l| l.counters.lost_bytes as f64,
+    ),
     ("baudbot_link_overrun_bytes_total", "Bytes lost because the receiver had no room.", |l| {
         l.counters.overrun_bytes as f64
     }),

@@ -1,8 +1,7 @@
 //! What stands between a UART and the laptop's USB port.
 //!
 //! **Frames** (`Cdc`, and part of `Ftdi`). The laptop's host moves bytes at the boundaries of USB's frames, the
-//! multiples of 1 ms. A byte that comes to the chip at T is at the laptop at the next boundary, or at T if that
-//! is one; so is, downwards, a byte at the chip that the brain writes at T.
+//! multiples of 1 ms: see `frames`.
 //!
 //! **Packets and the latency timer** (`Ftdi`, upwards). The chip collects what arrives. It sends a packet
 //!
@@ -19,7 +18,7 @@
 //! 19 packets a frame. Event characters and modem lines, which also make a chip send, are not modelled. The
 //! first period of the timer begins with the run. All robots' frames are in step.
 
-use super::Bluetooth;
+use super::{Bluetooth, Frames};
 use crate::time::SimTime;
 
 /// What a UART's bytes pass at the laptop's end.
@@ -28,10 +27,7 @@ pub enum Adapter {
     /// Nothing: a serial port of its own.
     None,
     /// A USB serial port without a latency timer, as CP210x, CH340 or a CDC-ACM device.
-    Cdc {
-        /// Length of a USB frame, in nanoseconds.
-        frame_ns: u64,
-    },
+    Cdc(Frames),
     /// A USB serial port with packets and a latency timer.
     Ftdi(Ftdi),
     /// A radio in the cable's place.
@@ -45,8 +41,8 @@ pub struct Ftdi {
     pub latency_ns: u64,
     /// Bytes that make it send a packet at once.
     pub packet_bytes: u32,
-    /// Length of a USB frame, in nanoseconds.
-    pub frame_ns: u64,
+    /// How its packets keep time with the bus.
+    pub frames: Frames,
 }
 
 /// A packet on its way to the laptop.
@@ -62,42 +58,47 @@ impl Adapter {
     /// Most bytes of a packet to the laptop.
     pub(super) fn packet_bytes(&self) -> u32 {
         match self {
-            Self::None | Self::Cdc { .. } => 1,
+            // What goes with the same frame has the same jitter.
+            Self::Cdc(frames) if frames.jitter_ns > 0 => u32::MAX,
+            Self::None | Self::Cdc(_) => 1,
             Self::Ftdi(ftdi) => ftdi.packet_bytes,
             Self::Bluetooth(bluetooth) => bluetooth.packet_bytes,
         }
     }
 
-    /// Length of the USB frames, in nanoseconds; 0 if there are none.
-    pub(super) fn frame_ns(&self) -> u64 {
+    /// When that is at the chip which a brain writes at an instant, but by radio.
+    pub(super) fn at_chip(&self, written: SimTime) -> SimTime {
         match self {
-            Self::None | Self::Bluetooth(_) => 0,
-            Self::Cdc { frame_ns } | Self::Ftdi(Ftdi { frame_ns, .. }) => *frame_ns,
+            Self::None | Self::Bluetooth(_) => written,
+            Self::Cdc(frames) | Self::Ftdi(Ftdi { frames, .. }) => frames.at_chip(written),
         }
     }
 
-    /// The longest time, in nanoseconds, that a byte waits which has come to the chip just behind a packet.
+    /// The longest time, in nanoseconds, that a byte waits which has come to the chip just behind a packet, either way.
     pub(crate) fn hold_ns(&self) -> u64 {
         match self {
             Self::None => 0,
-            Self::Cdc { frame_ns } => *frame_ns,
-            Self::Ftdi(ftdi) => ftdi.latency_ns + ftdi.frame_ns,
+            Self::Cdc(frames) => frames.most_up_ns().max(frames.most_down_ns()),
+            Self::Ftdi(ftdi) => (ftdi.latency_ns + ftdi.frames.most_up_ns()).max(ftdi.frames.most_down_ns()),
             Self::Bluetooth(radio) => radio.latency_ns + radio.spread_ns + radio.burst_ns,
         }
     }
 
     /// The next packet to the laptop, if bytes come to the chip at these instants. `since` is when the last
-    /// one was sent, and `radio_ns` the next latency of a radio.
+    /// one was sent, and `drawn_ns` what chance adds to this one.
     pub(super) fn packet(
         &self,
         since: SimTime,
-        radio_ns: u64,
+        drawn_ns: u64,
         mut chip: impl Iterator<Item = SimTime>,
     ) -> Option<Packet> {
         let first = chip.next()?;
         let (closed, at) = match self {
             Self::None => (first, first),
-            Self::Cdc { frame_ns } => (first, first.up_to(*frame_ns)),
+            Self::Cdc(frames) => {
+                let closed = if frames.jitter_ns > 0 { first.up_to(frames.frame_ns) } else { first };
+                (closed, frames.at_laptop(closed, drawn_ns))
+            }
             Self::Ftdi(ftdi) => {
                 let expiry = ftdi.expiry(since, first);
                 let full = match ftdi.packet_bytes {
@@ -105,11 +106,11 @@ impl Adapter {
                     n => chip.nth(n as usize - 2),
                 };
                 let closed = full.map_or(expiry, |full| full.min(expiry));
-                (closed, closed.up_to(ftdi.frame_ns))
+                (closed, ftdi.frames.at_laptop(closed, drawn_ns))
             }
             Self::Bluetooth(_) => {
                 let start = first.max(since);
-                (start, start + radio_ns)
+                (start, start + drawn_ns)
             }
         };
         Some(Packet { closed, at })
@@ -135,7 +136,7 @@ mod tests {
     const MS: u64 = 1_000_000;
 
     fn ftdi(latency_ms: u64, packet_bytes: u32) -> Adapter {
-        Adapter::Ftdi(Ftdi { latency_ns: latency_ms * MS, packet_bytes, frame_ns: MS })
+        Adapter::Ftdi(Ftdi { latency_ns: latency_ms * MS, packet_bytes, frames: Frames::of(MS) })
     }
 
     #[test]
@@ -172,7 +173,7 @@ mod tests {
 
     #[test]
     fn without_a_timer_a_byte_waits_for_the_next_frame_only() {
-        let link = with_adapter(uart(100_000, 10), Adapter::Cdc { frame_ns: MS });
+        let link = with_adapter(uart(100_000, 10), Adapter::Cdc(Frames::of(MS)));
         let mut line = line(&link);
         line.send(&link, SimTime::from_ns(1_800_000), &[1, 2, 3]);
         let expected = [(2 * MS, vec![1, 2]), (3 * MS, vec![3])];
@@ -181,7 +182,7 @@ mod tests {
 
     #[test]
     fn what_a_brain_writes_is_at_the_chip_with_the_next_frame() {
-        for adapter in [Adapter::Cdc { frame_ns: MS }, ftdi(16, 62)] {
+        for adapter in [Adapter::Cdc(Frames::of(MS)), ftdi(16, 62)] {
             let link = with_adapter(uart(100_000, 10), adapter);
             let mut line = down(&link);
             line.send(&link, SimTime::from_ns(1_200_000), &[1, 2]);

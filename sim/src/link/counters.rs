@@ -19,7 +19,7 @@ pub struct LineCounters {
     pub bad_frames: u64,
     /// Sound frames whose content made no sense, and messages cut short by silence.
     pub bad_messages: u64,
-    /// Bytes lost because the cable was out. A byte is counted when the line is next in use.
+    /// Bytes lost because the cable was out, or the microcontroller's bootloader still waited. A byte is counted when the line is next in use.
     pub lost_bytes: u64,
 }
 

@@ -253,6 +253,20 @@ impl Line {
         }
     }
 
+    /// Nobody listens at the line's end before an instant: what arrives earlier is lost.
+    pub(crate) fn lose_before(&mut self, link: &Link, instant: SimTime) {
+        if self.transport_path.is_some() {
+            self.settle(link, instant);
+        }
+        let whole = self.command.take_if(|whole| whole.arrival < instant).map_or(0, |whole| whole.bytes);
+        let mut lost = whole;
+        while self.in_flight.pop_front_if(|(at, _)| *at < instant).is_some() {
+            lost += 1;
+        }
+        self.counters.bytes += lost;
+        self.counters.lost_bytes += lost;
+    }
+
     /// When the next byte is delivered, as far as can be told now. Only what is sent before then can change it,
     /// and never to an instant that is over.
     #[inline]

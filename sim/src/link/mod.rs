@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | ideal | nothing: no time, no loss | the same |
 //! | UART | the wire (`transmission`) | the same |
-//! | UART with an adapter | the wire, then the adapter (`adapter`, `radio`) | the adapter, then the wire |
+//! | UART with an adapter | the wire, then the adapter (`adapter`, `frames`, `radio`) | the adapter, then the wire |
 //! | half duplex | a wire that both lines share (`duplex`) | the same |
 //! | USB | frames (`transmission`) | the same |
 //! | onboard | nothing: the brain is the microcontroller's program | the same |
@@ -18,6 +18,8 @@
 mod adapter;
 mod counters;
 mod duplex;
+mod frames;
+mod latencies;
 mod line;
 mod lookahead;
 mod messages;
@@ -27,12 +29,15 @@ mod transmission;
 mod transport_path;
 
 #[cfg(test)]
+mod echoes;
+#[cfg(test)]
 mod properties;
 
 use alloc::vec::Vec;
 
 pub use adapter::{Adapter, Ftdi};
 pub use counters::LineCounters;
+pub use frames::Frames;
 pub(crate) use line::Command;
 pub use line::Line;
 pub(crate) use messages::Message;
@@ -108,8 +113,8 @@ impl Uart {
     pub fn most_baud(&self) -> u64 {
         let (packet_bytes, frame_ns) = match self.adapter {
             Adapter::None | Adapter::Bluetooth(_) => return MOST_BAUD,
-            Adapter::Cdc { frame_ns } => (64, frame_ns),
-            Adapter::Ftdi(Ftdi { packet_bytes, frame_ns, .. }) => (packet_bytes, frame_ns),
+            Adapter::Cdc(frames) => (64, frames.frame_ns),
+            Adapter::Ftdi(Ftdi { packet_bytes, frames, .. }) => (packet_bytes, frames.frame_ns),
         };
         let bits = PACKETS_PER_FRAME * u64::from(packet_bytes) * u64::from(self.bits_per_character);
         let most = u128::from(bits) * u128::from(SECOND_NS) / u128::from(frame_ns);

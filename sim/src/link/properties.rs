@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::{Adapter, Bluetooth, Ftdi, Line, Link, Message, Outage, Uart, Usb};
+use super::{Adapter, Bluetooth, Frames, Ftdi, Line, Link, Message, Outage, Uart, Usb};
 use crate::time::SimTime;
 
 pub(super) fn uart(baud: u32, bits_per_character: u8) -> Link {
@@ -134,17 +134,30 @@ impl Concat for Vec<(u64, Vec<u8>)> {
     }
 }
 
+/// Those of the bus alone, or of a chip that adds to them, with a jitter of more than a frame, too.
+fn frames() -> impl Strategy<Value = Frames> {
+    let jitter_ns = prop_oneof![Just(0), 0_u64..300_000, 0_u64..3_000_000];
+    let down_ns = prop::option::of(0_u64..2_000_000);
+    let own = (0_u32..4, jitter_ns, down_ns).prop_map(|(extra, jitter_ns, down_ns)| Frames {
+        frame_ns: 1_000_000,
+        extra,
+        jitter_ns,
+        down_ns,
+    });
+    prop_oneof![Just(Frames::of(1_000_000)), own]
+}
+
 fn adapters() -> impl Strategy<Value = Adapter> {
     let ms = |range: core::ops::Range<u64>| range.prop_map(|ms| ms * 1_000_000);
-    let ftdi = (ms(1..20), 1_u32..70).prop_map(|(latency_ns, packet_bytes)| {
-        Adapter::Ftdi(Ftdi { latency_ns, packet_bytes, frame_ns: 1_000_000 })
+    let ftdi = (ms(1..20), 1_u32..70, frames()).prop_map(|(latency_ns, packet_bytes, frames)| {
+        Adapter::Ftdi(Ftdi { latency_ns, packet_bytes, frames })
     });
     let bluetooth = (ms(0..40), 0.0..1.0, 0.0..1.0, ms(0..100), 1_u32..70);
     let bluetooth = bluetooth.prop_map(|(latency_ns, spread, burst_probability, burst_ns, packet_bytes)| {
         let spread_ns = (latency_ns as f64 * spread) as u64;
         Adapter::Bluetooth(Bluetooth { latency_ns, spread_ns, burst_probability, burst_ns, packet_bytes })
     });
-    prop_oneof![Just(Adapter::None), Just(Adapter::Cdc { frame_ns: 1_000_000 }), ftdi, bluetooth]
+    prop_oneof![Just(Adapter::None), frames().prop_map(Adapter::Cdc), ftdi, bluetooth]
 }
 
 fn links() -> impl Strategy<Value = Link> {
@@ -247,7 +260,9 @@ proptest! {
         let link = with_adapter(uart(baud, 10), adapter);
         let most = match adapter {
             // These can meet at a frame's boundary, a character apart or a frame.
-            Adapter::None | Adapter::Cdc { .. } => usize::MAX,
+            Adapter::None | Adapter::Cdc(_) => usize::MAX,
+            // Jitter can bring several together.
+            Adapter::Ftdi(ftdi) if ftdi.frames.jitter_ns > 0 => usize::MAX,
             Adapter::Ftdi(ftdi) => {
                 let a_frame = u64::from(baud) / 10_000 + 1;
                 (a_frame as usize).max(1) + ftdi.packet_bytes as usize
@@ -268,7 +283,7 @@ proptest! {
         latency_ms in 1_u64..20, packet_bytes in 1_u32..70, baud in 1200_u32..600_000, sends in sends(),
     ) {
         let latency_ns = latency_ms * 1_000_000;
-        let adapter = Adapter::Ftdi(Ftdi { latency_ns, packet_bytes, frame_ns: 1_000_000 });
+        let adapter = Adapter::Ftdi(Ftdi { latency_ns, packet_bytes, frames: Frames::of(1_000_000) });
         let link = uart(baud, 10);
         let chip = run(&link, &mut line(&link), &sends, &[], 1);
         let (mut expiry, mut held, mut expected) = (latency_ns, Vec::new(), Vec::new());

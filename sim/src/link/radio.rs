@@ -16,8 +16,6 @@
 //! module holds as many bytes for the laptop as the laptop's driver (`laptop_buffer_bytes`), and more are lost:
 //! there is no flow control on the UART.
 
-use serde::{Deserialize, Serialize};
-
 use crate::random::Stream;
 
 /// A radio.
@@ -36,34 +34,10 @@ pub struct Bluetooth {
 }
 
 impl Bluetooth {
-    fn draw(&self, chance: &mut Stream) -> u64 {
+    pub(super) fn draw(&self, chance: &mut Stream) -> u64 {
         let shift = chance.uniform() * 2.0 * self.spread_ns as f64;
         let burst_ns = if chance.uniform() < self.burst_probability { self.burst_ns } else { 0 };
         self.latency_ns - self.spread_ns + shift as u64 + burst_ns
-    }
-}
-
-/// The chance of one direction of a radio.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Latencies {
-    chance: Stream,
-    /// That of the next packet, in nanoseconds: drawn ahead, so that it can be told when it will be there.
-    pub(super) next_ns: u64,
-}
-
-impl Latencies {
-    pub(super) fn new(radio: &Bluetooth, mut chance: Stream) -> Self {
-        Self { next_ns: radio.draw(&mut chance), chance }
-    }
-
-    pub(super) fn are_sound(&self, radio: &Bluetooth) -> bool {
-        let longest_ns = radio.latency_ns.saturating_add(radio.spread_ns).saturating_add(radio.burst_ns);
-        self.next_ns <= longest_ns && self.chance.is_sound()
-    }
-
-    /// The next packet's latency is used up.
-    pub(super) fn take(&mut self, radio: &Bluetooth) -> u64 {
-        core::mem::replace(&mut self.next_ns, radio.draw(&mut self.chance))
     }
 }
 
@@ -73,6 +47,7 @@ mod tests {
     use alloc::vec::Vec;
 
     use super::*;
+    use crate::link::latencies::Latencies;
     use crate::link::properties::{delivered, down, line, uart, with_adapter};
     use crate::link::{Adapter, Link};
     use crate::statistics::{SAMPLES, assert_distributed, assert_rate, uniform};
@@ -121,7 +96,7 @@ mod tests {
 
     #[test]
     fn latencies_are_spread_evenly_and_sometimes_held_up() {
-        let radio = radio(10, 0.2);
+        let radio = Adapter::Bluetooth(radio(10, 0.2));
         let mut latencies = Latencies::new(&radio, Stream::new(1, "test"));
         let drawn: Vec<_> = (0..SAMPLES).map(|_| latencies.take(&radio)).collect();
         let held_up = |ns: u64| ns >= 100 * MS;

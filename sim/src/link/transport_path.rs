@@ -8,8 +8,8 @@ use alloc::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::adapter::Adapter;
-use super::radio::{Bluetooth, Latencies};
+use super::adapter::{Adapter, Ftdi, Packet};
+use super::latencies::Latencies;
 use super::{Line, Link};
 use crate::random::Stream;
 use crate::time::SimTime;
@@ -42,12 +42,8 @@ pub(super) struct TransportPath {
 
 impl TransportPath {
     pub(super) fn new(link: &Link, seed: u64, name: &[&str], direction: Direction) -> Self {
-        let latencies = match link.adapter() {
-            Adapter::Bluetooth(radio) => {
-                Some(Latencies::new(radio, Stream::of(seed, &[&name.concat(), ":radio"])))
-            }
-            Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => None,
-        };
+        let latencies = stream(link.adapter(), direction)
+            .map(|stream| Latencies::new(link.adapter(), Stream::of(seed, &[&name.concat(), stream])));
         Self {
             direction,
             since: SimTime::ZERO,
@@ -66,10 +62,10 @@ impl TransportPath {
         (direction, now): (Direction, SimTime),
         in_flight: usize,
     ) -> bool {
-        let latencies = match (link.adapter(), &self.latencies) {
-            (Adapter::Bluetooth(radio), Some(latencies)) => latencies.are_sound(radio),
-            (Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_), None) => true,
-            (Adapter::Bluetooth(_), None) | (_, Some(_)) => false,
+        let latencies = match (stream(link.adapter(), direction), &self.latencies) {
+            (Some(_), Some(latencies)) => latencies.are_sound(link.adapter()),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
         };
         let soon = now + link.adapter().hold_ns().saturating_add(SOON_NS);
         let packet = match direction {
@@ -89,17 +85,17 @@ impl TransportPath {
     fn ready(&mut self, link: &Link, now: SimTime) -> SimTime {
         match (self.direction, link.adapter()) {
             (Direction::Up, _) => now,
-            (Direction::Down, Adapter::Bluetooth(radio)) => self.by_radio(radio, now),
-            (Direction::Down, adapter) => now.up_to(adapter.frame_ns()),
+            (Direction::Down, radio @ Adapter::Bluetooth(_)) => self.by_radio(radio, now),
+            (Direction::Down, adapter) => adapter.at_chip(now),
         }
     }
 
-    fn by_radio(&mut self, radio: &Bluetooth, now: SimTime) -> SimTime {
+    fn by_radio(&mut self, radio: &Adapter, now: SimTime) -> SimTime {
         if now > self.since || self.packet_left == 0 {
             let latency_ns = self.latencies.as_mut().map_or(0, |latencies| latencies.take(radio));
             self.since = now.max(self.packet_at);
             self.packet_at = self.since + latency_ns;
-            self.packet_left = radio.packet_bytes;
+            self.packet_left = radio.packet_bytes();
         }
         self.packet_left -= 1;
         self.packet_at
@@ -107,7 +103,28 @@ impl TransportPath {
 
     /// A module on the robot that holds so many bytes has no room for more.
     fn is_full(&self, link: &Link, held: usize) -> bool {
-        self.latencies.is_some() && self.direction == Direction::Up && held >= link.laptop_buffer()
+        self.latencies.is_some()
+            && self.direction == Direction::Up
+            && held >= link.laptop_buffer()
+            && matches!(link.adapter(), Adapter::Bluetooth(_))
+    }
+
+    /// The next packet to the laptop, if bytes come to the chip at these instants. None overtakes the last one.
+    fn packet(&self, link: &Link, chip: impl Iterator<Item = SimTime>) -> Option<Packet> {
+        let drawn_ns = self.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
+        let Packet { closed, at } = link.adapter().packet(self.since, drawn_ns, chip)?;
+        Some(Packet { closed, at: at.max(self.packet_at) })
+    }
+}
+
+/// The end of the name of the stream by which an adapter adds chance to a direction, if it does.
+fn stream(adapter: &Adapter, direction: Direction) -> Option<&'static str> {
+    match (adapter, direction) {
+        (Adapter::Bluetooth(_), _) => Some(":radio"),
+        (Adapter::Cdc(frames) | Adapter::Ftdi(Ftdi { frames, .. }), Direction::Up) => {
+            (frames.jitter_ns > 0).then_some(":jitter")
+        }
+        (Adapter::None, _) | (Adapter::Cdc(_) | Adapter::Ftdi(_), Direction::Down) => None,
     }
 }
 
@@ -159,9 +176,7 @@ impl Line {
         if transport_path.packet_left > 0 {
             return transport_path.packet_at;
         }
-        let radio_ns = transport_path.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
-        let packet = link.adapter().packet(transport_path.since, radio_ns, landings);
-        packet.map_or(SimTime::NEVER, |packet| packet.at)
+        transport_path.packet(link, landings).map_or(SimTime::NEVER, |packet| packet.at)
     }
 
     pub(super) fn take_by_detour(&mut self, link: &Link, now: SimTime) -> Option<(SimTime, u8)> {
@@ -184,25 +199,21 @@ impl Line {
         }
         let mut opened = None;
         if transport_path.packet_left == 0 {
-            let radio_ns = transport_path.latencies.as_ref().map_or(0, |latencies| latencies.next_ns);
-            let adapter = link.adapter();
-            opened = adapter.packet(transport_path.since, radio_ns, self.landings(link, transport_path)).map(
-                |packet| {
-                    let inside = self.landings(link, transport_path).take_while(|at| *at <= packet.closed);
-                    (packet, inside.take(adapter.packet_bytes() as usize).count() as u32)
-                },
-            );
+            opened = transport_path.packet(link, self.landings(link, transport_path)).map(|packet| {
+                let inside = self.landings(link, transport_path).take_while(|at| *at <= packet.closed);
+                (packet, inside.take(link.adapter().packet_bytes() as usize).count() as u32)
+            });
         }
         let Some(transport_path) = &mut self.transport_path else { return };
         if let Some((packet, bytes)) = opened {
             transport_path.since = packet.closed;
             transport_path.packet_at = packet.at;
             transport_path.packet_left = bytes;
-            if let (Adapter::Bluetooth(radio), Some(latencies)) =
-                (link.adapter(), &mut transport_path.latencies)
-            {
+            if let Some(latencies) = &mut transport_path.latencies {
+                latencies.take(link.adapter());
+            }
+            if matches!(link.adapter(), Adapter::Bluetooth(_)) {
                 transport_path.since = packet.at;
-                latencies.take(radio);
             }
         }
         transport_path.packet_left = transport_path.packet_left.saturating_sub(1);

@@ -50,6 +50,9 @@ impl Robot {
     /// The brain writes to its port at `at`. What the laptop's driver has no room for is refused.
     pub(crate) fn write(&mut self, spec: &RobotSpec, at: SimTime, bytes: &[u8]) {
         self.lay_down_command(spec);
+        if at.as_ns() < spec.processor.bootloader_ns {
+            self.downlink.lose_before(&spec.link, at);
+        }
         self.laptop.has_stepped = true;
         let room = spec.link.laptop_buffer().saturating_sub(self.downlink.waiting(&spec.link, at));
         let taken = bytes.len().min(room);
