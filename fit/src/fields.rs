@@ -110,7 +110,7 @@ fn adapter(link: &Link) -> &'static [AdapterField] {
     use AdapterField::{Burst, BurstProbability, Down, ExtraFrames, Jitter, Latency, Spread};
     match link {
         Link::Uart(uart) => match uart.adapter {
-            Adapter::Cdc { .. } => &[ExtraFrames, Jitter, Down],
+            Adapter::Cdc(_) => &[ExtraFrames, Jitter, Down],
             Adapter::Ftdi(_) => &[Latency, ExtraFrames, Jitter, Down],
             Adapter::Bluetooth(_) => &[Latency, Spread, BurstProbability, Burst],
             Adapter::None => &[],

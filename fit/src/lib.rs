@@ -121,7 +121,7 @@ fn link(case: &Case<'_>) -> Fitted {
     };
     match &uart.adapter {
         Adapter::Bluetooth(radio) => radio::fit(case, uart, radio),
-        Adapter::None | Adapter::Cdc { .. } | Adapter::Ftdi(_) => echo::fit(case, uart),
+        Adapter::None | Adapter::Cdc(_) | Adapter::Ftdi(_) => echo::fit(case, uart),
     }
 }
 

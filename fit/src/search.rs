@@ -3,8 +3,8 @@
 //! A cost is −log L, the negative logarithm of a likelihood. The interval of a number is the set of its values at which the
 //! least cost over all others exceeds the least cost of all by no more than [`REGULAR`]: half of 3.84, the 95 % quantile of
 //! χ² with one degree of freedom. The edge of a distribution, such as the width of a uniform one, is no regular number: the
-//! cost rises linearly beyond its best value, twice the rise has a χ² distribution with two degrees of freedom, and the
-//! quantile is 5.99 ([`EDGE`]).
+//! cost rises linearly beyond its best value, and twice the rise has a χ² distribution with two degrees of freedom. Where
+//! other numbers move the edges, too, there are two more for each of them ([`EDGES`]).
 //!
 //! The optimiser is Nelder and Mead's, in coordinates from 0 to 1, started again where it stopped.
 
@@ -14,8 +14,9 @@ use argmin::solver::neldermead::NelderMead;
 /// Rise of the cost at the ends of the interval of a regular number.
 pub const REGULAR: f64 = 1.920_729;
 
-/// The same for a number that is the edge of a distribution.
-pub const EDGE: f64 = 2.995_732;
+/// The same for the edge of a distribution that nothing else moves, and where one or two other numbers do: half the 95 %
+/// quantiles of χ² with 2, 4 and 6 degrees of freedom.
+pub const EDGES: [f64; 3] = [2.995_732, 4.743_865, 6.295_794];
 
 /// How a number is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,9 +51,9 @@ impl Unknown {
         Self { from, to, scale: Scale::Log, rise: REGULAR }
     }
 
-    /// The same number as the edge of a distribution.
-    pub fn edge(self) -> Self {
-        Self { rise: EDGE, ..self }
+    /// The same number with another rise.
+    pub fn rising(self, rise: f64) -> Self {
+        Self { rise, ..self }
     }
 
     /// The number at a share of the range.
@@ -117,7 +118,8 @@ impl Search<'_> {
     /// The numbers of least cost that are found from any of these.
     pub fn best(&self, starts: &[Vec<f64>]) -> Best {
         let free: Vec<usize> = (0..self.unknowns.len()).collect();
-        let found = starts.iter().map(|start| self.from(&self.shares(start), &free, &STEPS));
+        let sizes = STEPS.map(|step| vec![step; free.len()]);
+        let found = starts.iter().map(|start| self.from(&self.shares(start), &free, &sizes));
         let found = found.reduce(|a, b| if b.1 < a.1 { b } else { a });
         let (shares, cost) = found.unwrap_or((vec![0.5; self.unknowns.len()], f64::INFINITY));
         Best { values: self.values(&shares), cost }
@@ -128,7 +130,7 @@ impl Search<'_> {
         for _ in 0..RETRIES {
             match self.walk(best, of) {
                 Ok(interval) => return interval,
-                Err(better) => *best = better,
+                Err(better) => *best = self.best(&[better.values]),
             }
         }
         self.walk(best, of).unwrap_or_else(|better| {
@@ -169,7 +171,9 @@ impl Search<'_> {
             if room < 1e-12 || near.0 >= room {
                 return Ok(End { shares: inside, is_open: true });
             }
-            let (shares, cost) = self.constrained(&inside, of, start[of] + sign * distance);
+            let at = start[of] + sign * distance;
+            let from = self.better(ahead(&start, &inside, near.0, distance), inside.clone(), of, at);
+            let (shares, cost) = self.constrained(&start, &from, of, at);
             if cost < best.cost - SLACK {
                 return Err(Best { values: self.values(&shares), cost });
             }
@@ -191,24 +195,33 @@ impl Search<'_> {
         Ok(End { shares: inside, is_open: false })
     }
 
-    /// The least cost with one number held.
-    fn constrained(&self, near: &[f64], held: usize, at: f64) -> (Vec<f64>, f64) {
+    /// The better of two points with one number held.
+    fn better(&self, mut a: Vec<f64>, mut b: Vec<f64>, held: usize, at: f64) -> Vec<f64> {
+        (a[held], b[held]) = (at, at);
+        let cost = |point: &[f64]| (self.cost)(&self.values(point));
+        if cost(&b) < cost(&a) { b } else { a }
+    }
+
+    /// The least cost with one number held, from a point near it; `best` says how far the others have gone.
+    fn constrained(&self, best: &[f64], near: &[f64], held: usize, at: f64) -> (Vec<f64>, f64) {
         let mut start = near.to_vec();
         start[held] = at;
         let free: Vec<usize> = (0..self.unknowns.len()).filter(|i| *i != held).collect();
-        self.from(&start, &free, &SHORT_STEPS)
+        let steps: Vec<f64> =
+            free.iter().map(|i| (0.5 * (near[*i] - best[*i])).abs().max(SMALL_STEP)).collect();
+        self.from(&start, &free, &[steps])
     }
 
-    /// Nelder and Mead from a point, with these numbers free.
-    fn from(&self, start: &[f64], free: &[usize], steps: &[f64]) -> (Vec<f64>, f64) {
+    /// Nelder and Mead from a point, with these numbers free, once for each size of the simplex.
+    fn from(&self, start: &[f64], free: &[usize], sizes: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let mut at = start.to_vec();
         let mut cost = (self.cost)(&self.values(&at));
         if free.is_empty() {
             return (at, cost);
         }
-        for &step in steps {
+        for steps in sizes {
             let problem = Free { search: self, start: at.clone(), free };
-            if let Some((point, found)) = nelder_mead(problem, step)
+            if let Some((point, found)) = nelder_mead(problem, steps)
                 && found < cost
             {
                 for (&i, share) in free.iter().zip(point) {
@@ -227,6 +240,15 @@ impl Search<'_> {
     fn shares(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.iter().zip(values).map(|(unknown, value)| unknown.share(*value)).collect()
     }
+}
+
+/// Where the other numbers probably are at a distance from the best, by where they are at a smaller one.
+fn ahead(best: &[f64], inside: &[f64], near: f64, distance: f64) -> Vec<f64> {
+    if near <= 0.0 {
+        return best.to_vec();
+    }
+    let ratio = (distance / near).min(10.0);
+    best.iter().zip(inside).map(|(best, inside)| (best + ratio * (inside - best)).clamp(0.0, 1.0)).collect()
 }
 
 /// Where the rise is probably reached, by what is known on this side of it, and beyond it.
@@ -271,16 +293,16 @@ impl CostFunction for Free<'_, '_> {
     }
 }
 
-fn nelder_mead(problem: Free<'_, '_>, step: f64) -> Option<(Vec<f64>, f64)> {
+fn nelder_mead(problem: Free<'_, '_>, steps: &[f64]) -> Option<(Vec<f64>, f64)> {
     let start: Vec<f64> = problem.free.iter().map(|i| problem.start[*i]).collect();
     let mut simplex = vec![start.clone()];
-    for (i, share) in start.iter().enumerate() {
+    for (i, (share, step)) in start.iter().zip(steps).enumerate() {
         let mut corner = start.clone();
         corner[i] = if share + step > 1.0 { share - step } else { share + step };
         simplex.push(corner);
     }
     let solver = NelderMead::new(simplex).with_sd_tolerance(TOLERANCE).ok()?;
-    let most = 120 * start.len() as u64;
+    let most = 60 * start.len() as u64;
     let result =
         Executor::new(problem, solver).configure(|state| state.max_iters(most)).timer(false).run().ok()?;
     let state = result.state();
@@ -289,7 +311,9 @@ fn nelder_mead(problem: Free<'_, '_>, step: f64) -> Option<(Vec<f64>, f64)> {
 
 /// Sizes of the simplices that a search starts with, one after the other.
 const STEPS: [f64; 3] = [0.08, 0.02, 0.003];
-const SHORT_STEPS: [f64; 2] = [0.01, 0.002];
+
+/// The least size of a simplex along the way of a number.
+const SMALL_STEP: f64 = 0.001;
 
 /// First step of a walk, as a share of the range.
 const FIRST_STEP: f64 = 1e-5;
@@ -298,7 +322,7 @@ const FIRST_STEP: f64 = 1e-5;
 const SLACK: f64 = 0.01;
 
 /// How often a better best is taken.
-const RETRIES: usize = 4;
+const RETRIES: usize = 12;
 
 const MOST_STEPS: usize = 40;
 
@@ -306,7 +330,7 @@ const MOST_STEPS: usize = 40;
 const PRECISION: f64 = 0.01;
 
 /// The spread of a simplex's costs at which it stops.
-const TOLERANCE: f64 = 1e-4;
+const TOLERANCE: f64 = 1e-3;
 
 /// Cost for each range's length beyond the range.
 const BEYOND: f64 = 1e3;

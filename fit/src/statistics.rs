@@ -61,8 +61,6 @@ fn density(x: f64) -> f64 {
 }
 
 /// −log L of differences that are a random walk and white noise, apart from a constant: innovations of a Kalman filter.
-/// `ratio` is the variance of the walk's steps over that of the noise; the scale of both is the most likely one. `steps`
-/// are the relative variances of the walk's steps before each difference.
 pub(crate) struct Walk {
     /// Half the sum of logarithms of the innovations' relative variances.
     log_half: f64,
@@ -73,19 +71,16 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    /// The walk of some differences with these relative variances of walk and noise, segment by segment.
-    pub(crate) fn new<'a>(
-        segments: impl Iterator<Item = (&'a [f64], &'a [f64])>,
-        walk: f64,
-        noise: f64,
-    ) -> Self {
+    /// The walk of some differences, segment by segment, by the variances of the walk's steps before each difference and that
+    /// of the noise.
+    pub(crate) fn new<'a>(segments: impl Iterator<Item = (&'a [f64], &'a [f64])>, noise: f64) -> Self {
         let mut sum = Self { log_half: 0.0, squares: 0.0, count: 0 };
         for (differences, steps) in segments {
             let Some((&first, rest)) = differences.split_first() else { continue };
             // The constant is unknown: the first difference tells it, with the noise's variance.
             let (mut level, mut variance) = (first, noise);
             for (&difference, &step) in rest.iter().zip(&steps[1..]) {
-                variance += walk * step;
+                variance += step;
                 let total = variance + noise;
                 let innovation = difference - level;
                 sum.log_half += 0.5 * total.ln();

@@ -15,7 +15,7 @@ use super::specimens::{Spread, specimen};
 use crate::estimate::{Estimate, Finding, Fitted, Outcome, Reason, Residuals, found};
 use crate::fields::SensorField;
 use crate::log::Quantity;
-use crate::search::{Search, Unknown};
+use crate::search::{EDGES, Search, Unknown};
 use crate::statistics::Noise;
 
 /// The numbers in the order of the search; the bias, which is no field, comes before them.
@@ -231,7 +231,7 @@ fn unknown(i: usize, start: f64) -> Unknown {
         0 => Unknown::linear(start - FRAC_PI_2, start + FRAC_PI_2),
         1 | 3 => Unknown::linear(0.0, 1.0),
         2 | 4 => Unknown::linear(start - PI, start + PI),
-        6 => Unknown::log(1e-6, 1.0).edge(),
+        6 => Unknown::log(1e-6, 1.0).rising(EDGES[1]),
         _ => Unknown::log(1e-6, 3.0),
     }
 }

@@ -15,7 +15,7 @@ use super::specimens::{Spread, specimen};
 use crate::estimate::{Finding, Fitted, Outcome, Reason, Residuals, found};
 use crate::fields::{Field, SensorField};
 use crate::log::{Column, Name, Quantity};
-use crate::search::{Search, Unknown};
+use crate::search::{EDGES, Search, Unknown};
 use crate::statistics::Noise;
 
 /// Fits the curves of the wanted sensors, which are taken as specimens of one kind.
@@ -170,7 +170,14 @@ impl<'a> Rows<'a> {
             numbers
         };
         let cost = |values: &[f64]| self.cost(all(values));
-        let unknowns: Vec<_> = free.iter().map(|i| self.unknown(*i)).collect();
+        // Without normal noise the curve itself moves the edges of the uniform one.
+        let has_edges = free.contains(&4)
+            && !free.contains(&2)
+            && !free.contains(&3)
+            && fixed[2] == 0.0
+            && fixed[3] == 0.0;
+        let sharp = |unknown: Unknown| if has_edges { unknown.rising(EDGES[2]) } else { unknown };
+        let unknowns: Vec<_> = free.iter().map(|i| sharp(self.unknown(*i))).collect();
         let search = Search { unknowns, cost: &cost };
         let starts = self.starts();
         let starts: Vec<Vec<f64>> =
@@ -224,7 +231,7 @@ impl<'a> Rows<'a> {
         match FIELDS[i] {
             SensorField::C1 => Unknown::log(1e-8, 1e2),
             SensorField::C2 => Unknown::linear(0.0, 2.0),
-            SensorField::Uniform => Unknown::log(1e-6, 0.5).edge(),
+            SensorField::Uniform => Unknown::log(1e-6, 0.5).rising(EDGES[0]),
             SensorField::Multiplicative | SensorField::Additive => Unknown::log(1e-6, 1.0),
             _ => Unknown::log(1e-5, 2.0),
         }

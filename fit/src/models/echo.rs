@@ -21,7 +21,7 @@ use super::Case;
 use crate::estimate::{Estimate, Fitted, Outcome, Reason, Residuals, found};
 use crate::fields::{AdapterField, Field};
 use crate::log::Quantity;
-use crate::search::{REGULAR, Search, Unknown};
+use crate::search::{EDGES, REGULAR, Search, Unknown};
 use crate::statistics::Noise;
 
 /// The echoes of a log.
@@ -75,8 +75,8 @@ pub(crate) fn fit(case: &Case<'_>, uart: &Uart) -> Fitted {
 /// The length of a frame, in seconds, and whether there is a latency timer.
 fn bus(adapter: &Adapter) -> Option<(f64, bool)> {
     match adapter {
-        Adapter::Cdc { frame_ns } => Some((*frame_ns as f64 * 1e-9, false)),
-        Adapter::Ftdi(ftdi) => Some((ftdi.frame_ns as f64 * 1e-9, true)),
+        Adapter::Cdc(frames) => Some((frames.frame_ns as f64 * 1e-9, false)),
+        Adapter::Ftdi(ftdi) => Some((ftdi.frames.frame_ns as f64 * 1e-9, true)),
         Adapter::None | Adapter::Bluetooth(_) => None,
     }
 }
@@ -150,26 +150,32 @@ impl Frames {
         let mut sorted = self.residues.clone();
         sorted.sort_by(f64::total_cmp);
         let (low, high) = (sorted[sorted.len() / 100], sorted[sorted.len() - 1 - sorted.len() / 100]);
+        let span = self.sent.last().copied().unwrap_or(1.0);
         let cost = |numbers: &[f64]| {
-            let [edge, width, sigma] = numbers else { return f64::INFINITY };
+            let [edge, width, sigma, rate] = numbers else { return f64::INFINITY };
             let noise = Noise { sigma: *sigma, half_width: 0.5 * width, step: 0.0 };
             let middle = edge + 0.5 * width;
-            let each = self.residues.iter().map(|residue| {
-                let likelihood = (-noise.cost(residue - middle)).exp();
+            let each = self.residues.iter().zip(&self.sent).map(|(residue, sent)| {
+                let likelihood = (-noise.cost(residue - middle - rate * (sent / span - 0.5))).exp();
                 -((1.0 - STRAY) * likelihood + STRAY).ln()
             });
             each.sum()
         };
-        let unknowns =
-            vec![Unknown::linear(-0.5, 0.5), Unknown::log(1e-6, 1.0).edge(), Unknown::log(1e-7, 0.3)];
+        let unknowns = vec![
+            Unknown::linear(-0.5, 0.5),
+            Unknown::log(1e-6, 1.0).rising(EDGES[2]),
+            Unknown::log(1e-7, 0.3),
+            Unknown::linear(-0.1, 0.1),
+        ];
         let search = Search { unknowns, cost: &cost };
         let width = (high - low).max(2e-6);
         let starts = [(1.0, 0.01), (0.9, 0.05), (0.3, 0.3)];
         let starts = starts
-            .map(|(share, noise)| vec![low + 0.5 * (1.0 - share) * width, share * width, noise * width]);
+            .map(|(share, noise)| vec![low + 0.5 * (1.0 - share) * width, share * width, noise * width, 0.0]);
         let mut best = search.best(&starts);
         let names =
-            ["the frames' phase", "`link.adapter.jitter_us`", "noise of the clock"].map(str::to_owned);
+            ["the frames' phase", "`link.adapter.jitter_us`", "noise of the clock", "the clock's rate"]
+                .map(str::to_owned);
         found(&search, &mut best, (1, &names), 1e-6 / self.frame_s)
     }
 
@@ -320,9 +326,13 @@ fn rate(received: &[f64]) -> f64 {
     };
     let none = agreement(0.0);
     let rates = (-steps..=steps).map(|i| i as f64 * step).map(|rate| (agreement(rate), rate));
-    let best = rates.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((none, 0.0));
+    let mut best = rates.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((none, 0.0));
+    for finer in [0.5, 0.25, 0.12, 0.06, 0.03, 0.015].map(|share| share * step) {
+        let beside = [best.1 - finer, best.1 + finer].map(|rate| (agreement(rate), rate));
+        best = beside.into_iter().fold(best, |best, one| if one.0 > best.0 { one } else { best });
+    }
     // A clock that is in step explains the log as well: then it is.
-    if best.0 < none * 1.01 { 0.0 } else { best.1 }
+    if best.0 < none * 1.0001 { 0.0 } else { best.1 }
 }
 
 /// The phase at which the residues begin: after the widest gap between them.

@@ -130,19 +130,25 @@ impl<'a> Response<'a> {
         modelled
     }
 
-    /// The speeds at the start of a segment: as measured, or those of the first rows.
+    /// The speeds at the start of a segment: as measured, or the mean ones of the first moments.
     fn start(&self, segment: &Segment) -> [f64; 2] {
-        let known: Vec<_> =
-            segment.measured.iter().zip(&segment.times_s).filter(|(m, _)| m[0].is_finite()).collect();
-        match (self.motion.kind, known.as_slice()) {
-            (Kind::Speeds, [(first, _), ..]) => **first,
-            (Kind::Places, [(first, from), .., (_, _)]) if segment.signals[0] != [0.0; 2] => {
-                let (last, to) = known[known.len().min(START_ROWS) - 1];
-                let span = *to - **from;
-                [(last[0] - first[0]) / span, (last[1] - first[1]) / span]
-            }
-            _ => [0.0; 2],
+        let mut known = segment.measured.iter().zip(&segment.times_s).filter(|(m, _)| m[0].is_finite());
+        let Some((first, from)) = known.next() else { return [0.0; 2] };
+        match self.motion.kind {
+            Kind::Speeds => *first,
+            Kind::Places if segment.signals[0] == [0.0; 2] => [0.0; 2],
+            Kind::Places => match known.find(|(_, time)| **time - from >= START_S) {
+                Some((last, to)) => [0, 1].map(|i| (last[i] - first[i]) / (to - from)),
+                None => [0.0; 2],
+            },
         }
+    }
+
+    /// From when on places are compared: what is not known of the first speeds has then become a constant.
+    fn compared_from(&self, segment: &Segment) -> f64 {
+        let (Some(first), Some(last)) = (segment.times_s.first(), segment.times_s.last()) else { return 0.0 };
+        let settles = self.motion.kind == Kind::Places && last - first > 5.0 * SETTLED_S;
+        if settles { first + SETTLED_S } else { *first }
     }
 
     fn cost(&self, values: &[f64]) -> f64 {
@@ -154,8 +160,9 @@ impl<'a> Response<'a> {
         let of = |(segment, modelled): (&Segment, &Vec<[f64; 2]>)| {
             let mut times = Vec::with_capacity(modelled.len());
             let mut differences = Vec::with_capacity(modelled.len());
+            let from = self.compared_from(segment);
             for (row, measured) in segment.measured.iter().enumerate() {
-                if measured[channel].is_finite() {
+                if measured[channel].is_finite() && segment.times_s[row] >= from {
                     times.push(segment.times_s[row]);
                     differences.push(measured[channel] - modelled[row][channel]);
                 }
@@ -165,9 +172,9 @@ impl<'a> Response<'a> {
         let parts: Vec<_> = self.motion.segments.iter().zip(modelled).map(of).collect();
         match self.value(values, Number::Walk(channel)) {
             Some(ratio) => {
-                let spans: Vec<Vec<f64>> = parts.iter().map(|(times, _)| spans(times)).collect();
-                let parts = parts.iter().zip(&spans).map(|((_, d), s)| (d.as_slice(), s.as_slice()));
-                Walk::new(parts, ratio, 1.0).scaled_cost()
+                let steps: Vec<Vec<f64>> = parts.iter().map(|(times, _)| steps(times, ratio)).collect();
+                let parts = parts.iter().zip(&steps).map(|((_, d), s)| (d.as_slice(), s.as_slice()));
+                Walk::new(parts, 1.0).scaled_cost()
             }
             None => autoregressive(parts.iter().map(|(_, differences)| differences.as_slice())),
         }
@@ -374,9 +381,9 @@ impl Commands<'_> {
     }
 }
 
-/// Time since the instant before, in seconds.
-fn spans(times: &[f64]) -> Vec<f64> {
-    std::iter::once(0.0).chain(times.windows(2).map(|pair| pair[1] - pair[0])).collect()
+/// Variances of a walk's steps, in units of that of the noise.
+fn steps(times: &[f64], ratio: f64) -> Vec<f64> {
+    std::iter::once(0.0).chain(times.windows(2).map(|pair| ratio * (pair[1] - pair[0]))).collect()
 }
 
 /// −log L of differences that are correlated with those before them, at the most likely size and correlation.
@@ -400,5 +407,8 @@ const LEAST_VARIANCE: f64 = 1e-18;
 
 const LONGEST_DEAD_S: f64 = 1.0;
 
-/// Rows over which the first speed is measured.
-const START_ROWS: usize = 4;
+/// The time over which the first speeds are measured.
+const START_S: f64 = 0.2;
+
+/// The time after which they do not matter.
+const SETTLED_S: f64 = 1.0;

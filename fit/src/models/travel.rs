@@ -2,7 +2,8 @@
 //!
 //! **Odometer.** Each read adds N(0, σ) to the way of each wheel. So the way along the heading and the heading differ from the
 //! true ones by random walks with steps of σ²/2 and σ²/(2 h²) a read, with the half track h; poses are measured with white
-//! noise besides.
+//! noise besides. A way is the sum of displacements, each in the direction of its own heading: so of the noise of a position
+//! the share by which the direction has turned stays, a random walk as well.
 //!
 //! **Wheels.** Counted turns φ of the wheels are ways r (φ_l + φ_r) / 2 and turns r (φ_r − φ_l) / (2 h). The rest are a random
 //! walk (slip) and white noise (a count, and the pose).
@@ -36,6 +37,8 @@ struct Odometry {
     differences: [Vec<f64>; 2],
     /// Reads since the row before.
     reads: Vec<f64>,
+    /// By how much the robot has turned since the row before.
+    turns: Vec<f64>,
     half_track_m: f64,
 }
 
@@ -67,6 +70,7 @@ impl Odometry {
             differences: std::array::from_fn(|i| {
                 rows.iter().map(|row| told[*row][i] - truth[*row][i]).collect()
             }),
+            turns: turns(&rows.iter().map(|row| truth[*row][1]).collect::<Vec<_>>()),
             times_s: times,
             half_track_m: case.robot.model.drive.half_track_m,
         })
@@ -79,8 +83,14 @@ impl Odometry {
             let steps = [variance, variance / (h * h)];
             let noise = [numbers[1] * numbers[1], numbers[2] * numbers[2]];
             let of = |i: usize| {
-                let parts = std::iter::once((self.differences[i].as_slice(), self.reads.as_slice()));
-                Walk::new(parts, steps[i], noise[i]).cost()
+                let projected = if i == 0 { noise[0] } else { 0.0 };
+                let walk = self
+                    .reads
+                    .iter()
+                    .zip(&self.turns)
+                    .map(|(reads, turn)| steps[i] * reads + projected * turn * turn);
+                let walk: Vec<f64> = walk.collect();
+                Walk::new(std::iter::once((self.differences[i].as_slice(), walk.as_slice())), noise[i]).cost()
             };
             of(0) + of(1)
         };
@@ -143,6 +153,15 @@ struct RolledSegment {
     turned: [Vec<f64>; 2],
 }
 
+impl RolledSegment {
+    /// Variances of the walk's steps, in units of that of the noise.
+    fn steps(&self, i: usize, ratio: f64) -> Vec<f64> {
+        let projected = if i == 0 { 1.0 } else { 0.0 };
+        let turns = turns(&self.truth[1]);
+        self.spans_s.iter().zip(turns).map(|(span, turn)| ratio * span + projected * turn * turn).collect()
+    }
+}
+
 impl Rolled {
     fn new(case: &Case<'_>, truth: &[[f64; 2]], wheels: &Wheels) -> Self {
         let times = case.log.column(Quantity::Time).map(|column| column.values.as_slice());
@@ -200,8 +219,9 @@ impl Rolled {
 
     fn channel(&self, i: usize, factor: f64, ratio: f64) -> f64 {
         let differences = self.differences(i, factor);
-        let parts = differences.iter().zip(&self.segments).map(|(d, s)| (d.as_slice(), s.spans_s.as_slice()));
-        Walk::new(parts, ratio, 1.0).scaled_cost()
+        let steps: Vec<Vec<f64>> = self.segments.iter().map(|segment| segment.steps(i, ratio)).collect();
+        let parts = differences.iter().zip(&steps).map(|(d, s)| (d.as_slice(), s.as_slice()));
+        Walk::new(parts, 1.0).scaled_cost()
     }
 
     fn fit(&self, case: &Case<'_>) -> Fitted {
@@ -272,6 +292,11 @@ impl Rolled {
         };
         (0..2).map(of).collect()
     }
+}
+
+/// Turns since the heading before.
+fn turns(headings: &[f64]) -> Vec<f64> {
+    std::iter::once(0.0).chain(headings.windows(2).map(|pair| pair[1] - pair[0])).collect()
 }
 
 /// Fits the share of marks that encoders lose.

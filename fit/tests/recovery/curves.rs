@@ -8,17 +8,17 @@ use crate::common::{Chance, Tally, findings, of, scenario};
 /// A robot that stands before a wall; the sensor looks straight ahead from its centre.
 const IR: &str = r#"
 step_ms = 10.0
-start = "running"
 [[arena.polygons]]
+name = "wall"
 closed = true
-vertices_m = [[0.0, -5.0], [1.0, -5.0], [1.0, 5.0], [0.0, 5.0]]
+points_m = [[0.0, -5.0], [1.0, -5.0], [1.0, 5.0], [0.0, 5.0]]
 
 [[robots]]
 name = "a"
 start = { x_m = -0.1 }
-body = { radius_m = 0.005, mass_kg = 0.1, inertia_kg_m2 = 0.1, wheel_radius_m = 0.01 }
+body = { radius_m = 0.005, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }
 link = { kind = "ideal" }
-sensors.ir = { kind = "ir", bits = 12, opening_rad = 0.4, rays = 5, range_m = 0.2, c1_m2 = 0.0005, c2 = 0.0, mount = { } }
+sensors.ir = { kind = "ir", bits = 12, opening_rad = 0.4, rays = 5, range_m = 0.2, c1_m2 = 0.0005, c2 = 0.0, mount = { x_m = 0.0 } }
 "#;
 
 const DISTANCES_MM: [f64; 8] = [20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0];

@@ -57,7 +57,7 @@ fn a_usb_adapter_is_recovered() {
 
 /// The echo of a byte, by the simulator's own lines.
 fn simulated(link: &Link, seed: u64, mut pause_ms: impl FnMut() -> f64) -> String {
-    let (mut up, mut down) = (Line::up(link, seed, &["a"]), Line::down(link, seed, &["a"]));
+    let (mut up, mut down) = (Line::up(link, seed, &["a/up"]), Line::down(link, seed, &["a/down"]));
     let (mut now, mut echoes) = (SimTime::from_ns(5_300_000), Vec::new());
     for _ in 0..400 {
         down.send(link, now, &[b'x']);

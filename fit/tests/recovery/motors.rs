@@ -17,7 +17,7 @@ fn steps(seed: u64) -> impl FnMut(f64) -> [f64; 2] {
     let mut chance = Chance::new(seed);
     let mut signals: Vec<[f64; 2]> = Vec::new();
     move |time: f64| {
-        let step = (time / 0.7) as usize;
+        let step = (time / 0.7 + 1e-6) as usize;
         while signals.len() <= step {
             signals.push([chance.between(-0.8, 0.8), chance.between(-0.8, 0.8)]);
         }
@@ -30,8 +30,8 @@ fn delayed(seed: u64, changes: &[String], dead_s: f64, sigma: f64) -> World2Log 
     let changes: Vec<_> = changes.iter().map(String::as_str).collect();
     let (mut obeyed, mut logged) = (steps(seed), steps(seed));
     let start = steps(seed)(0.0);
-    let command = move |time: f64| if time < dead_s { start } else { obeyed(time - dead_s) };
-    let mut log = drive(scenario(ROBOT, &changes), 1200, command);
+    let command = move |time: f64| if time < dead_s - 1e-9 { start } else { obeyed(time - dead_s + 1e-9) };
+    let mut log = drive(scenario(ROBOT, &changes), 800, command);
     let mut chance = Chance::new(seed + 1000);
     for row in &mut log.rows {
         row.command = logged(row.time_s);
@@ -45,8 +45,9 @@ fn recovered(speeds: bool, sigma: f64) {
     let mut tally = Tally::default();
     for seed in 1..=20 {
         let mut chance = Chance::new(500 + seed);
-        let [gain, full, dead_s] =
-            [chance.between(0.6, 3.0), chance.between(0.3, 0.8), chance.between(0.03, 0.25)];
+        let [gain, full] = [chance.between(0.6, 3.0), chance.between(0.3, 0.8)];
+        // The brain steps each tick.
+        let dead_s = 0.01 * chance.between(2.0, 25.0).floor();
         let changes =
             [format!("robots.a.motors.gain_n_s={gain}"), format!("robots.a.motors.full_speed_m_s={full}")];
         let log = delayed(seed, &changes, dead_s, sigma).table(true, !speeds, speeds, false);
@@ -83,7 +84,7 @@ fn uneven_motors_are_recovered() {
             "robots.a.motors.gain_n_s=6.0".into(),
         ];
         let changes: Vec<_> = changes.iter().map(String::as_str).collect();
-        let log = drive(scenario(ROBOT, &changes), 4000, steps(seed)).table(true, true, false, false);
+        let log = drive(scenario(ROBOT, &changes), 2500, steps(seed)).table(true, true, false, false);
         let found =
             findings(&scenario(ROBOT, &["robots.a.motors.gain_n_s=6.0"]), &log, &["motors.noise_sigma"]);
         tally.add(&found, "motors.noise_sigma", sigma);
