@@ -130,6 +130,9 @@ pub(crate) fn found(
     let lost = match unknown.scale {
         Scale::Linear => (interval.open_low && interval.open_high) || interval.share(unknown) > MOST_SHARE,
         Scale::Log => interval.open_high,
+        Scale::Positive => {
+            interval.open_low || interval.open_high || interval.high > MOST_RATIO * interval.low
+        }
     };
     if lost {
         return Outcome::CannotTell(lost_by(search, &interval, (i, names), unit));
@@ -154,6 +157,9 @@ fn lost_by(search: &Search<'_>, interval: &Interval, (i, names): (usize, &[Strin
 
 /// An interval that is wider than this share of what is tried tells nothing.
 const MOST_SHARE: f64 = 0.5;
+
+/// The same if its ends are so many times apart, of a number that cannot be 0.
+const MOST_RATIO: f64 = 5.0;
 
 /// A number searched by its logarithm that is less than so many times the least that is tried is 0.
 const FLOOR: f64 = 3.0;

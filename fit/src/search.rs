@@ -23,8 +23,10 @@ pub const EDGES: [f64; 3] = [2.995_732, 4.743_865, 6.295_794];
 pub enum Scale {
     /// Evenly.
     Linear,
-    /// By its logarithm; its range is above 0.
+    /// By its logarithm. The least value that is tried stands for 0.
     Log,
+    /// By its logarithm; it cannot be 0.
+    Positive,
 }
 
 /// A number that is searched.
@@ -46,9 +48,14 @@ impl Unknown {
         Self { from, to, scale: Scale::Linear, rise: REGULAR }
     }
 
-    /// A regular number above 0 in this range, which is searched by its logarithm.
+    /// A regular number in this range, which is searched by its logarithm and may be 0.
     pub fn log(from: f64, to: f64) -> Self {
         Self { from, to, scale: Scale::Log, rise: REGULAR }
+    }
+
+    /// A regular number above 0 in this range, which is searched by its logarithm.
+    pub fn positive(from: f64, to: f64) -> Self {
+        Self { from, to, scale: Scale::Positive, rise: REGULAR }
     }
 
     /// The same number with another rise.
@@ -61,7 +68,7 @@ impl Unknown {
         let share = share.clamp(0.0, 1.0);
         match self.scale {
             Scale::Linear => self.from + share * (self.to - self.from),
-            Scale::Log => self.from * (self.to / self.from).powf(share),
+            Scale::Log | Scale::Positive => self.from * (self.to / self.from).powf(share),
         }
     }
 
@@ -69,7 +76,9 @@ impl Unknown {
     pub fn share(&self, number: f64) -> f64 {
         let share = match self.scale {
             Scale::Linear => (number - self.from) / (self.to - self.from),
-            Scale::Log => (number.max(self.from) / self.from).ln() / (self.to / self.from).ln(),
+            Scale::Log | Scale::Positive => {
+                (number.max(self.from) / self.from).ln() / (self.to / self.from).ln()
+            }
         };
         share.clamp(0.0, 1.0)
     }
@@ -128,20 +137,21 @@ impl Search<'_> {
     /// How far a number can go from the best. If better numbers are found on the way, they replace the best.
     pub fn interval(&self, best: &mut Best, of: usize) -> Interval {
         for _ in 0..RETRIES {
-            match self.walk(best, of) {
+            match self.walk(best, of, SLACK) {
                 Ok(interval) => return interval,
                 Err(better) => *best = self.best(&[better.values]),
             }
         }
-        self.walk(best, of).unwrap_or_else(|better| {
+        // So rugged a likelihood has no best that can be found: what is as good is inside.
+        self.walk(best, of, f64::INFINITY).unwrap_or_else(|better| {
             let value = better.values[of];
             Interval { low: value, high: value, open_low: true, open_high: true, partner: None }
         })
     }
 
-    fn walk(&self, best: &Best, of: usize) -> Result<Interval, Best> {
-        let low = self.end(best, of, -1.0)?;
-        let high = self.end(best, of, 1.0)?;
+    fn walk(&self, best: &Best, of: usize, slack: f64) -> Result<Interval, Best> {
+        let low = self.end(best, (of, -1.0), slack)?;
+        let high = self.end(best, (of, 1.0), slack)?;
         let unknown = &self.unknowns[of];
         let partner = [&low, &high].into_iter().flat_map(|end| {
             let moved = |i: usize| (end.shares[i] - self.unknowns[i].share(best.values[i])).abs();
@@ -159,7 +169,7 @@ impl Search<'_> {
     }
 
     /// One end of an interval. The rise grows about as the square of the distance, which says where to look next.
-    fn end(&self, best: &Best, of: usize, sign: f64) -> Result<End, Best> {
+    fn end(&self, best: &Best, (of, sign): (usize, f64), slack: f64) -> Result<End, Best> {
         let start = self.shares(&best.values);
         let limit = if sign < 0.0 { 0.0 } else { 1.0 };
         let rise = self.unknowns[of].rise;
@@ -174,7 +184,7 @@ impl Search<'_> {
             let at = start[of] + sign * distance;
             let from = self.better(ahead(&start, &inside, near.0, distance), inside.clone(), of, at);
             let (shares, cost) = self.constrained(&start, &from, of, at);
-            if cost < best.cost - SLACK {
+            if cost < best.cost - slack {
                 return Err(Best { values: self.values(&shares), cost });
             }
             let risen = (cost - best.cost).max(0.0);

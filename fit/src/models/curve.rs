@@ -140,8 +140,10 @@ impl<'a> Rows<'a> {
     fn cost(&self, numbers: [f64; 7]) -> f64 {
         let [c1_m2, c2, multiplicative, additive, half_width, gain, offset] = numbers;
         let expected = self.expected(c1_m2, c2);
+        // Edges that are a little blurred can be found.
+        let blur = (0.3 * self.step).max(0.02 * half_width).max(1e-9);
         let noise = |mean: f64| Noise {
-            sigma: ((multiplicative * mean).powi(2) + additive * additive).sqrt().max(1e-9),
+            sigma: ((multiplicative * mean).powi(2) + additive * additive).sqrt().max(blur),
             half_width,
             step: self.step,
         };
@@ -229,7 +231,7 @@ impl<'a> Rows<'a> {
 
     fn unknown(&self, i: usize) -> Unknown {
         match FIELDS[i] {
-            SensorField::C1 => Unknown::log(1e-8, 1e2),
+            SensorField::C1 => Unknown::positive(1e-8, 1e2),
             SensorField::C2 => Unknown::linear(0.0, 2.0),
             SensorField::Uniform => Unknown::log(1e-6, 0.5).rising(EDGES[0]),
             SensorField::Multiplicative | SensorField::Additive => Unknown::log(1e-6, 1.0),
@@ -237,13 +239,27 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Numbers to begin with: the curve by the median of value and distance squared, and three sizes of noise.
+    /// Numbers to begin with: the curve by least squares, and noise by what that leaves.
     fn starts(&self) -> Vec<[f64; 7]> {
-        let products =
-            self.specimens.iter().flatten().map(|(at, value)| value * self.distances_m[*at].powi(2));
-        let c1 = crate::statistics::median(products.collect()).max(1e-7);
-        let start = |noise: f64, c1: f64| [c1, 0.01, noise, noise, noise, 0.1, 0.02];
-        vec![start(0.003, c1), start(0.02, c1), start(0.02, 0.5 * c1), start(0.1, 1.5 * c1)]
+        // Far from full scale the curve is linear in both numbers.
+        let (near, level) = (self.expected(1e-9, 0.0), self.expected(0.0, 1e-3));
+        let mut normal = nalgebra::Matrix2::<f64>::identity() * 1e-12;
+        let mut right = nalgebra::Vector2::<f64>::zeros();
+        let rows = || self.specimens.iter().flatten();
+        for (at, value) in rows() {
+            let x = nalgebra::Vector2::new(near[*at] * 1e9, level[*at] * 1e3);
+            normal += x * x.transpose();
+            right += x * *value;
+        }
+        let [mut c1, c2] = normal.lu().solve(&right).unwrap_or_default().into();
+        let c2 = c2.clamp(0.0, 1.0);
+        c1 = c1.max(1e-7);
+        let expected = self.expected(c1, c2);
+        let rest = || rows().map(|(at, value)| (value - expected[*at]).abs());
+        let most = rest().fold(1e-5, f64::max);
+        let sigma = (rest().map(|rest| rest * rest).sum::<f64>() / rows().count() as f64).sqrt().max(1e-5);
+        let start = |noise: f64, width: f64| [c1, c2, noise, noise, width, 0.1, 0.02];
+        vec![start(0.3 * sigma, 1.2 * most), start(sigma, 0.3 * most), start(1.5 * sigma, 2.0 * most)]
     }
 
     fn residuals(&self, numbers: [f64; 7]) -> Residuals {

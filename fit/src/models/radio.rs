@@ -54,10 +54,10 @@ impl Radio {
         let cost = |numbers: &[f64]| self.cost(numbers);
         let search = Search {
             unknowns: vec![
-                Unknown::log(1e-4, 2.0),
+                Unknown::positive(1e-4, 2.0),
                 Unknown::log(1e-6, 1.0),
                 Unknown::log(1e-6, 0.9),
-                Unknown::log(1e-4, 5.0),
+                Unknown::positive(1e-4, 5.0),
             ],
             cost: &cost,
         };

@@ -238,16 +238,16 @@ impl<'a> Response<'a> {
         let drive = &self.robot.model.drive;
         match (number, &drive.motor) {
             (Number::Lag, Motors::Velocity(motor)) => {
-                Unknown::log(motor.gain_n_s / 100.0, motor.gain_n_s * self.most_gain())
+                Unknown::positive(motor.gain_n_s / 100.0, motor.gain_n_s * self.most_gain())
             }
-            (Number::Lag, _) => Unknown::log(1e-3, 2.0),
+            (Number::Lag, _) => Unknown::positive(1e-3, 2.0),
             (Number::DeadTime, _) => Unknown::linear(0.0, LONGEST_DEAD_S),
             (Number::FullSpeed, Motors::Velocity(motor)) => {
-                Unknown::log(motor.full_speed_m_s / 10.0, motor.full_speed_m_s * 10.0)
+                Unknown::positive(motor.full_speed_m_s / 10.0, motor.full_speed_m_s * 10.0)
             }
-            (Number::FullSpeed, _) => Unknown::log(1e-3, 10.0),
+            (Number::FullSpeed, _) => Unknown::positive(1e-3, 10.0),
             (Number::Asymmetry, _) => Unknown::linear(-0.5, 0.5),
-            (Number::HalfTrack, _) => Unknown::log(drive.half_track_m / 4.0, drive.half_track_m * 4.0),
+            (Number::HalfTrack, _) => Unknown::positive(drive.half_track_m / 4.0, drive.half_track_m * 4.0),
             (Number::Walk(_), _) => Unknown::log(1e-9, 1e9),
         }
     }

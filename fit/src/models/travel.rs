@@ -232,8 +232,8 @@ impl Rolled {
             self.channel(0, *radius, *way) + self.channel(1, radius / half_track, *heading)
         };
         let unknowns = vec![
-            Unknown::log(radius_m / 3.0, radius_m * 3.0),
-            Unknown::log(half_track_m / 3.0, half_track_m * 3.0),
+            Unknown::positive(radius_m / 3.0, radius_m * 3.0),
+            Unknown::positive(half_track_m / 3.0, half_track_m * 3.0),
             Unknown::log(1e-9, 1e9),
             Unknown::log(1e-9, 1e9),
         ];

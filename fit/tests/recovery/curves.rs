@@ -97,7 +97,7 @@ fn the_spread_of_specimens_is_recovered() {
                 "robots.a.sensors.ir.noise={{ gain_spread = {gain}, offset_spread = {offset}, additive = 0.004 }}"
             ),
         ];
-        let log = log(&changes, 100 * seed..100 * seed + 12, 4);
+        let log = log(&changes, 100 * seed..100 * seed + 24, 3);
         let fields = ["sensors.ir.noise.gain_spread", "sensors.ir.noise.offset_spread", "sensors.*.c1_m2"];
         let found = findings(&scenario(IR, &[]), &log, &fields);
         tally.add(&found, "sensors.ir.noise.gain_spread", gain);
