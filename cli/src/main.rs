@@ -4,7 +4,7 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `preset`,
-//!    `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
+//!    `export`, `fit`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune` share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
 //! 4. `summary` collects the results of a run and `report` prints them; `csv` is the table of a run, `trace` its timeline
@@ -28,6 +28,7 @@ mod csv;
 mod diagram;
 mod error;
 mod export;
+mod fit;
 mod foxglove;
 mod link;
 mod locate;
@@ -111,6 +112,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Plan(args) => return plan::plan(&args),
         Command::Locate(args) => return locate::locate(&args),
         Command::Preset(args) => preset::preset(&args),
+        Command::Fit(args) => return fit::fit(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),

@@ -1,5 +1,6 @@
 //! The models: each says how likely a log is for some numbers.
 
+mod commands;
 pub(crate) mod compass;
 pub(crate) mod curve;
 pub(crate) mod echo;

@@ -13,12 +13,13 @@ use baudbot_geometry::Pose;
 use baudbot_sim::drive::{Drive, Wheels};
 use baudbot_sim::motor::Motors;
 
+use super::commands::Commands;
 use super::motion::{Kind, Motion, Segment};
 use super::{Case, Robot};
 use crate::estimate::{Estimate, Finding, Fitted, Outcome, Reason, Residuals, found};
 use crate::fields::{BodyField, Field, MotorField};
 use crate::search::{Best, Search, Unknown};
-use crate::statistics::Walk;
+use crate::statistics::{Walk, autoregressive};
 
 /// The numbers of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,7 +109,7 @@ impl<'a> Response<'a> {
         let first =
             segment.measured.iter().find(|measured| measured[0].is_finite()).copied().unwrap_or_default();
         let mut place = first;
-        let mut commands = Commands { segment, at: 0 };
+        let mut commands = Commands::new(segment);
         let mut modelled = Vec::with_capacity(segment.times_s.len());
         for (row, &time) in segment.times_s.iter().enumerate() {
             modelled.push(match self.motion.kind {
@@ -352,58 +353,10 @@ impl<'a> Response<'a> {
     }
 }
 
-/// The commands of a segment, looked at in the order of time.
-struct Commands<'a> {
-    segment: &'a Segment,
-    at: usize,
-}
-
-impl Commands<'_> {
-    /// The mean of the signals from one instant to another.
-    fn mean(&mut self, from: f64, to: f64) -> [f64; 2] {
-        let times = &self.segment.times_s;
-        while self.at + 1 < times.len() && times[self.at + 1] <= from {
-            self.at += 1;
-        }
-        let (mut sum, mut row, mut begin) = ([0.0; 2], self.at, from);
-        loop {
-            let end = times.get(row + 1).map_or(to, |next| next.min(to));
-            let share = (end - begin) / (to - from);
-            for (sum, signal) in sum.iter_mut().zip(self.segment.signals[row]) {
-                *sum += share * signal;
-            }
-            if end >= to {
-                return sum;
-            }
-            begin = end;
-            row += 1;
-        }
-    }
-}
-
 /// Variances of a walk's steps, in units of that of the noise.
 fn steps(times: &[f64], ratio: f64) -> Vec<f64> {
     std::iter::once(0.0).chain(times.windows(2).map(|pair| ratio * (pair[1] - pair[0]))).collect()
 }
-
-/// −log L of differences that are correlated with those before them, at the most likely size and correlation.
-fn autoregressive<'a>(segments: impl Iterator<Item = &'a [f64]>) -> f64 {
-    let (mut own, mut next, mut product, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for differences in segments {
-        for pair in differences.windows(2) {
-            own += pair[0] * pair[0];
-            next += pair[1] * pair[1];
-            product += pair[0] * pair[1];
-            count += 1.0;
-        }
-    }
-    let correlation = if own > 0.0 { (product / own).clamp(0.0, 0.999) } else { 0.0 };
-    let squares = next - 2.0 * correlation * product + correlation * correlation * own;
-    0.5 * count * ((squares / count).max(LEAST_VARIANCE)).ln()
-}
-
-/// Speeds agree no better than to a nanometre a second.
-const LEAST_VARIANCE: f64 = 1e-18;
 
 const LONGEST_DEAD_S: f64 = 1.0;
 

@@ -77,49 +77,46 @@ impl Odometry {
     }
 
     fn fit(&self, case: &Case<'_>) -> Fitted {
-        let h = self.half_track_m;
-        let cost = |numbers: &[f64]| {
-            let variance = numbers[0] * numbers[0] / 2.0;
-            let steps = [variance, variance / (h * h)];
-            let noise = [numbers[1] * numbers[1], numbers[2] * numbers[2]];
-            let of = |i: usize| {
-                let projected = if i == 0 { noise[0] } else { 0.0 };
-                let walk = self
-                    .reads
-                    .iter()
-                    .zip(&self.turns)
-                    .map(|(reads, turn)| steps[i] * reads + projected * turn * turn);
-                let walk: Vec<f64> = walk.collect();
-                Walk::new(std::iter::once((self.differences[i].as_slice(), walk.as_slice())), noise[i]).cost()
-            };
-            of(0) + of(1)
-        };
+        let cost = |numbers: &[f64]| self.cost(numbers);
         let unknowns = vec![Unknown::log(1e-9, 1.0), Unknown::log(1e-9, 1.0), Unknown::log(1e-9, 1.0)];
         let search = Search { unknowns, cost: &cost };
         let step = |i: usize| {
             let squares = self.differences[i].windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
             (squares.sum::<f64>() / self.reads.iter().sum::<f64>()).sqrt()
         };
-        let sigma = (step(1) * h * 2.0_f64.sqrt()).max(1e-8);
+        let sigma = (step(1) * self.half_track_m * 2.0_f64.sqrt()).max(1e-8);
         let starts = [vec![sigma, 1e-8, 1e-8], vec![0.3 * sigma, 0.5 * step(0) + 1e-9, 0.5 * step(1) + 1e-9]];
         let mut best = search.best(&starts);
-        let names = [
-            "`sigma_m`".to_owned(),
-            "noise of the true position".to_owned(),
-            "noise of the true heading".to_owned(),
-        ];
+        let names =
+            ["`sigma_m`", "noise of the true position", "noise of the true heading"].map(str::to_owned);
         let outcome = found(&search, &mut best, (0, &names), 1.0);
         let findings = case.wanted.iter().map(|field| case.finding(*field, outcome.clone()));
-        let residual = |i: usize, what: &str, unit: &str| Residuals {
-            title: format!("{}: {what} less the truth", self.name),
+        Fitted { findings: findings.collect(), residuals: self.residuals() }
+    }
+
+    /// −log L of σ, and the noise of true positions and headings.
+    fn cost(&self, numbers: &[f64]) -> f64 {
+        let variance = numbers[0] * numbers[0] / 2.0;
+        let steps = [variance, variance / (self.half_track_m * self.half_track_m)];
+        let noise = [numbers[1] * numbers[1], numbers[2] * numbers[2]];
+        let of = |i: usize| {
+            let projected = if i == 0 { noise[0] } else { 0.0 };
+            let pairs = self.reads.iter().zip(&self.turns);
+            let walk: Vec<f64> =
+                pairs.map(|(reads, turn)| steps[i] * reads + projected * turn * turn).collect();
+            Walk::new(std::iter::once((self.differences[i].as_slice(), walk.as_slice())), noise[i]).cost()
+        };
+        of(0) + of(1)
+    }
+
+    fn residuals(&self) -> Vec<Residuals> {
+        let of = |i: usize| Residuals {
+            title: format!("{}: {} less the truth", self.name, ["way", "heading"][i]),
             x: "time in s".into(),
-            unit: unit.into(),
+            unit: ["m", "rad"][i].into(),
             points: self.times_s.iter().copied().zip(self.differences[i].iter().copied()).collect(),
         };
-        Fitted {
-            findings: findings.collect(),
-            residuals: vec![residual(0, "way", "m"), residual(1, "heading", "rad")],
-        }
+        (0..2).map(of).collect()
     }
 }
 

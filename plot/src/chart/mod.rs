@@ -1,4 +1,5 @@
-//! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, and values [`over_time`].
+//! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, values
+//! [`over_time`], and points ([`scatter`]).
 //!
 //! `lines` and `heat` draw a [`Chart`]; `page` has what several charts share: title, frame and the names of axes.
 
@@ -7,6 +8,7 @@ mod lines;
 pub mod over_time;
 mod page;
 pub mod progress;
+pub mod scatter;
 
 use std::collections::BTreeMap;
 
