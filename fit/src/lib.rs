@@ -22,7 +22,7 @@ use baudbot_sim::model::RobotModel;
 use baudbot_sim::sensor::Device;
 
 use crate::estimate::{Fitted, Reason};
-use crate::fields::{BodyField, Field};
+use crate::fields::{BodyField, Field, SensorField};
 use crate::log::{Log, Quantity};
 use crate::models::{Case, compass, curve, echo, radio, response, travel};
 
@@ -54,11 +54,14 @@ pub fn fit(robot: Robot<'_>, log: &Log, wanted: &[Field]) -> Fitted {
 /// The columns of sensors that the table of a run has of this robot, and fits may need.
 pub fn readings(robot: &RobotModel) -> Vec<String> {
     let columns = robot.sensors.iter().flat_map(|sensor| {
-        let parts: &[&str] = match &sensor.device {
-            Device::Compass(_) => &[""],
-            Device::Odometer(_) => &[".x_m", ".y_m", ".heading_rad"],
-            Device::Encoders(_) => &[".left", ".right"],
-            _ => &[],
+        let parts: &[&str] = if matches!(sensor.device, Device::Compass(_)) {
+            &[""]
+        } else if matches!(sensor.device, Device::Odometer(_)) {
+            &[".x_m", ".y_m", ".heading_rad"]
+        } else if matches!(sensor.device, Device::Encoders(_)) {
+            &[".left", ".right"]
+        } else {
+            &[]
         };
         parts.iter().map(|part| format!("{}{part}", sensor.name))
     });
@@ -93,12 +96,7 @@ fn parts(robot: &Robot<'_>, log: &Log, wanted: &[Field]) -> Vec<(Part, Vec<Field
 fn part(robot: &Robot<'_>, log: &Log, field: Field) -> Part {
     match field {
         Field::Adapter(_) => Part::Link,
-        Field::Sensor(sensor, _) => match robot.model.sensors[sensor].device {
-            Device::Compass(_) => Part::Compass(sensor),
-            Device::Odometer(_) => Part::Odometer(sensor),
-            Device::Encoders(_) => Part::Losses(sensor),
-            _ => Part::Curve,
-        },
+        Field::Sensor(sensor, of) => part_of_sensor(robot.model, sensor, of),
         Field::Motors(_) => Part::Response,
         Field::Body(_) => {
             let case = Case { robot: *robot, log, wanted: &[] };
@@ -107,6 +105,26 @@ fn part(robot: &Robot<'_>, log: &Log, field: Field) -> Part {
             let is_commanded =
                 log.column(Quantity::CommandLeft).is_some() || log.column(Quantity::CommandSpeed).is_some();
             if (is_counted && has_poses) || !is_commanded { Part::Wheels } else { Part::Response }
+        }
+    }
+}
+
+fn part_of_sensor(robot: &RobotModel, sensor: usize, field: SensorField) -> Part {
+    match field {
+        SensorField::OdometerSigma => Part::Odometer(sensor),
+        SensorField::Loss => Part::Losses(sensor),
+        SensorField::HardIron
+        | SensorField::HardIronPhase
+        | SensorField::SoftIron
+        | SensorField::SoftIronPhase => Part::Compass(sensor),
+        SensorField::C1 | SensorField::C2 => Part::Curve,
+        SensorField::GainSpread
+        | SensorField::OffsetSpread
+        | SensorField::Multiplicative
+        | SensorField::Additive
+        | SensorField::Uniform => {
+            let is_compass = matches!(robot.sensors[sensor].device, Device::Compass(_));
+            if is_compass { Part::Compass(sensor) } else { Part::Curve }
         }
     }
 }

@@ -87,7 +87,7 @@ pub enum Problem {
     NoColumn { name: String, names: String },
     #[error("`{name}` is no name that a column can have here; {known}")]
     Target { name: String, known: String },
-    #[error("the line `# {key}: {value}` must have a number as its value")]
+    #[error("the line `# {key}: {value}` must have a number of 0 or more as its value")]
     Note { key: String, value: String },
     #[error("more than {most} numbers; cut the log, or leave out columns that are not needed")]
     TooMany { most: usize },

@@ -91,16 +91,14 @@ impl Log {
     /// The number of a line `# key: number`, if there is one.
     ///
     /// # Errors
-    /// If its value is no finite number.
+    /// If its value is no finite number of 0 or more.
     pub fn note(&self, key: &str) -> Result<Option<f64>, LogError> {
         let Some(note) = self.notes.iter().rev().find(|note| note.key == key) else { return Ok(None) };
-        match note.value.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Some(number)),
-            _ => {
-                let problem = Problem::Note { key: key.to_owned(), value: note.value.clone() };
-                Err(LogError { file: self.file.clone(), line: Some(note.line), column: None, problem })
-            }
-        }
+        let number = note.value.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+        number.map(Some).ok_or_else(|| {
+            let problem = Problem::Note { key: key.to_owned(), value: note.value.clone() };
+            LogError { file: self.file.clone(), line: Some(note.line), column: None, problem }
+        })
     }
 
     /// How many rows it has.

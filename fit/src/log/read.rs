@@ -213,7 +213,7 @@ impl Reader<'_> {
             return Err(whole(Problem::NoRows));
         }
         let warnings = warnings(&header);
-        times::settle(Log {
+        let log = Log {
             file: self.file.to_owned(),
             notes: self.notes,
             columns: header.columns,
@@ -221,9 +221,17 @@ impl Reader<'_> {
             lines: header.lines,
             segments: Vec::new(),
             warnings,
-        })
+        };
+        // What models read is sound.
+        for key in NUMBERS {
+            log.note(key)?;
+        }
+        times::settle(log)
     }
 }
+
+/// Notes that are numbers.
+const NUMBERS: [&str; 4] = ["baud", "bytes", "full_scale", "turnaround_us"];
 
 /// Most robots and specimens that are told apart.
 const MOST_WORDS: usize = 10_000;

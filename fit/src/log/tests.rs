@@ -53,6 +53,10 @@ fn what_cannot_be_used_is_named_by_file_line_and_column() {
         ("time_s,x_m\n1,2\n,3\n", "log.csv:3:1 (time_s): has no time"),
         ("time_s,x_m\n1,2\n0.5,3\n", "log.csv:3:1 (time_s): the clock goes back by 0.5 s from line 2"),
         ("time_s,x_m\n1,2\n1,3\n", "log.csv:3:1 (time_s): has the time of line 2, but other numbers"),
+        (
+            "# baud: fast\ntime_s,x_m\n1,2\n",
+            "log.csv:1: the line `# baud: fast` must have a number of 0 or more as its value",
+        ),
         ("time_s,x_m\n1,\"2\n", "log.csv:2: the quotation mark is not closed"),
         ("time_s,x_m\n1,\u{0}\n", "log.csv:2: is not text: byte 0x00"),
         ("t_s,robot,x_m\n1,a,2\n1,b,2\n", "rows of several robots (a, b)"),

@@ -56,7 +56,7 @@ impl<'a> Rows<'a> {
         let reading = case.log.reading(&sensor.name).ok_or_else(missing)?;
         let step = match sensor.encodings.first() {
             Some(Encoding::Level { bits, .. }) => TAU / (2.0_f64.powi(i32::from(*bits)) - 1.0),
-            _ => 0.0,
+            Some(Encoding::Float64 | Encoding::Signed { .. } | Encoding::Counter { .. }) | None => 0.0,
         };
         let mut rows = Self { sensor, specimens: Vec::new(), step };
         for row in fresh(case, &reading.values, sensor) {
@@ -138,9 +138,10 @@ impl<'a> Rows<'a> {
 
     fn preset(&self) -> Numbers {
         let noise = &self.sensor.noise;
-        let ((hard, hard_phase), (soft, soft_phase)) = match &self.sensor.device {
-            Device::Compass(compass) => (compass.hard_iron_rad, compass.soft_iron_rad),
-            _ => Default::default(),
+        let ((hard, hard_phase), (soft, soft_phase)) = if let Device::Compass(compass) = &self.sensor.device {
+            (compass.hard_iron_rad, compass.soft_iron_rad)
+        } else {
+            Default::default()
         };
         [0.0, hard, hard_phase, soft, soft_phase, noise.additive, noise.uniform, noise.offset_spread]
     }

@@ -55,9 +55,9 @@ impl<'a> Rows<'a> {
             |i: usize| case.wanted.iter().any(|field| matches!(field, Field::Sensor(of, _) if *of == i));
         let wanted: Vec<&Sensor> =
             sensors.into_iter().filter(|(i, _)| wanted(*i)).map(|(_, sensor)| sensor).collect();
-        let infrared = |sensor: &'a Sensor| match &sensor.device {
-            Device::Infrared(infrared) => Some((sensor, infrared)),
-            _ => None,
+        let infrared = |sensor: &'a Sensor| {
+            let Device::Infrared(infrared) = &sensor.device else { return None };
+            Some((sensor, infrared))
         };
         let Some((sensor, infrared)) = wanted.first().and_then(|sensor| infrared(sensor)) else {
             return Err(Reason::Columns { needs: "IR sensor".into() });
@@ -230,11 +230,11 @@ impl<'a> Rows<'a> {
     }
 
     fn unknown(&self, i: usize) -> Unknown {
-        match FIELDS[i] {
-            SensorField::C1 => Unknown::positive(1e-8, 1e2),
-            SensorField::C2 => Unknown::linear(0.0, 2.0),
-            SensorField::Uniform => Unknown::log(1e-6, 0.5).rising(EDGES[0]),
-            SensorField::Multiplicative | SensorField::Additive => Unknown::log(1e-6, 1.0),
+        match i {
+            0 => Unknown::positive(1e-8, 1e2),
+            1 => Unknown::linear(0.0, 2.0),
+            2 | 3 => Unknown::log(1e-6, 1.0),
+            4 => Unknown::log(1e-6, 0.5).rising(EDGES[0]),
             _ => Unknown::log(1e-5, 2.0),
         }
     }

@@ -1,7 +1,7 @@
 //! Points over a quantity, a panel for each set of them: the differences that a fit leaves.
 
 use super::page::{self, Frame, line, text};
-use crate::palette::{FRAME, GRID, PALE_INK, SERIES};
+use crate::palette::{FRAME, GRID, SERIES};
 use crate::scale::{Scale, number};
 use crate::svg::{Canvas, Element, px};
 
@@ -32,7 +32,7 @@ impl Panel {
         let frame = Frame { left: LEFT, right: WIDTH - RIGHT, top: top + HEAD, bottom: top + PANEL - FOOT };
         let points: Vec<_> =
             self.points.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-        canvas.put(text((frame.left, top + 12.0), "start", &self.title, PALE_INK));
+        canvas.put(text((frame.left, top + 12.0), "start", &self.title));
         let ends = |of: fn(&(f64, f64)) -> f64| {
             let fold = |(low, high): (f64, f64), number: f64| (low.min(number), high.max(number));
             let (low, high) = points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
@@ -45,10 +45,10 @@ impl Panel {
             let at = y.px(tick);
             let color = if tick == 0.0 { FRAME } else { GRID };
             canvas.put(line((frame.left, at), (frame.right, at), color));
-            canvas.put(text((frame.left - 6.0, at + 4.0), "end", &number(tick), PALE_INK));
+            canvas.put(text((frame.left - 6.0, at + 4.0), "end", &number(tick)));
         }
         for tick in x.ticks() {
-            canvas.put(text((x.px(tick), frame.bottom + 16.0), "middle", &number(tick), PALE_INK));
+            canvas.put(text((x.px(tick), frame.bottom + 16.0), "middle", &number(tick)));
         }
         canvas.put(line((frame.left, frame.bottom), (frame.right, frame.bottom), FRAME));
         page::names(canvas, &frame, &self.axes.0, &self.axes.1);
