@@ -137,12 +137,6 @@ pub(crate) fn unwrapped(angles: &[f64]) -> Vec<f64> {
     angles.iter().map(step).collect()
 }
 
-/// The median; 0 of nothing.
-pub(crate) fn median(mut numbers: Vec<f64>) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers.get(numbers.len() / 2).copied().unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -30,10 +30,6 @@ fn file(name: &str, text: &str) -> PathBuf {
     path
 }
 
-fn words<'a>(paths: &'a [&'a PathBuf]) -> Vec<&'a str> {
-    paths.iter().map(|path| path.to_str().unwrap()).collect()
-}
-
 /// The table of a run, the recording of it, and `--columns` for other names give the same numbers; those are what the
 /// scenario hides.
 #[test]
@@ -43,10 +39,8 @@ fn tables_and_recordings_of_runs_are_logs() {
         file("fit-known.toml", &ROBOT.replace("0.02 }", "0.5 }").replace("0.001 }", "0.1 }")),
     );
     let (csv, mcap, svg) = (place("fit.csv"), place("fit.mcap"), place("fit.svg"));
-    let [scenario, known, table, recording, picture] = words(&[&hidden, &known, &csv, &mcap, &svg])[..]
-    else {
-        panic!()
-    };
+    let [scenario, known, table, recording, picture] =
+        [&hidden, &known, &csv, &mcap, &svg].map(|path| path.to_str().unwrap());
     good(&[
         "run",
         scenario,
