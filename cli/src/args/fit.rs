@@ -7,9 +7,9 @@ use clap::Args;
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
     /// A log: a table whose columns have their unit in their name, or a recording in MCAP; `-` is stdin
-    #[arg(required_unless_present = "list")]
-    pub(crate) log: Option<PathBuf>,
-    /// The preset of a robot, a sensor, motors or a link whose numbers are looked for
+    #[arg(value_name = "LOG", required_unless_present = "list")]
+    pub(crate) file: Option<PathBuf>,
+    /// The preset of a robot, a sensor, motors, a link or an adapter whose numbers are looked for
     #[arg(long, value_name = "PRESET", conflicts_with = "scenario", required_unless_present = "scenario")]
     pub(crate) preset: Option<String>,
     /// A scenario with the robot whose numbers are looked for
@@ -44,7 +44,7 @@ pub(crate) struct FitArgs {
 pub(super) const EXAMPLES: &str = "\
 Examples:
   baudbot fit --list --preset khepera-1          what can be fitted, and from which columns
-  baudbot fit echo.csv --preset usb-serial --fields 'link.adapter.*'
+  baudbot fit echo.csv --preset ch340 --fields 'link.adapter.*'
   baudbot fit curve.csv --preset khepera-1 --fields sensors.ir_0.c1_m2,sensors.ir_0.c2,sensors.ir_0.noise
   baudbot fit drive.csv --scenario my.toml --robot alice --fields 'motors.*' --svg rest.svg
   baudbot fit drive.csv --preset create-2 --fields motors.dead_time_ms --columns time_s=stamp,command_left=l,command_right=r

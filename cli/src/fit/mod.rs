@@ -28,7 +28,7 @@ pub(crate) fn fit(args: &FitArgs) -> anyhow::Result<ExitCode> {
         text::print(&report::list(&subject))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let Some(path) = &args.log else { return Err(Refused::error("which log? name a file, or - for stdin")) };
+    let Some(path) = &args.file else { return Err(Refused::error("which log? name a file, or - for stdin")) };
     if let Some(svg) = args.svg.as_deref().filter(|svg| output_files::is_same_file(svg, path)) {
         return Err(Refused::error(format!("--svg {}: would overwrite the log", svg.display())));
     }

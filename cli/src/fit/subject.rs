@@ -83,6 +83,7 @@ impl Subject {
             Some(match preset.kind {
                 PresetKind::Robot => rest.to_owned(),
                 PresetKind::Sensor => format!("sensors.sensor.{rest}"),
+                PresetKind::Adapter => format!("link.adapter.{rest}"),
                 PresetKind::Motors | PresetKind::Microcontroller | PresetKind::Link | PresetKind::Battery => {
                     format!("{word}.{rest}")
                 }
@@ -129,6 +130,9 @@ fn scenario_of(preset: &Preset, substeps: u32) -> String {
             );
         }
         PresetKind::Sensor => format!("sensors.sensor.preset = \"{name}\""),
+        PresetKind::Adapter => {
+            format!("link = {{ kind = \"uart\", baud = 115200, adapter = {{ preset = \"{name}\" }} }}")
+        }
         // Motors that are regulated need encoders.
         PresetKind::Motors => {
             format!(

@@ -110,7 +110,7 @@ fn what_is_found_goes_into_a_scenario() {
     );
     assert!(out.contains("\nlink.adapter.extra_frames = 1 # "), "{out}");
     let scenario = format!(
-        "[[robots]]\nname = \"a\"\nbody = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\nlink.preset = \"ch340\"\n{out}"
+        "[[robots]]\nname = \"a\"\nbody = {{ radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }}\nlink.kind = \"uart\"\nlink.baud = 115200\nlink.adapter.preset = \"ch340\"\n{out}"
     );
     let scenario = file("fit-pasted.toml", &scenario);
     good(&["check", scenario.to_str().unwrap()]);
