@@ -4,7 +4,7 @@
 //!
 //! 1. `args` is the command line; `error` is how a command fails, in one line.
 //! 2. `run`, `sweep`, `tune`, `serve`, `replay`, `brain`, `check`, `budget`, `diagram`, `plan`, `locate`, `umbmark`, `measure`,
-//!    `preset`, `evidence`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune`
+//!    `preset`, `evidence`, `fit`, `export`, `watch` and `new` are the commands, one a file or folder; `work` is what `sweep` and `tune`
 //!    share.
 //! 3. `scenarios` finds scenarios, `connect` finds servers, `serving` starts a server, `assignment` reads `--brain`.
 //!    `opened` opens files for reading, `output_files` writes files during a run, `record` reads the options of recordings.
@@ -31,6 +31,7 @@ mod error;
 mod escapes;
 mod evidence;
 mod export;
+mod fit;
 mod foxglove;
 mod link;
 mod locate;
@@ -119,6 +120,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Measure(command) => return measure::measure(&command),
         Command::Umbmark(args) => return umbmark::umbmark(&args),
         Command::Preset(args) => preset::preset(&args),
+        Command::Fit(args) => return fit::fit(&args),
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),

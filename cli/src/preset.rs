@@ -52,7 +52,7 @@ fn value(fact: &Fact) -> Value {
     })
 }
 
-fn unknown(name: &str) -> String {
+pub(crate) fn unknown(name: &str) -> String {
     let near = presets::nearest(name, None);
     let near: Vec<_> = near.iter().map(|preset| format!("`{}`", preset.name)).collect();
     match near.join(", ") {

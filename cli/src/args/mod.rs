@@ -2,6 +2,7 @@
 
 mod brain;
 mod export;
+mod fit;
 mod help;
 mod locate;
 mod measure;
@@ -21,6 +22,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::brain::BrainArgs;
 pub(crate) use self::export::{ExportArgs, FilmArgs, RowArgs, Theme, WindowArgs};
+pub(crate) use self::fit::FitArgs;
 use self::help::{
     BRAIN_EXAMPLES, BUDGET_EXAMPLES, CHECK_EXAMPLES, DIAGRAM_EXAMPLES, EVIDENCE_EXAMPLES, PACE_HELP,
     PRESET_EXAMPLES, REPLAY_EXAMPLES, RUN_EXAMPLES, SERVE_EXAMPLES, SWEEP_EXAMPLES, TUNE_EXAMPLES,
@@ -105,6 +107,9 @@ pub(crate) enum Command {
     /// Holds presets against measurements of real robots: all, or some by their names or presets
     #[command(after_long_help = EVIDENCE_EXAMPLES)]
     Evidence(EvidenceArgs),
+    /// Fits numbers of a robot to a log of a real one, with 95 % intervals
+    #[command(after_long_help = fit::EXAMPLES)]
+    Fit(FitArgs),
     /// Exports tables, traces, pictures and films of a recording, or describes it
     #[command(after_long_help = export::EXAMPLES)]
     Export(ExportArgs),

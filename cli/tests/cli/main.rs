@@ -8,6 +8,7 @@ mod damaged;
 mod devices;
 mod diagrams;
 mod export;
+mod fitting;
 mod foxglove;
 mod hostile;
 mod locating;

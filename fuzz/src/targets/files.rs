@@ -1,4 +1,4 @@
-//! Files that people write: scenarios, and what scenarios take in.
+//! Files that people write: scenarios, what scenarios take in, and logs.
 
 use std::path::{Path, PathBuf};
 use std::{fs, process};
@@ -20,6 +20,13 @@ pub(super) fn targets() -> anyhow::Result<Vec<Target>> {
         words: WORDS,
         run: Box::new(scenario),
     }];
+    targets.push(Target {
+        name: "logs",
+        what: "logs of real robots",
+        seeds: LOGS.map(|log| log.as_bytes().to_vec()).to_vec(),
+        words: LOG_WORDS,
+        run: Box::new(log),
+    });
     targets.extend(IMPORTS.map(|import| import.target(&folder)));
     Ok(targets)
 }
@@ -46,6 +53,38 @@ fn scenario(bytes: &[u8]) -> u64 {
         Err(error) => outcome(&error.to_string()),
     }
 }
+
+/// Reads a log.
+fn log(bytes: &[u8]) -> u64 {
+    let options = baudbot_fit::log::Options { readings: vec!["compass".into()], ..Default::default() };
+    match baudbot_fit::log::read("log.csv", bytes, &options, &mut |_| ()) {
+        Ok(log) => log.warnings.len().min(5) as u64 + 10 * log.columns.len().min(5) as u64,
+        Err(error) => outcome(&error.to_string()),
+    }
+}
+
+const LOGS: [&str; 3] = [
+    "# experiment: echo\n# baud: 115200\nsent_us,received_us\n1,900\n1000,1900\n",
+    "\u{feff}time_s;robot;x_m;compass\r\n0;a;1;2\r\n0.1;a;\"1.5\";\r\n9;a;2;3\r\n",
+    "distance_mm\tvalue_raw\tsensor\n10\t1000\tir_0\n20\t300\tir_1\n",
+];
+
+/// What stands in logs.
+const LOG_WORDS: &[&[u8]] = &[
+    b"time_s",
+    b"t_ms",
+    b"heading_deg",
+    b"speed_m_s",
+    b"nan",
+    b"inf",
+    b"1e999",
+    b",",
+    b";",
+    b"\"",
+    b"\n",
+    b"#",
+    b": ",
+];
 
 /// A file that a scenario takes in.
 struct Import {

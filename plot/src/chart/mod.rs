@@ -1,5 +1,5 @@
 //! Charts: values over one or two fields as lines or as a heat map, the [`progress`] of a tuning, values [`over_time`],
-//! measured values beside simulated ones ([`compared`]), and a [`scatter`] of places.
+//! measured values beside simulated ones ([`compared`]), a [`scatter`] of places, and the [`residuals`] of a fit.
 //!
 //! `lines` and `heat` draw a [`Chart`]; `page` has what several charts share: title, frame and the names of axes.
 
@@ -9,6 +9,7 @@ mod lines;
 pub mod over_time;
 mod page;
 pub mod progress;
+pub mod residuals;
 pub mod scatter;
 
 use std::collections::BTreeMap;

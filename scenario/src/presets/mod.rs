@@ -10,6 +10,7 @@ mod nearest;
 use alloc::vec::Vec;
 
 pub use fact::{Fact, Standing};
+pub use nearest::edits;
 
 /// A preset that is part of this crate.
 #[derive(Debug)]

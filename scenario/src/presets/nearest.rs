@@ -28,10 +28,15 @@ pub(super) fn nearest(name: &str, presets: impl Iterator<Item = &'static Preset>
 
 /// How far a preset's name is from another: not at all if it contains that, else Levenshtein's distance.
 fn distance(name: &[char], other: &str) -> usize {
-    let other: Vec<char> = other.chars().collect();
-    if name.len() >= 3 && other.windows(name.len()).any(|part| part == name) {
+    if name.len() >= 3 && other.chars().collect::<Vec<_>>().windows(name.len()).any(|part| part == name) {
         return 0;
     }
+    edits(name, other)
+}
+
+/// Levenshtein's distance: how many characters must be inserted, deleted or changed to make one name of another.
+pub fn edits(name: &[char], other: &str) -> usize {
+    let other: Vec<char> = other.chars().collect();
     let mut row: Vec<usize> = (0..=other.len()).collect();
     for (i, &a) in name.iter().enumerate() {
         let mut next = vec![i + 1; other.len() + 1];

@@ -1,0 +1,65 @@
+//! The models: each says how likely a log is for some numbers.
+
+mod commands;
+pub(crate) mod compass;
+pub(crate) mod curve;
+pub(crate) mod echo;
+pub(crate) mod motion;
+pub(crate) mod radio;
+pub(crate) mod response;
+pub(crate) mod specimens;
+pub(crate) mod travel;
+mod uneven;
+
+use baudbot_sim::model::RobotModel;
+
+use crate::estimate::{Finding, Outcome, Reason};
+use crate::fields::Field;
+use crate::log::{Column, Log, Quantity};
+
+/// The robot whose numbers are looked for, and how its world is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Robot<'a> {
+    /// The robot.
+    pub model: &'a RobotModel,
+    /// Δt, in seconds.
+    pub tick_s: f64,
+    /// The Euler step of its motion, in seconds.
+    pub substep_s: f64,
+}
+
+/// What a model is asked.
+#[derive(Clone, Copy)]
+pub(crate) struct Case<'a> {
+    pub(crate) robot: Robot<'a>,
+    pub(crate) log: &'a Log,
+    /// The fields of this model that are wanted.
+    pub(crate) wanted: &'a [Field],
+}
+
+impl Case<'_> {
+    pub(crate) fn wants(&self, field: Field) -> bool {
+        self.wanted.contains(&field)
+    }
+
+    pub(crate) fn finding(&self, field: Field, outcome: Outcome) -> Finding {
+        Finding { path: field.path(self.robot.model), is_field: true, outcome }
+    }
+
+    /// No wanted field can be told, for one reason.
+    pub(crate) fn none(&self, reason: &Reason) -> Vec<Finding> {
+        let outcome = || Outcome::CannotTell(reason.clone());
+        self.wanted.iter().map(|field| self.finding(*field, outcome())).collect()
+    }
+
+    /// A column, or the reason that it is missing.
+    pub(crate) fn column(&self, quantity: Quantity) -> Result<&Column, Reason> {
+        let example = quantity.dimension().units()[0].suffix;
+        let needs = if example.is_empty() {
+            format!("column `{quantity}`")
+        } else {
+            format!("column `{quantity}_{example}`")
+        };
+        self.log.column(quantity).ok_or(Reason::Columns { needs })
+    }
+}
