@@ -184,15 +184,20 @@ fn busy(device: &Path) -> anyhow::Error {
 }
 
 fn unopened(device: &Path, error: &io::Error) -> anyhow::Error {
-    match error.kind() {
-        ErrorKind::PermissionDenied => refused(
+    let kind = error.kind();
+    if kind == ErrorKind::PermissionDenied {
+        refused(
             device,
             "permission denied; join the group that owns it, usually dialout (`sudo usermod -aG dialout $USER`), and log in again",
-        ),
-        ErrorKind::NotFound => refused(device, format!("there is no such device; {}", connected())),
-        ErrorKind::ResourceBusy => busy(device),
-        ErrorKind::IsADirectory => refused(device, format!("is a directory; {}", connected())),
-        _ => refused(device, error),
+        )
+    } else if kind == ErrorKind::NotFound {
+        refused(device, format!("there is no such device; {}", connected()))
+    } else if kind == ErrorKind::ResourceBusy {
+        busy(device)
+    } else if kind == ErrorKind::IsADirectory {
+        refused(device, format!("is a directory; {}", connected()))
+    } else {
+        refused(device, error)
     }
 }
 

@@ -43,7 +43,7 @@ fn delayed(seed: u64, changes: &[String], dead_s: f64, sigma: f64) -> World2Log 
 
 fn recovered(speeds: bool, sigma: f64) {
     let mut tally = Tally::default();
-    for seed in 1..=20 {
+    for seed in 1..=std::env::var("SEEDS").map_or(20, |n| n.parse().unwrap()) {
         let mut chance = Chance::new(500 + seed);
         let [gain, full] = [chance.between(0.6, 3.0), chance.between(0.3, 0.8)];
         // The brain steps each tick.
@@ -76,7 +76,7 @@ fn dead_time_and_lag_are_recovered_from_poses() {
 #[test]
 fn uneven_motors_are_recovered() {
     let mut tally = Tally::default();
-    for seed in 1..=20 {
+    for seed in 1..=std::env::var("SEEDS").map_or(20, |n| n.parse().unwrap()) {
         let sigma = Chance::new(seed).between(0.05, 0.3);
         let changes = [
             format!("seed={seed}"),

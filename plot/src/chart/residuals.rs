@@ -36,7 +36,7 @@ impl Panel {
         let ends = |of: fn(&(f64, f64)) -> f64| {
             let fold = |(low, high): (f64, f64), number: f64| (low.min(number), high.max(number));
             let (low, high) = points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
-            if low < high { (low, high) } else { (low.min(0.0).max(-1.0), low.max(1.0)) }
+            if low < high { (low, high) } else { (low.clamp(-1.0, 0.0), low.max(1.0)) }
         };
         let ((x_low, x_high), (y_low, y_high)) = (ends(|point| point.0), ends(|point| point.1));
         let x = Scale::between(x_low, x_high, (frame.left, frame.right));
