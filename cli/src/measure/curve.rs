@@ -63,7 +63,7 @@ fn collect(args: &CurveArgs, table: &mut Table, source: &mut Source, stop: &Stop
             "undo" | "u" => {
                 match table.undo()? {
                     Some((distance_mm, rows)) => {
-                        tell!("took back {} at {distance_mm} mm", count(rows, "reading"))
+                        tell!("took back {} at {distance_mm} mm", count(rows, "reading"));
                     }
                     None => tell!("there is nothing to take back"),
                 }

@@ -183,10 +183,13 @@ impl Log<'_> {
             let speeds = self.last.map(|(before_s, before)| {
                 [0, 1].map(|i| (counts[i] - before[i]) * m_per_count / (time_s - before_s))
             });
-            row += &speeds.map_or(",".to_owned(), |[left, right]| format!(",{:.6}", 0.5 * (left + right)));
+            row += &speeds
+                .map_or_else(|| ",".to_owned(), |[left, right]| format!(",{:.6}", 0.5 * (left + right)));
             if let Some(track_m) = self.args.track_m {
-                row += &speeds
-                    .map_or(",".to_owned(), |[left, right]| format!(",{:.6}", (right - left) / track_m));
+                row += &speeds.map_or_else(
+                    || ",".to_owned(),
+                    |[left, right]| format!(",{:.6}", (right - left) / track_m),
+                );
             }
         }
         self.last = Some((time_s, counts));

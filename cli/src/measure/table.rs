@@ -84,7 +84,8 @@ impl Table {
         // As any other new file: what the user's mask leaves of it.
         let mut builder = tempfile::Builder::new();
         builder.permissions(Permissions::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder.unwrap_or(Path::new("."))).with_context(unwritable)?;
+        let mut file =
+            builder.tempfile_in(folder.unwrap_or_else(|| Path::new("."))).with_context(unwritable)?;
         file.write_all(self.head.as_bytes()).with_context(unwritable)?;
         for row in &self.rows {
             writeln!(file, "{row}").with_context(unwritable)?;

@@ -156,9 +156,12 @@ fn alone(scenario: &Scenario, robot: &RobotSpec) -> Scenario {
 
 /// The sensor to steer by: one that counts both ways.
 fn sensor(name: Option<&str>, robot: &RobotSpec, body: &Body) -> anyhow::Result<String> {
-    let counts = |device: &Device| match device {
-        Device::Encoders(encoders) => encoders.quadrature,
-        device => matches!(device, Device::Odometer(_)),
+    let counts = |device: &Device| {
+        if let Device::Encoders(encoders) = device {
+            encoders.quadrature
+        } else {
+            matches!(device, Device::Odometer(_))
+        }
     };
     let is_fit = |name: &str, device: &Device| counts(device) && Parameters::of(body, name).is_some();
     let fit = || robot.sensors.iter().filter(|sensor| is_fit(&sensor.name, &sensor.device));
