@@ -337,7 +337,7 @@ fn presets_have_the_numbers_that_were_confirmed() {
     assert!((1.0 / 290e-6..=1.0 / 140e-6).contains(&stamp), "{stamp}");
     // arduino/ArduinoCore-avr, HardwareSerial.h.
     let chalmers = spec("chalmers-40cm", "");
-    assert!(matches!(&chalmers.link, baudbot_sim::link::Link::Uart(uart) if uart.receive_depth == 64));
+    assert!(matches!(&chalmers.link, Link::Uart(uart) if uart.receive_depth == 64));
 }
 
 #[test]

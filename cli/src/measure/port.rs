@@ -186,19 +186,16 @@ fn busy(device: &Path) -> anyhow::Error {
 fn unopened(device: &Path, error: &io::Error) -> anyhow::Error {
     let kind = error.kind();
     if kind == ErrorKind::PermissionDenied {
-        refused(
-            device,
-            "permission denied; join the group that owns it, usually dialout (`sudo usermod -aG dialout $USER`), and log in again",
-        )
-    } else if kind == ErrorKind::NotFound {
-        refused(device, format!("there is no such device; {}", connected()))
-    } else if kind == ErrorKind::ResourceBusy {
-        busy(device)
-    } else if kind == ErrorKind::IsADirectory {
-        refused(device, format!("is a directory; {}", connected()))
-    } else {
-        refused(device, error)
+        let remedy = "join the group that owns it, usually dialout (`sudo usermod -aG dialout $USER`), and log in again";
+        return refused(device, format!("permission denied; {remedy}"));
     }
+    if kind == ErrorKind::NotFound {
+        return refused(device, format!("there is no such device; {}", connected()));
+    }
+    if kind == ErrorKind::IsADirectory {
+        return refused(device, format!("is a directory; {}", connected()));
+    }
+    if kind == ErrorKind::ResourceBusy { busy(device) } else { refused(device, error) }
 }
 
 /// The serial ports that there are, for messages.

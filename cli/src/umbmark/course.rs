@@ -157,8 +157,11 @@ fn alone(scenario: &Scenario, robot: &RobotSpec) -> Scenario {
 /// The sensor to steer by: one that counts both ways.
 fn sensor(name: Option<&str>, robot: &RobotSpec, body: &Body) -> anyhow::Result<String> {
     let counts = |device: &Device| {
-        matches!(device, Device::Odometer(_))
-            || matches!(device, Device::Encoders(encoders) if encoders.quadrature)
+        if let Device::Encoders(encoders) = device {
+            encoders.quadrature
+        } else {
+            matches!(device, Device::Odometer(_))
+        }
     };
     let is_fit = |name: &str, device: &Device| counts(device) && Parameters::of(body, name).is_some();
     let fit = || robot.sensors.iter().filter(|sensor| is_fit(&sensor.name, &sensor.device));

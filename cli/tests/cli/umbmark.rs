@@ -61,8 +61,10 @@ fn injected_errors_of_wheels_are_recovered_and_the_correction_is_worth_it() {
 #[test]
 fn an_odometer_is_corrected_as_encoders_are() {
     let odometer = "[robots.sensors.odometer]\nkind = \"odometer\"\nbits = 32\n";
-    let path = scenario("umbmark-odometer.toml", ", wheel_ratio = 0.998, track_ratio = 0.99", odometer);
-    let found = found(path.to_str().unwrap(), &["--check", "--side-m", "2"]);
+    let sensors = format!("{ENCODERS}{odometer}");
+    let path = scenario("umbmark-odometer.toml", ", wheel_ratio = 0.998, track_ratio = 0.99", &sensors);
+    let found = found(path.to_str().unwrap(), &["--check", "--side-m", "2", "--sensor", "odometer"]);
+    assert_eq!(found["sensor"], "odometer");
     let [before, after] = [0, 1].map(|i| found["measurements"][i]["e_max_syst_m"].as_f64().unwrap());
     assert!(after < 0.1 * before, "{before} m, then {after} m");
 }
@@ -85,7 +87,7 @@ fn the_table_has_every_run_and_the_picture_every_end() {
         assert!(words.contains(part), "{part}: {words}");
     }
     let svg = fs::read_to_string(svg).unwrap();
-    assert!(svg.contains("UMBmark of robot") && svg.matches("counter-clockwise: ").count() == 2, "{svg}");
+    assert!(svg.contains("UMBmark of robot") && svg.matches(">counter-clockwise: ").count() == 2, "{svg}");
 }
 
 #[test]
@@ -101,7 +103,11 @@ fn robots_that_cannot_drive_a_square_are_refused_with_words() {
         assert_eq!(code, 2, "{err}");
         err
     };
+    // Servos need no encoders.
     let blind = scenario("umbmark-blind.toml", "", "");
+    let toml = fs::read_to_string(&blind).unwrap();
+    let motors = toml.lines().find(|line| line.starts_with("motors")).unwrap();
+    fs::write(&blind, toml.replace(motors, "motors = { kind = \"servo\" }")).unwrap();
     let err = refused(blind.to_str().unwrap(), &[]);
     assert!(err.contains("robot `robot` has neither encoders nor an odometer"), "{err}");
     let single = scenario("umbmark-single.toml", "", &format!("{ENCODERS}quadrature = false\n"));
