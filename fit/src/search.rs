@@ -130,7 +130,7 @@ impl Search<'_> {
         let sizes = STEPS.map(|step| vec![step; free.len()]);
         let found = starts.iter().map(|start| self.from(&self.shares(start), &free, &sizes));
         let found = found.reduce(|a, b| if b.1 < a.1 { b } else { a });
-        let (shares, cost) = found.unwrap_or((vec![0.5; self.unknowns.len()], f64::INFINITY));
+        let (shares, cost) = found.unwrap_or_else(|| (vec![0.5; self.unknowns.len()], f64::INFINITY));
         Best { values: self.values(&shares), cost }
     }
 

@@ -50,9 +50,9 @@ pub(crate) fn fit(args: &FitArgs) -> anyhow::Result<ExitCode> {
     }
     let report = Report::new(&subject, &log, &fitted);
     if args.json {
-        text::print_json(&report.json())?
+        text::print_json(&report.json())?;
     } else {
-        text::print(&report.toml())?
+        text::print(&report.toml())?;
     }
     Ok(code)
 }

@@ -15,7 +15,7 @@ step_ms = 20.0
 [[robots]]
 name = "a"
 body = { radius_m = 0.2, mass_kg = 3.0, inertia_kg_m2 = 0.2, wheel_radius_m = 0.1 }
-motors = { kind = "velocity", full_speed_m_s = 0.5 }
+motors = { kind = "velocity", gain_n_s = 1.5, full_speed_m_s = 0.5 }
 sensors.encoders = { kind = "encoders", counts_per_turn = 500 }
 sensors.compass = { kind = "compass", sigma_rad = 0.02 }
 sensors.odometer = { kind = "odometer", sigma_m = 0.001 }
@@ -36,7 +36,13 @@ fn file(name: &str, text: &str) -> PathBuf {
 fn tables_and_recordings_of_runs_are_logs() {
     let (hidden, known) = (
         file("fit-hidden.toml", ROBOT),
-        file("fit-known.toml", &ROBOT.replace("0.02 }", "0.5 }").replace("0.001 }", "0.1 }")),
+        file(
+            "fit-known.toml",
+            &ROBOT
+                .replace("0.02 }", "0.5 }")
+                .replace("0.001 }", "0.1 }")
+                .replace("gain_n_s = 1.5, full_speed_m_s = 0.5", "full_speed_m_s = 0.7"),
+        ),
     );
     let (csv, mcap, svg) = (place("fit.csv"), place("fit.mcap"), place("fit.svg"));
     let [scenario, known, table, recording, picture] =
@@ -54,7 +60,8 @@ fn tables_and_recordings_of_runs_are_logs() {
         "--record",
         recording,
     ]);
-    let fields = "sensors.compass.sigma_rad,sensors.odometer.sigma_m,body";
+    let fields =
+        "sensors.compass.sigma_rad,sensors.odometer.sigma_m,body,motors.gain_n_s,motors.full_speed_m_s";
     let fit = |log: &str, more: &[&str]| {
         let mut args = vec!["fit", log, "--scenario", known, "--fields", fields, "--json"];
         args.extend(more);
@@ -72,6 +79,8 @@ fn tables_and_recordings_of_runs_are_logs() {
         ("sensors.odometer.sigma_m", 0.001),
         ("body.wheel_radius_m", 0.1),
         ("body.half_track_m", 0.2),
+        ("motors.gain_n_s", 1.5),
+        ("motors.full_speed_m_s", 0.5),
     ] {
         let number = number(path);
         let (low, high) = (number["low"].as_f64().unwrap(), number["high"].as_f64().unwrap());

@@ -18,7 +18,7 @@ pub struct LogError {
     pub column: Option<(usize, String)>,
     /// The problem.
     #[source]
-    pub problem: Problem,
+    pub problem: Box<Problem>,
 }
 
 impl fmt::Display for LogError {

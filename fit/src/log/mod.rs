@@ -97,7 +97,7 @@ impl Log {
         let number = note.value.parse::<f64>().ok().filter(|number| number.is_finite() && *number >= 0.0);
         number.map(Some).ok_or_else(|| {
             let problem = Problem::Note { key: key.to_owned(), value: note.value.clone() };
-            LogError { file: self.file.clone(), line: Some(note.line), column: None, problem }
+            LogError { file: self.file.clone(), line: Some(note.line), column: None, problem: problem.into() }
         })
     }
 
@@ -113,7 +113,7 @@ impl Log {
 
     /// The error that this is wrong with the log as a whole.
     pub fn error(&self, problem: Problem) -> LogError {
-        LogError { file: self.file.clone(), line: None, column: None, problem }
+        LogError { file: self.file.clone(), line: None, column: None, problem: problem.into() }
     }
 }
 

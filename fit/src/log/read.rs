@@ -77,7 +77,7 @@ struct Header {
 
 impl Reader<'_> {
     fn here(&self, problem: Problem) -> LogError {
-        LogError { file: self.file.to_owned(), line: Some(self.line), column: None, problem }
+        LogError { file: self.file.to_owned(), line: Some(self.line), column: None, problem: problem.into() }
     }
 
     fn at(&self, place: usize, name: &str, problem: Problem) -> LogError {
@@ -199,7 +199,12 @@ impl Reader<'_> {
     }
 
     fn finish(self, options: &Options) -> Result<Log, LogError> {
-        let whole = |problem| LogError { file: self.file.to_owned(), line: None, column: None, problem };
+        let whole = |problem: Problem| LogError {
+            file: self.file.to_owned(),
+            line: None,
+            column: None,
+            problem: problem.into(),
+        };
         let Some(header) = self.header else { return Err(whole(Problem::Empty)) };
         let names = || header.robots.join(", ");
         match &options.robot {

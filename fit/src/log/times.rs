@@ -31,11 +31,11 @@ pub(super) fn settle(mut log: Log) -> Result<Log, LogError> {
 /// The rows that are copies of the ones before them.
 fn copies(log: &Log, quantity: Quantity) -> Result<Vec<usize>, LogError> {
     let Some(column) = log.column(quantity) else { return Ok(Vec::new()) };
-    let error = |row: usize, problem| LogError {
+    let error = |row: usize, problem: Problem| LogError {
         file: log.file.clone(),
         line: Some(log.lines[row]),
         column: Some((column.place, column.header.clone())),
-        problem,
+        problem: problem.into(),
     };
     let mut copies = Vec::new();
     for (row, time) in column.values.iter().enumerate() {

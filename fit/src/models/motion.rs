@@ -5,6 +5,7 @@ use baudbot_sim::motor::Motors;
 use baudbot_sim::sensor::Device;
 
 use super::Case;
+use super::compass::fresh;
 use crate::estimate::Reason;
 use crate::log::{Column, Quantity};
 use crate::statistics::unwrapped;
@@ -83,12 +84,15 @@ fn signals(case: &Case<'_>) -> Result<Vec<[f64; 2]>, Reason> {
         last
     };
     if let Some((left, right)) = pair(Quantity::CommandLeft, Quantity::CommandRight) {
-        return Ok(left
-            .values
-            .iter()
-            .zip(&right.values)
-            .map(|(left, right)| keep([*left, *right]))
-            .collect());
+        let pairs = left.values.iter().zip(&right.values);
+        let mut signals: Vec<_> = pairs.map(|(left, right)| keep([*left, *right])).collect();
+        if left.header == IN_FORCE {
+            signals.rotate_left(1);
+            if let [.., before, last] = signals.as_mut_slice() {
+                *last = *before;
+            }
+        }
+        return Ok(signals);
     }
     let Some((speed, turn)) = pair(Quantity::CommandSpeed, Quantity::CommandTurnRate) else {
         let needs =
@@ -185,7 +189,12 @@ impl Wheels {
                 | baudbot_wire::Encoding::Signed { .. } => None,
             });
             let (left, right) = (continued(&left.values, bits), continued(&right.values, bits));
-            let turned_rad = left.iter().zip(&right).map(|(l, r)| [l * count_rad, r * count_rad]).collect();
+            let both: Vec<f64> = left.iter().zip(&right).map(|(l, r)| l + MIXED * r).collect();
+            // Between two reads a row has old counts.
+            let mut turned_rad = vec![[f64::NAN; 2]; both.len()];
+            for row in fresh(case, &both, spec) {
+                turned_rad[row] = [left[row] * count_rad, right[row] * count_rad];
+            }
             Some(Self { sensor, turned_rad, count_rad })
         })
     }
@@ -208,7 +217,13 @@ fn continued(counts: &[f64], bits: Option<u8>) -> Vec<f64> {
     counts.iter().map(step).collect()
 }
 
+/// In the table of a run a row has the signals that were in force in the step before it, so they go with that row.
+const IN_FORCE: &str = "left_signal";
+
 /// A segment of fewer rows is left out.
 const LEAST_ROWS: usize = 10;
 
 const LEAST_IN_ALL: usize = 30;
+
+/// No number of left counts makes up for one of right counts times this.
+const MIXED: f64 = 0.618_033_988_749_895;

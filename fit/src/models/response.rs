@@ -2,7 +2,7 @@
 //!
 //! The motion is that of the simulator's own drive ([`Drive::step`]), in its Euler steps, with each command obeyed the dead
 //! time after its row. Within a step the signals are the mean of those that are in force. Left and right motor may differ by
-//! a factor, which is searched besides.
+//! a factor, and the half track may be another than the scenario's; both are searched besides.
 //!
 //! Measured speeds differ from the model's by noise that is correlated from row to row (autoregressive, of first order);
 //! measured places by a random walk and white noise. The sizes of both are the most likely ones.
@@ -56,14 +56,11 @@ pub(super) struct Response<'a> {
 
 impl<'a> Response<'a> {
     fn new(case: &Case<'a>, motion: Motion) -> Self {
-        let mut numbers = vec![Number::DeadTime, Number::Asymmetry];
+        let mut numbers = vec![Number::DeadTime, Number::Asymmetry, Number::HalfTrack];
         match &case.robot.model.drive.motor {
             Motors::Velocity(_) => numbers.extend([Number::Lag, Number::FullSpeed]),
             Motors::Servo(_) => numbers.push(Number::Lag),
             Motors::Dc(_) | Motors::Stepper(_) => {}
-        }
-        if case.wants(Field::Body(BodyField::HalfTrack)) {
-            numbers.push(Number::HalfTrack);
         }
         if motion.kind == Kind::Places {
             numbers.extend([Number::Walk(0), Number::Walk(1)]);
@@ -145,10 +142,10 @@ impl<'a> Response<'a> {
         }
     }
 
-    /// From when on places are compared: what is not known of the first speeds has then become a constant.
-    fn compared_from(&self, segment: &Segment) -> f64 {
+    /// From when on the motion is compared: what is not known of the first speeds does not matter then.
+    pub(super) fn compared_from(&self, segment: &Segment) -> f64 {
         let (Some(first), Some(last)) = (segment.times_s.first(), segment.times_s.last()) else { return 0.0 };
-        let settles = self.motion.kind == Kind::Places && last - first > 5.0 * SETTLED_S;
+        let settles = last - first > 5.0 * SETTLED_S;
         if settles { first + SETTLED_S } else { *first }
     }
 

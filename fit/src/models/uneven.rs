@@ -1,8 +1,10 @@
 //! How unevenly motors run: the factor on each wheel's signal that is drawn once a tick.
 //!
 //! A wheel that gets the signal s for a tick Δt rolls V s Δt (1 + σ ε). Over a window of many lags the ways of the two wheels
-//! differ from those of the model by independent normal numbers with the variance (V Δt σ)² Σ s² + 2 r², where r is the
-//! noise of the measured place.
+//! differ from those of the model by independent normal numbers with the variance (V Δt σ)² (1 − τ / T) Σ s² + 2 r², where r is
+//! the noise of the measured place, T the window, and τ the lag, which takes what happens at the end of a window to the next.
+//! The numbers of the response were fitted to the same log, so the differences are too small; the likelihood has as many
+//! degrees of freedom less.
 
 use baudbot_sim::motor::Motors;
 
@@ -24,12 +26,13 @@ pub(super) fn sigma(response: &Response<'_>, values: &[f64]) -> Outcome {
         let what = "stretches of twenty lags with a wheel that is driven".into();
         return Outcome::CannotTell(Reason::TooFew { what, rows: driven, least: LEAST_WINDOWS });
     }
+    let lost = (values.len() as f64 / windows.len() as f64).min(0.5);
     let cost = |numbers: &[f64]| {
         let each = windows.iter().map(|(difference, scale)| {
             let variance = scale * numbers[0] * numbers[0] + 2.0 * numbers[1] * numbers[1];
-            0.5 * variance.ln() + 0.5 * difference * difference / variance
+            0.5 * variance.ln() + 0.5 * difference * difference / (variance * (1.0 - lost))
         });
-        each.sum::<f64>()
+        each.sum::<f64>() * (1.0 - lost)
     };
     let search = Search { unknowns: vec![Unknown::log(1e-5, 2.0), Unknown::log(1e-9, 1.0)], cost: &cost };
     let squares: f64 =
@@ -49,8 +52,9 @@ fn windows(response: &Response<'_>, values: &[f64], full_speed_m_s: f64, gain_n_
     let mut windows = Vec::new();
     for (segment, modelled) in response.motion.segments.iter().zip(response.modelled(values)) {
         let places = places(response.motion.kind, segment, &modelled);
-        let mut from = 0;
-        for row in 1..segment.times_s.len() {
+        let begin = response.compared_from(segment);
+        let mut from = segment.times_s.partition_point(|time| *time < begin);
+        for row in from + 1..segment.times_s.len() {
             let span = segment.times_s[row] - segment.times_s[from];
             if span < width_s {
                 continue;
@@ -63,7 +67,8 @@ fn windows(response: &Response<'_>, values: &[f64], full_speed_m_s: f64, gain_n_
                     let dt = segment.times_s[row + 1] - segment.times_s[row];
                     segment.signals[row][side].powi(2) * dt
                 });
-                let scale = full_speed_m_s * full_speed_m_s * tick_s * squares.sum::<f64>();
+                let kept = 1.0 - lag_s / span;
+                let scale = full_speed_m_s * full_speed_m_s * tick_s * kept * squares.sum::<f64>();
                 if rim.is_finite() {
                     windows.push((rim, scale));
                 }

@@ -116,7 +116,7 @@ fn one_specimen_tells_no_spread_and_one_distance_no_curve() {
     assert_eq!(*spread, Outcome::CannotTell(Reason::Specimens { there_are: 1 }));
     let one: Vec<_> =
         all.lines().filter(|line| line.starts_with(['#', 'd']) || line.starts_with("50,")).collect();
-    let one = one.join("\n").repeat(1) + &"\n50,900,1".repeat(10);
+    let one = one.join("\n") + &"\n50,900,1".repeat(10);
     let found = findings(&scenario(IR, &[]), &one, &["sensors.ir.c1_m2", "sensors.ir.c2"]);
     let Outcome::CannotTell(Reason::Confounded { with }) = of(&found, "sensors.ir.c1_m2") else {
         panic!("{found:?}")

@@ -60,10 +60,10 @@ fn simulated(link: &Link, seed: u64, mut pause_ms: impl FnMut() -> f64) -> Strin
     let (mut up, mut down) = (Line::up(link, seed, &["a/up"]), Line::down(link, seed, &["a/down"]));
     let (mut now, mut echoes) = (SimTime::from_ns(5_300_000), Vec::new());
     for _ in 0..400 {
-        down.send(link, now, &[b'x']);
+        down.send(link, now, b"x");
         let at_robot = down.arrival(link);
         assert!(down.take(link, at_robot).is_some());
-        up.send(link, at_robot, &[b'x']);
+        up.send(link, at_robot, b"x");
         let received = up.arrival(link);
         assert!(up.take(link, received).is_some());
         echoes.push((now.as_seconds() * 1e3, received.as_seconds() * 1e3));
