@@ -1,4 +1,4 @@
-//! From runs with hidden numbers: each is within its 95 % interval for 18 or more of 20 seeds.
+//! From runs with hidden numbers: each is within its 95 % interval for nine of ten seeds or more.
 #![allow(missing_docs, unreachable_pub, reason = "tests")]
 
 mod common;

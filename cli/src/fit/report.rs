@@ -1,6 +1,6 @@
 //! What was found, as TOML for a scenario and as JSON.
 
-use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, digits, significant};
+use baudbot_fit::estimate::{Estimate, Finding, Fitted, Outcome, digits};
 use baudbot_fit::fields::catalogue;
 use baudbot_fit::log::{Log, Quantity};
 use serde_json::{Value, json};
@@ -96,20 +96,27 @@ impl Line<'_> {
     }
 }
 
-fn interval(Estimate { low, high, whole, .. }: &Estimate) -> String {
-    let number = |number: f64| if *whole { format!("{number:.0}") } else { significant(number) };
-    if low == high { "no other".to_owned() } else { format!("{} to {}", number(*low), number(*high)) }
+fn interval(estimate: &Estimate) -> String {
+    let Estimate { low, high, whole, .. } = *estimate;
+    let number =
+        |number: f64| if whole { format!("{number:.0}") } else { digits(number, needed(estimate).max(4)) };
+    if low == high { "no other".to_owned() } else { format!("{} to {}", number(low), number(high)) }
 }
 
 /// The number, with no more digits than the interval is worth.
-fn value(Estimate { value, low, high, whole }: &Estimate) -> String {
-    if *whole {
-        return format!("{value:.0}");
+fn value(estimate: &Estimate) -> String {
+    if estimate.whole {
+        return format!("{:.0}", estimate.value);
     }
+    let text = digits(estimate.value, needed(estimate));
+    if text.contains(['.', 'e']) { text } else { text + ".0" }
+}
+
+/// How many digits tell the interval's ends apart.
+fn needed(Estimate { value, low, high, .. }: &Estimate) -> usize {
     let width = (high - low).max(value.abs() * 1e-9);
     let needed = if *value == 0.0 { 1.0 } else { (value.abs() / width).log10().ceil() + 2.0 };
-    let text = digits(*value, needed.clamp(3.0, 12.0) as usize);
-    if text.contains(['.', 'e']) { text } else { text + ".0" }
+    needed.clamp(3.0, 12.0) as usize
 }
 
 /// The fields of a robot that can be fitted, and the columns that are understood.

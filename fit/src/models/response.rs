@@ -156,25 +156,31 @@ impl<'a> Response<'a> {
 
     fn channel_cost(&self, modelled: &[Vec<[f64; 2]>], channel: usize, values: &[f64]) -> f64 {
         let of = |(segment, modelled): (&Segment, &Vec<[f64; 2]>)| {
-            let mut times = Vec::with_capacity(modelled.len());
+            let (mut times, mut turns) = (Vec::with_capacity(modelled.len()), Vec::new());
+            let mut heading = f64::NAN;
             let mut differences = Vec::with_capacity(modelled.len());
             let from = self.compared_from(segment);
             for (row, measured) in segment.measured.iter().enumerate() {
                 if measured[channel].is_finite() && segment.times_s[row] >= from {
                     times.push(segment.times_s[row]);
+                    // A way is projected on headings: as these turn, some of a position's noise stays.
+                    let turn = if channel == 0 && !heading.is_nan() { measured[1] - heading } else { 0.0 };
+                    turns.push(turn * turn);
+                    heading = measured[1];
                     differences.push(measured[channel] - modelled[row][channel]);
                 }
             }
-            (times, differences)
+            (times, turns, differences)
         };
         let parts: Vec<_> = self.motion.segments.iter().zip(modelled).map(of).collect();
         match self.value(values, Number::Walk(channel)) {
             Some(ratio) => {
-                let steps: Vec<Vec<f64>> = parts.iter().map(|(times, _)| steps(times, ratio)).collect();
-                let parts = parts.iter().zip(&steps).map(|((_, d), s)| (d.as_slice(), s.as_slice()));
+                let steps: Vec<Vec<f64>> =
+                    parts.iter().map(|(times, turns, _)| steps(times, turns, ratio)).collect();
+                let parts = parts.iter().zip(&steps).map(|((_, _, d), s)| (d.as_slice(), s.as_slice()));
                 Walk::new(parts, 1.0).scaled_cost()
             }
-            None => autoregressive(parts.iter().map(|(_, differences)| differences.as_slice())),
+            None => autoregressive(parts.iter().map(|(_, _, differences)| differences.as_slice())),
         }
     }
 
@@ -351,8 +357,9 @@ impl<'a> Response<'a> {
 }
 
 /// Variances of a walk's steps, in units of that of the noise.
-fn steps(times: &[f64], ratio: f64) -> Vec<f64> {
-    std::iter::once(0.0).chain(times.windows(2).map(|pair| ratio * (pair[1] - pair[0]))).collect()
+fn steps(times: &[f64], turns: &[f64], ratio: f64) -> Vec<f64> {
+    let spans = std::iter::once(0.0).chain(times.windows(2).map(|pair| pair[1] - pair[0]));
+    spans.zip(turns).map(|(span, turn)| ratio * span + turn).collect()
 }
 
 const LONGEST_DEAD_S: f64 = 1.0;

@@ -60,12 +60,16 @@ impl Tally {
         self.0[place].2.push(text);
     }
 
-    /// Fails if a number was missed more than twice.
+    /// Fails if a number was missed more often than in a tenth of the runs.
     pub fn check(&self) {
+        let mut missed = String::new();
         for (path, found, all) in &self.0 {
             println!("{path}: {found} of {}", all.len());
-            assert!(*found as usize + 2 >= all.len(), "{path}: {found} of {}\n{}", all.len(), all.join("\n"));
+            if *found as usize + all.len() / 10 < all.len() {
+                missed += &format!("{path}: {found} of {}\n{}\n", all.len(), all.join("\n"));
+            }
         }
+        assert!(missed.is_empty(), "{missed}");
     }
 }
 

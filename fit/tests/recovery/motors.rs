@@ -41,9 +41,9 @@ fn delayed(seed: u64, changes: &[String], dead_s: f64, sigma: f64) -> World2Log 
     log
 }
 
-fn recovered(speeds: bool, sigma: f64) {
+fn recovered(speeds: bool, sigma: f64, seeds: u64) {
     let mut tally = Tally::default();
-    for seed in 1..=std::env::var("SEEDS").map_or(20, |n| n.parse().unwrap()) {
+    for seed in 1..=seeds {
         let mut chance = Chance::new(500 + seed);
         let [gain, full] = [chance.between(0.6, 3.0), chance.between(0.3, 0.8)];
         // The brain steps each tick.
@@ -65,18 +65,19 @@ fn recovered(speeds: bool, sigma: f64) {
 
 #[test]
 fn dead_time_and_lag_are_recovered_from_speeds() {
-    recovered(true, 0.05);
+    recovered(true, 0.05, 20);
 }
 
+/// Of the first 20 seeds the gain is missed in three, of 200 in eight: 20 are too few to tell 17 from 19 here.
 #[test]
 fn dead_time_and_lag_are_recovered_from_poses() {
-    recovered(false, 0.05);
+    recovered(false, 0.05, 60);
 }
 
 #[test]
 fn uneven_motors_are_recovered() {
     let mut tally = Tally::default();
-    for seed in 1..=std::env::var("SEEDS").map_or(20, |n| n.parse().unwrap()) {
+    for seed in 1..=20 {
         let sigma = Chance::new(seed).between(0.05, 0.3);
         let changes = [
             format!("seed={seed}"),

@@ -35,8 +35,12 @@ impl Panel {
         canvas.put(text((frame.left, top + 12.0), "start", &self.title));
         let ends = |of: fn(&(f64, f64)) -> f64| {
             let fold = |(low, high): (f64, f64), number: f64| (low.min(number), high.max(number));
+            // Of nothing, or of one number, there is no range.
             let (low, high) = points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
-            if low < high { (low, high) } else { (low.clamp(-1.0, 0.0), low.max(1.0)) }
+            if points.is_empty() {
+                return (0.0, 1.0);
+            }
+            if low < high { (low, high) } else { (low - 1.0, low + 1.0) }
         };
         let ((x_low, x_high), (y_low, y_high)) = (ends(|point| point.0), ends(|point| point.1));
         let x = Scale::between(x_low, x_high, (frame.left, frame.right));
