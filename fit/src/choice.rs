@@ -107,7 +107,11 @@ mod tests {
     use super::*;
 
     fn chosen(patterns: &[&str]) -> Result<Vec<String>, String> {
-        let scenario = baudbot_scenario::parse("[[robots]]\nname = \"a\"\npreset = \"khepera-1\"").unwrap();
+        // By the formula: tables of readings are not fitted.
+        let formula = |i| format!("sensors.ir_{i} = {{ c1_m2 = 5e-4, c2 = 0.0 }}\n");
+        let formulas: String = (0..8).map(formula).collect();
+        let toml = format!("[[robots]]\nname = \"a\"\npreset = \"khepera-1\"\n{formulas}");
+        let scenario = baudbot_scenario::parse(&toml).unwrap();
         let robot = &scenario.robots[0];
         let patterns: Vec<String> = patterns.iter().map(ToString::to_string).collect();
         let others = ["body.mass_kg".to_owned()];

@@ -45,7 +45,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   baudbot fit --list --preset khepera-1          what can be fitted, and from which columns
   baudbot fit echo.csv --preset ch340 --fields 'link.adapter.*'
-  baudbot fit curve.csv --preset khepera-1 --fields sensors.ir_0.c1_m2,sensors.ir_0.c2,sensors.ir_0.noise
+  baudbot fit curve.csv --preset arsim --fields sensors.ir_left.c1_m2,sensors.ir_left.c2,sensors.ir_left.noise
   baudbot fit drive.csv --scenario my.toml --robot alice --fields 'motors.*' --svg rest.svg
   baudbot fit drive.csv --preset create-2 --fields motors.dead_time_ms --columns time_s=stamp,command_left=l,command_right=r
 

@@ -136,6 +136,10 @@ fn what_cannot_be_told_is_said_with_the_reason() {
         log.to_str().unwrap(),
         "--preset",
         "khepera-1",
+        "--set",
+        "sensors.ir_0.c1_m2=5e-4",
+        "--set",
+        "sensors.ir_0.c2=0.0",
         "--fields",
         "motors.gain_n_s,sensors.ir_0.noise.gain_spread",
     ]);
@@ -176,7 +180,16 @@ fn bad_logs_and_fields_are_refused_by_their_place() {
 
 #[test]
 fn the_list_has_fields_and_columns() {
-    let out = good(&["fit", "--list", "--preset", "khepera-1"]);
+    let out = good(&[
+        "fit",
+        "--list",
+        "--preset",
+        "khepera-1",
+        "--set",
+        "sensors.ir_0.c1_m2=5e-4",
+        "--set",
+        "sensors.ir_0.c2=0.0",
+    ]);
     for line in [
         "  sensors.ir_0.c1_m2\n",
         "  motors.gain_n_s\n",
