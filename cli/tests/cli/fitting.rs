@@ -137,9 +137,9 @@ fn what_cannot_be_told_is_said_with_the_reason() {
         "--preset",
         "khepera-1",
         "--set",
-        "sensors.ir_0.c1_m2=5e-4",
+        "robots.robot.sensors.ir_0.c1_m2=5e-4",
         "--set",
-        "sensors.ir_0.c2=0.0",
+        "robots.robot.sensors.ir_0.c2=0.0",
         "--fields",
         "motors.gain_n_s,sensors.ir_0.noise.gain_spread",
     ]);
@@ -186,9 +186,9 @@ fn the_list_has_fields_and_columns() {
         "--preset",
         "khepera-1",
         "--set",
-        "sensors.ir_0.c1_m2=5e-4",
+        "robots.robot.sensors.ir_0.c1_m2=5e-4",
         "--set",
-        "sensors.ir_0.c2=0.0",
+        "robots.robot.sensors.ir_0.c2=0.0",
     ]);
     for line in [
         "  sensors.ir_0.c1_m2\n",
