@@ -18,10 +18,6 @@ pub struct Echo {
     pub bits_per_character: f64,
     /// Number of exchanges.
     pub exchanges: usize,
-    /// Longest time between an answer and the next command, in milliseconds; none if the command follows at once. It varies
-    /// evenly.
-    #[serde(default)]
-    pub pause_ms: f64,
     /// The robot's processor, a preset.
     pub microcontroller: String,
 }
@@ -59,12 +55,10 @@ impl Echo {
                 continue;
             };
             echoes_ms.extend(sent.map(|sent| turn.at.since(sent) as f64 * 1e-6));
-            let share = (echoes_ms.len() as f64 * GOLDEN).fract();
-            let at = turn.at + (share * self.pause_ms * 1e6) as u64;
             let sequence = commands.next_command(&[]);
             let written = Written::Command { sequence, wheels: Wheels::default(), others: &[] };
-            world.finish_answers(&[Answer { robot: 0, at, written }]);
-            sent = Some(at);
+            world.finish_answers(&[Answer { robot: 0, at: turn.at, written }]);
+            sent = Some(turn.at);
         }
         echoes_ms
     }
@@ -72,5 +66,3 @@ impl Echo {
 
 /// A brain steps at most once a tick, so that this must be shorter than any echo.
 const STEP_MS: f64 = 0.05;
-/// Its multiples are spread evenly over 0 to 1.
-const GOLDEN: f64 = 0.618_033_988_749_895;
