@@ -67,7 +67,7 @@ fn unknown(pattern: &str, written: &str, all: &[(Field, String)], others: &[Stri
     }
     let near = nearest(written, paths());
     let problem = if near.is_empty() {
-        "the robot has no such field that can be fitted; `--list` shows them".to_owned()
+        "the robot has no such field that can be fitted; `--list` shows them; a sensor with a `lookup` has none".to_owned()
     } else {
         let near: Vec<_> = near.iter().map(|path| format!("`{path}`")).collect();
         format!(
