@@ -67,7 +67,7 @@ fn unknown(pattern: &str, written: &str, all: &[(Field, String)], others: &[Stri
     }
     let near = nearest(written, paths());
     let problem = if near.is_empty() {
-        "the robot has no such field that can be fitted; `--list` shows them; a sensor with a `lookup` has none".to_owned()
+        "the robot has no such field that can be fitted; `--list` shows them".to_owned()
     } else {
         let near: Vec<_> = near.iter().map(|path| format!("`{path}`")).collect();
         format!(
@@ -107,11 +107,9 @@ mod tests {
     use super::*;
 
     fn chosen(patterns: &[&str]) -> Result<Vec<String>, String> {
-        // By the formula: tables of readings are not fitted.
-        let formula = |i| format!("sensors.ir_{i} = {{ c1_m2 = 5e-4, c2 = 0.0 }}\n");
-        let formulas: String = (0..8).map(formula).collect();
-        let toml = format!("[[robots]]\nname = \"a\"\npreset = \"khepera-1\"\n{formulas}");
-        let scenario = baudbot_scenario::parse(&toml).unwrap();
+        let toml =
+            "[[robots]]\nname = \"a\"\npreset = \"khepera-1\"\nsensors.ir_0 = { c1_m2 = 5e-4, c2 = 0.0 }\n";
+        let scenario = baudbot_scenario::parse(toml).unwrap();
         let robot = &scenario.robots[0];
         let patterns: Vec<String> = patterns.iter().map(ToString::to_string).collect();
         let others = ["body.mass_kg".to_owned()];
@@ -122,7 +120,7 @@ mod tests {
     #[test]
     fn patterns_stand_for_fields_and_for_tables() {
         assert_eq!(chosen(&["sensors.ir_0.c1_m2"]).unwrap(), ["sensors.ir_0.c1_m2"]);
-        assert_eq!(chosen(&["sensors.*.c2"]).unwrap().len(), 8);
+        assert_eq!(chosen(&["sensors.*.c2"]).unwrap().len(), 1);
         assert_eq!(chosen(&["sensors.ir_*.noise"]).unwrap().len(), 8 * 5);
         assert_eq!(chosen(&["motors.noise.*"]).unwrap(), ["motors.noise_sigma", "motors.noise_spread"]);
         assert_eq!(chosen(&["body"]).unwrap(), ["body.wheel_radius_m", "body.half_track_m"]);

@@ -129,7 +129,8 @@ fn of_sensor(sensor: &Sensor) -> &'static [SensorField] {
             InfraredModel::Phenomenological { .. } => {
                 &[C1, C2, GainSpread, OffsetSpread, Multiplicative, Additive, Uniform]
             }
-            InfraredModel::Lookup(_) | InfraredModel::Ambient { .. } => &[],
+            InfraredModel::Lookup(_) => &[GainSpread, OffsetSpread, Multiplicative, Additive, Uniform],
+            InfraredModel::Ambient { .. } => &[],
         },
         Device::Compass(_) => {
             &[HardIron, HardIronPhase, SoftIron, SoftIronPhase, OffsetSpread, Additive, Uniform]

@@ -19,7 +19,7 @@ mod statistics;
 
 use baudbot_sim::link::{Adapter, Link};
 use baudbot_sim::model::RobotModel;
-use baudbot_sim::sensor::Device;
+use baudbot_sim::sensor::{Device, Sensor};
 
 use crate::estimate::{Fitted, Reason};
 use crate::fields::{BodyField, Field, SensorField};
@@ -39,7 +39,7 @@ pub fn fit(robot: Robot<'_>, log: &Log, wanted: &[Field]) -> Fitted {
         let case = Case { robot, log, wanted: &fields };
         take(match part {
             Part::Link => link(&case),
-            Part::Curve => curve::fit(&case),
+            Part::Curve(_) => curve::fit(&case),
             Part::Compass(sensor) => compass::fit(&case, sensor),
             Part::Odometer(sensor) => travel::odometer(&case, sensor),
             Part::Losses(sensor) => travel::losses(&case, sensor),
@@ -72,7 +72,8 @@ pub fn readings(robot: &RobotModel) -> Vec<String> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Link,
-    Curve,
+    /// Of the kind of sensor that this one is.
+    Curve(usize),
     Compass(usize),
     Odometer(usize),
     Losses(usize),
@@ -117,16 +118,22 @@ fn part_of_sensor(robot: &RobotModel, sensor: usize, field: SensorField) -> Part
         | SensorField::HardIronPhase
         | SensorField::SoftIron
         | SensorField::SoftIronPhase => Part::Compass(sensor),
-        SensorField::C1 | SensorField::C2 => Part::Curve,
+        SensorField::C1 | SensorField::C2 => part_of_curve(robot, sensor),
         SensorField::GainSpread
         | SensorField::OffsetSpread
         | SensorField::Multiplicative
         | SensorField::Additive
         | SensorField::Uniform => {
             let is_compass = matches!(robot.sensors[sensor].device, Device::Compass(_));
-            if is_compass { Part::Compass(sensor) } else { Part::Curve }
+            if is_compass { Part::Compass(sensor) } else { part_of_curve(robot, sensor) }
         }
     }
+}
+
+/// Sensors of one kind are fitted together, as specimens of it.
+fn part_of_curve(robot: &RobotModel, sensor: usize) -> Part {
+    let is_same = |other: &Sensor| curve::same_kind(&robot.sensors[sensor], other);
+    Part::Curve(robot.sensors.iter().position(is_same).unwrap_or(sensor))
 }
 
 fn link(case: &Case<'_>) -> Fitted {

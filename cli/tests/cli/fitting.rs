@@ -136,10 +136,6 @@ fn what_cannot_be_told_is_said_with_the_reason() {
         log.to_str().unwrap(),
         "--preset",
         "khepera-1",
-        "--set",
-        "robots.robot.sensors.ir_0.c1_m2=5e-4",
-        "--set",
-        "robots.robot.sensors.ir_0.c2=0.0",
         "--fields",
         "motors.gain_n_s,sensors.ir_0.noise.gain_spread",
     ]);
@@ -180,22 +176,36 @@ fn bad_logs_and_fields_are_refused_by_their_place() {
 
 #[test]
 fn the_list_has_fields_and_columns() {
-    let out = good(&[
-        "fit",
-        "--list",
-        "--preset",
-        "khepera-1",
-        "--set",
-        "robots.robot.sensors.ir_0.c1_m2=5e-4",
-        "--set",
-        "robots.robot.sensors.ir_0.c2=0.0",
-    ]);
+    let out = good(&["fit", "--list", "--preset", "khepera-1"]);
     for line in [
-        "  sensors.ir_0.c1_m2\n",
+        "  sensors.ir_0.noise.uniform\n",
         "  motors.gain_n_s\n",
         "  time_s time_ms time_us time_ns\n",
         "  encoders.left\n",
     ] {
         assert!(out.contains(line), "{out}");
     }
+}
+
+/// Sensors of a Khepera have a table of samples; what a fit finds about it goes into the scenario.
+#[test]
+fn noise_about_a_table_goes_into_a_scenario() {
+    let mut log = "distance_mm,value_raw,sensor\n".to_owned();
+    for (distance, value) in [(20, 300), (30, 180), (40, 130), (50, 116)] {
+        for i in 0..20 {
+            log += &format!("{distance},{},ir_3\n", value + 4 * (i * 7 % 5 - 2));
+        }
+    }
+    let log = file("fit-table.csv", &log);
+    let fields = "sensors.ir_3.noise.*";
+    let (code, out, err) =
+        baudbot(&["fit", log.to_str().unwrap(), "--preset", "khepera-2", "--fields", fields]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("\nsensors.ir_3.noise.uniform = 0.0"), "{out}");
+    assert!(
+        out.contains("# cannot tell sensors.ir_3.noise.gain_spread: a spread over specimens needs"),
+        "{out}"
+    );
+    let scenario = format!("[[robots]]\nname = \"a\"\npreset = \"khepera-2\"\n{out}");
+    good(&["check", file("fit-table.toml", &scenario).to_str().unwrap()]);
 }

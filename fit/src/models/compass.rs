@@ -9,9 +9,9 @@ use baudbot_geometry::angle;
 use baudbot_sim::sensor::{Device, Sensor};
 use baudbot_wire::Encoding;
 
-use super::Case;
 use super::curve::LEAST_SPECIMENS;
 use super::specimens::{Spread, specimen};
+use super::{Case, chosen, merged};
 use crate::estimate::{Estimate, Finding, Fitted, Outcome, Reason, Residuals, found};
 use crate::fields::SensorField;
 use crate::log::Quantity;
@@ -105,28 +105,17 @@ impl<'a> Rows<'a> {
     fn fit(&self, case: &Case<'_>) -> Fitted {
         let fixed = self.preset();
         let free = self.free(case, &fixed);
-        let all = |values: &[f64]| {
-            let mut numbers = fixed;
-            for (i, value) in free.iter().zip(values) {
-                numbers[*i] = *value;
-            }
-            numbers
-        };
+        let all = |values: &[f64]| merged(fixed, &free, values);
         let cost = |values: &[f64]| self.cost(all(values));
         let start = self.start();
         let unknowns: Vec<_> = free.iter().map(|i| unknown(*i, start[*i])).collect();
         let search = Search { unknowns, cost: &cost };
-        let mut best = search.best(&[free.iter().map(|i| start[*i]).collect()]);
+        let mut best = search.best(&chosen(&free, &[start]));
         let names: Vec<_> = free.iter().map(|i| name(*i)).collect();
-        let mut outcomes = Vec::new();
-        for (i, field) in FIELDS.iter().enumerate() {
-            let outcome = case.wanted_of(*field).then(|| match free.iter().position(|free| *free == i + 1) {
-                Some(place) => found(&search, &mut best, (place, &names), 1.0),
-                None => Outcome::CannotTell(Reason::Specimens { there_are: self.specimens.len() }),
-            });
-            outcomes.push((*field, outcome.map(wrapped(*field))));
-        }
-        let mut findings = case.findings(&outcomes);
+        let mut findings = case.findings(&FIELDS, |i| match free.iter().position(|free| *free == i + 1) {
+            Some(place) => wrapped(FIELDS[i], found(&search, &mut best, (place, &names), 1.0)),
+            None => Outcome::CannotTell(Reason::Specimens { there_are: self.specimens.len() }),
+        });
         let outcome = found(&search, &mut best, (0, &names), 1.0);
         findings.push(Finding {
             path: format!("bias of {}, in rad", self.sensor.name),
@@ -242,8 +231,8 @@ fn name(i: usize) -> String {
 }
 
 /// A phase as one of a turn.
-fn wrapped(field: SensorField) -> impl Fn(Outcome) -> Outcome {
-    move |outcome| match (field, outcome) {
+fn wrapped(field: SensorField, outcome: Outcome) -> Outcome {
+    match (field, outcome) {
         (
             SensorField::HardIronPhase | SensorField::SoftIronPhase,
             Outcome::Estimate(Estimate { value, low, high, whole }),

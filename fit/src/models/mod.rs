@@ -14,7 +14,7 @@ mod uneven;
 use baudbot_sim::model::RobotModel;
 
 use crate::estimate::{Finding, Outcome, Reason};
-use crate::fields::Field;
+use crate::fields::{Field, SensorField};
 use crate::log::{Column, Log, Quantity};
 
 /// The robot whose numbers are looked for, and how its world is computed.
@@ -62,4 +62,36 @@ impl Case<'_> {
         };
         self.log.column(quantity).ok_or(Reason::Columns { needs })
     }
+
+    /// Whether the field is wanted of any sensor.
+    fn wanted_of(&self, field: SensorField) -> bool {
+        self.wanted.iter().any(|wanted| matches!(wanted, Field::Sensor(_, of) if *of == field))
+    }
+
+    /// The findings of all sensors, which are specimens of one kind, from the outcome of each of the model's fields that is
+    /// wanted.
+    fn findings(&self, fields: &[SensorField], mut outcome: impl FnMut(usize) -> Outcome) -> Vec<Finding> {
+        let mut outcomes = Vec::new();
+        for (i, field) in fields.iter().enumerate().filter(|(_, field)| self.wanted_of(**field)) {
+            outcomes.push((*field, outcome(i)));
+        }
+        let outcome = |field: &Field| match field {
+            Field::Sensor(_, of) => outcomes.iter().find(|(field, _)| field == of).map(|(_, of)| of.clone()),
+            Field::Adapter(_) | Field::Motors(_) | Field::Body(_) => None,
+        };
+        self.wanted.iter().filter_map(|field| Some(self.finding(*field, outcome(field)?))).collect()
+    }
+}
+
+/// The numbers of the scenario, with those that are searched in place of some.
+fn merged<const N: usize>(mut fixed: [f64; N], free: &[usize], values: &[f64]) -> [f64; N] {
+    for (i, value) in free.iter().zip(values) {
+        fixed[*i] = *value;
+    }
+    fixed
+}
+
+/// Of numbers to begin with, those that are searched.
+fn chosen<const N: usize>(free: &[usize], starts: &[[f64; N]]) -> Vec<Vec<f64>> {
+    starts.iter().map(|start| free.iter().map(|i| start[*i]).collect()).collect()
 }

@@ -23,8 +23,21 @@ sensors.ir = { kind = "ir", bits = 12, opening_rad = 0.4, rays = 5, range_m = 0.
 
 const DISTANCES_MM: [f64; 8] = [20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0];
 
+/// The same with a sensor of a table of samples, and a coarser converter than its codes.
+fn table() -> String {
+    let (before, after) = IR.split_once("sensors.ir = ").unwrap();
+    let (_, after) = after.split_once('\n').unwrap_or((after, ""));
+    format!(
+        "{before}sensors.ir = {{ preset = \"khepera-2-ir\", period_ms = 10.0, mount = {{ x_m = 0.0 }} }}\n{after}"
+    )
+}
+
 /// What a specimen, which is a seed, reads at some distances.
 fn log(changes: &[String], specimens: std::ops::Range<u64>, readings: usize) -> String {
+    log_of(IR, changes, specimens, readings)
+}
+
+fn log_of(toml: &str, changes: &[String], specimens: std::ops::Range<u64>, readings: usize) -> String {
     let mut text = "# experiment: curve\ndistance_mm,value_raw,sensor\n".to_owned();
     for specimen in specimens {
         for (i, distance) in DISTANCES_MM.iter().enumerate() {
@@ -32,14 +45,15 @@ fn log(changes: &[String], specimens: std::ops::Range<u64>, readings: usize) -> 
             all.push(format!("robots.a.start.x_m={}", -distance / 1e3));
             all.push(format!("seed={specimen}"));
             let all: Vec<_> = all.iter().map(String::as_str).collect();
-            let mut world = World::new(scenario(IR, &all).into());
+            let full = if toml == IR { 4095.0 } else { 1023.0 };
+            let mut world = World::new(scenario(toml, &all).into());
             // Other readings at each distance, of the same specimen.
             let skipped = i * readings;
             for tick in 0..skipped + readings {
                 world.begin();
                 if tick >= skipped {
-                    let value = world.robot(0).sensors().next().unwrap().sample[0];
-                    writeln!(text, "{distance},{:.0},{specimen}", value * 4095.0).unwrap();
+                    let value = full * world.robot(0).sensors().next().unwrap().sample[0];
+                    writeln!(text, "{distance},{value:.0},{specimen}").unwrap();
                 }
                 world.finish(&[]);
             }
@@ -122,4 +136,79 @@ fn one_specimen_tells_no_spread_and_one_distance_no_curve() {
         panic!("{found:?}")
     };
     assert_eq!(with, "`c2`");
+}
+
+#[test]
+fn noise_about_a_table_is_recovered() {
+    let (toml, mut tally) = (table(), Tally::default());
+    for seed in 1..=20 {
+        let mut chance = Chance::new(seed);
+        let [multiplicative, additive] = [chance.between(0.02, 0.05), chance.between(0.005, 0.02)];
+        let uniform = chance.between(0.006, 0.02);
+        let noise = "robots.a.sensors.ir.noise";
+        let changes = [
+            format!(
+                "{noise}={{ gain_spread = 0.165, multiplicative = {multiplicative}, additive = {additive} }}"
+            ),
+            format!("{noise}={{ offset_spread = 0.0323, uniform = {uniform} }}"),
+        ];
+        let known = scenario(&toml, &[]);
+        let normal = log_of(&toml, &changes[..1], seed..seed + 1, 40);
+        let path = |field: &str| format!("sensors.ir.noise.{field}");
+        let fields = ["multiplicative", "additive"].map(path);
+        let found = findings(&known, &normal, &[&fields[0], &fields[1]]);
+        tally.add(&found, &fields[0], multiplicative);
+        tally.add(&found, &fields[1], additive);
+        let even = log_of(&toml, &changes[1..], seed..seed + 1, 15);
+        let found = findings(&known, &even, &[&path("uniform")]);
+        tally.add(&found, &path("uniform"), uniform);
+    }
+    tally.check();
+}
+
+/// The wall of the log is darker than that of the table: the noise is still that of readings at one distance.
+#[test]
+fn a_curve_that_is_not_the_table_s_is_no_noise() {
+    let (toml, mut tally) = (table(), Tally::default());
+    let darker = "[[0.60], [0.21], [0.10], [0.10], [0.08], [0.082], [0.078], [0.071], [0.07], [0.06]]";
+    let darker = darker.replace('[', "[[").replace(']', "]]").replacen("[[[[", "[[[", 1);
+    let darker = darker.strip_suffix(']').unwrap();
+    for seed in 1..=20 {
+        let additive = Chance::new(seed).between(0.004, 0.02);
+        let changes = [
+            format!("robots.a.sensors.ir.lookup.samples={darker}"),
+            format!("robots.a.sensors.ir.noise={{ additive = {additive} }}"),
+        ];
+        let log = log_of(&toml, &changes, seed..seed + 1, 20);
+        let found = findings(&scenario(&toml, &[]), &log, &["sensors.ir.noise.additive"]);
+        tally.add(&found, "sensors.ir.noise.additive", additive);
+    }
+    tally.check();
+}
+
+#[test]
+fn the_spread_about_a_table_is_recovered() {
+    let (toml, mut tally) = (table(), Tally::default());
+    for seed in 1..=20 {
+        let mut chance = Chance::new(seed);
+        let [gain, offset] = [chance.between(0.05, 0.2), chance.between(0.01, 0.02)];
+        let changes = [format!(
+            "robots.a.sensors.ir.noise={{ gain_spread = {gain}, offset_spread = {offset}, uniform = 0.01 }}"
+        )];
+        let log = log_of(&toml, &changes, 100 * seed..100 * seed + 24, 3);
+        let fields = ["sensors.ir.noise.gain_spread", "sensors.ir.noise.offset_spread"];
+        let found = findings(&scenario(&toml, &[]), &log, &fields);
+        tally.add(&found, fields[0], gain);
+        tally.add(&found, fields[1], offset);
+    }
+    tally.check();
+}
+
+#[test]
+fn single_readings_tell_no_noise_about_a_table() {
+    let toml = table();
+    let log = log_of(&toml, &["robots.a.sensors.ir.noise={ additive = 0.02 }".to_owned()], 1..5, 1);
+    let found = findings(&scenario(&toml, &[]), &log, &["sensors.ir.noise.additive"]);
+    let Outcome::CannotTell(reason) = of(&found, "sensors.ir.noise.additive") else { panic!("{found:?}") };
+    assert!(matches!(reason, Reason::TooFew { rows: 0, .. }), "{reason}");
 }

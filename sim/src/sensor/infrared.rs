@@ -50,6 +50,12 @@ pub struct Converter {
 }
 
 impl Converter {
+    /// The difference between neighbouring readings, as a share of full scale.
+    #[must_use]
+    pub fn step(self) -> f64 {
+        self.step
+    }
+
     /// The reading that is nearest to a value in [0, 1].
     #[cold]
     #[inline(never)]

@@ -105,6 +105,35 @@ impl Lookup {
         let sample = at(near);
         interpolate(sample, at(near + 1), weight)
     }
+
+    /// Mean and variance of the readings at this distance, in metres, and this angle of incidence, in radians, over the
+    /// samples that may be chosen there.
+    #[must_use]
+    pub fn moments(&self, distance_m: f64, angle_rad: f64) -> (f64, f64) {
+        let (near, weight) = bracket(&self.distances_m, distance_m);
+        let at = |distance: usize| {
+            let row = &self.samples[distance];
+            if self.angles_rad.is_empty() {
+                return moments(&row[0]);
+            }
+            let (smaller, weight) = bracket(&self.angles_rad, angle_rad.abs());
+            between(moments(&row[smaller]), moments(&row[smaller + 1]), weight)
+        };
+        between(at(near), at(near + 1), weight)
+    }
+}
+
+/// Mean and variance of one of the samples, all equally likely.
+fn moments(samples: &[f64]) -> (f64, f64) {
+    let mean = choose(samples, None);
+    let squares: f64 = samples.iter().map(|sample| (sample - mean) * (sample - mean)).sum();
+    (mean, squares / samples.len() as f64)
+}
+
+/// Mean and variance of (3.2) between independent readings.
+fn between(from: (f64, f64), to: (f64, f64), weight: f64) -> (f64, f64) {
+    let share = 1.0 - weight;
+    (interpolate(from.0, to.0, weight), share * share * from.1 + weight * weight * to.1)
 }
 
 /// One of the samples, all equally likely, or their mean.
@@ -255,6 +284,23 @@ mod tests {
                 lookup.read(distance, angle, Some(&mut stream));
                 assert_eq!(stream, expected, "at {distance} m, {angle} rad");
             }
+        }
+    }
+
+    #[test]
+    fn moments_are_those_of_the_readings() {
+        let samples = vec![vec![vec![1.0, 3.0], vec![2.0]], vec![vec![7.0, 4.0, 4.0], vec![9.0, 10.0]]];
+        let lookup = Lookup::new(vec![0.1, 0.2], vec![0.0, 1.0], samples).unwrap();
+        let mut stream = Stream::new(1, "a");
+        for (distance, angle) in [(0.1, 0.0), (0.13, 0.25), (0.5, -0.5)] {
+            let n = 4 * SAMPLES;
+            let readings: Vec<_> = (0..n).map(|_| lookup.read(distance, angle, Some(&mut stream))).collect();
+            let mean = readings.iter().sum::<f64>() / n as f64;
+            let variance =
+                readings.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / n as f64;
+            let (expected, spread) = lookup.moments(distance, angle);
+            assert!((mean - expected).abs() < 5.0 * (spread / n as f64).sqrt(), "{mean}, not {expected}");
+            assert!((variance / spread - 1.0).abs() < 0.05, "{variance}, not {spread}");
         }
     }
 
