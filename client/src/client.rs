@@ -119,6 +119,7 @@ impl Client {
             memory_bytes: self.memory_bytes,
             thinks_as_scenario: self.thinks_as_scenario,
             stop_when_gone: false,
+            serial_port: false,
         };
         Session::open(self.channel.clone(), hello, protocol::nanoseconds(self.publishes_every)).await
     }

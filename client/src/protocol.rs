@@ -127,6 +127,7 @@ fn robot_step(robot: usize, answer: &Answer<'_>) -> v1::RobotStep {
             output: Some(Output::Raw(bytes.to_vec())),
             operations,
             until_message: until.map(Into::into),
+            opened: false,
         },
         Answer::Sleep(until) => {
             v1::RobotStep { until_message: Some(until.into()), ..v1::RobotStep::default() }

@@ -17,6 +17,8 @@ pub fn change(intervention: &Intervention) -> v1::RecordedChange {
         }
         Intervention::PullCable { robot, pulled } => Change::PullCable(v1::PullCable { robot, pulled }),
         Intervention::SetBaud { robot, baud } => Change::SetBaud(v1::SetBaud { robot, baud }),
+        Intervention::OpenPort { robot, open } => Change::Port(v1::RecordedPort { robot, open }),
+        Intervention::ResetBoard { robot } => Change::ResetBoard(robot),
     };
     v1::RecordedChange { change: Some(change) }
 }
@@ -32,6 +34,8 @@ pub fn intervention(change: Change) -> Intervention {
         }
         Change::PullCable(v1::PullCable { robot, pulled }) => Intervention::PullCable { robot, pulled },
         Change::SetBaud(v1::SetBaud { robot, baud }) => Intervention::SetBaud { robot, baud },
+        Change::Port(v1::RecordedPort { robot, open }) => Intervention::OpenPort { robot, open },
+        Change::ResetBoard(robot) => Intervention::ResetBoard { robot },
     }
 }
 

@@ -57,6 +57,7 @@ mod tests {
             "RecordedChange",
             "RecordedInput",
             "RecordedInputs",
+            "RecordedPort",
             "SetBaud",
         ];
         assert_eq!(names, BTreeSet::from(wanted));

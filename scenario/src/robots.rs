@@ -53,7 +53,7 @@ pub(super) fn robots(path: &Path, raw: Vec<raw::Robot>, context: &mut World<'_>)
         let model = shared(model, robots.last().map(|(_, last)| last));
         for (place, name, start) in places {
             let model = with_faults(&path, &model, (&name, context.seed), &faults)?;
-            robots.push((place, RobotSpec { name, group: group.clone(), start, model }));
+            robots.push((place, RobotSpec { name, group: group.clone(), start, model, port_is_open: false }));
         }
     }
     starts::stand_free(&robots, context)?;

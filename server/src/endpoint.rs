@@ -11,6 +11,8 @@ use baudbot_sim::{Scenario, SimTime, Written};
 use baudbot_wire::{frame, khepera, message, write_command, write_values};
 use tonic::Status;
 
+use crate::message::Mode;
+
 /// Most bytes that one Step may write to one port.
 const MAX_WRITE: usize = 64 << 10;
 
@@ -24,6 +26,8 @@ pub(crate) struct Write {
     pub(crate) thinking: Thinking,
     pub(crate) output: Option<Output>,
     pub(crate) until: Option<Until>,
+    /// A program has opened the serial port.
+    pub(crate) opened: bool,
 }
 
 /// The wish of a brain to be asked only when a message has come.
@@ -65,12 +69,12 @@ pub(crate) struct Signals {
 pub(crate) struct Endpoint {
     scenario: Arc<Scenario>,
     robots: Vec<usize>,
-    raw: bool,
+    mode: Mode,
 }
 
 impl Endpoint {
-    pub(crate) fn new(scenario: Arc<Scenario>, robots: Vec<usize>, raw: bool) -> Self {
-        Self { scenario, robots, raw }
+    pub(crate) fn new(scenario: Arc<Scenario>, robots: Vec<usize>, mode: Mode) -> Self {
+        Self { scenario, robots, mode }
     }
 
     /// Checks a Step.
@@ -106,7 +110,10 @@ impl Endpoint {
         };
         let spec = &self.scenario.robots[robot];
         check_thinking(spec, write.thinking)?;
-        match (&write.output, self.raw) {
+        if write.opened && self.mode != Mode::SerialPort {
+            return Err(("opened", "only for serial ports; ask for `serial_port` in the Hello".into()));
+        }
+        match (&write.output, self.mode.is_raw()) {
             (None, _) => Ok(()),
             (Some(Output::Raw(bytes)), true) if bytes.len() <= MAX_WRITE => Ok(()),
             (Some(Output::Raw(bytes)), true) => {

@@ -34,15 +34,6 @@ impl Pace {
         }
     }
 
-    /// How a world at this pace takes the answers to Turns that it gives now.
-    pub(crate) fn terms(&self, now: Instant) -> Terms {
-        match self {
-            Self::Lockstep(_) | Self::Stepped(_) => Terms::Waits(now),
-            Self::Timed(_) => Terms::FollowsClock(now),
-            Self::Free => Terms::GoesOn,
-        }
-    }
-
     /// The watchdog of those paces.
     pub(crate) fn watchdog(&self) -> Option<Watchdog> {
         self.lockstep().map(|lockstep| lockstep.watchdog)
@@ -54,8 +45,15 @@ impl Pace {
 pub(crate) enum Terms {
     /// It waits for it, in a tick that began at this instant.
     Waits(Instant),
-    /// It follows the wall clock, and gives the Turn at this instant.
-    FollowsClock(Instant),
+    /// It follows the wall clock.
+    FollowsClock {
+        /// When it gives the Turn.
+        now: Instant,
+        /// When the tick begins by the world's clock, which is not later.
+        tick_begins: Instant,
+        /// Simulated seconds a wall-clock second.
+        factor: f64,
+    },
     /// It goes on at once.
     GoesOn,
 }
@@ -65,7 +63,7 @@ impl Terms {
     pub(crate) fn owed_since(self) -> Option<Instant> {
         match self {
             Self::Waits(begun) => Some(begun),
-            Self::FollowsClock(_) | Self::GoesOn => None,
+            Self::FollowsClock { .. } | Self::GoesOn => None,
         }
     }
 }

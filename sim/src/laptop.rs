@@ -38,6 +38,9 @@ pub(crate) struct Laptop {
     pub(crate) readings: Vec<Reading>,
     /// Bytes that arrived since the brain's last step.
     pub(crate) unread: Vec<u8>,
+    /// When each of them arrived, for a program that has opened the port.
+    #[serde(skip)]
+    pub(crate) instants: Vec<SimTime>,
     /// A message has arrived whole since the brain's last step.
     pub(crate) has_message: bool,
     /// Until when the brain thinks.
@@ -75,6 +78,7 @@ impl Laptop {
             decoder: firmware.reading_decoder(),
             readings: alloc::vec![Reading::default(); sensors],
             unread: Vec::new(),
+            instants: Vec::new(),
             has_message: false,
             busy_until: SimTime::ZERO,
             freshness: alloc::vec![Freshness::default(); sensors],
@@ -118,6 +122,9 @@ impl Laptop {
             return None;
         }
         self.unread.push(byte);
+        if spec.port_is_open {
+            self.instants.push(at);
+        }
         let before = self.decoder.cut_short();
         let found = match self.decoder.push(byte, at) {
             Found::Nothing => None,
@@ -195,9 +202,12 @@ impl Laptop {
     ) {
         let sensor = &spec.sensors[i];
         let Some(port) = &sensor.port else { return };
-        let Received::Reading(values, sampled_at) = state.receive(port, &sensor.device, arrival) else {
-            return;
-        };
+        let unread = state.unread.len();
+        let received = state.receive(port, &sensor.device, arrival);
+        if spec.port_is_open && state.unread.len() > unread {
+            state.instants.push(arrival.0);
+        }
+        let Received::Reading(values, sampled_at) = received else { return };
         self.has_message = true;
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
@@ -232,6 +242,7 @@ impl Laptop {
         self.asked.push_back((tick, self.heard.take()));
         self.has_answered = false;
         self.unread.clear();
+        self.instants.clear();
         self.informed = core::mem::take(&mut self.has_message);
         self.busy_until = at;
         for ((reading, sampled_at), freshness) in

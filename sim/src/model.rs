@@ -30,6 +30,9 @@ pub struct RobotSpec {
     pub start: Start,
     /// What it is. Robots that are alike share it: a crowd of them needs little memory, and little of it is looked at.
     pub model: Arc<RobotModel>,
+    /// Whether its laptop has its serial ports open for a program that reads each byte at its own instant
+    /// ([`Intervention::OpenPort`](crate::Intervention::OpenPort)). No scenario begins so.
+    pub port_is_open: bool,
 }
 
 /// A robot is what its model is, so that `robot.link` is `robot.model.link`.

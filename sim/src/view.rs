@@ -89,6 +89,17 @@ impl<'a> RobotView<'a> {
         &self.state.laptop.unread
     }
 
+    /// When each of the [unread](Self::unread) bytes arrived, if [the port is open](crate::Intervention::OpenPort) for a
+    /// program; else nothing.
+    pub fn unread_instants(&self) -> &'a [SimTime] {
+        &self.state.laptop.instants
+    }
+
+    /// The same of the cables of sensors' own, in the order of [`unread_of_ports`](Self::unread_of_ports).
+    pub fn instants_of_ports(&self) -> impl Iterator<Item = &'a [SimTime]> {
+        self.state.ports.iter().map(|port| port.instants.as_slice())
+    }
+
     /// For the brain: the last reading of each sensor that arrived, in the order of the wire.
     pub fn readings(&self) -> &'a [Reading] {
         &self.state.laptop.readings

@@ -64,6 +64,7 @@ pub(super) fn hello(robots: &[&str], mode: v1::PortMode) -> Request {
         memory_bytes: None,
         thinks_as_scenario: false,
         stop_when_gone: false,
+        serial_port: false,
     })
 }
 

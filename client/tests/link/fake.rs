@@ -141,7 +141,7 @@ pub(crate) fn turn(tick: u64, infrared: &[f64]) -> Act {
 }
 
 pub(crate) fn turn_of(tick: u64, robots: Vec<v1::RobotTurn>) -> Act {
-    Act::Say(attach_response::Response::Turn(v1::Turn { tick, robots, turn: number(tick) }))
+    Act::Say(attach_response::Response::Turn(v1::Turn { tick, robots, turn: number(tick), wall_clock: None }))
 }
 
 /// The number of the Turn of a tick; another than the tick, so that the two cannot be mixed up.

@@ -28,6 +28,7 @@ fn step(tick: u64, outputs: &[(u32, Option<Output>)]) -> v1::Step {
         operations: None,
         output: output.clone(),
         until_message: None,
+        opened: false,
     };
     v1::Step { turn: number(tick), robots: outputs.iter().map(robot_step).collect() }
 }
@@ -48,6 +49,7 @@ async fn the_handshake_names_world_robot_and_brain_and_brings_the_body() {
         memory_bytes: None,
         thinks_as_scenario: false,
         stop_when_gone: false,
+        serial_port: false,
     };
     assert_eq!(requests.recv().await, Some(Request::Hello(hello)));
     assert_eq!((robot.step_ns(), robot.lockstep()), (10_000_000, true));

@@ -14,6 +14,7 @@ impl From<&Action> for v1::RobotStep {
             output: output(action),
             operations: action.operations,
             until_message: action.until.map(Into::into),
+            opened: false,
         }
     }
 }

@@ -3405,6 +3405,11 @@ pub struct Hello {
     /// any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
     #[prost(bool, tag = "7")]
     pub stop_when_gone: bool,
+    /// The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
+    /// when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
+    /// instant of the step is the end of the tick, and what is written enters the cable then.
+    #[prost(bool, tag = "8")]
+    pub serial_port: bool,
 }
 /// What the brain may know of its robots' bodies.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3698,6 +3703,20 @@ pub struct Turn {
     /// Number of the Turn on this stream, from 1; the answering Step repeats it.
     #[prost(uint64, tag = "3")]
     pub turn: u64,
+    /// For a serial port, where simulated time follows the wall clock.
+    #[prost(message, optional, tag = "4")]
+    pub wall_clock: ::core::option::Option<WallClock>,
+}
+/// How simulated time follows the wall clock.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct WallClock {
+    /// When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
+    /// its clock back; then it is later than the ticks before say.
+    #[prost(int64, tag = "1")]
+    pub tick_begins_unix_ns: i64,
+    /// Simulated seconds a second of the wall clock.
+    #[prost(double, tag = "2")]
+    pub factor: f64,
 }
 /// One robot's part of a Turn.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3718,6 +3737,9 @@ pub struct RobotTurn {
     /// are left out.
     #[prost(message, repeated, tag = "5")]
     pub ports: ::prost::alloc::vec::Vec<PortBytes>,
+    /// For a serial port: how long after the tick began each byte of `raw` arrived.
+    #[prost(uint64, repeated, tag = "6")]
+    pub raw_after_ns: ::prost::alloc::vec::Vec<u64>,
 }
 /// What arrived on the cable of a sensor's own.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -3728,6 +3750,9 @@ pub struct PortBytes {
     /// As they came: perhaps the end of one message and the beginning of the next.
     #[prost(bytes = "vec", tag = "2")]
     pub data: ::prost::alloc::vec::Vec<u8>,
+    /// For a serial port: how long after the tick began each byte arrived.
+    #[prost(uint64, repeated, tag = "3")]
+    pub after_ns: ::prost::alloc::vec::Vec<u64>,
 }
 /// A reading as it came over the wire.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3779,6 +3804,10 @@ pub struct RobotStep {
     /// operator forbids it, nor after a reset.
     #[prost(message, optional, tag = "7")]
     pub until_message: ::core::option::Option<UntilMessage>,
+    /// For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
+    /// as the tick is over.
+    #[prost(bool, tag = "8")]
+    pub opened: bool,
     /// What it writes to the port, if anything.
     #[prost(oneof = "robot_step::Output", tags = "3, 4, 5")]
     pub output: ::core::option::Option<robot_step::Output>,
@@ -5788,7 +5817,7 @@ pub struct RecordedInput {
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RecordedChange {
     /// What was done.
-    #[prost(oneof = "recorded_change::Change", tags = "1, 2, 3, 4")]
+    #[prost(oneof = "recorded_change::Change", tags = "1, 2, 3, 4, 5, 6")]
     pub change: ::core::option::Option<recorded_change::Change>,
 }
 /// Nested message and enum types in `RecordedChange`.
@@ -5808,7 +5837,23 @@ pub mod recorded_change {
         /// A cable got another baud rate.
         #[prost(message, tag = "4")]
         SetBaud(super::SetBaud),
+        /// A serial port was opened for a program, or closed.
+        #[prost(message, tag = "5")]
+        Port(super::RecordedPort),
+        /// A program's opening of the port has reset the microcontroller of the robot of this name.
+        #[prost(string, tag = "6")]
+        ResetBoard(::prost::alloc::string::String),
     }
+}
+/// That a program reads a robot's cables through serial ports, or no longer does.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct RecordedPort {
+    /// The robot's name.
+    #[prost(string, tag = "1")]
+    pub robot: ::prost::alloc::string::String,
+    /// Opened; otherwise closed.
+    #[prost(bool, tag = "2")]
+    pub open: bool,
 }
 /// Topic `/baudbot/marks`: fingerprints, with which a replay is compared. All that entered the world before the mark's
 /// tick is before it in the file.

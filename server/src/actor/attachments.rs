@@ -118,6 +118,10 @@ impl WorldActor {
             let at = self.written_at(robot, write.thinking);
             self.sessions.wait_until(robot, write.until);
             let spec = &self.world.scenario().robots[robot];
+            // Boards without a bootloader are not reset by DTR.
+            if write.opened && spec.processor.bootloader_ns > 0 && !self.ports.to_reset.contains(&robot) {
+                self.ports.to_reset.push(robot);
+            }
             let sent = self.ports.senders[robot].send(spec, write.output);
             self.ports.inputs.push(Pending { robot, at, sent, tick });
         }

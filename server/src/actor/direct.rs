@@ -17,6 +17,7 @@ use crate::annotate;
 use crate::convert;
 use crate::endpoint::Endpoint;
 use crate::log::event;
+use crate::message::Mode;
 use crate::report::Report;
 
 /// A world in lockstep that has no thread of its own: its owner makes its ticks, one half after the other, and has the brains
@@ -44,7 +45,7 @@ impl DirectWorld {
             actor.record(record)?;
         }
         let robots: Vec<_> = (0..actor.world.robots().len()).collect();
-        let endpoint = Endpoint::new(Arc::clone(actor.world.scenario()), robots.clone(), false);
+        let endpoint = Endpoint::new(Arc::clone(actor.world.scenario()), robots.clone(), Mode::Messages);
         event!(actor, info, robots = robots.len(), paused = false, "world made");
         Ok(Self { actor, endpoint, robots })
     }

@@ -259,6 +259,7 @@ impl WorldActor {
 
     fn begin(&mut self, now: Instant) {
         self.follow_clock(now);
+        self.set_ports();
         let lockstep = self.pacer.pace.lockstep();
         let mut turns = self.world.begin().to_vec();
         self.record_tick();
@@ -266,7 +267,7 @@ impl WorldActor {
         if lockstep.is_some_and(|lockstep| lockstep.lookahead) {
             turns.retain(|&turn| !self.lets_sleep(turn));
         }
-        self.sessions.deliver(&self.world, &turns, self.pacer.pace.terms(now));
+        self.sessions.deliver(&self.world, &turns, self.terms(now));
         self.ports.note_begin();
         self.phase = Phase::Begun;
         self.stop_silent_robots(now);

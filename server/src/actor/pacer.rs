@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::WorldActor;
 use super::stopwatch::Stopwatch;
 use crate::log::{Throttle, event};
-use crate::pace::{Clock, Pace, Pacing, Timed};
+use crate::pace::{Clock, Pace, Pacing, Terms, Timed};
 
 /// The pace of a world and what is measured of it.
 pub(super) struct Pacer {
@@ -54,6 +54,19 @@ impl WorldActor {
         if let Some(times) = self.pacer.lags.note(now) {
             let (let_go_s, sum_s) = (beyond.as_secs_f64(), self.pacer.statistics.let_go.as_secs_f64());
             event!(self, warn, times, let_go_s, sum_s, "the world lags, and lets time go");
+        }
+    }
+
+    /// How the world takes the answers to Turns that it gives now.
+    pub(super) fn terms(&self, now: Instant) -> Terms {
+        match self.pacer.pace {
+            Pace::Lockstep(_) | Pace::Stepped(_) => Terms::Waits(now),
+            Pace::Timed(Timed { factor, .. }) => {
+                let clock = self.pacer.clock.as_ref();
+                let tick_begins = clock.map_or(now, |clock| clock.instant(self.world.time()));
+                Terms::FollowsClock { now, tick_begins, factor }
+            }
+            Pace::Free => Terms::GoesOn,
         }
     }
 

@@ -1,9 +1,11 @@
 //! The robots' ports: what the server writes to them for brains.
 
-use baudbot_sim::{RobotView, SimTime, World};
+use baudbot_sim::{Intervention, RobotView, SimTime, World};
 
+use super::WorldActor;
 use super::final_command::FinalCommand;
 use crate::endpoint::{Sender, Sent};
+use crate::log::event;
 
 /// The ports of all robots, by robot.
 pub(super) struct Ports {
@@ -13,6 +15,8 @@ pub(super) struct Ports {
     pub(super) senders_at_begin: Vec<Sender>,
     /// What was written in this tick.
     pub(super) inputs: Vec<Pending>,
+    /// Robots whose microcontroller is to be reset when the tick is over, as a program has opened their port.
+    pub(super) to_reset: Vec<usize>,
     /// What is written when a brain is gone, if the brain wants that.
     pub(super) final_commands: Vec<Option<FinalCommand>>,
 }
@@ -33,6 +37,7 @@ impl Ports {
         Self {
             senders_at_begin: senders.clone(),
             inputs: Vec::new(),
+            to_reset: Vec::new(),
             final_commands: vec![None; senders.len()],
             senders,
         }
@@ -52,4 +57,30 @@ pub(super) fn senders(world: &World) -> Vec<Sender> {
 /// A robot's sender as a new brain finds it: the actuators go on with the signals that they have.
 pub(super) fn sender(robot: &RobotView<'_>) -> Sender {
     Sender::new(robot.actuators().iter().map(|actuator| actuator.signal))
+}
+
+impl WorldActor {
+    /// A tick is to begin: the world is told whose ports are serial ones, and which boards their programs have reset.
+    pub(super) fn set_ports(&mut self) {
+        if self.world.is_begun() {
+            return;
+        }
+        let mut changes = Vec::new();
+        let robots = || self.world.scenario().robots.iter();
+        for (spec, open) in robots().zip(self.sessions.serial_ports().unwrap_or_default()) {
+            if spec.port_is_open != open {
+                changes.push(Intervention::OpenPort { robot: spec.name.clone(), open });
+            }
+        }
+        for robot in std::mem::take(&mut self.ports.to_reset) {
+            changes
+                .push(Intervention::ResetBoard { robot: self.world.scenario().robots[robot].name.clone() });
+        }
+        for change in changes {
+            match self.world.intervene(&change) {
+                Ok(()) => self.record_change(&change),
+                Err(error) => event!(self, warn, ?change, %error, "a serial port cannot do this"),
+            }
+        }
+    }
 }

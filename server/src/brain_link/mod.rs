@@ -18,7 +18,7 @@ use tracing::Instrument;
 use crate::annotate::checked;
 use crate::beliefs::Beliefs;
 use crate::convert::{self, AttachResponse};
-use crate::message::{Attach, Attached, Delivery, Lease, Message, Recipient, WorldHandle};
+use crate::message::{Attach, Attached, Delivery, Lease, Message, Mode, Recipient, WorldHandle};
 use crate::registry::Registry;
 use crate::sessions::RESERVED;
 pub(crate) use service::BrainLinkServer;
@@ -55,15 +55,15 @@ impl BrainLink {
             }
             None => return Err(Status::invalid_argument("request: the first request must be a Hello")),
         };
-        let raw = check(&hello)?;
+        let mode = check(&hello)?;
         let world = self.registry.find("hello.world", &hello.world)?;
         let (deliveries, stream) = mpsc::channel(TURNS_AHEAD + RESERVED);
-        let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, raw);
+        let span = tracing::info_span!("brain", world = world.name(), brain = hello.brain, ?mode);
         let recipient = Recipient::Brain(deliveries.clone());
-        let attached = take_robots(&world, hello, raw, recipient).instrument(span.clone()).await?;
+        let attached = take_robots(&world, hello, mode, recipient).instrument(span.clone()).await?;
         let welcome = convert::first_response(&attached);
         // The task lives as long as the brain stays.
-        tokio::spawn(listen(requests, attached, raw, deliveries).instrument(span));
+        tokio::spawn(listen(requests, attached, mode, deliveries).instrument(span));
         let turns = ReceiverStream::new(stream).map(convert::delivery);
         Ok(Response::new(Box::pin(tokio_stream::once(Ok(welcome)).chain(turns))))
     }
@@ -76,13 +76,13 @@ impl BrainLink {
 pub(crate) async fn take_robots(
     world: &WorldHandle,
     hello: v1::Hello,
-    raw: bool,
+    mode: Mode,
     recipient: Recipient,
 ) -> Result<Attached, Status> {
     let attach = Attach {
         robots: hello.robots,
         brain: hello.brain,
-        raw,
+        mode,
         memory_bytes: hello.memory_bytes,
         thinks_as_scenario: hello.thinks_as_scenario,
         stop_when_gone: hello.stop_when_gone,
@@ -92,8 +92,8 @@ pub(crate) async fn take_robots(
     world.ask(|reply| Message::Attach(attach, reply)).await?
 }
 
-/// Checks a Hello. Gives whether it asks for RAW mode.
-pub(crate) fn check(hello: &v1::Hello) -> Result<bool, Status> {
+/// Checks a Hello. Gives the mode that it asks for.
+pub(crate) fn check(hello: &v1::Hello) -> Result<Mode, Status> {
     if hello.robots.is_empty() {
         return Err(Status::invalid_argument("hello.robots: must name at least one robot"));
     }
@@ -107,13 +107,21 @@ pub(crate) fn check(hello: &v1::Hello) -> Result<bool, Status> {
         let text = format!("hello.brain: must be on one line and without control characters, is `{name}`");
         return Err(Status::invalid_argument(text));
     }
+    check_mode(hello)
+}
+
+fn check_mode(hello: &v1::Hello) -> Result<Mode, Status> {
     match v1::PortMode::try_from(hello.mode) {
-        Ok(v1::PortMode::Unspecified | v1::PortMode::Messages) => Ok(false),
+        Ok(v1::PortMode::Unspecified | v1::PortMode::Messages) if hello.serial_port => {
+            Err(Status::invalid_argument("hello.serial_port: needs RAW mode; a serial port passes bytes on"))
+        }
+        Ok(v1::PortMode::Unspecified | v1::PortMode::Messages) => Ok(Mode::Messages),
         Ok(v1::PortMode::Raw) if hello.stop_when_gone => {
             let text = "hello.stop_when_gone: needs MESSAGES mode; in RAW mode the server knows no command";
             Err(Status::invalid_argument(text))
         }
-        Ok(v1::PortMode::Raw) => Ok(true),
+        Ok(v1::PortMode::Raw) if hello.serial_port => Ok(Mode::SerialPort),
+        Ok(v1::PortMode::Raw) => Ok(Mode::Raw),
         Err(_) => {
             let text = format!("hello.mode: must be 0 to 2 (see PortMode), is {}", hello.mode);
             Err(Status::invalid_argument(text))
@@ -125,10 +133,10 @@ pub(crate) fn check(hello: &v1::Hello) -> Result<bool, Status> {
 async fn listen(
     requests: Streaming<v1::AttachRequest>,
     attached: Attached,
-    raw: bool,
+    mode: Mode,
     deliveries: mpsc::Sender<Delivery>,
 ) {
-    let steps = Steps::new(&attached, raw);
+    let steps = Steps::new(&attached, mode);
     let Attached { mut lease, robots, beliefs, .. } = attached;
     lease.why = "its stream ended".to_owned();
     let listener = Listener { steps, robots, beliefs };

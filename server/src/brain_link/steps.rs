@@ -11,7 +11,7 @@ use tonic::{Status, Streaming};
 use super::TURNS_AHEAD;
 use crate::convert;
 use crate::endpoint::{Endpoint, Write};
-use crate::message::{Attached, Lease, Message, Step};
+use crate::message::{Attached, Lease, Message, Mode, Step};
 use crate::sessions::STEPS_A_TICK;
 
 /// Steps of one stream that wait until the world handles them: as many as a tick takes, and the answers to all Turns that may wait,
@@ -46,9 +46,9 @@ pub(crate) struct CheckedStep {
 }
 
 impl Steps {
-    pub(crate) fn new(attached: &Attached, raw: bool) -> Self {
+    pub(crate) fn new(attached: &Attached, mode: Mode) -> Self {
         Self {
-            endpoint: Endpoint::new(Arc::clone(&attached.scenario), attached.robots.clone(), raw),
+            endpoint: Endpoint::new(Arc::clone(&attached.scenario), attached.robots.clone(), mode),
             permits: Arc::new(Semaphore::new(STEPS_AHEAD)),
             lost: Arc::clone(&attached.lost_steps),
         }

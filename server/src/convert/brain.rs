@@ -47,6 +47,7 @@ pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
         thinking: Thinking { ns: step.thinking_ns, operations: step.operations },
         output: step.output.map(output),
         until: step.until_message.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) }),
+        opened: step.opened,
     };
     steps.into_iter().map(write).collect()
 }
@@ -62,7 +63,7 @@ pub(crate) fn write(robot: usize, action: Action) -> Write {
     };
     let ns = thinking.map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
     let until = until.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) });
-    Write { slot: robot, thinking: Thinking { ns, operations }, output, until }
+    Write { slot: robot, thinking: Thinking { ns, operations }, output, until, opened: false }
 }
 
 /// What goes over a brain's stream.

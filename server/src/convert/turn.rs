@@ -5,8 +5,13 @@
 //! world, and from the end to the beginning: what is inside a message is there before its length is written. A test compares
 //! with what the contract's types make of the same Turn.
 
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
 use baudbot_sim::{Reading, RobotView, SimTime, World};
 use bytes::Bytes;
+
+use crate::message::Mode;
+use crate::pace::Terms;
 
 /// The step of a brain of one robot.
 pub(crate) struct RobotTurn {
@@ -17,14 +22,17 @@ pub(crate) struct RobotTurn {
     pub(crate) at: SimTime,
 }
 
-/// The `AttachResponse` with the Turn of this number, in RAW mode or in MESSAGES mode.
-pub(crate) fn turn(world: &World, number: u64, robots: &[RobotTurn], raw: bool) -> Bytes {
-    let room = robots.iter().map(|turn| most_bytes(&world.robot(turn.robot), raw)).sum::<usize>();
+/// The `AttachResponse` with the Turn of this number, for a brain of this mode.
+pub(crate) fn turn(world: &World, number: u64, robots: &[RobotTurn], (mode, terms): (Mode, Terms)) -> Bytes {
+    let room = robots.iter().map(|turn| most_bytes(&world.robot(turn.robot), mode.is_raw())).sum::<usize>();
     let mut bytes = Backwards::with_room(room + 64);
     bytes.message(2, |bytes| {
+        if mode == Mode::SerialPort {
+            wall_clock(bytes, terms);
+        }
         bytes.varint_field(3, number);
         for turn in robots.iter().rev() {
-            bytes.message(2, |bytes| robot_turn(bytes, &world.robot(turn.robot), turn, raw));
+            bytes.message(2, |bytes| robot_turn(bytes, (world, &world.robot(turn.robot)), turn, mode));
         }
         bytes.varint_field(1, world.tick());
     });
@@ -40,11 +48,36 @@ fn most_bytes(view: &RobotView<'_>, raw: bool) -> usize {
     64 + view.readings().iter().map(|reading| 64 + 8 * reading.values.len()).sum::<usize>()
 }
 
-fn robot_turn(bytes: &mut Backwards, view: &RobotView<'_>, turn: &RobotTurn, raw: bool) {
-    if raw {
-        let ports: Vec<_> = view.unread_of_ports().filter(|(_, data)| !data.is_empty()).collect();
-        for (sensor, data) in ports.into_iter().rev() {
+/// Which instants of the wall clock are those of the tick, if it follows that.
+fn wall_clock(bytes: &mut Backwards, terms: Terms) {
+    let Terms::FollowsClock { tick_begins, factor, .. } = terms else { return };
+    let ago = Instant::now().saturating_duration_since(tick_begins);
+    let ahead = tick_begins.saturating_duration_since(Instant::now());
+    let unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let begins_ns = (unix + ahead).saturating_sub(ago).as_nanos() as u64;
+    bytes.message(4, |bytes| {
+        bytes.double_field(2, factor);
+        bytes.varint_field(1, begins_ns);
+    });
+}
+
+fn robot_turn(bytes: &mut Backwards, (world, view): (&World, &RobotView<'_>), turn: &RobotTurn, mode: Mode) {
+    // What came before the port was opened is taken to have come with the tick.
+    let after_ns = |unread: usize, instants: &[SimTime]| -> Vec<u64> {
+        let before = std::iter::repeat_n(0, unread.saturating_sub(instants.len()));
+        before.chain(instants.iter().map(|at| at.since(world.time()))).collect()
+    };
+    if mode.is_raw() {
+        if mode == Mode::SerialPort {
+            bytes.varints_field(6, &after_ns(view.unread().len(), view.unread_instants()));
+        }
+        let ports = view.unread_of_ports().zip(view.instants_of_ports());
+        let ports: Vec<_> = ports.filter(|((_, data), _)| !data.is_empty()).collect();
+        for ((sensor, data), instants) in ports.into_iter().rev() {
             bytes.message(5, |bytes| {
+                if mode == Mode::SerialPort {
+                    bytes.varints_field(3, &after_ns(data.len(), instants));
+                }
                 bytes.bytes_field(2, data);
                 bytes.varint_field(1, sensor as u64);
             });
@@ -80,6 +113,7 @@ struct Backwards {
 
 /// Wire types of fields.
 const VARINT: u64 = 0;
+const EIGHT_BYTES: u64 = 1;
 const WITH_LENGTH: u64 = 2;
 
 impl Backwards {
@@ -116,6 +150,22 @@ impl Backwards {
         if !bytes.is_empty() {
             self.space(bytes.len()).copy_from_slice(bytes);
             self.length_and_key(tag, bytes.len());
+        }
+    }
+
+    /// A field with one number.
+    fn double_field(&mut self, tag: u64, value: f64) {
+        self.space(8).copy_from_slice(&value.to_le_bytes());
+        self.varint(tag << 3 | EIGHT_BYTES);
+    }
+
+    /// A field with whole numbers, which is left out if there are none.
+    fn varints_field(&mut self, tag: u64, values: &[u64]) {
+        if !values.is_empty() {
+            let end = self.buffer.len() - self.start;
+            values.iter().rev().for_each(|&value| self.varint(value));
+            let length = self.buffer.len() - self.start - end;
+            self.length_and_key(tag, length);
         }
     }
 
@@ -166,27 +216,36 @@ impl Backwards {
 #[cfg(test)]
 mod tests {
     use baudbot_proto::v1;
+    use baudbot_sim::Intervention;
     use prost::Message as _;
 
     use super::*;
 
     /// The same Turn in types of the contract.
-    fn expected(world: &World, number: u64, robots: &[RobotTurn], raw: bool) -> Vec<u8> {
-        let robots = robots.iter().map(|turn| contract_turn(world, turn, raw)).collect();
-        let turn = v1::Turn { tick: world.tick(), robots, turn: number };
+    fn expected(world: &World, number: u64, robots: &[RobotTurn], mode: Mode) -> Vec<u8> {
+        let robots = robots.iter().map(|turn| contract_turn(world, turn, mode)).collect();
+        let turn = v1::Turn { tick: world.tick(), robots, turn: number, wall_clock: None };
         v1::AttachResponse { response: Some(v1::attach_response::Response::Turn(turn)) }.encode_to_vec()
     }
 
-    fn contract_turn(world: &World, turn: &RobotTurn, raw: bool) -> v1::RobotTurn {
+    fn contract_turn(world: &World, turn: &RobotTurn, mode: Mode) -> v1::RobotTurn {
         let view = world.robot(turn.robot);
         let mut expected =
             v1::RobotTurn { robot: turn.place as u32, at_ns: turn.at.as_ns(), ..v1::RobotTurn::default() };
-        if raw {
+        let after_ns = |instants: &[SimTime]| match mode {
+            Mode::SerialPort => instants.iter().map(|at| at.since(world.time())).collect(),
+            Mode::Raw | Mode::Messages => Vec::new(),
+        };
+        if mode.is_raw() {
             expected.raw = view.unread().to_vec();
-            let ports = view.unread_of_ports().filter(|(_, data)| !data.is_empty());
-            let port =
-                |(sensor, data): (usize, &[u8])| v1::PortBytes { sensor: sensor as u32, data: data.to_vec() };
-            expected.ports = ports.map(port).collect();
+            expected.raw_after_ns = after_ns(view.unread_instants());
+            let ports = view.unread_of_ports().zip(view.instants_of_ports());
+            let port = |((sensor, data), instants): ((usize, &[u8]), &[SimTime])| v1::PortBytes {
+                sensor: sensor as u32,
+                data: data.to_vec(),
+                after_ns: after_ns(instants),
+            };
+            expected.ports = ports.filter(|((_, data), _)| !data.is_empty()).map(port).collect();
         } else {
             let arrived = view.readings().iter().enumerate().filter(|(_, read)| !read.values.is_empty());
             let reading = |(sensor, read): (usize, &Reading)| v1::Reading {
@@ -209,17 +268,21 @@ mod tests {
             include_str!("../../../scenarios/ecoli.toml"),
             include_str!("../../../scenarios/devices/laser.toml"),
         ];
-        let mut with_ports = 0;
+        let (mut with_ports, mut opened) = (0, 0);
         for toml in scenarios {
             let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
+            let robot = world.scenario().robots[0].name.clone();
+            let opens = world.intervene(&Intervention::OpenPort { robot, open: true });
+            opened += usize::from(opens.is_ok());
             for tick in 0..60 {
                 world.begin();
                 let robots: Vec<_> = (0..world.robots().len())
                     .map(|robot| RobotTurn { place: robot * 70, robot, at: world.time() })
                     .collect();
-                for raw in [false, true] {
-                    let bytes = turn(&world, tick * 1000, &robots, raw);
-                    assert_eq!(bytes, expected(&world, tick * 1000, &robots, raw));
+                for mode in [Mode::Messages, Mode::Raw, Mode::SerialPort] {
+                    let robots = if mode == Mode::SerialPort { &robots[..1] } else { &robots[..] };
+                    let bytes = turn(&world, tick * 1000, robots, (mode, Terms::GoesOn));
+                    assert_eq!(bytes, expected(&world, tick * 1000, robots, mode));
                 }
                 let ports = world
                     .robots()
@@ -228,7 +291,28 @@ mod tests {
                 world.finish(&[]);
             }
         }
-        assert!(with_ports > 0, "no port has been tried");
+        assert!(with_ports > 0 && opened > 2, "no port has been tried");
+    }
+
+    #[test]
+    fn a_port_is_told_when_the_tick_begins_by_the_wall_clock() {
+        let world = World::new(
+            baudbot_scenario::parse(include_str!("../../../scenarios/khepera.toml")).unwrap().into(),
+        );
+        let (now, tick_begins) = (Instant::now(), Instant::now() - std::time::Duration::from_millis(5));
+        let terms = Terms::FollowsClock { now, tick_begins, factor: 2.0 };
+        let of_mode = |mode| {
+            let bytes = turn(&world, 1, &[], (mode, terms));
+            let response = v1::AttachResponse::decode(bytes).unwrap().response.unwrap();
+            let v1::attach_response::Response::Turn(turn) = response else { panic!("{response:?}") };
+            turn.wall_clock
+        };
+        assert_eq!([Mode::Messages, Mode::Raw].map(of_mode), [None, None], "no clock for brains");
+        let told = of_mode(Mode::SerialPort).unwrap();
+        assert_eq!(told.factor, 2.0);
+        let unix_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64;
+        let ago_ms = (unix_ns - told.tick_begins_unix_ns) / 1_000_000;
+        assert!((5..60_000).contains(&ago_ms), "{ago_ms}");
     }
 
     #[test]

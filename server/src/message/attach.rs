@@ -18,8 +18,8 @@ pub(crate) struct Attach {
     pub(crate) robots: Vec<String>,
     /// The name of the brain.
     pub(crate) brain: String,
-    /// Whether it takes and gives bytes of the wire instead of messages.
-    pub(crate) raw: bool,
+    /// What it takes and gives.
+    pub(crate) mode: Mode,
     /// Memory that the program's variables need on each robot.
     pub(crate) memory_bytes: Option<u64>,
     /// Whether it has promised to think as long as the scenario says.
@@ -29,6 +29,27 @@ pub(crate) struct Attach {
     pub(crate) recipient: Recipient,
     /// The way back to the world, for the lease.
     pub(crate) world: WorldHandle,
+}
+
+/// What a brain takes and gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Readings and commands.
+    Messages,
+    /// Bytes of the wire.
+    Raw,
+    /// The same, as a serial port that passes them on, each at its instant.
+    SerialPort,
+}
+
+impl Mode {
+    /// Whether these are bytes of the wire.
+    pub(crate) const fn is_raw(self) -> bool {
+        match self {
+            Self::Messages => false,
+            Self::Raw | Self::SerialPort => true,
+        }
+    }
 }
 
 /// The answer to a brain that has its robots.

@@ -339,6 +339,15 @@ fn described(intervention: &Intervention) -> String {
         Intervention::PullCable { robot, pulled: true } => format!("the cable of `{robot}` was pulled"),
         Intervention::PullCable { robot, pulled: false } => format!("the cable of `{robot}` was plugged in"),
         Intervention::SetBaud { robot, baud } => format!("the cable of `{robot}` was set to {baud} baud"),
+        Intervention::OpenPort { robot, open: true } => {
+            format!("a serial port passes the bytes of `{robot}` on")
+        }
+        Intervention::OpenPort { robot, open: false } => {
+            format!("no serial port passes the bytes of `{robot}` on any more")
+        }
+        Intervention::ResetBoard { robot } => {
+            format!("a program has opened the port, which has reset the microcontroller of `{robot}`")
+        }
     }
 }
 

@@ -47,7 +47,7 @@ impl Sessions {
 
 /// Checks that a robot can have such a brain.
 fn check_brain(spec: &RobotSpec, request: &Attach) -> Result<(), Status> {
-    if request.raw && spec.hands_over() {
+    if request.mode.is_raw() && spec.hands_over() {
         return Err(Status::invalid_argument(format!(
             "hello.mode: the brain of robot `{}` is on board: it reads its sensors itself, and there is no cable with \
              bytes; use PORT_MODE_MESSAGES",

@@ -20,7 +20,7 @@ use tonic::Status;
 
 use crate::endpoint::Until;
 use crate::measures::Answering;
-use crate::message::{Attach, Recipient};
+use crate::message::{Attach, Mode, Recipient};
 use crate::pace::{Terms, WatchdogPolicy};
 use crate::thinking::ProcessorTime;
 pub(crate) use debt::Overtaken;
@@ -41,6 +41,8 @@ pub(crate) struct Sessions {
     slots: Vec<Slot>,
     /// `None` if the processor time of brains is not known.
     processor: Option<ProcessorTime>,
+    /// A serial port may have come or gone since [`serial_ports`](Self::serial_ports) was last asked.
+    ports_may_differ: bool,
 }
 
 /// A brain that has got its robots.
@@ -75,6 +77,7 @@ impl Sessions {
             era: 0,
             slots: vec![Slot::default(); robots],
             processor: None,
+            ports_may_differ: false,
         }
     }
 
@@ -91,10 +94,10 @@ impl Sessions {
         let robots = self.choose(world, scenario, &request)?;
         let mut left_open = robots.clone();
         left_open.retain(|&robot| self.slots[robot].vacancy() == Some(Vacancy::LeftOpen));
-        let Attach { brain, raw, thinks_as_scenario, recipient, .. } = request;
+        let Attach { brain, mode, thinks_as_scenario, recipient, .. } = request;
         let session = Session {
             brain,
-            raw,
+            mode,
             thinks_as_scenario,
             robots: robots.clone(),
             recipient,
@@ -116,7 +119,7 @@ impl Sessions {
         let collisions = vec![0; robots.len()];
         self.add(Session {
             brain,
-            raw: false,
+            mode: Mode::Messages,
             thinks_as_scenario: false,
             robots,
             recipient: Recipient::Brain(deliveries),
@@ -135,6 +138,7 @@ impl Sessions {
         for &robot in &session.robots {
             self.slots[robot].state = SlotState::Held { session: number, until: None };
         }
+        self.ports_may_differ |= session.mode == Mode::SerialPort;
         self.by_number.insert(number, session);
         number
     }
@@ -142,6 +146,7 @@ impl Sessions {
     /// Removes a brain program that is gone. Whether the world waits for its return depends on the watchdog's policy.
     pub(crate) fn detach(&mut self, number: u64, policy: Option<WatchdogPolicy>) {
         let Some(session) = self.by_number.remove(&number) else { return };
+        self.ports_may_differ |= session.mode == Mode::SerialPort;
         let vacancy = match policy {
             Some(WatchdogPolicy::Wait) if session.debt.is_settled() => Vacancy::Awaited,
             Some(WatchdogPolicy::Wait) => Vacancy::LeftOpen,
@@ -236,9 +241,20 @@ impl Sessions {
     pub(crate) fn sleeps(&self, turn: Turn, world: &World) -> bool {
         let slot = &self.slots[turn.robot];
         let Some(until) = slot.until() else { return false };
-        let raw = slot.session().is_some_and(|number| self.by_number[&number].raw);
+        let raw = slot.session().is_some_and(|number| self.by_number[&number].mode.is_raw());
         let news = if raw { world.has_bytes(turn.robot) } else { world.has_message(turn.robot) };
         !news && until.at_latest.is_none_or(|at_latest| turn.at < at_latest)
+    }
+
+    /// Which robots are held by serial ports, if that may have changed since it was last asked.
+    pub(crate) fn serial_ports(&mut self) -> Option<Vec<bool>> {
+        let is_port = |slot: &Slot| {
+            let held = slot.session().and_then(|number| self.by_number.get(&number));
+            held.is_some_and(|session| session.mode == Mode::SerialPort)
+        };
+        let ports = self.ports_may_differ.then(|| self.slots.iter().map(is_port).collect());
+        self.ports_may_differ = false;
+        ports
     }
 
     /// The tick of the Turn of this number, if it is not too long ago.
@@ -253,6 +269,7 @@ impl Sessions {
             slot.set_until(None);
         }
         self.era += 1;
+        self.ports_may_differ = true;
         self.by_number.values_mut().for_each(|session| session.begin_era(self.era, world));
     }
 

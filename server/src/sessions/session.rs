@@ -11,7 +11,7 @@ use super::slot::Slot;
 use super::thinking::Thinking;
 use crate::convert::{self, RobotTurn};
 use crate::measures::Answering;
-use crate::message::Recipient;
+use crate::message::{Mode, Recipient};
 use crate::pace::Terms;
 use crate::thinking::ProcessorTime;
 use crate::truth::Truth;
@@ -26,8 +26,8 @@ const MAX_OPEN: usize = 256;
 pub(super) struct Session {
     /// The name of the brain.
     pub(super) brain: String,
-    /// Whether it takes and gives bytes of the wire instead of messages.
-    pub(super) raw: bool,
+    /// What it takes and gives.
+    pub(super) mode: Mode,
     /// Whether it has promised to think as long as the scenario says.
     pub(super) thinks_as_scenario: bool,
     /// Indices of its robots in the world.
@@ -131,7 +131,7 @@ impl Session {
         let truth = || self.truth(world, begun.is_some());
         // The brain may answer before this returns.
         let thinking = Thinking::begin(terms, processor, steps.iter().map(|turn| turn.robot));
-        if !has_room || !self.recipient.turn(self.turn(world, at, number), truth) {
+        if !has_room || !self.recipient.turn(self.turn(world, at, number, terms), truth) {
             self.robots.iter().for_each(|&robot| slots[robot].lost_deliveries += 1);
             return;
         }
@@ -158,10 +158,10 @@ impl Session {
     }
 
     /// The Turn of this number for its robots that step, `at` by robot.
-    fn turn(&self, world: &World, at: &[Option<SimTime>], number: u64) -> Bytes {
+    fn turn(&self, world: &World, at: &[Option<SimTime>], number: u64, terms: Terms) -> Bytes {
         let places = self.robots.iter().enumerate();
         let robots = places.filter_map(|(place, &robot)| Some(RobotTurn { place, robot, at: at[robot]? }));
-        convert::turn(world, number, &robots.collect::<Vec<_>>(), self.raw)
+        convert::turn(world, number, &robots.collect::<Vec<_>>(), (self.mode, terms))
     }
 
     /// The steps of its robots, `at` by robot.

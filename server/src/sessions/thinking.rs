@@ -64,7 +64,7 @@ impl Thinking {
     ) -> Option<Self> {
         let mut robots = robots.peekable();
         let since = match terms {
-            Terms::FollowsClock(now) => Since::Wall(now),
+            Terms::FollowsClock { now, .. } => Since::Wall(now),
             Terms::Waits(_) | Terms::GoesOn => Since::Processor(processor?(*robots.peek()?)?),
         };
         Some(Self { since, robots: robots.collect() })

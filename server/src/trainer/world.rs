@@ -57,16 +57,16 @@ impl Trained {
             // A world has the same robots all its life.
             hello.robots = world.made().robots.iter().map(|spec| spec.name.clone()).collect();
         }
-        let raw = check(&hello)?;
+        let mode = check(&hello)?;
         let (recipient, told) = mpsc::channel(TURNS_AHEAD + RESERVED);
-        let attached = take_robots(&world, hello, raw, Recipient::Trainer(recipient)).await?;
+        let attached = take_robots(&world, hello, mode, Recipient::Trainer(recipient)).await?;
         if !attached.lockstep {
             return Err(Status::failed_precondition(format!(
                 "world: `{}` is not in lockstep; set its pace with SetPace",
                 world.name()
             )));
         }
-        let (steps, welcome) = (Steps::new(&attached, raw), Some(convert::welcome(&attached)));
+        let (steps, welcome) = (Steps::new(&attached, mode), Some(convert::welcome(&attached)));
         let mut lease = attached.lease;
         lease.why = "its trainer's stream ended".to_owned();
         let hold = Ok(Hold { lease, turn: None });

@@ -64,7 +64,8 @@ impl Microcontroller {
         let is_instant =
             matches!((&spec.link, spec.firmware.protocol), (Link::Ideal, Protocol::Framed { .. }))
                 && uplink.is_idle_and_instant(&spec.link)
-                && spec.processor.framing_ns_per_byte == 0;
+                && spec.processor.framing_ns_per_byte == 0
+                && !spec.port_is_open;
         if !is_instant {
             return None;
         }

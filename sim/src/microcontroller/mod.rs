@@ -107,6 +107,19 @@ impl Microcontroller {
         }
     }
 
+    /// Begins anew at `now`, apart from what the sensors hold: nothing is to be said or obeyed any more, and the actuators get
+    /// no signal. The bootloader waits as `spec` says.
+    pub(crate) fn reset(&mut self, spec: &RobotSpec, now: SimTime) {
+        self.free_at = now.max(SimTime::from_ns(spec.processor.bootloader_ns));
+        if spec.firmware.mode == Mode::Poll {
+            self.frame.next = SimTime::NEVER;
+        }
+        self.decoder = spec.firmware.command_decoder();
+        self.orders.clear();
+        let others = spec.actuators.iter().map(|_| 0.0).collect();
+        self.orders.push_back(Order { at: now, signals: Wheels::default(), others });
+    }
+
     /// Whether this processor may have become what `other` is at `now`, on a robot that is this.
     pub(crate) fn may_become(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> bool {
         let channels = self.channels.iter().zip(&other.channels).zip(&*spec.sensors);

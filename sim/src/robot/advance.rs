@@ -35,7 +35,7 @@ impl Robot {
     pub(crate) fn hand_over(&mut self, tick: u64, at: SimTime) {
         self.laptop.hand_over(tick, at);
         for port in &mut self.ports {
-            port.unread.clear();
+            port.clear();
         }
     }
 
@@ -48,6 +48,12 @@ impl Robot {
         if ended {
             self.advance(spec, tick, now + 1, None);
             return None;
+        }
+        if spec.port_is_open {
+            // A port reads on until the tick is over, whatever comes; brains' thinking and stalls are none of its.
+            self.advance(spec, tick, end, None);
+            self.counters.turns += 1;
+            return Some(end);
         }
         // The brain steps when a message has come, in the first stretch of time in which it does not stall.
         let step = loop {

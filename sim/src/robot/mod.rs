@@ -146,6 +146,20 @@ impl Robot {
         self.downlink.watch_outages(link, seed, &[name, "/link:down"], Direction::Down);
     }
 
+    /// What has arrived at the laptop is thrown away.
+    pub(crate) fn forget_unread(&mut self) {
+        self.laptop.unread.clear();
+        self.laptop.instants.clear();
+        self.ports.iter_mut().for_each(PortState::clear);
+    }
+
+    /// Its microcontroller is reset at `now`: it begins anew when its bootloader has waited, which `spec` says.
+    pub(crate) fn reset_board(&mut self, spec: &RobotSpec, now: SimTime) {
+        self.lay_down_command(spec);
+        self.downlink.lose_before(&spec.link, now);
+        self.microcontroller.reset(spec, now);
+    }
+
     /// The cable to its brain has another rate from now on.
     pub(crate) fn begin_bursts(&mut self) {
         self.uplink.begin_burst();

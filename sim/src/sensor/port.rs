@@ -41,6 +41,9 @@ pub(crate) struct PortState {
     message: Vec<u8>,
     /// Bytes that arrived since the brain's last step.
     pub(crate) unread: Vec<u8>,
+    /// When each of them arrived, for a program that wants to know.
+    #[serde(skip)]
+    pub(crate) instants: Vec<SimTime>,
     sequence: u16,
 }
 
@@ -59,7 +62,13 @@ impl PortState {
     pub(crate) fn new(sensor: &Sensor, seed: u64, robot: &str) -> Self {
         let link = sensor.port.as_ref().map_or(&Link::Ideal, |port| &port.link);
         let line = Line::up(link, seed, &[robot, "/", &sensor.name, ":port"]);
-        Self { line, message: Vec::new(), unread: Vec::new(), sequence: 0 }
+        Self { line, message: Vec::new(), unread: Vec::new(), instants: Vec::new(), sequence: 0 }
+    }
+
+    /// What has arrived has been read.
+    pub(crate) fn clear(&mut self) {
+        self.unread.clear();
+        self.instants.clear();
     }
 
     /// Whether the cable of this sensor can be so at `now`, on a robot with so many sensors.

@@ -50,6 +50,21 @@ pub enum Intervention {
         /// Bits a second.
         baud: u32,
     },
+    /// The laptop's serial ports at a robot's cables are opened for a program, or closed again. Such a program reads each
+    /// byte at its own instant. What comes during a tick can be known when it begins, so the brain's step is at the end of
+    /// each tick.
+    OpenPort {
+        /// The robot's name.
+        robot: String,
+        /// Opened; otherwise closed.
+        open: bool,
+    },
+    /// The microcontroller of a robot is reset, as many boards are by DTR when a program opens their port. Its bootloader
+    /// waits, motors get no signal, and what was on its way to it is lost. Its schedules keep their grid in time.
+    ResetBoard {
+        /// The robot's name.
+        robot: String,
+    },
 }
 
 /// Why a change was not made. Nothing has changed then.
@@ -149,6 +164,10 @@ impl World {
             Intervention::PlaceThing { thing, pose } => return self.place_thing(thing, pose),
             Intervention::PullCable { robot, pulled } => self.pull_cable(robot, *pulled)?,
             Intervention::SetBaud { robot, baud } => self.set_baud(robot, *baud)?,
+            Intervention::OpenPort { robot, open } => {
+                self.open_port(robot, *open)?.is_some_and(|own| self.forget_unread(own))
+            }
+            Intervention::ResetBoard { robot } => self.reset_board(robot)?,
         };
         if changed {
             self.altered.0.push((self.time(), intervention.clone()));
@@ -249,6 +268,49 @@ impl World {
         Ok(Some(own))
     }
 
+    /// As [`cut_cable`](Self::cut_cable).
+    fn open_port(&mut self, name: &str, open: bool) -> Result<Option<usize>> {
+        let own = self.robot_named(name)?;
+        let spec = &self.scenario().robots[own];
+        if let Link::Onboard = spec.link {
+            return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
+        }
+        if spec.port_is_open == open {
+            return Ok(None);
+        }
+        self.may_alter(name)?;
+        self.scenario_mut().robots[own].port_is_open = open;
+        Ok(Some(own))
+    }
+
+    /// Who opens a port reads nothing from before; who closes it leaves nothing. Always true.
+    fn forget_unread(&mut self, own: usize) -> bool {
+        self.state_mut().robots[own].forget_unread();
+        true
+    }
+
+    /// Says whether that made a difference, which it always does.
+    fn reset_board(&mut self, name: &str) -> Result<bool> {
+        let now = self.time();
+        let own = self.start_board(name, now)?;
+        let spec = self.scenario().robots[own].clone();
+        self.state_mut().robots[own].reset_board(&spec, now);
+        Ok(true)
+    }
+
+    /// The bootloader of a robot waits from `at` on.
+    fn start_board(&mut self, name: &str, at: SimTime) -> Result<usize> {
+        let own = self.robot_named(name)?;
+        if let Link::Onboard = self.scenario().robots[own].link {
+            return Err(InterventionError::NoCable { robot: name.to_string(), cable: "cable" });
+        }
+        self.may_alter(name)?;
+        let waits_ns = self.origin().robots[own].processor.bootloader_ns;
+        let model = Arc::make_mut(&mut self.scenario_mut().robots[own].model);
+        model.processor.bootloader_ns = at.as_ns() + waits_ns;
+        Ok(own)
+    }
+
     /// The cables as they have been changed before this state was kept; `false` if they cannot have been.
     pub(crate) fn alter_again(&mut self, altered: Altered) -> bool {
         let mut before = SimTime::ZERO;
@@ -256,6 +318,8 @@ impl World {
             let changed = match intervention {
                 Intervention::PullCable { robot, pulled } => self.cut_cable(robot, *at, *pulled),
                 Intervention::SetBaud { robot, baud } => self.change_baud(robot, *baud),
+                Intervention::OpenPort { robot, open } => self.open_port(robot, *open),
+                Intervention::ResetBoard { robot } => self.start_board(robot, *at).map(Some),
                 Intervention::PlaceRobot { .. } | Intervention::PlaceThing { .. } => Ok(None),
             };
             if !matches!(changed, Ok(Some(_))) || *at < before {

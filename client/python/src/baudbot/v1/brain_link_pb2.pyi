@@ -326,6 +326,7 @@ class Hello(_message.Message):
     MEMORY_BYTES_FIELD_NUMBER: _builtins.int
     THINKS_AS_SCENARIO_FIELD_NUMBER: _builtins.int
     STOP_WHEN_GONE_FIELD_NUMBER: _builtins.int
+    SERIAL_PORT_FIELD_NUMBER: _builtins.int
     world: _builtins.str
     """Name of the world."""
     mode: Global___PortMode.ValueType
@@ -348,6 +349,11 @@ class Hello(_message.Message):
     has sent no Step for a second of simulated time and a second of wall-clock time. The command goes over the cable like
     any other, and is lost if the cable is out. Only in MESSAGES mode: the server cannot write raw bytes (INVALID_ARGUMENT).
     """
+    serial_port: _builtins.bool
+    """The program passes bytes on to somebody else's, who opens a serial port. Only in RAW mode (INVALID_ARGUMENT). Turns say
+    when each byte arrived and which instant of the wall clock that is; what comes during a tick is in its Turn, so the
+    instant of the step is the end of the tick, and what is written enters the cable then.
+    """
     @_builtins.property
     def robots(self) -> _containers.RepeatedScalarFieldContainer[_builtins.str]:
         """Names of the robots; at least one. Turns and Steps name them by their place in this list."""
@@ -362,10 +368,11 @@ class Hello(_message.Message):
         memory_bytes: _builtins.int | None = ...,
         thinks_as_scenario: _builtins.bool = ...,
         stop_when_gone: _builtins.bool = ...,
+        serial_port: _builtins.bool = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_memory_bytes", b"_memory_bytes", "memory_bytes", b"memory_bytes"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_memory_bytes", b"_memory_bytes", "brain", b"brain", "memory_bytes", b"memory_bytes", "mode", b"mode", "robots", b"robots", "stop_when_gone", b"stop_when_gone", "thinks_as_scenario", b"thinks_as_scenario", "world", b"world"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_memory_bytes", b"_memory_bytes", "brain", b"brain", "memory_bytes", b"memory_bytes", "mode", b"mode", "robots", b"robots", "serial_port", b"serial_port", "stop_when_gone", b"stop_when_gone", "thinks_as_scenario", b"thinks_as_scenario", "world", b"world"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__memory_bytes: _TypeAlias = _typing.Literal["memory_bytes"]  # noqa: Y015
     _WhichOneofArgType__memory_bytes: _TypeAlias = _typing.Literal["_memory_bytes", b"_memory_bytes"]  # noqa: Y015
@@ -1037,6 +1044,7 @@ class Turn(_message.Message):
     TICK_FIELD_NUMBER: _builtins.int
     ROBOTS_FIELD_NUMBER: _builtins.int
     TURN_FIELD_NUMBER: _builtins.int
+    WALL_CLOCK_FIELD_NUMBER: _builtins.int
     tick: _builtins.int
     """Number of the tick. It goes back when the world is reset."""
     turn: _builtins.int
@@ -1045,20 +1053,53 @@ class Turn(_message.Message):
     def robots(self) -> _containers.RepeatedCompositeFieldContainer[Global___RobotTurn]:
         """Those of the stream's robots whose brain can step in this tick; one that still thinks cannot."""
 
+    @_builtins.property
+    def wall_clock(self) -> Global___WallClock:
+        """For a serial port, where simulated time follows the wall clock."""
+
     def __init__(
         self,
         *,
         tick: _builtins.int = ...,
         robots: _abc.Iterable[Global___RobotTurn] | None = ...,
         turn: _builtins.int = ...,
+        wall_clock: Global___WallClock | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["wall_clock", b"wall_clock"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["robots", b"robots", "tick", b"tick", "turn", b"turn"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["robots", b"robots", "tick", b"tick", "turn", b"turn", "wall_clock", b"wall_clock"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
 Global___Turn: _TypeAlias = Turn  # noqa: Y015
+
+@_typing.final
+class WallClock(_message.Message):
+    """How simulated time follows the wall clock."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    TICK_BEGINS_UNIX_NS_FIELD_NUMBER: _builtins.int
+    FACTOR_FIELD_NUMBER: _builtins.int
+    tick_begins_unix_ns: _builtins.int
+    """When the tick begins, in nanoseconds since 1970 by the clock of the server's machine. A world that cannot keep up sets
+    its clock back; then it is later than the ticks before say.
+    """
+    factor: _builtins.float
+    """Simulated seconds a second of the wall clock."""
+    def __init__(
+        self,
+        *,
+        tick_begins_unix_ns: _builtins.int = ...,
+        factor: _builtins.float = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["factor", b"factor", "tick_begins_unix_ns", b"tick_begins_unix_ns"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___WallClock: _TypeAlias = WallClock  # noqa: Y015
 
 @_typing.final
 class RobotTurn(_message.Message):
@@ -1071,6 +1112,7 @@ class RobotTurn(_message.Message):
     RAW_FIELD_NUMBER: _builtins.int
     READINGS_FIELD_NUMBER: _builtins.int
     PORTS_FIELD_NUMBER: _builtins.int
+    RAW_AFTER_NS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in the Hello."""
     at_ns: _builtins.int
@@ -1087,6 +1129,10 @@ class RobotTurn(_message.Message):
         are left out.
         """
 
+    @_builtins.property
+    def raw_after_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
+        """For a serial port: how long after the tick began each byte of `raw` arrived."""
+
     def __init__(
         self,
         *,
@@ -1095,10 +1141,11 @@ class RobotTurn(_message.Message):
         raw: _builtins.bytes = ...,
         readings: _abc.Iterable[Global___Reading] | None = ...,
         ports: _abc.Iterable[Global___PortBytes] | None = ...,
+        raw_after_ns: _abc.Iterable[_builtins.int] | None = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "ports", b"ports", "raw", b"raw", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "ports", b"ports", "raw", b"raw", "raw_after_ns", b"raw_after_ns", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
@@ -1112,19 +1159,25 @@ class PortBytes(_message.Message):
 
     SENSOR_FIELD_NUMBER: _builtins.int
     DATA_FIELD_NUMBER: _builtins.int
+    AFTER_NS_FIELD_NUMBER: _builtins.int
     sensor: _builtins.int
     """The sensor's place in the description."""
     data: _builtins.bytes
     """As they came: perhaps the end of one message and the beginning of the next."""
+    @_builtins.property
+    def after_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
+        """For a serial port: how long after the tick began each byte arrived."""
+
     def __init__(
         self,
         *,
         sensor: _builtins.int = ...,
         data: _builtins.bytes = ...,
+        after_ns: _abc.Iterable[_builtins.int] | None = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["data", b"data", "sensor", b"sensor"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["after_ns", b"after_ns", "data", b"data", "sensor", b"sensor"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     def WhichOneof(self, oneof_group: _Never) -> None: ...
 
@@ -1217,6 +1270,7 @@ class RobotStep(_message.Message):
     POLL_FIELD_NUMBER: _builtins.int
     OPERATIONS_FIELD_NUMBER: _builtins.int
     UNTIL_MESSAGE_FIELD_NUMBER: _builtins.int
+    OPENED_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in the Hello."""
     thinking_ns: _builtins.int
@@ -1228,6 +1282,10 @@ class RobotStep(_message.Message):
     operations: _builtins.int
     """Instead of thinking_ns, for a robot that is onboard: how many operations its program did. What that takes
     of the processor's time follows from operations_per_s.
+    """
+    opened: _builtins.bool
+    """For a serial port: a program has opened it, which pulls DTR. That resets a microcontroller that has a bootloader, as soon
+    as the tick is over.
     """
     @_builtins.property
     def command(self) -> Global___Command:
@@ -1256,10 +1314,11 @@ class RobotStep(_message.Message):
         poll: Global___Poll | None = ...,
         operations: _builtins.int | None = ...,
         until_message: Global___UntilMessage | None = ...,
+        opened: _builtins.bool = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "operations", b"operations", "output", b"output", "poll", b"poll", "raw", b"raw", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "operations", b"operations", "output", b"output", "poll", b"poll", "raw", b"raw", "robot", b"robot", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "opened", b"opened", "operations", b"operations", "output", b"output", "poll", b"poll", "raw", b"raw", "robot", b"robot", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__operations: _TypeAlias = _typing.Literal["operations"]  # noqa: Y015
     _WhichOneofArgType__operations: _TypeAlias = _typing.Literal["_operations", b"_operations"]  # noqa: Y015

@@ -202,6 +202,10 @@ class RecordedChange(_message.Message):
     PLACE_THING_FIELD_NUMBER: _builtins.int
     PULL_CABLE_FIELD_NUMBER: _builtins.int
     SET_BAUD_FIELD_NUMBER: _builtins.int
+    PORT_FIELD_NUMBER: _builtins.int
+    RESET_BOARD_FIELD_NUMBER: _builtins.int
+    reset_board: _builtins.str
+    """A program's opening of the port has reset the microcontroller of the robot of this name."""
     @_builtins.property
     def place_robot(self) -> _control_pb2.PlaceRobot:
         """A robot was put somewhere else."""
@@ -218,6 +222,10 @@ class RecordedChange(_message.Message):
     def set_baud(self) -> _control_pb2.SetBaud:
         """A cable got another baud rate."""
 
+    @_builtins.property
+    def port(self) -> Global___RecordedPort:
+        """A serial port was opened for a program, or closed."""
+
     def __init__(
         self,
         *,
@@ -225,16 +233,44 @@ class RecordedChange(_message.Message):
         place_thing: _control_pb2.PlaceThing | None = ...,
         pull_cable: _control_pb2.PullCable | None = ...,
         set_baud: _control_pb2.SetBaud | None = ...,
+        port: Global___RecordedPort | None = ...,
+        reset_board: _builtins.str = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["change", b"change", "place_robot", b"place_robot", "place_thing", b"place_thing", "pull_cable", b"pull_cable", "set_baud", b"set_baud"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["change", b"change", "place_robot", b"place_robot", "place_thing", b"place_thing", "port", b"port", "pull_cable", b"pull_cable", "reset_board", b"reset_board", "set_baud", b"set_baud"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["change", b"change", "place_robot", b"place_robot", "place_thing", b"place_thing", "pull_cable", b"pull_cable", "set_baud", b"set_baud"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["change", b"change", "place_robot", b"place_robot", "place_thing", b"place_thing", "port", b"port", "pull_cable", b"pull_cable", "reset_board", b"reset_board", "set_baud", b"set_baud"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-    _WhichOneofReturnType_change: _TypeAlias = _typing.Literal["place_robot", "place_thing", "pull_cable", "set_baud"]  # noqa: Y015
+    _WhichOneofReturnType_change: _TypeAlias = _typing.Literal["place_robot", "place_thing", "pull_cable", "set_baud", "port", "reset_board"]  # noqa: Y015
     _WhichOneofArgType_change: _TypeAlias = _typing.Literal["change", b"change"]  # noqa: Y015
     def WhichOneof(self, oneof_group: _WhichOneofArgType_change) -> _WhichOneofReturnType_change | None: ...
 
 Global___RecordedChange: _TypeAlias = RecordedChange  # noqa: Y015
+
+@_typing.final
+class RecordedPort(_message.Message):
+    """That a program reads a robot's cables through serial ports, or no longer does."""
+
+    DESCRIPTOR: _descriptor.Descriptor
+
+    ROBOT_FIELD_NUMBER: _builtins.int
+    OPEN_FIELD_NUMBER: _builtins.int
+    robot: _builtins.str
+    """The robot's name."""
+    open: _builtins.bool
+    """Opened; otherwise closed."""
+    def __init__(
+        self,
+        *,
+        robot: _builtins.str = ...,
+        open: _builtins.bool = ...,
+    ) -> None: ...
+    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["open", b"open", "robot", b"robot"]  # noqa: Y015
+    def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+    def WhichOneof(self, oneof_group: _Never) -> None: ...
+
+Global___RecordedPort: _TypeAlias = RecordedPort  # noqa: Y015
 
 @_typing.final
 class RecordedMark(_message.Message):
