@@ -43,6 +43,7 @@ mod new;
 mod opened;
 mod output_files;
 mod plan;
+mod ports;
 mod preset;
 mod record;
 mod replay;
@@ -71,7 +72,7 @@ use anyhow::Context;
 use clap::Parser;
 use tokio::runtime::Runtime;
 
-use crate::args::{Cli, Command, NewCommand};
+use crate::args::{Cli, Command, NewCommand, PortCommand};
 use crate::text::tell;
 
 fn main() -> ExitCode {
@@ -124,6 +125,7 @@ fn execute_on(runtime: &Runtime, command: Command) -> anyhow::Result<ExitCode> {
         Command::Export(args) => return runtime.block_on(export::export(&args)),
         Command::New(NewCommand::Brain(args)) => new::brain(&args),
         Command::Watch(args) => runtime.block_on(watch::watch(&args)),
+        Command::Port(PortCommand::Open(args)) => runtime.block_on(ports::open(&args)),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -28,6 +28,7 @@ pub(crate) async fn serve(args: &ServeArgs) -> anyhow::Result<()> {
         Some(file) => resume(args, file, &mut serving)?,
         None => worlds(args, &mut serving)?,
     }
+    serving.open_ports(&args.ports)?;
     serving.until_stopped(Viewing::IfOpen).await
 }
 

@@ -6,17 +6,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context;
+use baudbot_port::PortAddress;
 use baudbot_proto::v1;
 use baudbot_server::{Address, Builder, Server, WorldConfig};
 use baudbot_sim::Scenario;
 
 use crate::args::{DEFAULT_ADDRESS, ListenArgs, Over};
 use crate::assignment::{self, Assigned};
-use crate::error::from_builder;
+use crate::error::{Refused, from_builder};
+use crate::ports::{OpenPorts, PortsByRobot};
 use crate::signals::Stop;
 use crate::summary::Summary;
 use crate::text::tell;
-use crate::{connect, natural, report, text, viewer};
+use crate::{connect, natural, ports, report, text, viewer};
 
 /// Whether there is a page by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +36,8 @@ pub(crate) struct Serving<'a> {
     worlds: Vec<Described>,
     /// The live worlds, of which a summary is told at the end.
     live: Vec<(String, Arc<Scenario>)>,
+    /// The serial ports of the only world.
+    ports: PortsByRobot,
 }
 
 /// A world's name, what is in it, and a robot with a brain that can drive it.
@@ -41,7 +45,13 @@ type Described = (String, String, Option<(String, &'static str)>);
 
 impl<'a> Serving<'a> {
     pub(crate) fn new(listen: &'a ListenArgs) -> Self {
-        Self { builder: listen.builder(), listen, worlds: Vec::new(), live: Vec::new() }
+        Self {
+            builder: listen.builder(),
+            listen,
+            worlds: Vec::new(),
+            live: Vec::new(),
+            ports: PortsByRobot::new(),
+        }
     }
 
     /// Lets operators record into a folder.
@@ -62,6 +72,22 @@ impl<'a> Serving<'a> {
         self.builder = std::mem::take(&mut self.builder).world(world);
     }
 
+    /// Opens serial ports at robots of the only world.
+    pub(crate) fn open_ports(&mut self, ports: &[PortAddress]) -> anyhow::Result<()> {
+        match self.live.as_slice() {
+            _ if ports.is_empty() => {}
+            [(_, scenario)] => {
+                let robots: Vec<_> = scenario.robots.iter().map(|spec| spec.name.clone()).collect();
+                self.ports = ports::by_robot(ports, &robots, self.listen.insecure)?;
+            }
+            _ => {
+                let text = "--port: takes a single world, and these are several; use `baudbot port open --world WORLD`";
+                return Err(Refused::error(text));
+            }
+        }
+        Ok(())
+    }
+
     /// A world that does a recording again.
     pub(crate) fn add_replay(&mut self, name: &str, world: WorldConfig) {
         self.worlds.push((name.to_owned(), format!("world {name}: replays a recording\n"), None));
@@ -70,7 +96,7 @@ impl<'a> Serving<'a> {
 
     /// Serves until it is stopped.
     pub(crate) async fn until_stopped(self, viewing: Viewing) -> anyhow::Result<()> {
-        let Self { mut builder, listen, worlds, live } = self;
+        let Self { mut builder, listen, worlds, live, ports } = self;
         let listening = addresses(listen, viewing)?;
         for address in listening.clone() {
             builder = builder.listen(address);
@@ -81,8 +107,16 @@ impl<'a> Serving<'a> {
         let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
         let server = builder.serve().await.map_err(from_builder)?;
         text::print(&greeting(&server, &worlds))?;
-        stop.wait().await;
+        let mut open =
+            OpenPorts::open(server.channel().await?, live.first().map_or("", |(world, _)| world), &ports)
+                .await?;
+        text::print(&open.greeting())?;
+        tokio::select! {
+            gone = open.gone() => gone?,
+            () = stop.wait() => {}
+        }
         tell!("stopping");
+        text::print(&open.close().await)?;
         // As at the end of `run`. A server that does not answer keeps nobody from stopping it.
         if let Ok(summaries) = tokio::time::timeout(PATIENCE, summaries(&server, &live)).await {
             text::print(&summaries?)?;

@@ -21,6 +21,7 @@ mod named_tests;
 mod onboard;
 mod ring;
 mod saved;
+mod serial_ports;
 mod sight;
 mod statistics;
 mod timing;

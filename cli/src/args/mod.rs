@@ -11,12 +11,14 @@ mod over;
 mod pace;
 mod places;
 mod plan;
+mod port;
 mod record;
 mod umbmark;
 mod work;
 
 use std::path::PathBuf;
 
+use baudbot_port::PortAddress;
 use baudbot_server::Address;
 use clap::{Args, Parser, Subcommand};
 
@@ -35,6 +37,7 @@ pub(crate) use self::over::Over;
 pub(crate) use self::pace::{PaceName, WatchdogArgs};
 pub(crate) use self::places::{ConnectArgs, DEFAULT_ADDRESS, ListenArgs};
 pub(crate) use self::plan::{Method, PlanArgs};
+pub(crate) use self::port::{OpenPortArgs, PortCommand};
 pub(crate) use self::record::{RecordArgs, ReplayArgs};
 pub(crate) use self::umbmark::UmbmarkArgs;
 pub(crate) use self::work::{SweepArgs, TuneArgs, WorkArgs};
@@ -119,6 +122,9 @@ pub(crate) enum Command {
     /// Shows a running world of a server
     #[command(after_long_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
+    /// Opens serial ports at the far side of a connection to a server
+    #[command(subcommand)]
+    Port(PortCommand),
 }
 
 #[derive(Debug, Args)]
@@ -202,6 +208,9 @@ pub(crate) struct ServeArgs {
     /// A trainer also creates worlds here (docs/training.md). Only this machine can reach the address, also with --insecure.
     #[arg(long, value_name = "ADDR")]
     pub(crate) trainer: Option<Address>,
+    /// Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot
+    #[arg(long = "port", value_name = "ROBOT[/SENSOR]=KIND:WHERE", long_help = port::PORT_HELP)]
+    pub(crate) ports: Vec<PortAddress>,
     /// Continue the world of a recording from its end; its brains may attach again
     #[arg(long, value_name = "FILE.mcap", conflicts_with_all = ["scenarios", "sets", "seed", "no_noise"])]
     pub(crate) resume: Option<PathBuf>,

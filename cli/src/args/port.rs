@@ -1,0 +1,41 @@
+//! `baudbot port`, and the ports of `baudbot serve`.
+
+use baudbot_port::PortAddress;
+use clap::{Args, Subcommand};
+
+use super::ConnectArgs;
+
+pub(super) const PORT_HELP: &str = "\
+Open a serial port at a robot's cable, or at that of one of its sensors, for programs that know nothing of baudbot
+
+  khepera=pty:khepera.tty        a pseudo-terminal; khepera.tty is a link to it, of mode 0600
+  create=rfc2217:2217            a terminal server at 127.0.0.1:2217: rfc2217://localhost:2217 of pyserial
+  create=tcp:2218                the bytes alone
+  khepera/urg=tcp:10940          those of the sensor `urg`, which has a cable of its own
+  create=unix:create.sock        a Unix socket, of mode 0600
+
+The robot's name can be left out if there is only one. A port holds its robot as a brain does (docs/ports.md).";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PortCommand {
+    /// Opens serial ports at the cables of a robot of a server, until Ctrl-C
+    #[command(after_long_help = EXAMPLES)]
+    Open(OpenPortArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OpenPortArgs {
+    #[command(flatten)]
+    pub(crate) server: ConnectArgs,
+    /// The ports
+    #[arg(value_name = "ROBOT[/SENSOR]=KIND:WHERE", required = true, long_help = PORT_HELP)]
+    pub(crate) ports: Vec<PortAddress>,
+    /// Allow addresses that other machines can reach; anyone who reaches them can drive the robot
+    #[arg(long)]
+    pub(crate) insecure: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  baudbot port open khepera=pty:khepera.tty --connect robots.lab:7400
+  baudbot port open pty:/tmp/robot.tty            of the only robot of the only world at 127.0.0.1:7400";

@@ -1,0 +1,164 @@
+//! Serial ports for other people's programs: `serve --port`, `port open`.
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+use baudbot_port::{News, Place, PortAddress, PortError, Report, RobotPorts};
+use tokio::sync::watch;
+use tokio::task::JoinSet;
+use tonic::transport::Channel;
+
+use crate::args::OpenPortArgs;
+use crate::connect;
+use crate::error::{Refused, from_server};
+use crate::signals::Stop;
+use crate::text::{self, tell};
+
+/// Ticks that are longer than this make programs wait for what they have asked.
+const LONG_STEP_NS: u64 = 1_000_000;
+
+/// `baudbot port open`.
+pub(crate) async fn open(args: &OpenPortArgs) -> anyhow::Result<()> {
+    let mut stop = Stop::listen().context("cannot listen for Ctrl-C")?;
+    let channel = connect::channel(&args.server.connect).await?;
+    let world = connect::world(channel.clone(), &args.server).await?;
+    let names: Vec<_> = world.robots.iter().map(|robot| robot.robot.clone()).collect();
+    let ports = by_robot(&args.ports, &names, args.insecure)?;
+    let mut open = OpenPorts::open(channel, &world.world, &ports).await?;
+    text::print(&open.greeting())?;
+    tokio::select! {
+        gone = open.gone() => gone?,
+        () = stop.wait() => tell!("closing"),
+    }
+    text::print(&open.close().await)
+}
+
+/// Ports by the names of their robots.
+pub(crate) type PortsByRobot = BTreeMap<String, Vec<(Option<String>, Place)>>;
+
+/// Which ports are to be opened at which of these robots.
+pub(crate) fn by_robot(
+    ports: &[PortAddress],
+    robots: &[String],
+    insecure: bool,
+) -> anyhow::Result<PortsByRobot> {
+    let mut by_robot = PortsByRobot::new();
+    for PortAddress { robot, device, place } in ports {
+        if !place.is_local() && !insecure {
+            return Err(Refused::error(PortError::NotLocal { place: place.clone() }.to_string()));
+        }
+        let robot = match (robot, robots) {
+            (Some(robot), _) if robots.contains(robot) => robot,
+            (None, [only]) => only,
+            (Some(robot), _) => {
+                let there_are = robots.join(", ");
+                return Err(Refused::error(format!(
+                    "{place}: there is no robot `{robot}`; there are: {there_are}"
+                )));
+            }
+            (None, _) => {
+                let there_are = robots.join(", ");
+                return Err(Refused::error(format!(
+                    "{place}: say of which robot, as in ROBOT={place}; there are: {there_are}"
+                )));
+            }
+        };
+        by_robot.entry(robot.clone()).or_default().push((device.clone(), place.clone()));
+    }
+    Ok(by_robot)
+}
+
+/// A robot, and what its ports have done.
+type Done = (String, Result<Vec<(String, Report)>, PortError>);
+
+/// Ports that are open.
+pub(crate) struct OpenPorts {
+    tasks: JoinSet<Done>,
+    stop: watch::Sender<bool>,
+    greeting: String,
+}
+
+impl OpenPorts {
+    /// Opens the ports of robots of a world.
+    pub(crate) async fn open(channel: Channel, world: &str, ports: &PortsByRobot) -> anyhow::Result<Self> {
+        let (stop, _) = watch::channel(false);
+        let mut open = Self { tasks: JoinSet::new(), stop, greeting: String::new() };
+        for (robot, ports) in ports {
+            let opened = RobotPorts::open(channel.clone(), world, robot, ports).await.map_err(refused)?;
+            open.greet(ports, &opened);
+            let mut stopped = open.stop.subscribe();
+            let robot = robot.clone();
+            open.tasks.spawn(async move {
+                let stop = async move { drop(stopped.wait_for(|stop| *stop).await) };
+                let name = robot.clone();
+                (robot, opened.serve(stop, |news| tell_news(&name, &news)).await)
+            });
+        }
+        Ok(open)
+    }
+
+    fn greet(&mut self, ports: &[(Option<String>, Place)], opened: &RobotPorts) {
+        for ((device, _), place) in ports.iter().zip(opened.places()) {
+            let of = device.as_ref().map_or_else(String::new, |device| format!("/{device}"));
+            self.greeting += &format!("serial port of {}{of}: {place}\n", opened.robot());
+        }
+        if opened.step_ns() > LONG_STEP_NS {
+            let step_ms = opened.step_ns() as f64 * 1e-6;
+            tell!(
+                "note: what a program writes enters the cable at the end of a tick, up to {step_ms} ms later; use --set step_ms=1 for programs that ask and wait"
+            );
+        }
+    }
+
+    /// Where the ports are.
+    pub(crate) fn greeting(&self) -> String {
+        self.greeting.clone()
+    }
+
+    /// Waits until the server ends a robot's stream.
+    ///
+    /// # Errors
+    /// Why it did.
+    pub(crate) async fn gone(&mut self) -> anyhow::Result<()> {
+        match self.tasks.join_next().await {
+            Some(Ok((robot, Err(error)))) => {
+                Err(refused(error).context(format!("the ports of {robot} are closed")))
+            }
+            Some(Ok((robot, Ok(_)))) => anyhow::bail!("the server has let go of {robot}"),
+            Some(Err(error)) => Err(error.into()),
+            None => std::future::pending().await,
+        }
+    }
+
+    /// Closes the ports. Gives what each has done, for people.
+    pub(crate) async fn close(mut self) -> String {
+        // Nobody may be left who listens.
+        let _ = self.stop.send(true);
+        let mut text = String::new();
+        while let Some(Ok((robot, reports))) = self.tasks.join_next().await {
+            for (place, report) in reports.unwrap_or_default() {
+                text += &format!("port {place} of {robot}: {report}\n");
+            }
+        }
+        text
+    }
+}
+
+fn tell_news(robot: &str, news: &News) {
+    match news {
+        News::Opened(place) => tell!("a program has opened {place} of {robot}"),
+        News::Closed(place) => tell!("no program has {place} of {robot} open any more"),
+        News::Ended => tell!("the run of {robot} is over; what programs write is not obeyed"),
+    }
+}
+
+fn refused(error: PortError) -> anyhow::Error {
+    match error {
+        PortError::Server(status) => from_server(&status),
+        PortError::InTheWay { .. }
+        | PortError::NotLocal { .. }
+        | PortError::NoDevice { .. }
+        | PortError::Lockstep { .. } => Refused::error(error.to_string()),
+        PortError::Open { .. } | PortError::Contract(_) => error.into(),
+    }
+}

@@ -1,0 +1,243 @@
+//! The thread of a port: it gives bytes to the program at their instants, and takes what the program writes as fast as the cable
+//! does.
+
+use std::collections::VecDeque;
+use std::os::fd::{AsFd, OwnedFd};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use tokio::sync::mpsc::UnboundedSender;
+
+use crate::cable::{CHUNK, Cable};
+use crate::clock::{Clock, now_unix_ns};
+use crate::medium::{Happened, Medium, Role};
+use crate::report::Report;
+use crate::uart::{Read, Settings};
+
+/// What the thread is told.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Order {
+    /// Bytes that arrive at the laptop at these instants of simulated time, and how that follows the wall clock; if it does not,
+    /// they are given at once.
+    Bytes(Option<Clock>, Vec<(u64, u8)>),
+    /// The port is to be closed.
+    Close,
+}
+
+/// What the thread tells.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Told {
+    Opened,
+    Closed,
+    /// Bytes for the robot.
+    Bytes(Vec<u8>),
+}
+
+/// A port, as its thread has it.
+pub(crate) struct Driver {
+    pub(crate) medium: Medium,
+    pub(crate) cable: Cable,
+    pub(crate) step_ns: u64,
+    pub(crate) orders: Receiver<Order>,
+    /// Something is to be read there when an order has come.
+    pub(crate) wake: OwnedFd,
+    /// Which port it is, and what it tells.
+    pub(crate) told: (usize, UnboundedSender<(usize, Told)>),
+    pub(crate) clock: Option<Clock>,
+    /// What is still to be given to the program.
+    pub(crate) waiting: VecDeque<Read>,
+    pub(crate) report: Report,
+    /// How many bytes have been told that the server has not been sent yet.
+    pub(crate) held: Arc<AtomicUsize>,
+    /// Since when the program sends a break, by simulated time.
+    pub(crate) break_since_ns: Option<u64>,
+}
+
+/// Most bytes that wait for their instants: more than any cable brings in a tick.
+const MOST_WAITING: usize = 16 << 20;
+
+/// Most bytes of a program that wait for a world that stands still, as in a driver's buffer. The program then blocks.
+const MOST_HELD: usize = 4096;
+
+/// How often it is looked whether a program has opened a pty.
+const LOOKS_NS: u64 = 2_000_000;
+
+impl Driver {
+    /// Serves until the port is closed. Gives what it has done.
+    pub(crate) fn serve(mut self) -> Report {
+        let mut buffer = vec![0; CHUNK];
+        while self.take_orders() {
+            self.look();
+            self.give();
+            self.take(&mut buffer);
+            self.listen_on();
+            self.wait();
+        }
+        self.report
+    }
+
+    fn settings(&self) -> Option<Settings> {
+        self.medium.settings()
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.clock.map_or(0, |clock| clock.sim_ns(now_unix_ns()))
+    }
+
+    /// `false` if the port is to be closed.
+    fn take_orders(&mut self) -> bool {
+        let _ = rustix::io::read(&self.wake, &mut [0; 8]);
+        loop {
+            match self.orders.try_recv() {
+                Ok(Order::Bytes(clock, bytes)) => {
+                    self.clock = clock;
+                    let program = self.settings();
+                    self.cable.up(program, &bytes, &mut self.waiting);
+                    while self.waiting.len() > MOST_WAITING {
+                        self.waiting.pop_front();
+                        self.report.overrun += 1;
+                    }
+                }
+                Ok(Order::Close) | Err(TryRecvError::Disconnected) => return false,
+                Err(TryRecvError::Empty) => return true,
+            }
+        }
+    }
+
+    fn look(&mut self) {
+        let mut happened = Vec::new();
+        self.medium.look(&mut happened);
+        self.handle(happened);
+    }
+
+    fn handle(&mut self, happened: Vec<Happened>) {
+        for what in happened {
+            match what {
+                Happened::Opened => {
+                    self.report.opened += 1;
+                    self.tell(Told::Opened);
+                }
+                Happened::Closed => {
+                    self.break_since_ns = None;
+                    self.tell(Told::Closed);
+                }
+                Happened::Break(true) => self.break_since_ns = Some(self.now_ns()),
+                Happened::Break(false) => self.end_break(),
+                // What has not arrived yet is still on the cable.
+                Happened::PurgeReceived => {
+                    let now = self.now_ns();
+                    self.waiting.retain(|read| read.at_ns > now);
+                }
+            }
+        }
+    }
+
+    fn end_break(&mut self) {
+        let Some(since) = self.break_since_ns.take() else { return };
+        let mut reads = Vec::new();
+        self.cable.send_break(since, self.now_ns().saturating_sub(since), &mut reads);
+        self.tell_bytes(&reads);
+    }
+
+    fn tell(&self, told: Told) {
+        // Whoever is told is gone only when the port is to be closed.
+        drop(self.told.1.send((self.told.0, told)));
+    }
+
+    fn tell_bytes(&mut self, reads: &[Read]) {
+        if !reads.is_empty() {
+            self.report.taken += reads.len() as u64;
+            self.held.fetch_add(reads.len(), Ordering::Relaxed);
+            self.report.line_errors += reads.iter().filter(|read| read.error.is_some()).count() as u64;
+            self.tell(Told::Bytes(reads.iter().map(|read| read.byte).collect()));
+        }
+    }
+
+    /// Gives the program what is due.
+    fn give(&mut self) {
+        let now = now_unix_ns();
+        let due = |read: &Read| self.clock.is_none_or(|clock| clock.unix_ns(read.at_ns) <= now);
+        let count = self.waiting.iter().take_while(|read| due(read)).count();
+        if count == 0 {
+            return;
+        }
+        let reads: Vec<Read> = self.waiting.drain(..count).collect();
+        if !self.medium.is_open() {
+            self.report.unheard += count as u64;
+            return;
+        }
+        let taken = self.medium.write(&reads);
+        self.report.overrun += (count - taken) as u64;
+        for read in &reads[..taken] {
+            let due_ns = self.clock.map_or(now, |clock| clock.unix_ns(read.at_ns));
+            self.report.note(1, Duration::from_nanos(now_unix_ns().saturating_sub(due_ns)));
+            self.report.line_errors += u64::from(read.error.is_some());
+        }
+    }
+
+    /// Takes what the program has written, as far as the cable has room.
+    fn take(&mut self, buffer: &mut [u8]) {
+        let program = self.settings();
+        // A program that has closed the port may have left bytes in it.
+        let room = self.room();
+        if room == 0 {
+            return;
+        }
+        let mut happened = Vec::new();
+        let bytes = self.medium.read(&mut buffer[..room], &mut happened);
+        let mut reads = Vec::new();
+        self.cable.down(program, self.now_ns(), &bytes, &mut reads);
+        self.tell_bytes(&reads);
+        self.handle(happened);
+    }
+
+    /// What has been read although nobody sends any more.
+    fn listen_on(&mut self) {
+        if self.cable.is_listening() {
+            let mut reads = Vec::new();
+            let now = self.now_ns();
+            self.cable.idle(now, &mut self.waiting, &mut reads);
+            self.tell_bytes(&reads);
+        }
+    }
+
+    /// How many bytes may be taken from the program.
+    fn room(&self) -> usize {
+        let on_cable = self.cable.room(self.settings(), self.now_ns(), self.window_ns());
+        on_cable.min(MOST_HELD.saturating_sub(self.held.load(Ordering::Relaxed)))
+    }
+
+    /// What is written is sent when the tick is over; so that the line is never idle, two ticks are kept filled.
+    fn window_ns(&self) -> u64 {
+        2 * self.step_ns
+    }
+
+    /// Waits until there is something to do.
+    fn wait(&self) {
+        let now = now_unix_ns();
+        let mut until = now + 100_000_000;
+        if let Some(read) = self.waiting.front() {
+            until = until.min(self.clock.map_or(now, |clock| clock.unix_ns(read.at_ns)));
+        }
+        let has_room = self.room() > 0;
+        if let Some(clock) = self.clock.filter(|_| !has_room) {
+            until = until.min(clock.unix_ns(self.cable.has_room_ns(self.settings(), self.window_ns())));
+        }
+        let is_quiet = !self.medium.is_open() && self.medium.fds().is_empty();
+        if is_quiet || self.cable.is_listening() {
+            until = until.min(now + LOOKS_NS);
+        }
+        let fds = self.medium.fds();
+        let fds = fds.iter().filter(|(_, role)| has_room || *role == Role::Programs);
+        let mut fds: Vec<_> = fds.map(|(fd, _)| PollFd::from_borrowed_fd(*fd, PollFlags::IN)).collect();
+        fds.push(PollFd::from_borrowed_fd(self.wake.as_fd(), PollFlags::IN));
+        let left_ns = until.saturating_sub(now);
+        let left =
+            Timespec { tv_sec: (left_ns / 1_000_000_000) as i64, tv_nsec: (left_ns % 1_000_000_000) as i64 };
+        // A signal ends the wait early, which does no harm.
+        let _ = poll(&mut fds, Some(&left));
+    }
+}

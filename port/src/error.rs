@@ -1,0 +1,67 @@
+//! Why a port cannot be opened, or is open no longer.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::address::Place;
+
+/// Why a port cannot be opened, or is open no longer.
+#[derive(Debug, Error)]
+pub enum PortError {
+    /// Something stands where the symbolic link is to be.
+    #[error("{}: {what} is there already; remove it, or choose another name", .path.display())]
+    InTheWay {
+        /// Where.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
+    /// The operating system has none, or refuses it.
+    #[error("{place}: cannot be opened: {source}")]
+    Open {
+        /// Which port.
+        place: Place,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Other machines could reach it.
+    #[error(
+        "{place}: other machines could reach this port and drive the robot; use an address of this machine, or --insecure"
+    )]
+    NotLocal {
+        /// Which port.
+        place: Place,
+    },
+    /// The robot has no such device, or that has no cable of its own.
+    #[error("robot `{robot}` has no sensor `{device}` with a port of its own; those with one: {there_are}")]
+    NoDevice {
+        /// Name of the robot.
+        robot: String,
+        /// What was asked for.
+        device: String,
+        /// Those that there are.
+        there_are: String,
+    },
+    /// Simulated time does not follow the wall clock.
+    #[error(
+        "world `{world}` waits for its brains; programs at a serial port need real time: use --pace real-time, or a factor"
+    )]
+    Lockstep {
+        /// Name of the world.
+        world: String,
+    },
+    /// The server refuses, or is gone.
+    #[error("{}", .0.message())]
+    Server(#[from] Box<tonic::Status>),
+    /// The server says what the contract does not allow.
+    #[error("the server breaks the contract: {0} has come in place of a Welcome")]
+    Contract(&'static str),
+}
+
+impl From<tonic::Status> for PortError {
+    fn from(status: tonic::Status) -> Self {
+        Self::Server(Box::new(status))
+    }
+}

@@ -1,0 +1,27 @@
+//! Serial ports that other people's programs open: the laptop's end of a simulated robot's cables.
+//!
+//! A program for a real robot opens a serial port, sets its UART, writes and reads bytes. Here that port is a pseudo-terminal or a
+//! socket ([`Place`]); to the world it is a brain in RAW mode ([`RobotPorts`]). Each byte from the robot is given to the program at
+//! its own instant: never before the cable has carried it, by the wall clock at the pace of the world. What the program writes
+//! is taken as fast as the cable takes it, so that the program blocks as at a real port.
+//!
+//! [`uart`] has what each end reads if the two are set differently.
+
+mod address;
+mod cable;
+mod clock;
+mod driver;
+mod error;
+mod line;
+mod medium;
+mod pty;
+mod report;
+mod robot;
+mod socket;
+mod telnet;
+pub mod uart;
+
+pub use address::{BadPort, Place, PortAddress};
+pub use error::PortError;
+pub use report::Report;
+pub use robot::{News, RobotPorts};

@@ -1,0 +1,243 @@
+//! Pseudo-terminals: a program opens the slave as a serial port; the master is the other end of the cable.
+//!
+//! A pty has no UART, so this side does what one would: it reads how the program has set its end (`tcgetattr` on the master
+//! gives the slave's settings). The slave is kept open by nobody but programs, so that opening and closing are seen as the
+//! end and the return of a hang-up.
+
+use std::fs;
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::{Path, PathBuf};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{OFlags, fcntl_setfl};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{ControlModes, InputModes, OptionalActions, Termios, tcgetattr, tcsetattr};
+
+use crate::address::Place;
+use crate::error::PortError;
+use crate::uart::{LineError, Parity, Read, Settings};
+
+/// A pseudo-terminal under a stable name.
+#[derive(Debug)]
+pub(crate) struct Pty {
+    master: OwnedFd,
+    slave: PathBuf,
+    link: PathBuf,
+}
+
+impl Pty {
+    /// A pty whose slave is `link`, raw, and set as the robot is.
+    pub(crate) fn open(link: &Path, settings: Option<&Settings>) -> Result<Self, PortError> {
+        let failed = |source: io::Error| PortError::Open { place: Place::Pty(link.to_owned()), source };
+        check_free(link)?;
+        let pty = Self::new(link, settings).map_err(failed)?;
+        make_link(&pty.slave, link).map_err(failed)?;
+        Ok(pty)
+    }
+
+    fn new(link: &Path, settings: Option<&Settings>) -> io::Result<Self> {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        grantpt(&master)?;
+        unlockpt(&master)?;
+        let slave = PathBuf::from(ptsname(&master, Vec::new())?.into_string().map_err(io::Error::other)?);
+        fs::set_permissions(&slave, fs::Permissions::from_mode(0o600))?;
+        // Whether a program has the slave open is known only once it has been open.
+        let opened = fs::OpenOptions::new().read(true).write(true).open(&slave)?;
+        let mut termios = tcgetattr(&opened)?;
+        termios.make_raw();
+        if let Some(settings) = settings {
+            set(&mut termios, settings)?;
+        }
+        tcsetattr(&opened, OptionalActions::Now, &termios)?;
+        fcntl_setfl(&master, OFlags::RDWR | OFlags::NONBLOCK)?;
+        Ok(Self { master, slave, link: link.to_owned() })
+    }
+
+    pub(crate) fn fd(&self) -> BorrowedFd<'_> {
+        self.master.as_fd()
+    }
+
+    /// What its name stands for.
+    pub(crate) fn slave(&self) -> &Path {
+        &self.slave
+    }
+
+    /// Whether a program has it open.
+    pub(crate) fn is_open(&self) -> bool {
+        let mut fds = [PollFd::new(&self.master, PollFlags::OUT)];
+        let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+        poll(&mut fds, Some(&at_once)).is_ok() && !fds[0].revents().contains(PollFlags::HUP)
+    }
+
+    /// How the program has set its end.
+    pub(crate) fn settings(&self) -> Option<Settings> {
+        let termios = tcgetattr(&self.master).ok()?;
+        Some(settings(&termios)).filter(|settings| settings.baud > 0)
+    }
+
+    /// The bytes that a terminal gives the program for one that its UART has read.
+    pub(crate) fn as_read(&self, read: &Read) -> Vec<u8> {
+        let Ok(termios) = tcgetattr(&self.master) else { return vec![read.byte] };
+        given(termios.input_modes, read)
+    }
+
+    pub(crate) fn read(&self, buffer: &mut [u8]) -> io::Result<usize> {
+        Ok(rustix::io::read(&self.master, buffer)?)
+    }
+
+    pub(crate) fn write(&self, bytes: &[u8]) -> io::Result<usize> {
+        Ok(rustix::io::write(&self.master, bytes)?)
+    }
+}
+
+impl Drop for Pty {
+    fn drop(&mut self) {
+        // Another server may have taken the name since.
+        if fs::read_link(&self.link).is_ok_and(|target| target == self.slave) {
+            drop(fs::remove_file(&self.link));
+        }
+    }
+}
+
+/// Errors as a terminal tells them (termios(3), IGNPAR, INPCK, PARMRK, IGNBRK, BRKINT without a foreground process).
+fn given(modes: InputModes, read: &Read) -> Vec<u8> {
+    let is_break = read.error == Some(LineError::Framing) && read.byte == 0;
+    let marks = modes.contains(InputModes::PARMRK);
+    match read.error {
+        None if marks && !modes.contains(InputModes::ISTRIP) && read.byte == 0xff => vec![0xff, 0xff],
+        None => vec![read.byte],
+        Some(_) if is_break && modes.contains(InputModes::IGNBRK) => vec![],
+        Some(_) if is_break => {
+            if marks {
+                vec![0xff, 0, 0]
+            } else {
+                vec![0]
+            }
+        }
+        Some(LineError::Parity) if !modes.contains(InputModes::INPCK) => vec![read.byte],
+        Some(_) if modes.contains(InputModes::IGNPAR) => vec![],
+        Some(_) if marks => vec![0xff, 0, read.byte],
+        Some(LineError::Framing) if !modes.contains(InputModes::INPCK) => vec![read.byte],
+        Some(_) => vec![0],
+    }
+}
+
+fn settings(termios: &Termios) -> Settings {
+    let modes = termios.control_modes;
+    let data_bits = match modes & ControlModes::CSIZE {
+        size if size == ControlModes::CS5 => 5,
+        size if size == ControlModes::CS6 => 6,
+        size if size == ControlModes::CS7 => 7,
+        _ => 8,
+    };
+    let is = |mode| modes.contains(mode);
+    let parity = match (is(ControlModes::PARENB), is(ControlModes::CMSPAR), is(ControlModes::PARODD)) {
+        (false, _, _) => Parity::None,
+        (true, false, false) => Parity::Even,
+        (true, false, true) => Parity::Odd,
+        (true, true, false) => Parity::Space,
+        (true, true, true) => Parity::Mark,
+    };
+    let stop_bits = if is(ControlModes::CSTOPB) { 2 } else { 1 };
+    Settings { baud: termios.output_speed(), data_bits, parity, stop_bits }
+}
+
+fn set(termios: &mut Termios, settings: &Settings) -> io::Result<()> {
+    termios.set_speed(settings.baud)?;
+    let modes = &mut termios.control_modes;
+    modes.remove(ControlModes::CSIZE);
+    modes.insert(match settings.data_bits {
+        5 => ControlModes::CS5,
+        6 => ControlModes::CS6,
+        7 => ControlModes::CS7,
+        _ => ControlModes::CS8,
+    });
+    modes.set(ControlModes::CSTOPB, settings.stop_bits > 1);
+    modes.set(ControlModes::PARENB, settings.parity != Parity::None);
+    Ok(())
+}
+
+/// A link that points nowhere is what a program has left that was killed.
+fn check_free(link: &Path) -> Result<(), PortError> {
+    let in_the_way = |what| Err(PortError::InTheWay { path: link.to_owned(), what });
+    match fs::symlink_metadata(link) {
+        Err(_) => Ok(()),
+        Ok(found) if found.is_symlink() && link.exists() => in_the_way("a link to something else"),
+        Ok(found) if found.is_symlink() => Ok(()),
+        Ok(found) if found.is_dir() => in_the_way("a folder"),
+        Ok(_) => in_the_way("a file"),
+    }
+}
+
+fn make_link(slave: &Path, link: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(link).is_ok_and(|found| found.is_symlink()) {
+        fs::remove_file(link)?;
+    }
+    symlink(slave, link)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(byte: u8, error: Option<LineError>) -> Read {
+        Read { byte, at_ns: 0, error }
+    }
+
+    #[test]
+    fn a_program_s_settings_are_read_at_the_other_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("robot.tty");
+        let wanted = Settings { baud: 9600, data_bits: 8, parity: Parity::None, stop_bits: 2 };
+        let pty = Pty::open(&link, Some(&wanted)).unwrap();
+        assert_eq!(pty.settings(), Some(wanted));
+        assert!(!pty.is_open());
+        let program = fs::OpenOptions::new().read(true).write(true).open(&link).unwrap();
+        assert!(pty.is_open());
+        let mut termios = tcgetattr(&program).unwrap();
+        let odd = Settings { baud: 250_000, data_bits: 7, parity: Parity::Even, stop_bits: 1 };
+        set(&mut termios, &odd).unwrap();
+        tcsetattr(&program, OptionalActions::Now, &termios).unwrap();
+        assert_eq!(pty.settings(), Some(odd));
+        drop(program);
+        assert!(!pty.is_open());
+        let mode = fs::metadata(pty.slave()).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        drop(pty);
+        assert!(fs::symlink_metadata(&link).is_err(), "the name is gone with the port");
+    }
+
+    #[test]
+    fn what_stands_in_the_way_stays_and_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("robot.tty");
+        fs::write(&link, "precious").unwrap();
+        let error = Pty::open(&link, None).unwrap_err().to_string();
+        assert!(
+            error.ends_with("robot.tty: a file is there already; remove it, or choose another name"),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(&link).unwrap(), "precious");
+        fs::remove_file(&link).unwrap();
+        symlink("/nowhere/at/all", &link).unwrap();
+        let first = Pty::open(&link, None).unwrap();
+        assert!(Pty::open(&link, None).is_err(), "a second server");
+        drop(first);
+        assert!(Pty::open(&folder.path().join("no/such/robot.tty"), None).is_err());
+    }
+
+    #[test]
+    fn errors_are_given_as_termios_says() {
+        let (none, check, mark) =
+            (InputModes::empty(), InputModes::INPCK, InputModes::INPCK | InputModes::PARMRK);
+        assert_eq!(given(none, &read(7, Some(LineError::Parity))), [7]);
+        assert_eq!(given(check, &read(7, Some(LineError::Parity))), [0]);
+        assert_eq!(given(check | InputModes::IGNPAR, &read(7, Some(LineError::Framing))), []);
+        assert_eq!(given(mark, &read(7, Some(LineError::Framing))), [0xff, 0, 7]);
+        assert_eq!(given(mark, &read(0xff, None)), [0xff, 0xff]);
+        assert_eq!(given(none, &read(0, Some(LineError::Framing))), [0], "a break");
+        assert_eq!(given(InputModes::IGNBRK, &read(0, Some(LineError::Framing))), []);
+    }
+}

@@ -1,0 +1,224 @@
+//! The ports of a robot: to its world they are a brain in RAW mode.
+
+use baudbot_proto::v1;
+use baudbot_proto::v1::attach_request::Request;
+use baudbot_proto::v1::attach_response::Response;
+use baudbot_proto::v1::brain_link_service_client::BrainLinkServiceClient;
+use tokio::sync::mpsc::{Sender, UnboundedReceiver, channel, unbounded_channel};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::Streaming;
+use tonic::transport::Channel;
+
+use crate::address::Place;
+use crate::clock::Clock;
+use crate::driver::{Order, Told};
+use crate::error::PortError;
+use crate::line::Line;
+use crate::report::Report;
+use crate::uart::Settings;
+
+/// Steps of one tick: the server takes 64.
+const MOST_STEPS: usize = 32;
+
+/// The serial ports of a robot, open for programs.
+#[derive(Debug)]
+pub struct RobotPorts {
+    robot: String,
+    step_ns: u64,
+    lines: Vec<Line>,
+    told: UnboundedReceiver<(usize, Told)>,
+    requests: Sender<v1::AttachRequest>,
+    responses: Streaming<v1::AttachResponse>,
+}
+
+/// What has happened at a port, for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum News {
+    /// A program has opened the port at this place.
+    Opened(String),
+    /// No program has it open any more.
+    Closed(String),
+    /// The run is over; what is written is not obeyed.
+    Ended,
+}
+
+impl RobotPorts {
+    /// Takes hold of a robot, and opens ports at its cables: that of the microcontroller, or those of sensors' own.
+    ///
+    /// # Errors
+    /// If a port cannot be opened, the robot cannot be had, or its world does not follow the wall clock.
+    pub async fn open(
+        channel_: Channel,
+        world: &str,
+        robot: &str,
+        ports: &[(Option<String>, Place)],
+    ) -> Result<Self, PortError> {
+        let (requests, stream) = channel(MOST_STEPS);
+        let hello = v1::Hello {
+            world: world.to_owned(),
+            robots: vec![robot.to_owned()],
+            mode: v1::PortMode::Raw.into(),
+            brain: "serial port".to_owned(),
+            serial_port: true,
+            ..v1::Hello::default()
+        };
+        // There is room: the channel has just been made.
+        drop(requests.send(request(Request::Hello(hello))).await);
+        let mut client = BrainLinkServiceClient::new(channel_);
+        let mut responses = client.attach(ReceiverStream::new(stream)).await?.into_inner();
+        let welcome = match responses.message().await?.and_then(|response| response.response) {
+            Some(Response::Welcome(welcome)) => welcome,
+            Some(Response::Turn(_)) => return Err(PortError::Contract("a Turn")),
+            Some(Response::Ended(_)) => return Err(PortError::Contract("the end of the run")),
+            None => return Err(PortError::Contract("nothing")),
+        };
+        if welcome.lockstep {
+            return Err(PortError::Lockstep { world: world.to_owned() });
+        }
+        let Some(description) = welcome.robots.into_iter().next() else {
+            return Err(PortError::Contract("a Welcome without robots"));
+        };
+        let (tell, told) = unbounded_channel();
+        let open = |(number, (device, place)): (usize, &(Option<String>, Place))| {
+            let (sensor, settings) = cable(&description, device.as_deref())?;
+            Line::open((sensor, place), settings, welcome.step_ns, (number, tell.clone()))
+        };
+        let lines = ports.iter().enumerate().map(open).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { robot: robot.to_owned(), step_ns: welcome.step_ns, lines, told, requests, responses })
+    }
+
+    /// Name of the robot.
+    pub fn robot(&self) -> &str {
+        &self.robot
+    }
+
+    /// Length of the world's tick, in nanoseconds. What a program writes enters the cable when the tick is over.
+    pub fn step_ns(&self) -> u64 {
+        self.step_ns
+    }
+
+    /// Where programs find the ports, in their order.
+    pub fn places(&self) -> impl Iterator<Item = &str> {
+        self.lines.iter().map(|line| line.place.as_str())
+    }
+
+    /// Passes bytes on until the server ends the stream, or `stop` is ready. Gives what each port has done.
+    ///
+    /// # Errors
+    /// If the server ends the stream with an error.
+    pub async fn serve(
+        mut self,
+        stop: impl Future<Output = ()>,
+        mut news: impl FnMut(News),
+    ) -> Result<Vec<(String, Report)>, PortError> {
+        tokio::pin!(stop);
+        let mut steps = 0;
+        let error = loop {
+            tokio::select! {
+                response = self.responses.message() => match response {
+                    Ok(Some(response)) => {
+                        if let Some(Response::Ended(_)) = response.response {
+                            news(News::Ended);
+                        }
+                        if let Some(Response::Turn(turn)) = response.response {
+                            steps = 0;
+                            self.pass_on(turn).await;
+                        }
+                    }
+                    Ok(None) => break None,
+                    Err(status) => break Some(status),
+                },
+                Some((number, told)) = self.told.recv(), if steps < MOST_STEPS => {
+                    steps += 1;
+                    self.send(number, told, &mut news).await;
+                }
+                () = &mut stop => break None,
+            }
+        };
+        let reports = self.lines.into_iter().map(|line| (line.place.clone(), line.close())).collect();
+        error.map_or(Ok(reports), |status| Err(status.into()))
+    }
+
+    /// Passes on what has arrived in a tick.
+    async fn pass_on(&self, turn: v1::Turn) {
+        let begins_ns = turn.tick * self.step_ns;
+        let clock = turn.wall_clock.map(|clock| Clock {
+            sim_ns: begins_ns,
+            unix_ns: clock.tick_begins_unix_ns.max(0) as u64,
+            factor: clock.factor,
+        });
+        for part in turn.robots {
+            self.order(None, clock, begins_ns, (&part.raw, &part.raw_after_ns));
+            for port in &part.ports {
+                self.order(Some(port.sensor), clock, begins_ns, (&port.data, &port.after_ns));
+            }
+        }
+        if clock.is_none() {
+            // The world waits for its brains now.
+            drop(
+                self.requests
+                    .send(request(Request::Step(v1::Step { turn: turn.turn, robots: vec![] })))
+                    .await,
+            );
+        }
+    }
+
+    fn order(
+        &self,
+        sensor: Option<u32>,
+        clock: Option<Clock>,
+        begins_ns: u64,
+        (data, after_ns): (&[u8], &[u64]),
+    ) {
+        let at = |(i, byte): (usize, &u8)| (begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
+        let bytes: Vec<_> = data.iter().enumerate().map(at).collect();
+        for line in self.lines.iter().filter(|line| line.sensor == sensor) {
+            line.order(Order::Bytes(clock, bytes.clone()));
+        }
+    }
+
+    async fn send(&self, number: usize, told: Told, news: &mut impl FnMut(News)) {
+        let line = &self.lines[number];
+        let mut step = v1::RobotStep::default();
+        match told {
+            Told::Opened => {
+                news(News::Opened(line.place.clone()));
+                step.opened = line.sensor.is_none();
+            }
+            Told::Closed => return news(News::Closed(line.place.clone())),
+            Told::Bytes(bytes) => {
+                line.sent(bytes.len());
+                // A device's cable has no line down.
+                if line.sensor.is_some() {
+                    return;
+                }
+                step.output = Some(v1::robot_step::Output::Raw(bytes));
+            }
+        }
+        drop(self.requests.send(request(Request::Step(v1::Step { turn: 0, robots: vec![step] }))).await);
+    }
+}
+
+fn request(request: Request) -> v1::AttachRequest {
+    v1::AttachRequest { request: Some(request) }
+}
+
+/// The cable of a robot's microcontroller or of a device: whose place it is, and how its UART is set, if it has one.
+fn cable(
+    robot: &v1::RobotDescription,
+    device: Option<&str>,
+) -> Result<(Option<u32>, Option<Settings>), PortError> {
+    let settings = |baud: Option<u32>, bits: Option<u32>| Some(Settings::of_cable(baud?, bits.unwrap_or(10)));
+    let Some(device) = device else {
+        return Ok((None, settings(robot.baud, robot.bits_per_character)));
+    };
+    let found = robot.sensors.iter().position(|sensor| sensor.sensor == device);
+    let port = found.and_then(|i| Some((i, robot.sensors[i].port?)));
+    let Some((i, port)) = port else {
+        let with_port = robot.sensors.iter().filter(|sensor| sensor.port.is_some());
+        let names: Vec<_> = with_port.map(|sensor| sensor.sensor.as_str()).collect();
+        let there_are = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        return Err(PortError::NoDevice { robot: robot.robot.clone(), device: device.to_owned(), there_are });
+    };
+    Ok((Some(i as u32), settings(port.baud, port.bits_per_character)))
+}
