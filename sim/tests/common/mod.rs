@@ -47,6 +47,10 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
             let n = khepera::write_exchange(&layout, signals, &mut payload).unwrap();
             payload[..n].to_vec()
         }
+        Protocol::Create(_) => {
+            let n = spec.firmware.write_drive(0, signals, &mut payload);
+            payload[..n].to_vec()
+        }
         Protocol::Framed { .. } => {
             let n = write_command(&layout, 0, signals, &mut payload).unwrap();
             let mut bytes = [0; frame::MAX_FRAME];

@@ -18,7 +18,7 @@ macro_rules! packets {
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
             /// Bytes of its value.
-            pub const fn len(self) -> usize {
+            pub const fn size(self) -> usize {
                 match self {
                     $(Self::$name => $len,)*
                 }
@@ -150,7 +150,7 @@ impl Packet {
     /// `out` is too short.
     pub fn put(self, value: i32, out: &mut [u8]) -> usize {
         let bytes = (value as u16).to_be_bytes();
-        let bytes = &bytes[bytes.len() - self.len()..];
+        let bytes = &bytes[bytes.len() - self.size()..];
         let Some(out) = out.get_mut(..bytes.len()) else { return 0 };
         out.copy_from_slice(bytes);
         bytes.len()
@@ -158,7 +158,7 @@ impl Packet {
 
     /// The bits of its value at the front of `bytes`; `None` if they are too few.
     pub fn take(self, bytes: &[u8]) -> Option<u16> {
-        Some(bytes.get(..self.len())?.iter().fold(0, |word, byte| word << 8 | u16::from(*byte)))
+        Some(bytes.get(..self.size())?.iter().fold(0, |word, byte| word << 8 | u16::from(*byte)))
     }
 }
 
@@ -189,5 +189,5 @@ pub fn group(version: Version, id: u8) -> Option<&'static [Packet]> {
 /// Bytes of the data of these packets and groups, one behind the other; those that the robot has not are none.
 pub fn listed_len(version: Version, ids: &[u8]) -> usize {
     let packets = ids.iter().filter_map(|&id| group(version, id)).flatten();
-    packets.map(|packet| packet.len()).sum()
+    packets.map(|packet| packet.size()).sum()
 }

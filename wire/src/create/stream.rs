@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{Packet, Version, group, listed_len};
+use super::{Packet, Signal, Version, group, listed_len};
 use crate::buffer::Buffer;
+use crate::encoding::Encoding;
 
 /// The first byte of each message of a stream (libcreate, CREATE_2_HEADER).
 pub const HEADER: u8 = 19;
@@ -53,17 +54,17 @@ pub struct Opening<'a> {
 
 impl Opening<'_> {
     /// How many bytes that are.
-    pub const fn len(self) -> usize {
+    pub const fn size(self) -> usize {
         4 + self.ids.len()
     }
 
     /// Writes it to the front of `out` and says how long it is; 0 if `out` is too short.
     pub fn write(self, out: &mut [u8]) -> usize {
-        let Some(out) = out.get_mut(..self.len()) else { return 0 };
+        let Some(out) = out.get_mut(..self.size()) else { return 0 };
         let (head, list) = out.split_at_mut(4);
         head.copy_from_slice(&[128, 132, 148, self.ids.len() as u8]);
         list.copy_from_slice(self.ids);
-        self.len()
+        self.size()
     }
 }
 
@@ -137,6 +138,11 @@ pub struct Payload<'a> {
 }
 
 impl Payload<'_> {
+    /// The value of a component that is told so, if it is there.
+    pub fn value(&self, signal: Signal, encoding: Encoding) -> Option<f64> {
+        signal.value(self.packet(signal.packet)?, encoding)
+    }
+
     /// The bits of a packet's value, if it is there.
     pub fn packet(&self, wanted: Packet) -> Option<u16> {
         let mut rest = self.bytes;
@@ -146,7 +152,7 @@ impl Payload<'_> {
                 if *packet == wanted {
                     return packet.take(rest);
                 }
-                rest = rest.get(packet.len()..)?;
+                rest = rest.get(packet.size()..)?;
             }
         }
         None
