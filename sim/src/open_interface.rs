@@ -23,6 +23,8 @@ pub(crate) struct OpenInterface {
     asked: VecDeque<u8>,
     /// The text of the boot is to be told.
     pub(crate) boots: bool,
+    /// What comes before this instant, while it boots, is lost.
+    pub(crate) deaf_until: SimTime,
     streamed: Vec<u8>,
     is_paused: bool,
     /// When the stream is due, while there is one.
@@ -85,6 +87,7 @@ impl OpenInterface {
             mode: Mode::Off,
             asked: VecDeque::new(),
             boots: false,
+            deaf_until: SimTime::ZERO,
             streamed: Vec::new(),
             is_paused: false,
             due: SimTime::NEVER,

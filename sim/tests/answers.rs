@@ -31,7 +31,7 @@ fn bytes(world: &World, sequence: u8, signals: &[f64]) -> Vec<u8> {
         Protocol::Bare { .. } => write_values(layout.motors, signals, &mut payload).unwrap_or(0),
         Protocol::Khepera => khepera::write_exchange(&layout, signals, &mut payload).unwrap_or(0),
         Protocol::Create(_) => {
-            let mut drive = || Some([signals.clone().next()?, signals.clone().nth(1)?]);
+            let drive = || Some([signals.clone().next()?, signals.clone().nth(1)?]);
             drive().map_or(0, |signals| firmware.write_drive(sequence, signals, &mut payload))
         }
         Protocol::Framed { .. } => {

@@ -41,6 +41,10 @@ impl Microcontroller {
             Deed::Boots => {
                 let stands = self.roll(spec, [0.0; 2]);
                 self.free_at = self.free_at + BOOT_NS;
+                let deaf_until = self.free_at;
+                if let Some(interface) = self.decoder.open_interface_mut() {
+                    interface.deaf_until = deaf_until;
+                }
                 stands
             }
             Deed::Streams => {

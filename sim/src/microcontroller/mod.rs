@@ -270,6 +270,11 @@ impl Microcontroller {
         if spec.processor.bootloader_ns > 0 && missed_start(spec, now, downlink) {
             return Taken::Nonsense;
         }
+        if let Some(interface) = self.decoder.open_interface()
+            && missed_boot(spec, (now, interface.deaf_until), downlink)
+        {
+            return Taken::Nonsense;
+        }
         if let Some((_, command)) = downlink.take_command(now) {
             return self.receive_command(spec, now, &command, &mut downlink.counters);
         }
@@ -394,6 +399,15 @@ impl Microcontroller {
 #[inline(never)]
 fn missed_start(spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> bool {
     downlink.lose_before(&spec.link, SimTime::from_ns(spec.processor.bootloader_ns));
+    downlink.arrival(&spec.link) > now
+}
+
+/// What came while a Create booted is lost, until this instant; says whether the receiver is empty then.
+fn missed_boot(spec: &RobotSpec, (now, until): (SimTime, SimTime), downlink: &mut Line) -> bool {
+    if until == SimTime::ZERO {
+        return false;
+    }
+    downlink.lose_before(&spec.link, until);
     downlink.arrival(&spec.link) > now
 }
 
