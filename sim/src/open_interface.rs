@@ -137,20 +137,14 @@ impl OpenInterface {
                 self.requested = [velocity_mm_s, radius_mm];
                 Deed::Turns(self.requested)
             }
-            Command::DriveDirect { right_mm_s, left_mm_s } => {
-                self.requested_wheels = [right_mm_s, left_mm_s];
-                Deed::Rolls([left_mm_s, right_mm_s].map(|speed| f64::from(speed) / FULL_MM_S))
-            }
+            Command::DriveDirect { right_mm_s, left_mm_s } => self.roll(right_mm_s, left_mm_s),
             Command::DrivePwm { right, left } => {
                 Deed::Rolls([left, right].map(|width| f64::from(width) / 255.0))
             }
             Command::Sensors(id) => self.ask(&[id]),
             Command::QueryList(ids) => self.ask(ids),
             Command::Stream(ids) => self.stream(ids),
-            Command::Resume(resumes) => {
-                self.is_paused = !resumes;
-                if self.streams() { Deed::Streams } else { Deed::Nothing }
-            }
+            Command::Resume(resumes) => self.resume(resumes),
             Command::Song { number, notes } => self.keep(number, notes),
             Command::Play(number) => self.play(number, now),
             Command::Motors(bits) => show(&mut self.shown.motors, bits),
@@ -178,6 +172,16 @@ impl OpenInterface {
     fn rise_to(&mut self, mode: Mode) -> Deed {
         self.mode = mode;
         Deed::Nothing
+    }
+
+    fn roll(&mut self, right_mm_s: i16, left_mm_s: i16) -> Deed {
+        self.requested_wheels = [right_mm_s, left_mm_s];
+        Deed::Rolls([left_mm_s, right_mm_s].map(|speed| f64::from(speed) / FULL_MM_S))
+    }
+
+    fn resume(&mut self, resumes: bool) -> Deed {
+        self.is_paused = !resumes;
+        if self.streams() { Deed::Streams } else { Deed::Nothing }
     }
 
     fn ask(&mut self, ids: &[u8]) -> Deed {

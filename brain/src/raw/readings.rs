@@ -117,13 +117,20 @@ impl RawReadings {
                 }
             }
             Port::Create(version, stream) => {
-                for &byte in &raw.bytes {
-                    let Some(Ok(bytes)) = stream.push(byte) else { continue };
+                hear_stream((*version, stream), &raw.bytes, |payload| {
                     *messages = messages.wrapping_add(1);
-                    let payload = Payload { version: *version, bytes };
                     note_packets(readings, (&layout, places, signals), payload, *messages);
-                }
+                });
             }
+        }
+    }
+}
+
+/// Notes the messages of a Create's stream that these bytes complete.
+fn hear_stream((version, stream): (Version, &mut Stream), bytes: &[u8], mut note: impl FnMut(Payload<'_>)) {
+    for &byte in bytes {
+        if let Some(Ok(bytes)) = stream.push(byte) {
+            note(Payload { version, bytes });
         }
     }
 }

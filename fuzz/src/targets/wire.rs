@@ -52,17 +52,7 @@ pub(super) fn targets() -> Vec<Target> {
             LINE_WORDS,
             lines,
         ),
-        target(
-            "create",
-            "commands and streams of an iRobot Create",
-            vec![
-                vec![128, 131, 145, 0, 200, 0, 200, 142, 100],
-                vec![128, 148, 2, 29, 13, 140, 0, 1, 70, 32, 141, 0],
-                vec![19, 5, 29, 2, 25, 13, 0, 163],
-            ],
-            &[b"\x80\x83", b"\x94\x02", b"\x95\x03", b"\x8c\x00\x10", b"\x13\x05\x1d"],
-            open_interface,
-        ),
+        create_target(),
         target("scip", "a laser's scans", vec![scan()], &[b"\n\n", b"MD", b"99b"], scans),
         target(
             "nmea",
@@ -155,6 +145,20 @@ fn lines(bytes: &[u8]) -> u64 {
         }
     }
     found
+}
+
+fn create_target() -> Target {
+    target(
+        "create",
+        "commands and streams of an iRobot Create",
+        vec![
+            vec![128, 131, 145, 0, 200, 0, 200, 142, 100],
+            vec![128, 148, 2, 29, 13, 140, 0, 1, 70, 32, 141, 0],
+            vec![19, 5, 29, 2, 25, 13, 0, 163],
+        ],
+        &[b"\x80\x83", b"\x94\x02", b"\x95\x03", b"\x8c\x00\x10", b"\x13\x05\x1d"],
+        open_interface,
+    )
 }
 
 fn open_interface(bytes: &[u8]) -> u64 {

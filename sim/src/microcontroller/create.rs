@@ -15,9 +15,11 @@ use core::f64::consts::{PI, TAU};
 use baudbot_geometry::math;
 use baudbot_wire::create::{self, Command, FULL_MM_S, Mode, Packet, Version};
 
-use super::{Condition, Microcontroller, Taken};
+use super::condition::Condition;
+use super::{Microcontroller, Taken};
 use crate::drive::Wheels;
 use crate::firmware;
+use crate::link::Line;
 use crate::model::RobotSpec;
 use crate::open_interface::Deed;
 use crate::sensor::Device;
@@ -160,7 +162,7 @@ impl Microcontroller {
         if interface.mode != Mode::Safe {
             return None;
         }
-        let cliff = CLIFFS.iter().any(|(_, signal)| self.is_cliff(spec, *signal));
+        let cliff = CLIFFS.iter().any(|signal| self.is_cliff(spec, *signal));
         if !(robot.charges() || (cliff && approaches(spec, robot.signals))) {
             return None;
         }
@@ -192,46 +194,27 @@ impl Microcontroller {
         let Some(interface) = self.decoder.open_interface() else { return 0 };
         let code = |packet| self.code_of(spec, packet, None).unwrap_or(0);
         match packet {
-            Packet::BumpsWheelDrops => {
-                let bump = |bit| self.code_of(spec, packet, Some(bit)).unwrap_or(0) << bit;
-                bump(0) | bump(1)
-            }
+            Packet::BumpsWheelDrops => self.bumps(spec),
             Packet::Wall => i32::from(code(Packet::WallSignal) >= SEEN_FROM),
-            Packet::CliffLeft | Packet::CliffFrontLeft | Packet::CliffFrontRight | Packet::CliffRight => {
-                let signal = CLIFFS.iter().find(|(own, _)| *own == packet).map(|(_, signal)| *signal);
-                i32::from(signal.is_some_and(|signal| self.is_cliff(spec, signal)))
-            }
-            Packet::Distance | Packet::Angle => {
-                let i = usize::from(packet == Packet::Angle);
-                self.way(spec)[i].saturating_sub(interface.told[i]).clamp(-32_768, 32_767) as i32
-            }
-            Packet::WallSignal
-            | Packet::CliffLeftSignal
-            | Packet::CliffFrontLeftSignal
-            | Packet::CliffFrontRightSignal
-            | Packet::CliffRightSignal
-            | Packet::Voltage
-            | Packet::Charge
-            | Packet::LightLeftSignal
-            | Packet::LightFrontLeftSignal
-            | Packet::LightCenterLeftSignal
-            | Packet::LightCenterRightSignal
-            | Packet::LightFrontRightSignal
-            | Packet::LightRightSignal => code(packet),
+            Packet::CliffLeft => self.is_cliff(spec, Packet::CliffLeftSignal).into(),
+            Packet::CliffFrontLeft => self.is_cliff(spec, Packet::CliffFrontLeftSignal).into(),
+            Packet::CliffFrontRight => self.is_cliff(spec, Packet::CliffFrontRightSignal).into(),
+            Packet::CliffRight => self.is_cliff(spec, Packet::CliffRightSignal).into(),
+            Packet::Distance => untold(self.way(spec)[0], interface.told[0]),
+            Packet::Angle => untold(self.way(spec)[1], interface.told[1]),
+            Packet::Voltage | Packet::Charge | Packet::WallSignal => code(packet),
+            Packet::CliffLeftSignal | Packet::CliffFrontLeftSignal => code(packet),
+            Packet::CliffFrontRightSignal | Packet::CliffRightSignal => code(packet),
+            Packet::LightLeftSignal | Packet::LightFrontLeftSignal => code(packet),
+            Packet::LightCenterLeftSignal | Packet::LightCenterRightSignal => code(packet),
+            Packet::LightFrontRightSignal | Packet::LightRightSignal => code(packet),
             Packet::EncoderLeft => self.counts(spec)[0] as i32,
             Packet::EncoderRight => self.counts(spec)[1] as i32,
-            Packet::LightBumper => {
-                let seen = |(bit, signal): (usize, &Packet)| i32::from(code(*signal) >= SEEN_FROM) << bit;
-                LIGHTS.iter().enumerate().map(seen).sum()
-            }
-            Packet::ChargingState | Packet::Current | Packet::Capacity | Packet::ChargingSources => {
-                fed(spec, robot, packet)
-            }
+            Packet::LightBumper => self.lights(spec),
+            Packet::ChargingState | Packet::Current => fed(spec, robot, packet),
+            Packet::Capacity | Packet::ChargingSources => fed(spec, robot, packet),
             Packet::Temperature => RESTING_C,
-            Packet::InfraredOmni | Packet::InfraredLeft | Packet::InfraredRight => match interface.version {
-                Version::One => NO_CHARACTER,
-                Version::Two => 0,
-            },
+            Packet::InfraredOmni => no_character(interface.version),
             Packet::OiMode => interface.mode.number().into(),
             Packet::SongNumber => interface.song.into(),
             Packet::SongPlaying => interface.plays(now).into(),
@@ -240,15 +223,37 @@ impl Microcontroller {
             Packet::RequestedRadius => interface.requested[1].into(),
             Packet::RequestedRight => interface.requested_wheels[0].into(),
             Packet::RequestedLeft => interface.requested_wheels[1].into(),
-            Packet::VirtualWall
-            | Packet::Overcurrents
-            | Packet::Dirt
-            | Packet::Unused16
-            | Packet::Buttons => 0,
-            Packet::CargoBayInputs | Packet::CargoBayVoltage | Packet::Stasis => 0,
+            Packet::VirtualWall | Packet::Overcurrents | Packet::Dirt | Packet::Unused16 => 0,
+            Packet::Buttons | Packet::CargoBayInputs | Packet::CargoBayVoltage => 0,
+            Packet::InfraredLeft | Packet::InfraredRight | Packet::Stasis => 0,
             Packet::LeftMotorCurrent | Packet::RightMotorCurrent => 0,
             Packet::MainBrushCurrent | Packet::SideBrushCurrent => 0,
         }
+    }
+
+    /// The bits of the bumpers that are pressed.
+    fn bumps(&self, spec: &RobotSpec) -> i32 {
+        let bump = |bit| self.code_of(spec, Packet::BumpsWheelDrops, Some(bit)).unwrap_or(0) << bit;
+        bump(0) | bump(1)
+    }
+
+    /// The bits of the light bumpers that see something.
+    fn lights(&self, spec: &RobotSpec) -> i32 {
+        let code = |signal| self.code_of(spec, signal, None).unwrap_or(0);
+        LIGHTS.iter().enumerate().map(|(bit, signal)| i32::from(code(*signal) >= SEEN_FROM) << bit).sum()
+    }
+}
+
+/// What of a way or a turn has not been told.
+fn untold(way: i64, told: i64) -> i32 {
+    way.saturating_sub(told).clamp(-32_768, 32_767) as i32
+}
+
+/// What a receiver of infra-red characters tells that sees none.
+fn no_character(version: Version) -> i32 {
+    match version {
+        Version::One => NO_CHARACTER,
+        Version::Two => 0,
     }
 }
 
@@ -272,6 +277,15 @@ fn approaches(spec: &RobotSpec, signals: Wheels) -> bool {
     speed > 0.0 || speed.abs() < turn / (2.0 * spec.drive.half_track_m) * spec.drive.radius_m
 }
 
+/// What came while a Create booted is lost, until this instant; says whether the receiver is empty then.
+pub(super) fn missed_boot(spec: &RobotSpec, (now, until): (SimTime, SimTime), downlink: &mut Line) -> bool {
+    if until == SimTime::ZERO {
+        return false;
+    }
+    downlink.lose_before(&spec.link, until);
+    downlink.arrival(&spec.link) > now
+}
+
 /// The first instant of the firmware's schedule that is not before `now`.
 fn first_due(spec: &RobotSpec, now: SimTime) -> SimTime {
     let firmware::Mode::Stream(schedule) = spec.firmware.mode else { return now };
@@ -279,12 +293,12 @@ fn first_due(spec: &RobotSpec, now: SimTime) -> SimTime {
     SimTime::from_ns(schedule.phase_ns()) + since_ns.div_ceil(schedule.period_ns()) * schedule.period_ns()
 }
 
-/// Packets of cliffs, and those of their signals.
-const CLIFFS: [(Packet, Packet); 4] = [
-    (Packet::CliffLeft, Packet::CliffLeftSignal),
-    (Packet::CliffFrontLeft, Packet::CliffFrontLeftSignal),
-    (Packet::CliffFrontRight, Packet::CliffFrontRightSignal),
-    (Packet::CliffRight, Packet::CliffRightSignal),
+/// The cliff sensors.
+const CLIFFS: [Packet; 4] = [
+    Packet::CliffLeftSignal,
+    Packet::CliffFrontLeftSignal,
+    Packet::CliffFrontRightSignal,
+    Packet::CliffRightSignal,
 ];
 
 /// The light bumpers, from the least bit of packet 45.

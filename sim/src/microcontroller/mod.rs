@@ -11,6 +11,7 @@
 mod acquire;
 mod at_once;
 mod channel;
+mod condition;
 mod create;
 mod devices;
 mod khepera;
@@ -23,11 +24,11 @@ use alloc::vec::Vec;
 use acquire::first_due;
 use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
+pub(crate) use condition::Condition;
 use request::Request;
 use serde::{Deserialize, Serialize};
 
-use crate::battery::BatteryState;
-use crate::drive::{Motion, Wheels};
+use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
@@ -58,22 +59,6 @@ pub(crate) struct Order {
     pub(crate) signals: Wheels,
     /// Those of the other actuators, in their order.
     pub(crate) others: Vec<f64>,
-}
-
-/// How a robot moves and is fed.
-#[derive(Clone, Copy)]
-pub(crate) struct Condition<'a> {
-    pub(crate) motion: &'a Motion,
-    /// In force.
-    pub(crate) signals: Wheels,
-    pub(crate) battery: Option<&'a BatteryState>,
-}
-
-impl Condition<'_> {
-    /// Whether more goes into its battery than out of it.
-    fn charges(&self) -> bool {
-        self.battery.is_some_and(|battery| battery.current_a < 0.0)
-    }
 }
 
 /// A message that was sent.
@@ -271,7 +256,7 @@ impl Microcontroller {
             return Taken::Nonsense;
         }
         if let Some(interface) = self.decoder.open_interface()
-            && missed_boot(spec, (now, interface.deaf_until), downlink)
+            && create::missed_boot(spec, (now, interface.deaf_until), downlink)
         {
             return Taken::Nonsense;
         }
@@ -399,15 +384,6 @@ impl Microcontroller {
 #[inline(never)]
 fn missed_start(spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> bool {
     downlink.lose_before(&spec.link, SimTime::from_ns(spec.processor.bootloader_ns));
-    downlink.arrival(&spec.link) > now
-}
-
-/// What came while a Create booted is lost, until this instant; says whether the receiver is empty then.
-fn missed_boot(spec: &RobotSpec, (now, until): (SimTime, SimTime), downlink: &mut Line) -> bool {
-    if until == SimTime::ZERO {
-        return false;
-    }
-    downlink.lose_before(&spec.link, until);
     downlink.arrival(&spec.link) > now
 }
 
