@@ -3,6 +3,7 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{self, Signal, Version};
 use baudbot_wire::{Encoding, Layout, LayoutError, frame, khepera};
 
 use crate::body::{Body, Protocol, Sensor};
@@ -16,21 +17,31 @@ pub struct WireLayout {
     pub(crate) places: Vec<usize>,
     motors: Vec<Encoding>,
     ages: bool,
+    /// Where a Create tells each component.
+    pub(crate) signals: Vec<Option<Signal>>,
+    /// The packets that tell them.
+    pub(crate) packets: Vec<u8>,
 }
 
 impl WireLayout {
     fn new(body: &Body) -> Self {
-        // A brain on board gets its readings without a message, unless they are lines.
-        let has_messages = !body.onboard || body.firmware.protocol == Protocol::Khepera;
+        // A brain on board gets its readings without a message, unless they are lines or packets.
+        let has_messages = !body.onboard || body.firmware.protocol.is_dialogue();
         let sensors = || body.sensors.iter().enumerate();
         let on_wire = || sensors().filter(|(_, sensor)| has_messages && sensor.is_on_wire());
         let counts = on_wire().map(|(_, sensor)| u8::try_from(sensor.values()).unwrap_or(u8::MAX));
+        let (signals, packets) = match body.firmware.protocol {
+            Protocol::Create(version) => told(version, on_wire().map(|(_, sensor)| sensor)),
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => (Vec::new(), Vec::new()),
+        };
         Self {
             components: on_wire().flat_map(|(_, sensor)| encodings(sensor)).collect(),
             counts: counts.collect(),
             places: on_wire().map(|(place, _)| place).collect(),
             motors: vec![body.motor_encoding; 2 + body.actuators.len()],
             ages: matches!(body.firmware.protocol, Protocol::Framed { ages: true }),
+            signals,
+            packets,
         }
     }
 
@@ -48,6 +59,7 @@ impl WireLayout {
         match protocol {
             Protocol::Framed { .. } | Protocol::Bare { .. } => Ok(()),
             Protocol::Khepera => khepera::check(&self.borrow()),
+            Protocol::Create(_) => create::check(&self.borrow(), &self.signals),
         }
     }
 
@@ -57,6 +69,7 @@ impl WireLayout {
             Protocol::Framed { .. } => frame::encoded_len_max(self.borrow().command_len()),
             Protocol::Bare { .. } => self.borrow().bare_command_len(),
             Protocol::Khepera => khepera::command_len_max(&self.borrow()) + khepera::POLL.len(),
+            Protocol::Create(_) => create::drive_direct([0.0; 2]).len(),
         }
     }
 }
@@ -75,6 +88,20 @@ impl Body {
         let bits = self.layout().command_wire_len(self.firmware.protocol) as u64 * u64::from(bits);
         bits.saturating_mul(1_000_000_000).div_ceil(u64::from(baud.max(1)))
     }
+}
+
+/// Where these sensors' components are told, and in which packets. Of a sensor of which a part is not told, nothing is.
+fn told<'a>(version: Version, sensors: impl Iterator<Item = &'a Sensor>) -> (Vec<Option<Signal>>, Vec<u8>) {
+    let mut signals = Vec::new();
+    for sensor in sensors {
+        let own: Vec<_> =
+            (0..encodings(sensor).count()).map(|i| Signal::of(version, &sensor.name, i)).collect();
+        let whole = own.iter().all(Option::is_some);
+        signals.extend(own.into_iter().map(|signal| signal.filter(|_| whole)));
+    }
+    let mut packets = [0; create::MOST_STREAMED];
+    let count = create::told(&signals, &mut packets);
+    (signals, packets[..count].to_vec())
 }
 
 /// Those of all values of a sensor. No cable has sensors of more than 255 values; one more is enough for the

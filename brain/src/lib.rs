@@ -41,6 +41,7 @@ mod layout;
 mod raw;
 mod turn;
 
+pub use baudbot_wire::create::Version as CreateVersion;
 pub use baudbot_wire::{Encoding, LayoutError};
 
 pub use action::{Action, Signals, Until};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use baudbot_brain::{
-    Actuator, ActuatorKind, Body, Component, Encoding, Firmware, MotorKind, Port, PortFormat, Protocol,
-    RawCommands, RawReadings, RawTurn, Sensor, SensorKind, Signals,
+    Actuator, ActuatorKind, Body, Component, CreateVersion, Encoding, Firmware, MotorKind, Port, PortFormat,
+    Protocol, RawCommands, RawReadings, RawTurn, Sensor, SensorKind, Signals,
 };
 use baudbot_wire::{Decoder, Message, Sample, frame, line_image, scip, write_readings, write_values};
 use proptest::collection::vec;
@@ -125,6 +125,51 @@ fn commands_arrive_as_they_were_meant() {
     let mut commands = RawCommands::new(&body(Protocol::Khepera)).unwrap();
     assert_eq!(commands.command(Signals { left: 1.0, right: -0.5 }), b"D,127,-64\rN\r");
     assert_eq!(commands.poll().unwrap(), b"N\r");
+}
+
+/// A Create with encoders, a bumper and a sensor that it does not tell.
+fn create() -> Arc<Body> {
+    let mut body = Arc::unwrap_or_clone(body(Protocol::Create(CreateVersion::Two)));
+    let sensor = body.sensors[0].clone();
+    body.sensors[1].name = "encoders".to_owned();
+    let mut bumper = Sensor { name: "bumper_left".to_owned(), ..sensor };
+    bumper.components[0].encoding = Encoding::Level { bits: 1, min: 0.0, max: 1.0 };
+    body.sensors.push(bumper);
+    Arc::new(body)
+}
+
+#[test]
+fn a_create_is_opened_once_and_then_only_driven() {
+    let opening = [128, 132, 148, 3, 43, 44, 7];
+    let signals = Signals { left: 0.4, right: -0.4 };
+    let drive = [145, 255, 56, 0, 200];
+    let mut commands = RawCommands::new(&create()).unwrap();
+    assert_eq!(commands.command(signals), [&opening[..], &drive].concat());
+    for _ in 0..600 {
+        assert_eq!(commands.command(signals), drive);
+        assert_eq!(commands.wait(), [] as [u8; 0]);
+    }
+    let mut commands = RawCommands::new(&create()).unwrap();
+    assert_eq!(commands.wait(), opening);
+    assert_eq!(commands.wait(), [] as [u8; 0]);
+    assert_eq!(commands.command(signals), drive);
+    assert_eq!(commands.poll().unwrap(), opening);
+    assert_eq!(create().command_ns(), 0);
+}
+
+#[test]
+fn a_stream_is_readable_as_far_as_it_is_told() {
+    let mut readings = RawReadings::new(create()).unwrap();
+    let message = [19, 8, 43, 255, 255, 44, 1, 0, 7, 2, 142];
+    let sum = message.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+    let message = [&message[..10], &[message[10].wrapping_sub(sum)]].concat();
+    assert!(!readings.turn(&raw(10_000_000, &message[..6])).has_news());
+    let turn = readings.turn(&raw(20_000_000, &message[6..]));
+    assert_eq!(turn.reading("encoders").unwrap().values, [-1.0, 256.0]);
+    assert_eq!((turn.value("bumper_left"), turn.value("one")), (Some(1.0), None));
+    let reading = turn.reading("encoders").unwrap();
+    assert_eq!((reading.sampled_at_ns, reading.sequence, reading.readable), (None, 1, true));
+    assert!(!readings.turn(&raw(30_000_000, &[])).has_news());
 }
 
 #[test]
@@ -262,7 +307,8 @@ proptest! {
 
     #[test]
     fn any_bytes_do_no_harm(turns in vec((vec(any::<u8>(), 0..40), any::<u64>()), 0..20), gap_ns: u64) {
-        for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }, Protocol::Khepera] {
+        let create = Protocol::Create(CreateVersion::Two);
+        for protocol in [Protocol::Framed { ages: true }, Protocol::Bare { gap_ns }, Protocol::Khepera, create] {
             let mut readings = RawReadings::new(body(protocol)).unwrap();
             for (bytes, at_ns) in &turns {
                 let turn = readings.turn(&raw(*at_ns, bytes));

@@ -100,12 +100,8 @@ fn cable() -> Link {
 
 /// The same sensors and signals in another form, or at another time.
 fn set_firmware(spec: &mut RobotModel, protocol: Protocol, mode: Mode) {
-    let sensors: Vec<&[Encoding]> = spec
-        .sensors
-        .iter()
-        .filter(|sensor| sensor.is_on_wire())
-        .map(|sensor| &sensor.encodings[..])
-        .collect();
+    let wired = spec.sensors.iter().filter(|sensor| sensor.is_on_wire());
+    let sensors: Vec<_> = wired.map(|sensor| (&*sensor.name, &sensor.encodings[..])).collect();
     spec.firmware = Firmware::new(protocol, mode, &sensors, spec.firmware.layout().motors.to_vec());
 }
 
@@ -128,7 +124,7 @@ fn fewer_bits(spec: &mut RobotModel) {
         motors.fill(Encoding::Signed { bits: 8, limit: 1.0 });
     }
     let wired = spec.sensors.iter().filter(|sensor| sensor.is_on_wire());
-    let sensors: Vec<&[Encoding]> = wired.map(|sensor| &sensor.encodings[..]).collect();
+    let sensors: Vec<_> = wired.map(|sensor| (&*sensor.name, &sensor.encodings[..])).collect();
     spec.firmware = Firmware::new(spec.firmware.protocol, spec.firmware.mode, &sensors, motors);
 }
 

@@ -106,13 +106,15 @@ impl Robot {
 
     fn fewer_bits(&self) -> Vec<Change> {
         let any = self.spec.sensors.iter().any(has_many_bits) || has_many_signal_bits(&self.spec);
-        if any && self.has_wire() { alloc::vec![Change::FewerBits] } else { Vec::new() }
+        // What a Create tells has its bits.
+        let can = !matches!(self.spec.firmware.protocol, Protocol::Create(_));
+        if any && can && self.has_wire() { alloc::vec![Change::FewerBits] } else { Vec::new() }
     }
 
     /// Of a polled robot: as often as its brain steps, or less. Of a stream: less often. A Khepera speaks only when
-    /// asked.
+    /// asked, and a Create streams at its own pace.
     fn streams(&self) -> Vec<Change> {
-        if self.spec.firmware.protocol == Protocol::Khepera {
+        if self.spec.firmware.protocol.is_dialogue() {
             return Vec::new();
         }
         let every = match self.spec.firmware.mode {
@@ -165,7 +167,7 @@ impl Robot {
     fn is_told_by_silence(&self, change: Change) -> bool {
         match self.spec.firmware.protocol {
             Protocol::Bare { gap_ns } => gap_ns > self.with(change).spec.link.pause_ns(),
-            Protocol::Framed { .. } | Protocol::Khepera => true,
+            Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => true,
         }
     }
 

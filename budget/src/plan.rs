@@ -113,6 +113,7 @@ impl<'a> Plan<'a> {
         match self.spec.firmware.protocol {
             Protocol::Bare { .. } => return Range::exactly(layout.bare_readings_len()),
             Protocol::Khepera => return self.answer_bytes(),
+            Protocol::Create(_) => return Range::exactly(self.spec.firmware.readings_len_max()),
             Protocol::Framed { .. } => {}
         }
         let entry = |sensor: &Sensor| usize::from(layout.ages) + sample_bytes(sensor);
@@ -131,6 +132,7 @@ impl<'a> Plan<'a> {
                 least: (1 + 2 * layout.motors.len() + 1) as u64,
                 most: khepera::command_len_max(&layout) as u64,
             },
+            Protocol::Create(_) => Range::exactly(self.spec.firmware.command_len_max()),
             Protocol::Framed { .. } => framed(layout.command_len()),
         }
     }
@@ -139,7 +141,7 @@ impl<'a> Plan<'a> {
     /// many as there can be.
     pub(super) fn usual(&self, bytes: Range) -> u64 {
         match self.spec.firmware.protocol {
-            Protocol::Framed { .. } | Protocol::Bare { .. } => bytes.most,
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => bytes.most,
             Protocol::Khepera => bytes.middle(),
         }
     }
@@ -155,7 +157,7 @@ impl<'a> Plan<'a> {
     /// Bytes that go up before the readings do: a Khepera says that it obeyed.
     pub(super) fn acknowledgement_bytes(&self) -> u64 {
         match self.spec.firmware.protocol {
-            Protocol::Framed { .. } | Protocol::Bare { .. } => 0,
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => 0,
             Protocol::Khepera => khepera::ACKNOWLEDGEMENT.len() as u64,
         }
     }

@@ -4,6 +4,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{self, Version};
 use baudbot_wire::khepera;
 
 use super::bounds::Bounds;
@@ -32,6 +33,7 @@ pub(super) fn rates(plan: &Plan<'_>, bounds: &Bounds, outcome: &Outcome) -> Vec<
         typical_per_s: None,
     }));
     rates.extend(polls(plan));
+    rates.extend(queries(plan));
     rates.extend(sensors(plan));
     rates
 }
@@ -51,6 +53,33 @@ fn polls(plan: &Plan<'_>) -> Vec<Rate> {
     let answer = plan.answer_bytes();
     alloc::vec![poll("shortest", answer.least), poll("longest", answer.most)]
 }
+
+/// How often a Create can be asked for the largest group of packets by a program that asks again when it has the answer, and
+/// that thinks as long as the scenario says. It sends no commands.
+fn queries(plan: &Plan<'_>) -> Option<Rate> {
+    let Protocol::Create(version) = plan.spec.firmware.protocol else { return None };
+    let group = match version {
+        Version::One => 6,
+        Version::Two => 100,
+    };
+    let bytes = create::listed_len(version, &[group]) as u64;
+    let link = &plan.spec.link;
+    let robot = QUERY_BYTES * plan.receiving_ns()
+        + plan.spec.processor.obeying_ns
+        + if plan.spec.is_onboard() { 0 } else { bytes * plan.spec.processor.framing_ns_per_byte };
+    let holds = wire::hold_down_ns(link).least + wire::hold_up_ns(link).least;
+    let wires = wire::least_ns(link, QUERY_BYTES) + wire::least_ns(link, bytes);
+    let turns = 2 * turnaround_ns(link).unwrap_or(0);
+    Some(Rate {
+        what: format!("queries of group {group}, {bytes} bytes"),
+        most_per_s: per_s(1, robot + holds + wires + turns + plan.thinking().least_ns),
+        typical_per_s: None,
+        limits: false,
+    })
+}
+
+/// 142 and the number of a packet or a group.
+const QUERY_BYTES: u64 = 2;
 
 fn per_s(count: u64, within_ns: u64) -> Option<f64> {
     (within_ns > 0).then(|| count as f64 / within_ns as f64 * 1e9)

@@ -83,6 +83,25 @@ fn polls_per_s(toml: &str) -> f64 {
     per_s(&arrivals)
 }
 
+/// How often a Create answers a program that asks for this group as soon as it has the answer, of so many bytes.
+fn queries_per_s(toml: &str, group: u8, len: usize) -> f64 {
+    let mut world = World::new(baudbot_scenario::parse(toml).unwrap().into());
+    let (mut asks, mut heard, mut answers, mut starts) = (true, 0, Vec::new(), true);
+    for _ in 0..40_000 {
+        let turn = world.begin()[0];
+        heard += world.robot(0).unread().len();
+        if heard == len {
+            answers.push(turn.at.as_seconds());
+            (heard, asks) = (0, true);
+        }
+        let said =
+            if core::mem::take(&mut starts) { [128, 142, group].to_vec() } else { [142, group].to_vec() };
+        let bytes: &[u8] = if core::mem::take(&mut asks) { &said } else { &[] };
+        world.finish(&[Input { robot: 0, at: turn.at, bytes }]);
+    }
+    per_s(&answers)
+}
+
 /// A BASIC Stamp whose program does 40 operations a step.
 fn onboard_thinking() -> String {
     format!(
@@ -166,6 +185,20 @@ fn known_numbers_are_foretold_and_measured() {
         let toml = lines_of_text(code);
         apart.push(row(&mut table, what, most_per_s(&budget(&toml), rate), polls_per_s(&toml)));
     }
+    for (preset, group, len) in [("create-1", 6, 52), ("create-2", 100, 80)] {
+        let toml = format!("step_ms = 0.05\n[[robots]]\nname = \"c\"\npreset = \"{preset}\"\n");
+        let foretold = most_per_s(&budget(&toml), &format!("queries of group {group}, {len} bytes"));
+        let what = format!("{preset}: queries/s of group {group}");
+        apart.push(row(&mut table, &what, foretold, queries_per_s(&toml, group, len)));
+    }
+    let create = "step_ms = 1.0\n[[robots]]\nname = \"c\"\npreset = \"create-2\"\n";
+    let measured = run(baudbot_scenario::parse(create).unwrap(), 4.0).messages_per_s();
+    apart.push(row(
+        &mut table,
+        "create-2: messages/s of its stream",
+        most_per_s(&budget(create), "exchanges"),
+        measured,
+    ));
     let stamp = onboard_thinking();
     let foretold = budget(&stamp).chip.operations_per_step.unwrap();
     apart.push(row(&mut table, "BASIC Stamp 2: operations in 10 ms", foretold, operations_in_10_ms(&stamp)));

@@ -3,7 +3,7 @@
 use baudbot_sim::firmware::Mode;
 use baudbot_sim::{Input, Scenario, SimTime, World};
 
-use crate::common::command;
+use crate::common::{command, opening};
 
 /// The measurements of a run.
 pub(crate) struct Measured {
@@ -37,6 +37,7 @@ pub(crate) fn run_thinking(
     let ticks = (seconds * 1e9 / step_ns as f64).ceil() as u64;
     let mut world = World::new(scenario.into());
     let bytes = command(world.robot(0).spec(), 0.0, 0.0);
+    let opening = opening(world.robot(0).spec());
     let sensors = world.robot(0).spec().sensors.len();
     let mut arrivals = Vec::new();
     let mut readable = vec![Vec::new(); sensors];
@@ -67,8 +68,9 @@ pub(crate) fn run_thinking(
         let is_first = !core::mem::replace(&mut has_started, turn.at.as_ns() >= bootloader_ns) && has_started;
         let asks = is_first && world.robot(0).spec().firmware.mode == Mode::Poll;
         let speaks = asks || news || first;
-        let input =
-            Input { robot: 0, at: turn.at + thinking_ns(tick), bytes: if speaks { &bytes } else { &[] } };
+        let said = if is_first { &opening[..] } else { &[] };
+        let said = if speaks { &bytes[..] } else { said };
+        let input = Input { robot: 0, at: turn.at + thinking_ns(tick), bytes: said };
         let before: Vec<_> = world.robot(0).sensors().map(|sensor| sensor.freshness.clone()).collect();
         world.finish(&[input]);
         for (i, sensor) in world.robot(0).sensors().enumerate() {

@@ -122,7 +122,7 @@ impl InProcess {
                     Output::Command { sequence, wheels: Wheels { left, right } }
                 }
                 (None, true) => Output::Bytes(driver.commands.poll().unwrap_or_default()),
-                (None, false) => Output::Bytes(Vec::new()),
+                (None, false) => Output::Bytes(driver.commands.wait()),
             };
             outputs.push((turn.robot, turn.at + thinking_ns, output));
         }

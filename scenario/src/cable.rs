@@ -3,10 +3,11 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{STREAM_PERIOD_NS, Version};
 use baudbot_wire::{Encoding, Layout, frame, khepera};
 
 use super::build::MIN_PERIOD_MS;
-use super::raw;
+use super::{create, raw};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::firmware::{Firmware, Mode, Protocol};
 use baudbot_sim::link::Link;
@@ -38,25 +39,31 @@ pub(super) fn firmware(
             can_be_said_in_lines(path, sensors, &motors)?;
             Protocol::Khepera
         }
+        raw::Protocol::Create => create::protocol(path, raw, Version::One, (sensors, &motors))?,
+        raw::Protocol::Create2 => create::protocol(path, raw, Version::Two, (sensors, &motors))?,
     };
     let mode = mode(path, raw, step_ms)?;
-    let encodings: Vec<&[Encoding]> = sensors.iter().map(|sensor| sensor.encodings.as_slice()).collect();
-    Ok(Firmware::new(protocol, mode, &encodings, motors))
+    let named: Vec<_> = sensors.iter().map(|sensor| (&*sensor.name, sensor.encodings.as_slice())).collect();
+    Ok(Firmware::new(protocol, mode, &named, motors))
 }
 
 fn mode(path: &Path, raw: &raw::Firmware, step_ms: f64) -> Result<Mode> {
     let is_khepera = raw.protocol == raw::Protocol::Khepera;
+    let is_create = raw.protocol.create().is_some();
+    let usual_ms = if is_create { STREAM_PERIOD_NS as f64 * 1e-6 } else { step_ms };
     let usual = if is_khepera { raw::Mode::Poll } else { raw::Mode::Stream };
     match raw.mode.unwrap_or(usual) {
         raw::Mode::Stream => {
             path.refuse("mode", is_khepera, "must be \"poll\": the khepera protocol answers when asked")?;
-            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(step_ms), MIN_PERIOD_MS, 1e7)?;
+            let period_ns = path.ms("period_ms", raw.period_ms.unwrap_or(usual_ms), MIN_PERIOD_MS, 1e7)?;
             Ok(Mode::Stream(Schedule::new(
                 period_ns,
                 path.ms("phase_ms", raw.phase_ms.unwrap_or(0.0), 0.0, 1e7)?,
             )))
         }
         raw::Mode::Poll => {
+            let problem = "must be \"stream\": a Create streams for a brain of messages, and answers one of bytes that asks";
+            path.refuse("mode", is_create, problem)?;
             path.refuse("period_ms", raw.period_ms.is_some(), "a polled firmware has no period")?;
             path.refuse("phase_ms", raw.phase_ms.is_some(), "a polled firmware has no phase")?;
             Ok(Mode::Poll)
@@ -112,7 +119,7 @@ const DEFAULT_GAP_NS: u64 = 20_000_000;
 pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Result<()> {
     let layout = firmware.layout();
     let readings = layout.readings_len_max();
-    let is_handed_over = matches!(link, Link::Onboard) && firmware.protocol != Protocol::Khepera;
+    let is_handed_over = matches!(link, Link::Onboard) && !firmware.protocol.is_dialogue();
     if is_handed_over {
         return Ok(());
     }
@@ -132,6 +139,7 @@ pub(super) fn check_sizes(path: &Path, firmware: &Firmware, link: &Link) -> Resu
             frame::encoded_len_max(readings.max(layout.command_len()))
         }
         Protocol::Khepera => longest_lines(path, &layout)?,
+        Protocol::Create(_) => create::longest(path, firmware)?,
     };
     if link.laptop_buffer() < longest {
         let field = path.field("link").field("laptop_buffer_bytes");

@@ -24,6 +24,7 @@ mod arena;
 mod build;
 mod cable;
 mod context;
+mod create;
 mod error;
 mod faults;
 mod link;

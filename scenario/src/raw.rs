@@ -5,6 +5,8 @@ use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::Version;
+
 use super::actuators::RawBattery;
 use super::arena::RawArena;
 use super::faults::{RawFault, RawOnLate};
@@ -172,6 +174,25 @@ pub(super) enum Protocol {
     Framed,
     Bare,
     Khepera,
+    Create,
+    #[serde(rename = "create-2")]
+    Create2,
+}
+
+impl Protocol {
+    /// Which Create speaks, if one does.
+    pub(super) fn create(self) -> Option<Version> {
+        match self {
+            Self::Create => Some(Version::One),
+            Self::Create2 => Some(Version::Two),
+            Self::Framed | Self::Bare | Self::Khepera => None,
+        }
+    }
+
+    /// Whether a brain on board has its bytes, too.
+    pub(super) fn is_dialogue(self) -> bool {
+        self == Self::Khepera || self.create().is_some()
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]

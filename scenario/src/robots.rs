@@ -12,7 +12,7 @@ use super::context::{MAX_SUBSTEPS, Step, World};
 use super::motors::{self, ParsedMotors};
 use super::names::Names;
 use super::starts::{self, Place};
-use super::{actuators, cable, faults, link, raw, sensors, shapes};
+use super::{actuators, cable, create, faults, link, raw, sensors, shapes};
 use baudbot_fields::{FieldError, Path};
 use baudbot_sim::actuator::Actuator;
 use baudbot_sim::battery::Battery;
@@ -206,7 +206,7 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let mut context = sensors::Context {
         step_ms: context.step.step_ms,
         radius_m,
-        onboard: raw.link.kind == raw::LinkKind::Onboard && raw.firmware.protocol != raw::Protocol::Khepera,
+        onboard: raw.link.kind == raw::LinkKind::Onboard && !raw.firmware.protocol.is_dialogue(),
         actuators: &actuators,
         battery: battery.as_ref(),
         surroundings: context.surroundings,
@@ -215,6 +215,9 @@ fn equipment(path: &Path, raw: &mut raw::Robot, radius_m: f64, context: &mut Wor
     let path = path.field("sensors");
     let sensor = |path: &Path, name, table| sensors::sensor(path, name, table, &mut context);
     let mut sensors = each_named(&path, core::mem::take(&mut raw.sensors), sensor)?;
+    if raw.firmware.protocol.create().is_some() {
+        create::tell_battery(&mut sensors, battery.as_ref());
+    }
     if sensors.len() > usize::from(u8::MAX) {
         return Err(path.error(format!("there are {} sensors, the limit is {}", sensors.len(), u8::MAX)));
     }

@@ -116,6 +116,7 @@ fn robots_are_as_fast_as_the_real_ones() {
         ("thymio-2", 0.126, 2.68),
         ("boe-bot", 0.168, 3.2),
         ("turtlebot3-burger", 0.22, 2.84),
+        ("create-1", 0.5, 3.88),
         ("create-2", 0.5, 4.26),
         ("chalmers-40cm", 0.8, 4.7),
         ("arsim", 0.7851, 4.512),
@@ -495,7 +496,7 @@ fn a_table_of_another_kind_or_with_a_preset_of_its_own_takes_nothing_from_the_ro
     let own = spec("khepera-1", "link = { preset = \"uart-38400\" }\nmicrocontroller = { preset = \"bs2\" }");
     assert!(matches!(&own.link, Link::Uart(uart) if uart.baud == 38_400 && uart.receive_depth == 64));
     assert_eq!(own.processor.ram_bytes, Some(26));
-    let polled = spec("create-2", "firmware = { mode = \"poll\" }");
+    let polled = spec("thymio-2", "firmware = { mode = \"poll\" }");
     assert_eq!(polled.firmware.mode, baudbot_sim::firmware::Mode::Poll);
 }
 

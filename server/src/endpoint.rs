@@ -176,37 +176,63 @@ fn check_poll(spec: &RobotSpec) -> Result<(), Problem> {
         Protocol::Bare { .. } => {
             Err(("poll", "the bare protocol has none; a command asks for readings".into()))
         }
-        Protocol::Framed { .. } | Protocol::Khepera => Ok(()),
+        Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_) => Ok(()),
     }
 }
 
 /// The writing end of a robot's port, where the server writes messages for its brain.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sender {
-    /// Of the next message.
+    /// Of the next message. The first one of a Create's, 0, has an opening before it.
     sequence: u8,
+    /// Whether its brain writes bytes.
+    raw: bool,
     /// The last signals of the actuators besides the wheels; a command without such signals repeats them.
     others: Vec<f64>,
 }
 
 impl Sender {
-    /// A sender for a new brain, with these signals of the other actuators in force.
-    pub(crate) fn new(others: impl Iterator<Item = f64>) -> Self {
-        Self { sequence: 0, others: others.collect() }
+    /// A sender for a new brain, which writes bytes or messages, with these signals of the other actuators in force.
+    pub(crate) fn new(others: impl Iterator<Item = f64>, raw: bool) -> Self {
+        Self { sequence: 0, raw, others: others.collect() }
+    }
+
+    /// Whether its brain writes bytes.
+    pub(crate) fn is_raw(&self) -> bool {
+        self.raw
     }
 
     /// What an output that was checked puts on the port.
     pub(crate) fn send(&mut self, spec: &RobotSpec, output: Option<Output>) -> Sent {
         match output {
-            None => Sent::Bytes(Vec::new()),
+            None => Sent::Bytes(self.wait(spec)),
             Some(Output::Raw(bytes)) => Sent::Bytes(bytes),
             Some(Output::Command(signals)) => self.command(spec.firmware.protocol, signals),
-            Some(Output::Poll) => Sent::Bytes(self.poll(spec.firmware.protocol)),
+            Some(Output::Poll) => Sent::Bytes(self.poll(spec)),
         }
     }
 
-    fn poll(&mut self, protocol: Protocol) -> Vec<u8> {
-        match protocol {
+    /// A brain of messages that is silent lets a Create know once that it is there.
+    fn wait(&mut self, spec: &RobotSpec) -> Vec<u8> {
+        match spec.firmware.protocol {
+            Protocol::Create(_) if !self.raw && self.sequence == 0 => self.open(spec),
+            Protocol::Create(_) | Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => {
+                Vec::new()
+            }
+        }
+    }
+
+    /// What a Create is told before anything else.
+    fn open(&mut self, spec: &RobotSpec) -> Vec<u8> {
+        self.next_behind_opening();
+        let mut bytes = [0; frame::MAX_PAYLOAD];
+        let n = spec.firmware.write_opening(&mut bytes);
+        bytes[..n].to_vec()
+    }
+
+    fn poll(&mut self, spec: &RobotSpec) -> Vec<u8> {
+        match spec.firmware.protocol {
+            Protocol::Create(_) => self.open(spec),
             Protocol::Framed { .. } => in_frame(&message::poll(self.next())),
             Protocol::Khepera => khepera::POLL.to_vec(),
             // `check_poll` has refused it.
@@ -220,9 +246,19 @@ impl Sender {
         }
         let sequence = match protocol {
             Protocol::Framed { .. } => self.next(),
+            // Who writes bytes has opened it, if anybody has.
+            Protocol::Create(_) if self.raw => 1,
+            Protocol::Create(_) => self.next_behind_opening(),
             Protocol::Bare { .. } | Protocol::Khepera => self.sequence,
         };
         Sent::Command { sequence, signals: Signals { wheels, others: self.others.clone() } }
+    }
+
+    /// Only the first message of a Create's is number 0.
+    fn next_behind_opening(&mut self) -> u8 {
+        let now = self.sequence;
+        self.sequence = now.checked_add(1).unwrap_or(1);
+        now
     }
 
     fn next(&mut self) -> u8 {
@@ -275,6 +311,10 @@ impl Sent {
             Protocol::Framed { .. } => {
                 let n = write_command(&layout, sequence, signals, &mut payload).expect(FITS);
                 in_frame(&payload[..n])
+            }
+            Protocol::Create(_) => {
+                let n = spec.firmware.write_drive(sequence, [wheels.left, wheels.right], &mut payload);
+                payload[..n].to_vec()
             }
         }
     }

@@ -70,6 +70,7 @@ fn firmware(spec: &firmware::Firmware) -> Firmware {
         firmware::Protocol::Framed { ages } => Protocol::Framed { ages },
         firmware::Protocol::Bare { gap_ns } => Protocol::Bare { gap_ns },
         firmware::Protocol::Khepera => Protocol::Khepera,
+        firmware::Protocol::Create(version) => Protocol::Create(version),
     };
     let period_ns = match spec.mode {
         firmware::Mode::Stream(schedule) => Some(schedule.period_ns()),

@@ -3,11 +3,13 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{self, Opening, Signal, Stream, Version};
 use baudbot_wire::khepera::{self, Lines};
 use baudbot_wire::{BareDecoder, Encoding, Layout, frame, write_command, write_values};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Command, LEAST_BAUD, Uart};
+use crate::open_interface::OpenInterface;
 pub(crate) use crate::registers::{Owed, Refusal, Registers, Say};
 use crate::schedule::Schedule;
 use crate::time::{SECOND_NS, SimTime};
@@ -38,14 +40,24 @@ pub enum Protocol {
     },
     /// The lines of text of a Khepera, which answers only when asked. It knows no readability either.
     Khepera,
+    /// The Open Interface of an iRobot Create. It streams what it is asked to stream, new or not.
+    Create(Version),
 }
 
 impl Protocol {
     /// Whether each message has all values, new or not: it knows no readability.
     pub const fn repeats(self) -> bool {
         match self {
-            Self::Bare { .. } | Self::Khepera => true,
+            Self::Bare { .. } | Self::Khepera | Self::Create(_) => true,
             Self::Framed { .. } => false,
+        }
+    }
+
+    /// Whether its bytes are part of what a brain sees and does, so that one on board has them, too.
+    pub const fn is_dialogue(self) -> bool {
+        match self {
+            Self::Khepera | Self::Create(_) => true,
+            Self::Framed { .. } | Self::Bare { .. } => false,
         }
     }
 }
@@ -53,7 +65,7 @@ impl Protocol {
 /// When readings are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// On a schedule of the microcontroller's.
+    /// On a schedule of the microcontroller's; of a Create, while there is a stream.
     Stream(Schedule),
     /// In answer to a command, and to a poll in the framed protocol; in that of the Khepera in answer to a poll
     /// alone. Those that come while an answer waits to be sent share it.
@@ -67,28 +79,53 @@ pub(crate) struct Fields {
     counts: Vec<u8>,
     motors: Vec<Encoding>,
     ages: bool,
+    /// Where a Create tells each component.
+    signals: Vec<Option<Signal>>,
+    /// The packets that tell them.
+    packets: Vec<u8>,
 }
 
 impl Firmware {
-    /// A firmware that sends `sensors`' components and takes signals for two motors and the other actuators. Those of a
+    /// A firmware that sends the components of `sensors`, each with its name, and takes signals for two motors and the other actuators. Those of a
     /// sensor with more components than a message can count, 255, are in none: a brain on board gets them without.
-    pub fn new(protocol: Protocol, mode: Mode, sensors: &[&[Encoding]], motors: Vec<Encoding>) -> Self {
+    pub fn new(
+        protocol: Protocol,
+        mode: Mode,
+        sensors: &[(&str, &[Encoding])],
+        motors: Vec<Encoding>,
+    ) -> Self {
         let counted =
-            |sensor: &&[Encoding]| if sensor.len() > usize::from(u8::MAX) { 0 } else { sensor.len() };
-        let sensors: Vec<_> = sensors.iter().map(|sensor| &sensor[..counted(sensor)]).collect();
+            |sensor: &[Encoding]| if sensor.len() > usize::from(u8::MAX) { 0 } else { sensor.len() };
+        let encodings: Vec<_> = sensors.iter().map(|(_, sensor)| &sensor[..counted(sensor)]).collect();
+        let (signals, packets) = match protocol {
+            Protocol::Create(version) => told(version, sensors),
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => (Vec::new(), Vec::new()),
+        };
         let fields = Fields {
-            components: sensors.concat(),
-            counts: sensors.iter().map(|components| components.len() as u8).collect(),
+            components: encodings.concat(),
+            counts: encodings.iter().map(|components| components.len() as u8).collect(),
             motors,
             ages: matches!(protocol, Protocol::Framed { ages: true }),
+            signals,
+            packets,
         };
         Self { protocol, mode, fields }
     }
 
     /// The layout that encodes and decodes this firmware's messages.
     pub fn layout(&self) -> Layout<'_> {
-        let Fields { components, counts, motors, ages } = &self.fields;
+        let Fields { components, counts, motors, ages, .. } = &self.fields;
         Layout { components, counts, motors, ages: *ages }
+    }
+
+    /// Where a Create tells each of the layout's components; none of other firmwares.
+    pub fn signals(&self) -> &[Option<Signal>] {
+        &self.fields.signals
+    }
+
+    /// The packets of the stream that a brain of messages asks a Create for; none of other firmwares.
+    pub fn packets(&self) -> &[u8] {
+        &self.fields.packets
     }
 
     /// Bytes on the wire of the longest message with all readings.
@@ -98,6 +135,7 @@ impl Firmware {
             Protocol::Framed { .. } => frame::encoded_len_max(layout.readings_len_max()),
             Protocol::Bare { .. } => layout.bare_readings_len(),
             Protocol::Khepera => khepera::readings_len_max(&layout),
+            Protocol::Create(version) => create::stream_len(version, self.packets()),
         }
     }
 
@@ -108,13 +146,15 @@ impl Firmware {
             Protocol::Framed { .. } => frame::encoded_len_max(layout.command_len()),
             Protocol::Bare { .. } => layout.bare_command_len(),
             Protocol::Khepera => khepera::command_len_max(&layout),
+            Protocol::Create(_) => create::drive_direct([0.0; 2]).len(),
         }
     }
 
-    /// The most bytes that the values of a sensor with these encodings take on the wire.
+    /// The most bytes that the values of a sensor with these encodings take on the wire. Of a Create the number of each packet
+    /// is not counted, and two that share one are counted twice.
     pub fn values_len_max(&self, encodings: &[Encoding]) -> usize {
         match self.protocol {
-            Protocol::Framed { .. } | Protocol::Bare { .. } => {
+            Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Create(_) => {
                 encodings.iter().map(|encoding| encoding.len()).sum()
             }
             Protocol::Khepera => khepera::numbers_len_max(encodings),
@@ -138,6 +178,10 @@ impl Firmware {
         let len = match self.protocol {
             Protocol::Bare { .. } => write_values(layout.motors, signals, out).unwrap_or(0),
             Protocol::Khepera => khepera::write_exchange(&layout, signals, out).unwrap_or(0),
+            Protocol::Create(_) => {
+                let crate::drive::Wheels { left, right } = command.wheels;
+                self.write_drive(command.sequence, [left, right], out)
+            }
             Protocol::Framed { .. } => {
                 let mut payload = [0; frame::MAX_PAYLOAD];
                 let len = write_command(&layout, command.sequence, signals, &mut payload);
@@ -147,12 +191,28 @@ impl Firmware {
         &out[..len]
     }
 
+    /// What a Create is told before anything else, in `out`.
+    pub fn write_opening(&self, out: &mut [u8]) -> usize {
+        Opening { ids: self.packets() }.write(out)
+    }
+
+    /// The bytes of a Create's command: behind an opening, if it is the first one.
+    pub fn write_drive(&self, sequence: u8, signals: [f64; 2], out: &mut [u8]) -> usize {
+        let at = if sequence == 0 { self.write_opening(out) } else { 0 };
+        let drive = create::drive_direct(signals);
+        out[at..at + drive.len()].copy_from_slice(&drive);
+        at + drive.len()
+    }
+
     /// How one motor signal is encoded.
     pub fn motor_encoding(&self) -> Encoding {
         self.fields.motors[0]
     }
 
     pub(crate) fn reading_decoder(&self) -> Decoder {
+        if let Protocol::Create(version) = self.protocol {
+            return Decoder::Stream(Stream::new(version, self.packets()));
+        }
         self.decoder(self.layout().bare_readings_len(), Lines::of_answers())
     }
 
@@ -168,8 +228,22 @@ impl Firmware {
                 Decoder::Bare(decoder.expect("scenario files refuse messages that are too long"))
             }
             Protocol::Khepera => Decoder::Khepera { lines, owed: Owed::default() },
+            Protocol::Create(version) => Decoder::OpenInterface(Box::new(OpenInterface::new(version))),
         }
     }
+}
+
+/// Where these sensors' components are told, and in which packets. Of a sensor of which a part is not told, nothing is.
+fn told(version: Version, sensors: &[(&str, &[Encoding])]) -> (Vec<Option<Signal>>, Vec<u8>) {
+    let mut signals = Vec::new();
+    for (name, encodings) in sensors {
+        let own: Vec<_> = (0..encodings.len()).map(|i| Signal::of(version, name, i)).collect();
+        let whole = own.iter().all(Option::is_some);
+        signals.extend(own.into_iter().map(|signal| signal.filter(|_| whole)));
+    }
+    let mut packets = [0; create::MOST_STREAMED];
+    let count = create::told(&signals, &mut packets);
+    (signals, packets[..count].to_vec())
 }
 
 /// Finds messages in a stream of bytes.
@@ -187,6 +261,10 @@ pub(crate) enum Decoder {
         lines: Lines,
         registers: Box<Registers>,
     },
+    /// Of a Create, at the robot's end.
+    OpenInterface(Box<OpenInterface>),
+    /// Of a Create, at the laptop's end.
+    Stream(Stream),
 }
 
 /// What a byte completed.
@@ -210,6 +288,12 @@ impl Decoder {
                 Some(Ok(line)) => Found::Payload(line),
                 Some(Err(_)) => Found::BadFrame,
             },
+            Self::OpenInterface(interface) => interface.push(byte).map_or(Found::Nothing, Found::Payload),
+            Self::Stream(stream) => match stream.push(byte) {
+                None => Found::Nothing,
+                Some(Ok(payload)) => Found::Payload(payload),
+                Some(Err(_)) => Found::BadFrame,
+            },
         }
     }
 
@@ -218,6 +302,7 @@ impl Decoder {
         match self {
             Self::Framed(framed) => framed.is_between_frames(),
             Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. } => false,
+            Self::OpenInterface(_) | Self::Stream(_) => false,
         }
     }
 
@@ -230,7 +315,10 @@ impl Decoder {
             (Self::Khepera { lines: own, .. }, Self::Registers { lines: other, registers }) => {
                 own.may_become(other) && registers.is_sound()
             }
+            (Self::OpenInterface(own), Self::OpenInterface(other)) => own.may_become(other),
+            (Self::Stream(own), Self::Stream(other)) => own.may_become(other),
             (Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } | Self::Registers { .. }, _) => false,
+            (Self::OpenInterface(_) | Self::Stream(_), _) => false,
         }
     }
 
@@ -238,7 +326,7 @@ impl Decoder {
     /// is readings there is nothing to remember.
     pub(crate) fn owe(&mut self, readings: bool) {
         match self {
-            Self::Framed(_) | Self::Bare(_) => {}
+            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => {}
             Self::Khepera { owed, .. } => {
                 owed.readings |= readings;
                 owed.acknowledgement |= !readings;
@@ -252,7 +340,7 @@ impl Decoder {
     /// What is owed in text, which is said now.
     pub(crate) fn settle(&mut self) -> Option<Say> {
         match self {
-            Self::Framed(_) | Self::Bare(_) => None,
+            Self::Framed(_) | Self::Bare(_) | Self::OpenInterface(_) | Self::Stream(_) => None,
             Self::Khepera { owed, .. } => Some(Say::Exchange(core::mem::take(owed))),
             Self::Registers { registers, .. } => registers.settle(),
         }
@@ -262,6 +350,7 @@ impl Decoder {
     pub(crate) fn registers(&self) -> Option<&Registers> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::OpenInterface(_) | Self::Stream(_) => None,
             Self::Registers { registers, .. } => Some(&**registers),
         }
     }
@@ -270,6 +359,7 @@ impl Decoder {
     pub(crate) fn registers_mut(&mut self) -> Option<&mut Registers> {
         match self {
             Self::Framed(_) | Self::Bare(_) | Self::Khepera { .. } => None,
+            Self::OpenInterface(_) | Self::Stream(_) => None,
             Self::Registers { registers, .. } => Some(registers),
         }
     }
@@ -283,10 +373,23 @@ impl Decoder {
         self.registers_mut()
     }
 
+    /// The interface of a Create.
+    #[inline]
+    pub(crate) fn open_interface(&self) -> Option<&OpenInterface> {
+        if let Self::OpenInterface(interface) = self { Some(interface) } else { None }
+    }
+
+    /// The interface of a Create, to be changed.
+    #[inline]
+    pub(crate) fn open_interface_mut(&mut self) -> Option<&mut OpenInterface> {
+        if let Self::OpenInterface(interface) = self { Some(interface) } else { None }
+    }
+
     /// Messages that silence cut short so far.
     pub(crate) fn cut_short(&self) -> u64 {
         match self {
             Self::Framed(_) | Self::Khepera { .. } | Self::Registers { .. } => 0,
+            Self::OpenInterface(_) | Self::Stream(_) => 0,
             Self::Bare(bare) => bare.discarded(),
         }
     }

@@ -3,6 +3,7 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::Payload;
 use baudbot_wire::khepera::Answer;
 use baudbot_wire::{Layout, Message, Values, clock};
 use serde::{Deserialize, Serialize};
@@ -282,7 +283,28 @@ fn note(readings: &mut [Reading], firmware: &Firmware, payload: &[u8], at: SimTi
             Ok(Answer::Registers(_) | Answer::Refusal) => Noted::Answer,
             Err(_) => Noted::Nonsense,
         },
+        Protocol::Create(version) => note_packets(readings, firmware, Payload { version, bytes: payload }),
     }
+}
+
+/// Notes a message of a Create's stream. A sensor that is not told has no reading; another stream than that of the layout has
+/// none at all.
+fn note_packets(readings: &mut [Reading], firmware: &Firmware, payload: Payload<'_>) -> Noted {
+    let layout = firmware.layout();
+    let mut rest = firmware.signals();
+    for (reading, components) in readings.iter_mut().zip(layout.sensors()) {
+        let (signals, behind) = rest.split_at(components.len().min(rest.len()));
+        rest = behind;
+        let told = || components.iter().zip(signals).map(|(to, signal)| payload.value((*signal)?, *to));
+        if components.is_empty() || !told().all(|value| value.is_some()) {
+            continue;
+        }
+        reading.values.clear();
+        reading.values.extend(told().flatten());
+        reading.sequence = reading.sequence.wrapping_add(1);
+        reading.readable = true;
+    }
+    Noted::Readings
 }
 
 fn note_frame(readings: &mut [Reading], layout: &Layout<'_>, payload: &[u8], at: SimTime) -> Noted {

@@ -49,6 +49,7 @@ pub mod model;
 pub mod motor;
 pub mod movable;
 pub mod mover;
+mod open_interface;
 mod pair;
 mod parallel;
 pub mod processor;

@@ -6,6 +6,7 @@ mod answers;
 mod bootloader;
 mod common;
 mod coverage;
+mod create;
 mod cycles;
 mod deviation;
 mod devices;

@@ -85,6 +85,7 @@ extern crate std;
 
 pub mod bare;
 pub mod clock;
+pub mod create;
 pub mod encoding;
 pub mod error;
 pub mod frame;

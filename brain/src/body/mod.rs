@@ -6,6 +6,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use baudbot_wire::Encoding;
+use baudbot_wire::create::Version;
 
 use crate::action::Action;
 
@@ -161,6 +162,18 @@ pub enum Protocol {
     },
     /// Lines of text, as a Khepera's: one answer for each question.
     Khepera,
+    /// The Open Interface of an iRobot Create: a stream, once one is asked for.
+    Create(Version),
+}
+
+impl Protocol {
+    /// Whether its bytes are part of what a brain sees and does, so that one on board has them, too.
+    pub const fn is_dialogue(self) -> bool {
+        match self {
+            Self::Khepera | Self::Create(_) => true,
+            Self::Framed { .. } | Self::Bare { .. } => false,
+        }
+    }
 }
 
 impl Sensor {
@@ -198,7 +211,9 @@ impl Body {
     pub fn request(&self) -> Action {
         match self.firmware {
             Firmware { period_ns: Some(_), .. } => Action::wait(),
-            Firmware { protocol: Protocol::Framed { .. } | Protocol::Khepera, .. } => Action::poll(),
+            Firmware {
+                protocol: Protocol::Framed { .. } | Protocol::Khepera | Protocol::Create(_), ..
+            } => Action::poll(),
             Firmware { protocol: Protocol::Bare { .. }, .. } => Action::drive(0.0, 0.0),
         }
     }

@@ -3,6 +3,7 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{Opening, drive_direct};
 use baudbot_wire::{LayoutError, frame, khepera, poll, write_command, write_values};
 
 use crate::action::Signals;
@@ -41,6 +42,7 @@ impl RawCommands {
     /// [`Body::actuators`]. Those beyond the end of `others` get what was last sent to them, at first 0.
     pub fn command_with(&mut self, signals: Signals, others: &[f64]) -> Vec<u8> {
         let sequence = self.next_command(others);
+        let wheels = [signals.left, signals.right];
         let signals = [signals.left, signals.right].into_iter().chain(self.others.iter().copied());
         let (layout, mut bytes) = (self.layout.borrow(), [0; frame::MAX_PAYLOAD]);
         // None can fail: the layout was checked and gets a value for each of its motors.
@@ -52,6 +54,10 @@ impl RawCommands {
             Protocol::Khepera => {
                 let len = khepera::write_exchange(&layout, signals, &mut bytes).unwrap_or(0);
                 bytes[..len].to_vec()
+            }
+            Protocol::Create(_) => {
+                let opening = if sequence == 0 { self.opening() } else { Vec::new() };
+                [&opening[..], &drive_direct(wheels)].concat()
             }
             Protocol::Framed { .. } => {
                 let len = write_command(&layout, sequence, signals, &mut bytes).unwrap_or(0);
@@ -68,6 +74,7 @@ impl RawCommands {
         }
         match self.protocol {
             Protocol::Framed { .. } => self.next_sequence(),
+            Protocol::Create(_) => self.next_behind_opening(),
             // Their commands have no number.
             Protocol::Bare { .. } | Protocol::Khepera => 0,
         }
@@ -78,13 +85,46 @@ impl RawCommands {
         &self.others
     }
 
-    /// The bytes of a request for readings; `None` in the bare protocol, which has none.
+    /// The bytes of a request for readings; `None` in the bare protocol, which has none. A Create is told again to stream, and
+    /// stands.
     pub fn poll(&mut self) -> Option<Vec<u8>> {
         match self.protocol {
             Protocol::Bare { .. } => None,
             Protocol::Framed { .. } => Some(framed(&poll(self.next_sequence()))),
             Protocol::Khepera => Some(khepera::POLL.to_vec()),
+            Protocol::Create(_) => {
+                self.next_behind_opening();
+                Some(self.opening())
+            }
         }
+    }
+
+    /// The bytes of a brain that wants nothing in this turn: none, but that a Create must be told once that a program is there.
+    pub fn wait(&mut self) -> Vec<u8> {
+        match self.protocol {
+            Protocol::Create(_) if self.sequence == 0 => {
+                self.next_behind_opening();
+                self.opening()
+            }
+            Protocol::Create(_) | Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => {
+                Vec::new()
+            }
+        }
+    }
+
+    /// What a Create is told before anything else.
+    fn opening(&self) -> Vec<u8> {
+        let opening = Opening { ids: &self.layout.packets };
+        let mut bytes = vec![0; opening.size()];
+        opening.write(&mut bytes);
+        bytes
+    }
+
+    /// Only the first command of a Create, which has an opening before it, is number 0.
+    fn next_behind_opening(&mut self) -> u8 {
+        let sequence = self.sequence;
+        self.sequence = sequence.checked_add(1).unwrap_or(1);
+        sequence
     }
 
     fn next_sequence(&mut self) -> u8 {

@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use baudbot_wire::create::{Payload, Signal, Stream, Version};
 use baudbot_wire::khepera::{Answer, Lines};
 use baudbot_wire::{BareDecoder, Decoder, Layout, LayoutError, Message, Values, clock};
 
@@ -40,6 +41,7 @@ enum Port {
     Framed(Decoder),
     Bare { decoder: BareDecoder, silence: Silence },
     Khepera(Lines),
+    Create(Version, Stream),
 }
 
 impl RawReadings {
@@ -58,6 +60,7 @@ impl RawReadings {
                 Port::Bare { decoder, silence: Silence::default() }
             }
             Protocol::Khepera => Port::Khepera(Lines::of_answers()),
+            Protocol::Create(version) => Port::Create(version, Stream::new(version, &layout.packets)),
         };
         let readings = vec![None; body.sensors.len()];
         let listeners = body.sensors.iter().enumerate();
@@ -83,7 +86,8 @@ impl RawReadings {
     /// What the microcontroller says.
     fn hear(&mut self, raw: &RawTurn) {
         let Self { layout, port, readings, messages, .. } = self;
-        let (layout, places) = (layout.borrow(), &layout.places);
+        let (signals, places) = (&layout.signals, &layout.places);
+        let layout = layout.borrow();
         match port {
             Port::Framed(decoder) => {
                 for &byte in &raw.bytes {
@@ -112,6 +116,40 @@ impl RawReadings {
                     }
                 }
             }
+            Port::Create(version, stream) => {
+                hear_stream((*version, stream), &raw.bytes, |payload| {
+                    *messages = messages.wrapping_add(1);
+                    note_packets(readings, (&layout, places, signals), payload, *messages);
+                });
+            }
+        }
+    }
+}
+
+/// Notes the messages of a Create's stream that these bytes complete.
+fn hear_stream((version, stream): (Version, &mut Stream), bytes: &[u8], mut note: impl FnMut(Payload<'_>)) {
+    for &byte in bytes {
+        if let Some(Ok(bytes)) = stream.push(byte) {
+            note(Payload { version, bytes });
+        }
+    }
+}
+
+/// Notes a message of a Create's stream. A sensor that is not told has no reading.
+fn note_packets(
+    readings: &mut [Option<Reading>],
+    (layout, places, mut rest): (&Layout<'_>, &[usize], &[Option<Signal>]),
+    payload: Payload<'_>,
+    sequence: u8,
+) {
+    for (&place, components) in places.iter().zip(layout.sensors()) {
+        let (signals, behind) = rest.split_at(components.len().min(rest.len()));
+        rest = behind;
+        let values: Option<Vec<_>> =
+            components.iter().zip(signals).map(|(to, signal)| payload.value((*signal)?, *to)).collect();
+        if let Some(values) = values.filter(|values| !values.is_empty()) {
+            readings[place] =
+                Some(Reading { values, sampled_at_ns: None, sequence: sequence.into(), readable: true });
         }
     }
 }

@@ -119,6 +119,7 @@ fn firmware(robot: &RobotSpec) -> String {
         Protocol::Framed { ages: false } => "framed, without ages".to_owned(),
         Protocol::Bare { gap_ns } => format!("bare, a gap of {} ends a message", duration(gap_ns as f64)),
         Protocol::Khepera => "khepera, lines of text".to_owned(),
+        Protocol::Create(version) => format!("the Open Interface of a Create {}", version.number()),
     };
     match robot.firmware.mode {
         Mode::Poll => format!("{protocol}; answers when polled"),

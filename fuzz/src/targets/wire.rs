@@ -1,7 +1,7 @@
 //! Bytes on a wire: each protocol's decoder and parser, as they come and with a sound frame around them.
 
 use baudbot_wire::{
-    BareDecoder, Decoder, Encoding, Layout, Message, Values, frame, khepera, line_image, nmea, scip,
+    BareDecoder, Decoder, Encoding, Layout, Message, Values, create, frame, khepera, line_image, nmea, scip,
 };
 
 use super::{Target, outcome};
@@ -52,6 +52,7 @@ pub(super) fn targets() -> Vec<Target> {
             LINE_WORDS,
             lines,
         ),
+        create_target(),
         target("scip", "a laser's scans", vec![scan()], &[b"\n\n", b"MD", b"99b"], scans),
         target(
             "nmea",
@@ -141,6 +142,43 @@ fn lines(bytes: &[u8]) -> u64 {
             let parsed = line
                 .and_then(|line| khepera::Answer::parse(line, &LINES).map(|answer| format!("{answer:?}")));
             found ^= parsed.map_or_else(|error| outcome(&error.to_string()), |text| outcome(&text));
+        }
+    }
+    found
+}
+
+fn create_target() -> Target {
+    target(
+        "create",
+        "commands and streams of an iRobot Create",
+        vec![
+            vec![128, 131, 145, 0, 200, 0, 200, 142, 100],
+            vec![128, 148, 2, 29, 13, 140, 0, 1, 70, 32, 141, 0],
+            vec![19, 5, 29, 2, 25, 13, 0, 163],
+        ],
+        &[b"\x80\x83", b"\x94\x02", b"\x95\x03", b"\x8c\x00\x10", b"\x13\x05\x1d"],
+        open_interface,
+    )
+}
+
+fn open_interface(bytes: &[u8]) -> u64 {
+    let mut found = 0;
+    for version in [create::Version::One, create::Version::Two] {
+        let mut commands = create::Commands::new(version);
+        let mut stream = create::Stream::new(version, &[29, 13]);
+        for &byte in bytes {
+            if let Some(command) = commands.push(byte) {
+                found ^= create::Command::parse(version, command)
+                    .map_or(1, |command| outcome(&format!("{command:?}")));
+            }
+            found ^= match stream.push(byte) {
+                None => 0,
+                Some(Ok(bytes)) => {
+                    let payload = create::Payload { version, bytes };
+                    outcome("stream") + u64::from(payload.packet(create::Packet::VirtualWall).is_some())
+                }
+                Some(Err(error)) => outcome(&error.to_string()),
+            };
         }
     }
     found

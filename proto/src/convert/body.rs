@@ -1,11 +1,13 @@
 //! A robot's data sheet, in both directions, part by part.
 
-use baudbot_brain::{Actuator, Body, Component, Encoding, Firmware, Mount, Port, Protocol, Sensor, Sweep};
+use baudbot_brain::{
+    Actuator, Body, Component, CreateVersion, Encoding, Firmware, Mount, Port, Protocol, Sensor, Sweep,
+};
 
 use super::breach::Breach;
 use crate::v1;
 use crate::v1::encoding::{Counter, Float64, Kind, Level, Signed};
-use crate::v1::firmware::{Bare, Framed, Khepera, Protocol as Spoken};
+use crate::v1::firmware::{Bare, Create, Framed, Khepera, Protocol as Spoken};
 
 impl From<&Body> for v1::RobotDescription {
     fn from(body: &Body) -> Self {
@@ -193,6 +195,7 @@ impl From<Firmware> for v1::Firmware {
             Protocol::Framed { ages } => Spoken::Framed(Framed { ages }),
             Protocol::Bare { gap_ns } => Spoken::Bare(Bare { gap_ns }),
             Protocol::Khepera => Spoken::Khepera(Khepera {}),
+            Protocol::Create(version) => Spoken::Create(Create { version: version.number().into() }),
         };
         Self { protocol: Some(protocol), period_ns }
     }
@@ -204,6 +207,10 @@ fn firmware(given: Option<v1::Firmware>) -> Result<Firmware, Breach> {
         Spoken::Framed(framed) => Protocol::Framed { ages: framed.ages },
         Spoken::Bare(bare) => Protocol::Bare { gap_ns: bare.gap_ns },
         Spoken::Khepera(_) => Protocol::Khepera,
+        Spoken::Create(create) => {
+            let found = create.version;
+            Protocol::Create(CreateVersion::of(found).ok_or(Breach::Version { found })?)
+        }
     };
     Ok(Firmware { protocol, period_ns: given.period_ns })
 }

@@ -56,6 +56,12 @@ pub enum Breach {
         /// The number.
         found: u32,
     },
+    /// A Create of a number that there is not.
+    #[error("a Create of version {found}; there are 1 and 2")]
+    Version {
+        /// The number.
+        found: u32,
+    },
     /// Encodings that no cable can have.
     #[error("robot `{robot}`: {source}")]
     Layout {

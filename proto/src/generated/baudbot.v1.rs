@@ -3654,7 +3654,7 @@ pub struct Firmware {
     #[prost(uint64, optional, tag = "3")]
     pub period_ns: ::core::option::Option<u64>,
     /// The form of its messages.
-    #[prost(oneof = "firmware::Protocol", tags = "1, 2, 4")]
+    #[prost(oneof = "firmware::Protocol", tags = "1, 2, 4, 5")]
     pub protocol: ::core::option::Option<firmware::Protocol>,
 }
 /// Nested message and enum types in `Firmware`.
@@ -3677,6 +3677,14 @@ pub mod firmware {
     /// decimal digits; every sensor is in every answer.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Khepera {}
+    /// The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
+    /// for; it tells those whose names docs/robots/create.md lists.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct Create {
+        /// 1 for the Create of 2007, 2 for the Create 2.
+        #[prost(uint32, tag = "1")]
+        pub version: u32,
+    }
     /// The form of its messages.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Oneof)]
     pub enum Protocol {
@@ -3689,6 +3697,9 @@ pub mod firmware {
         /// Lines of text, as a Khepera's: one answer for each question.
         #[prost(message, tag = "4")]
         Khepera(Khepera),
+        /// The Open Interface of an iRobot Create: a stream of packets, once one is asked for.
+        #[prost(message, tag = "5")]
+        Create(Create),
     }
 }
 /// A brain's step: what has arrived for it, and when it is.

@@ -21,12 +21,13 @@ impl WorldActor {
         }
         let scenario = Arc::clone(self.world.scenario());
         let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
+        let raw = request.raw;
         let new = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(new) => new,
             Err(status) => return drop(reply.send(Err(status))),
         };
         for &robot in &new.robots {
-            self.ports.senders[robot] = sender(&self.world.robot(robot));
+            self.ports.senders[robot] = sender(&self.world.robot(robot), raw);
             self.ports.final_commands[robot] = stops.then(|| FinalCommand::of(&self.world));
         }
         self.record_attached(&new.robots, &brain);

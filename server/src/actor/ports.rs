@@ -51,12 +51,20 @@ impl Ports {
 
 /// The senders of all robots of a world that has just been made.
 pub(super) fn senders(world: &World) -> Vec<Sender> {
-    world.robots().map(|robot| sender(&robot)).collect()
+    world.robots().map(|robot| sender(&robot, false)).collect()
 }
 
-/// A robot's sender as a new brain finds it: the actuators go on with the signals that they have.
-pub(super) fn sender(robot: &RobotView<'_>) -> Sender {
-    Sender::new(robot.actuators().iter().map(|actuator| actuator.signal))
+/// A robot's sender as a new brain finds it, of bytes or of messages: the actuators go on with the signals that they have.
+pub(super) fn sender(robot: &RobotView<'_>, raw: bool) -> Sender {
+    Sender::new(robot.actuators().iter().map(|actuator| actuator.signal), raw)
+}
+
+impl Ports {
+    /// The world has gone back to its beginning, with the same brains.
+    pub(super) fn reset(&mut self, world: &World) {
+        let robots = world.robots().zip(&self.senders);
+        self.senders = robots.map(|(robot, old)| sender(&robot, old.is_raw())).collect();
+    }
 }
 
 impl WorldActor {

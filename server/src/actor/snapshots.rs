@@ -6,7 +6,6 @@ use std::sync::Arc;
 use baudbot_sim::{Scenario, World};
 use tonic::Status;
 
-use super::ports::senders;
 use super::{Phase, WorldActor};
 use crate::endpoint::Sender;
 use crate::log::event;
@@ -73,7 +72,7 @@ impl WorldActor {
     /// Goes back to the beginning, of a run of this scenario.
     pub(super) fn reset(&mut self, scenario: Arc<Scenario>) {
         let world = World::new(scenario);
-        self.ports.senders = senders(&world);
+        self.ports.reset(&world);
         self.pacer.reset_statistics();
         self.replace(world);
     }

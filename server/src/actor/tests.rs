@@ -116,7 +116,7 @@ fn a_world_driven_directly_is_the_one_that_the_bytes_of_its_commands_make() {
         let new = NewWorld::new("w".into(), by_bytes.clone(), Pace::Lockstep(Lockstep::default()));
         let mut direct = DirectWorld::start(new).unwrap();
         direct.attach("brain", &[0]);
-        let mut sender = Sender::new([].into_iter());
+        let mut sender = Sender::new([].into_iter(), false);
         for tick in 0..100 {
             let mut bytes = Vec::new();
             assert_eq!(direct.begin(), by_bytes.begin());

@@ -18,7 +18,7 @@ use baudbot_wire::Layout;
 use baudbot_wire::khepera::{self, Access, Command, LineError, Question, Register, Side};
 
 use super::request::Request;
-use super::{FITS, Microcontroller, Taken};
+use super::{Condition, FITS, Microcontroller, Taken};
 use crate::drive::{Motion, Wheels};
 use crate::firmware::{Owed, Refusal, Registers, Say};
 use crate::model::RobotSpec;
@@ -32,13 +32,13 @@ impl Microcontroller {
     pub(super) fn write_lines(
         &mut self,
         spec: &RobotSpec,
-        wheels: (&Motion, Wheels),
+        robot: &Condition<'_>,
         out: &mut [u8],
     ) -> (usize, bool) {
         let Owed { acknowledgement, readings } = match self.decoder.settle() {
             Some(Say::Exchange(owed)) => owed,
             Some(Say::Answer(command)) => {
-                let read = |register| self.register(spec, wheels, register);
+                let read = |register| self.register(spec, robot, register);
                 return (khepera::write_answer(command, read, out).expect(FITS), false);
             }
             Some(Say::Refusal(refusal)) => {
@@ -102,14 +102,19 @@ impl Microcontroller {
         }
     }
 
-    /// The signals that take the wheels on to their targets, if they are to go there, and since when.
+    /// The signals that take the wheels on to their targets, if they are to go there, and since when. A Create has no targets,
+    /// but may have to [stand](Self::guard).
     pub(crate) fn steer(
         &mut self,
         spec: &RobotSpec,
-        (motion, signals): (&Motion, Wheels),
+        robot: &Condition<'_>,
         now: SimTime,
         dt: f64,
     ) -> Option<(SimTime, Wheels)> {
+        if self.decoder.open_interface().is_some() {
+            return self.guard(spec, robot, now);
+        }
+        let &Condition { motion, signals, .. } = robot;
         let registers = self.decoder.registers()?;
         let since = registers.moving_since.filter(|since| *since <= now)?;
         let (pulses, full) = (Pulses::of(spec)?, Pulses::of(spec)?.full_per_s(spec)?);
@@ -131,7 +136,7 @@ impl Microcontroller {
     }
 
     /// What both encoders have counted when they were last read; 0 of a robot without.
-    fn counts(&self, spec: &RobotSpec) -> [i64; 2] {
+    pub(super) fn counts(&self, spec: &RobotSpec) -> [i64; 2] {
         let values = Pulses::of(spec).map_or(&[][..], |pulses| &self.channels[pulses.sensor].values[..]);
         [0, 1].map(|side| values.get(side).copied().unwrap_or(0.0) as i64)
     }
@@ -140,7 +145,7 @@ impl Microcontroller {
     fn register(
         &self,
         spec: &RobotSpec,
-        (motion, signals): (&Motion, Wheels),
+        &Condition { motion, signals, .. }: &Condition<'_>,
         register: Register,
     ) -> Option<i32> {
         let registers = self.decoder.registers()?;

@@ -11,6 +11,8 @@
 mod acquire;
 mod at_once;
 mod channel;
+mod condition;
+mod create;
 mod devices;
 mod khepera;
 mod onboard;
@@ -22,10 +24,11 @@ use alloc::vec::Vec;
 use acquire::first_due;
 use baudbot_wire::{Layout, Sample, clock, frame, message, write_values};
 pub(crate) use channel::Channel;
+pub(crate) use condition::Condition;
 use request::Request;
 use serde::{Deserialize, Serialize};
 
-use crate::drive::{Motion, Wheels};
+use crate::drive::Wheels;
 use crate::firmware::{Decoder, Firmware, Found, Mode, Protocol, Refusal, Registers};
 use crate::link::{Line, LineCounters, Link, Message as Tag};
 use crate::model::RobotSpec;
@@ -38,7 +41,7 @@ use crate::time::SimTime;
 pub(crate) struct Microcontroller {
     free_at: SimTime,
     channels: Vec<Channel>,
-    /// When the next frame of readings is due; never in poll mode until somebody asks.
+    /// When the next frame of readings is due; never in poll mode, and of a Create, until somebody asks.
     frame: Due,
     /// When the first sensor is due, and which that is, once one has been read.
     #[serde(skip)]
@@ -92,8 +95,10 @@ pub(crate) enum Task {
 impl Microcontroller {
     pub(crate) fn new(spec: &RobotSpec, seed: u64, noise: bool) -> Self {
         let frame = match spec.firmware.mode {
-            Mode::Stream(schedule) => schedule.start(),
-            Mode::Poll => Due { next: SimTime::NEVER, missed: 0 },
+            Mode::Stream(schedule) if !matches!(spec.firmware.protocol, Protocol::Create(_)) => {
+                schedule.start()
+            }
+            Mode::Stream(_) | Mode::Poll => Due { next: SimTime::NEVER, missed: 0 },
         };
         Self {
             free_at: SimTime::from_ns(spec.processor.bootloader_ns),
@@ -156,14 +161,14 @@ impl Microcontroller {
     }
 
     /// Frames what is readable and puts it on the line; waits until the transmitter has taken it all.
-    /// `wheels` are how the robot moves and the signals in force; `sampled` is memory for what is to be known of the
+    /// `sampled` is memory for what is to be known of the
     /// message, used before.
     pub(crate) fn send_readings(
         &mut self,
         spec: &RobotSpec,
         now: SimTime,
         uplink: &mut Line,
-        wheels: (&Motion, Wheels),
+        robot: &Condition<'_>,
         sampled: Vec<(usize, SimTime)>,
     ) -> Sent {
         self.serve_frame(spec, now);
@@ -177,7 +182,12 @@ impl Microcontroller {
             }
             Protocol::Khepera => {
                 let n;
-                (n, tells) = self.write_lines(spec, wheels, &mut bytes);
+                (n, tells) = self.write_lines(spec, robot, &mut bytes);
+                (n, now + n as u64 * cost)
+            }
+            Protocol::Create(_) => {
+                let n;
+                (n, tells) = self.write_packets(spec, now, robot, &mut bytes);
                 (n, now + n as u64 * cost)
             }
             Protocol::Framed { .. } => self.write_frame(&spec.firmware, now, cost, &mut bytes),
@@ -189,12 +199,15 @@ impl Microcontroller {
         if self.decoder.registers().is_some_and(Registers::owes) {
             self.frame.next = self.free_at;
         }
+        self.speak_next();
         Sent { bytes: n as u32, cycle, closed, on_wire }
     }
 
     /// A frame is sent now: when is the next one due?
     fn serve_frame(&mut self, spec: &RobotSpec, now: SimTime) {
         match spec.firmware.mode {
+            // Its interface says when.
+            Mode::Stream(_) if self.decoder.open_interface().is_some() => {}
             Mode::Stream(schedule) => _ = self.frame.serve(&schedule, now),
             Mode::Poll => self.frame.next = SimTime::NEVER,
         }
@@ -253,6 +266,11 @@ impl Microcontroller {
     /// lost.
     pub(crate) fn receive(&mut self, spec: &RobotSpec, now: SimTime, downlink: &mut Line) -> Taken {
         if spec.processor.bootloader_ns > 0 && missed_start(spec, now, downlink) {
+            return Taken::Nonsense;
+        }
+        if let Some(interface) = self.decoder.open_interface()
+            && create::missed_boot(spec, (now, interface.deaf_until), downlink)
+        {
             return Taken::Nonsense;
         }
         if let Some((_, command)) = downlink.take_command(now) {
@@ -322,6 +340,7 @@ impl Microcontroller {
                 self.drive(spec, signals, others)
             }
             Request::Access(access) => self.access(spec, &access),
+            Request::OpenInterface(bytes) => self.command(spec, &bytes),
         };
         self.answer_soon(spec);
         taken

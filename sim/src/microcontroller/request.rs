@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use baudbot_wire::create::Command;
 use baudbot_wire::khepera::Access;
 use baudbot_wire::{Message, Values};
 
@@ -16,6 +17,8 @@ pub(super) enum Request {
     Drive(Wheels, Vec<f64>),
     Poll,
     Access(Access),
+    /// The bytes of a Create's command.
+    OpenInterface(Vec<u8>),
 }
 
 impl Request {
@@ -25,6 +28,9 @@ impl Request {
         let request = match spec.firmware.protocol {
             Protocol::Bare { .. } => Self::drive(spec, &mut Values::new(layout.motors, payload)),
             Protocol::Khepera => return khepera::request(spec, payload, &layout),
+            Protocol::Create(version) => {
+                Command::parse(version, payload).map(|_| Self::OpenInterface(payload.to_vec()))
+            }
             Protocol::Framed { .. } => match Message::parse(payload, &layout) {
                 Ok(Message::Poll { .. }) => Some(Self::Poll),
                 Ok(Message::Command(command)) => Self::drive(spec, &mut command.values()),

@@ -16,7 +16,7 @@ use crate::actuator::ActuatorState;
 use crate::battery::BatteryState;
 use crate::drive::{Motion, Wheels};
 use crate::link::Message;
-use crate::microcontroller::{Order, Taken, Task};
+use crate::microcontroller::{Condition, Order, Taken, Task};
 use crate::model::{OnLate, RobotSpec};
 use crate::sensor::{Event, Measurement};
 use crate::time::SimTime;
@@ -223,8 +223,9 @@ impl Robot {
         }
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let spare = core::mem::take(&mut self.spare);
-        let wheels = (&self.motion, self.signals);
-        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, wheels, spare);
+        let battery = self.battery_and_delay.first.as_ref();
+        let robot = Condition { motion: &self.motion, signals: self.signals, battery };
+        let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, &robot, spare);
         self.downlink.leave_wire_to(&spec.link, &self.uplink);
         if let Some(begun) = sent.cycle {
             self.cycles.open(begun);
@@ -360,9 +361,9 @@ impl Robot {
             }
             self.recorder.note(now, now, What::Act);
         }
-        if let Some((since, signals)) =
-            self.microcontroller.steer(spec, (&self.motion, self.signals), now, dt)
-        {
+        let battery = self.battery_and_delay.first.as_ref();
+        let robot = Condition { motion: &self.motion, signals: self.signals, battery };
+        if let Some((since, signals)) = self.microcontroller.steer(spec, &robot, now, dt) {
             self.signals = signals;
             self.commanded_at = self.commanded_at.max(since);
         }

@@ -4,17 +4,16 @@
 //! over as it is, to the resolution that it would have there. So a brain on board may have sensors of any number of
 //! values. Its commands come as bytes all the same, since that is how all brains speak to this program.
 
-use crate::firmware::Protocol;
 use crate::link::Link;
 use crate::model::RobotSpec;
 use crate::robot::Robot;
 use crate::time::SimTime;
 
 impl RobotSpec {
-    /// Whether readings are handed over without a message. The lines of a Khepera are part of what its brain sees, so
-    /// one on board gets them too.
+    /// Whether readings are handed over without a message. The lines of a Khepera and the packets of a Create
+    /// are part of what a brain sees, so one on board gets them too.
     pub fn hands_over(&self) -> bool {
-        matches!(self.link, Link::Onboard) && self.firmware.protocol != Protocol::Khepera
+        matches!(self.link, Link::Onboard) && !self.firmware.protocol.is_dialogue()
     }
 }
 

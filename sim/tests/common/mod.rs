@@ -47,6 +47,10 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
             let n = khepera::write_exchange(&layout, signals, &mut payload).unwrap();
             payload[..n].to_vec()
         }
+        Protocol::Create(_) => {
+            let n = spec.firmware.write_drive(1, signals, &mut payload);
+            payload[..n].to_vec()
+        }
         Protocol::Framed { .. } => {
             let n = write_command(&layout, 0, signals, &mut payload).unwrap();
             let mut bytes = [0; frame::MAX_FRAME];
@@ -56,11 +60,25 @@ pub fn command(spec: &RobotSpec, left: f64, right: f64) -> Vec<u8> {
     }
 }
 
+/// What a brain of messages writes before anything else: nothing, unless its robot is a Create.
+pub fn opening(spec: &RobotSpec) -> Vec<u8> {
+    let mut bytes = [0; frame::MAX_PAYLOAD];
+    let n = match spec.firmware.protocol {
+        Protocol::Create(_) => spec.firmware.write_opening(&mut bytes),
+        Protocol::Framed { .. } | Protocol::Bare { .. } | Protocol::Khepera => 0,
+    };
+    bytes[..n].to_vec()
+}
+
 /// One tick in which every brain that steps sends these signals at once.
 pub fn tick(world: &mut World, left: f64, right: f64) {
     let turns = world.begin().to_vec();
-    let bytes: Vec<_> =
-        turns.iter().map(|turn| command(world.robot(turn.robot).spec(), left, right)).collect();
+    let written = |world: &World, robot: usize| {
+        let view = world.robot(robot);
+        let opening = if view.commands() == 0 { opening(view.spec()) } else { Vec::new() };
+        [opening, command(view.spec(), left, right)].concat()
+    };
+    let bytes: Vec<_> = turns.iter().map(|turn| written(world, turn.robot)).collect();
     let inputs: Vec<_> = turns
         .iter()
         .zip(&bytes)

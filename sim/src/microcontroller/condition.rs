@@ -1,0 +1,20 @@
+//! What the microcontroller has to know of the robot that no sensor tells.
+
+use crate::battery::BatteryState;
+use crate::drive::{Motion, Wheels};
+
+/// How a robot moves and is fed.
+#[derive(Clone, Copy)]
+pub(crate) struct Condition<'a> {
+    pub(crate) motion: &'a Motion,
+    /// In force.
+    pub(crate) signals: Wheels,
+    pub(crate) battery: Option<&'a BatteryState>,
+}
+
+impl Condition<'_> {
+    /// Whether more goes into its battery than out of it.
+    pub(super) fn charges(&self) -> bool {
+        self.battery.is_some_and(|battery| battery.current_a < 0.0)
+    }
+}
