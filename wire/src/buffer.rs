@@ -42,7 +42,8 @@ impl<const N: usize> Buffer<N> {
         self.bytes.get_mut(..len).unwrap_or_default()
     }
 
-    fn used(&self) -> &[u8] {
+    /// The bytes that are in it.
+    pub(crate) fn used(&self) -> &[u8] {
         self.bytes.get(..self.len).unwrap_or_default()
     }
 }

@@ -23,6 +23,7 @@
 //! Not found are characters in another order and alterations whose sum is a multiple of 64: of two altered characters
 //! one pair in 63. The echo in the first line has no checksum: compare it with the request.
 
+pub mod device;
 mod parse;
 mod write;
 
