@@ -185,18 +185,22 @@ impl Laptop {
         }
     }
 
-    /// A byte arrives on the cable of sensor `i`'s own.
+    /// A byte arrives on the cable of sensor `i`'s own. If it ends a message that is no reading, the answer is whether that
+    /// says that readings will come.
     pub(crate) fn receive_from_port(
         &mut self,
         spec: &RobotSpec,
         i: usize,
         arrival: (SimTime, u8),
         state: &mut PortState,
-    ) {
+    ) -> Option<bool> {
         let sensor = &spec.sensors[i];
-        let Some(port) = &sensor.port else { return };
-        let Received::Reading(values, sampled_at) = state.receive(port, &sensor.device, arrival) else {
-            return;
+        let port = sensor.port.as_ref()?;
+        let (values, sampled_at) = match state.receive(port, &sensor.device, arrival) {
+            Received::Reading(values, sampled_at) => (values, sampled_at),
+            Received::Answer(is_start) => return Some(is_start),
+            Received::Bad => return Some(false),
+            Received::Nothing => return None,
         };
         self.has_message = true;
         let reading = &mut self.readings[i];
@@ -205,6 +209,7 @@ impl Laptop {
         if let Some(message) = state.line.message() {
             self.note_ages(&message);
         }
+        None
     }
 
     /// When the control cycle began that what is written now answers.

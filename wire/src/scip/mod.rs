@@ -29,7 +29,7 @@ mod write;
 
 use thiserror::Error;
 
-pub use parse::{ParseError, Scan, parse};
+pub use parse::{ParseError, Scan, parse, status};
 pub use write::{EncodeError, encode};
 
 /// Values below this, in millimetres, are error codes: there was no measurement.

@@ -311,7 +311,7 @@ fn a_million_random_bytes_leave_a_device_that_answers() {
     device.push(b'\n');
     device.answer(&UST, None, 1_000_000, None, &mut out);
     assert!(ask(&mut device, &UST, 1_000_000, "RS\n").contains("00P"));
-    assert!(postcard::to_stdvec(&device).is_ok_and(|bytes| bytes.len() < 200));
+    assert!(postcard::to_allocvec(&device).is_ok_and(|bytes| bytes.len() < 200));
 }
 
 proptest! {
@@ -331,7 +331,7 @@ proptest! {
             out
         };
         feed(&mut device, before);
-        let mut again: Device = postcard::from_bytes(&postcard::to_stdvec(&device).unwrap()).unwrap();
+        let mut again: Device = postcard::from_bytes(&postcard::to_allocvec(&device).unwrap()).unwrap();
         prop_assert_eq!(&again, &device);
         let rest = vec![behind, b"01000\nII\n"].concat();
         prop_assert_eq!(feed(&mut again, &rest), feed(&mut device, &rest));
