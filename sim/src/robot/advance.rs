@@ -94,17 +94,7 @@ impl Robot {
             }
             if on_robot.0 <= arrival {
                 let (now, next) = on_robot;
-                let soon = match next {
-                    Next::Device(i, event) => {
-                        self.run_device(spec, tick, now, (i, event));
-                        None
-                    }
-                    Next::Task(task) => self.run(spec, tick, now, task),
-                    Next::Dialogue(k) => {
-                        self.run_dialogue(spec, now, k);
-                        None
-                    }
-                };
+                let soon = self.run_next(spec, tick, now, next);
                 on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
                 if step.is_none() && self.laptop.has_message {
@@ -126,16 +116,21 @@ impl Robot {
         }
     }
 
-    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
-    fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
-        let mut next = (self.uplink.arrival(&spec.link), None);
-        for (k, port) in self.ports.iter().enumerate() {
-            let arrival = port.arrival(self.cable(spec, k));
-            if arrival < next.0 {
-                next = (arrival, Some(k));
-            }
+    /// Does what comes next; says what comes behind it, if that is known without looking at all there is.
+    #[inline]
+    fn run_next(
+        &mut self,
+        spec: &RobotSpec,
+        tick: &Tick<'_>,
+        now: SimTime,
+        next: Next,
+    ) -> Option<(SimTime, Task)> {
+        match next {
+            Next::Device(i, event) => self.run_device(spec, tick, now, (i, event)),
+            Next::Task(task) => return self.run(spec, tick, now, task),
+            Next::Dialogue(k) => self.run_dialogue(spec, now, k),
         }
-        next
+        None
     }
 
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
@@ -254,7 +249,6 @@ impl Robot {
 
     #[inline(never)]
     fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
-        let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {
                 let Self { microcontroller, motion, actuators, rare, .. } = self;
@@ -266,23 +260,7 @@ impl Robot {
                 if let Some(begun) = self.microcontroller.pending_since(i) {
                     self.recorder.note(begun, now, What::Measure { sensor: i as u16 });
                 }
-                let place = spec.sensors.ports().iter().position(|&other| other == i);
-                let is_dialogue = place.is_some_and(|k| self.dialogue(k).is_some());
-                let output = self.microcontroller.output(i, sensor);
-                let (Some(output), Some(port), Some(k)) = (output, &sensor.port, place) else { return };
-                if is_dialogue {
-                    return self.offer_scan(spec, now, (k, i));
-                }
-                match self.ports[k].send(sensor, port, i, now, output) {
-                    Some((from, until)) => {
-                        let bytes = port.format.message_len(&sensor.device) as u32;
-                        self.recorder.note(from, until, What::Port { sensor: i as u16, bytes });
-                    }
-                    None => {
-                        self.microcontroller.leave_out(i);
-                        self.recorder.note(now, now, What::Missed { sensor: i as u16 });
-                    }
-                }
+                self.send_output(spec, now, i);
             }
         }
     }
@@ -304,20 +282,6 @@ impl Robot {
             self.spare = sampled;
             if on_wire_until < now {
                 self.recorder.note(on_wire_until, now, What::Adapter);
-            }
-        }
-        now
-    }
-
-    /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
-    #[inline(never)]
-    fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
-        let i = spec.sensors.ports()[k];
-        let cable = self.cable(spec, k);
-        while let Some(arrival) = self.ports[k].take(cable, now) {
-            let answer = self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
-            if let Some(is_start) = answer {
-                self.drive_dialogue(spec, now, k, is_start);
             }
         }
         now

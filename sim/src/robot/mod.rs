@@ -1,14 +1,14 @@
 //! The state of a robot.
 //!
 //! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, what its control cycles are in
-//! `cycles`.
+//! `cycles`, and what goes on cables of sensors' own in `ports`.
 
 mod advance;
 mod brain_end;
 mod cycles;
 mod dead_time;
-mod dialogues;
 mod onboard;
+mod ports;
 mod recorder;
 
 use alloc::boxed::Box;

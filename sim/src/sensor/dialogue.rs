@@ -9,7 +9,7 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use baudbot_wire::scip;
-use baudbot_wire::scip::device::{self, ANSWER_NS, Answer, Description, Device, Effect, Newest, RATES, Rate};
+use baudbot_wire::scip::device::{ANSWER_NS, Answer, Description, Device, Effect, Newest, RATES, Rate};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message, Uart};
@@ -257,7 +257,7 @@ pub(crate) fn is_start(message: &[u8]) -> bool {
 }
 
 /// Most bytes of a message of such a device: a scan with intensities, and a margin for any other.
-pub(crate) fn longest(description: &device::Description) -> usize {
+pub(crate) fn longest(description: &Description) -> usize {
     let characters = 6 * (usize::from(description.end_step()) + 1);
     characters + 2 * characters.div_ceil(64) + 512
 }

@@ -250,7 +250,7 @@ fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
     let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
     let fix = nmea::Fix {
         time_utc_ms: (at.as_ns() / 1_000_000 % DAY_MS) as u32,
-        date: (1, 1, 16),
+        date: nmea::date_after((at.as_ns() / 1_000_000 / DAY_MS) as u32),
         valid: fix > 0.5,
         latitude_deg,
         longitude_deg,
@@ -296,6 +296,15 @@ mod tests {
         assert!((380..=480).contains(&full), "{full}");
         let alone = Format::Nmea { full: false }.nmea_len(false);
         assert!((60..=82).contains(&alone), "{alone}");
+    }
+
+    #[test]
+    fn the_date_goes_on_at_midnight() {
+        let rmc =
+            |s: u64| gps_message(false, SimTime::from_ns(s * 1_000_000_000), &[57.7, 11.97, 1.0, 0.0, 0.0]);
+        let has = |bytes: Vec<u8>, text: &[u8]| bytes.windows(text.len()).any(|window| window == text);
+        assert!(has(rmc(86_399), b",235959.000,") && has(rmc(86_399), b",010116,"));
+        assert!(has(rmc(86_400), b",000000.000,") && has(rmc(86_400), b",020116,"));
     }
 
     #[test]

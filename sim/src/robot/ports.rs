@@ -1,4 +1,4 @@
-//! Dialogues with sensors on their own cables.
+//! The cables of sensors' own: what goes up on them, and dialogues.
 
 use super::Robot;
 use crate::link::{Link, Message};
@@ -9,8 +9,57 @@ use crate::time::SimTime;
 use crate::timeline::What;
 
 impl Robot {
+    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
+    #[inline]
+    pub(super) fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
+        let mut next = (self.uplink.arrival(&spec.link), None);
+        for (k, port) in self.ports.iter().enumerate() {
+            let arrival = port.arrival(self.cable(spec, k));
+            if arrival < next.0 {
+                next = (arrival, Some(k));
+            }
+        }
+        next
+    }
+
+    /// What the device of sensor `i` has measured is at its output at `now`, and on its own cable, if it has one and sends it.
+    pub(super) fn send_output(&mut self, spec: &RobotSpec, now: SimTime, i: usize) {
+        let sensor = &spec.sensors[i];
+        let place = spec.sensors.ports().iter().position(|&other| other == i);
+        let is_dialogue = place.is_some_and(|k| self.dialogue(k).is_some());
+        let output = self.microcontroller.output(i, sensor);
+        let (Some(output), Some(port), Some(k)) = (output, &sensor.port, place) else { return };
+        if is_dialogue {
+            return self.offer_scan(spec, now, (k, i));
+        }
+        match self.ports[k].send(sensor, port, i, now, output) {
+            Some((from, until)) => {
+                let bytes = port.format.message_len(&sensor.device) as u32;
+                self.recorder.note(from, until, What::Port { sensor: i as u16, bytes });
+            }
+            None => {
+                self.microcontroller.leave_out(i);
+                self.recorder.note(now, now, What::Missed { sensor: i as u16 });
+            }
+        }
+    }
+
+    /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
+    #[inline(never)]
+    pub(super) fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
+        let i = spec.sensors.ports()[k];
+        let cable = self.cable(spec, k);
+        while let Some(arrival) = self.ports[k].take(cable, now) {
+            let answer = self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
+            if let Some(is_start) = answer {
+                self.drive_dialogue(spec, now, k, is_start);
+            }
+        }
+        now
+    }
+
     /// The cable of port `k` as it is now.
-    pub(super) fn cable<'a>(&self, spec: &'a RobotSpec, k: usize) -> &'a Link {
+    fn cable<'a>(&self, spec: &'a RobotSpec, k: usize) -> &'a Link {
         let Some(port) = port(spec, k) else { return &Link::Ideal };
         self.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port))
     }
@@ -42,7 +91,7 @@ impl Robot {
     }
 
     /// A scan is there on port `k`, a dialogue, of sensor `i`.
-    pub(super) fn offer_scan(&mut self, spec: &RobotSpec, now: SimTime, (k, i): (usize, usize)) {
+    fn offer_scan(&mut self, spec: &RobotSpec, now: SimTime, (k, i): (usize, usize)) {
         let Some(port) = port(spec, k) else { return };
         let Self { rare, ports, microcontroller, recorder, .. } = self;
         let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
@@ -62,7 +111,7 @@ impl Robot {
     }
 
     /// A message that is no reading has come to the laptop on port `k` at `now`.
-    pub(super) fn drive_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize, is_start: bool) {
+    fn drive_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize, is_start: bool) {
         if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
             dialogue.drive(port, now, is_start);
         }
