@@ -63,8 +63,8 @@ pub(crate) struct DialogueState {
     scan_until: SimTime,
     /// What was written in the tick that is begun, each with when.
     written: Vec<(SimTime, Vec<u8>)>,
-    /// Whether the driver has what it wants.
-    is_started: bool,
+    /// When the laptop's driver asks again; the end of time, if there is none or it has what it wants.
+    driver_at: SimTime,
 }
 
 impl DialogueState {
@@ -83,7 +83,10 @@ impl DialogueState {
             free_at: SimTime::ZERO,
             scan_until: SimTime::ZERO,
             written: Vec::new(),
-            is_started: dialogue.begin == Begin::Asked,
+            driver_at: match dialogue.begin {
+                Begin::Asked => SimTime::NEVER,
+                Begin::Driver => SimTime::from_ns(DRIVER_NS),
+            },
         })
     }
 
@@ -107,6 +110,10 @@ impl DialogueState {
 
     /// When the device does something next.
     pub(crate) fn next(&self, port: &Port) -> SimTime {
+        self.next_of_device(port).min(self.driver_at)
+    }
+
+    fn next_of_device(&self, port: &Port) -> SimTime {
         self.answer_at.unwrap_or_else(|| self.down.arrival(self.cable(port)).max(self.free_at))
     }
 
@@ -138,7 +145,7 @@ impl DialogueState {
         self.down.send(cable, at, &bytes[..taken]);
     }
 
-    /// The device does what is next, at `now`: takes a byte, or answers.
+    /// What is next happens, at `now`: the driver asks again, or the device takes a byte, or answers.
     pub(crate) fn run(
         &mut self,
         port: &Port,
@@ -146,6 +153,11 @@ impl DialogueState {
         up: &mut Line,
         newest: Option<(&[f64], SimTime)>,
     ) {
+        if self.driver_at <= now {
+            // The end of a line that was damaged comes first.
+            self.send_down(port, now, b"\n");
+            return self.drive(port, now, false);
+        }
         let cable = self.cable(port);
         if self.answer_at.is_some() {
             return self.answer(port, now, up, newest);
@@ -219,13 +231,15 @@ impl DialogueState {
 
     /// A message that is no scan has come to the laptop at `now`: `is_start` if it says that scans will come.
     pub(crate) fn drive(&mut self, port: &Port, now: SimTime, is_start: bool) {
-        self.is_started |= is_start;
-        if self.is_started {
-            return;
+        if is_start {
+            self.driver_at = SimTime::NEVER;
         }
         let Format::Scip(format) = port.format else { return };
-        let command = measure(&format);
-        self.send_down(port, now, &command);
+        if self.driver_at == SimTime::NEVER {
+            return;
+        }
+        self.driver_at = now + DRIVER_NS;
+        self.send_down(port, now, &measure(&format));
     }
 }
 
@@ -250,6 +264,19 @@ fn measure(format: &scip::Format) -> Vec<u8> {
     let scip::Format { first_step, last_step, cluster, .. } = format;
     alloc::format!("M{letter}{first_step:04}{last_step:04}{cluster:02}000\n").into_bytes()
 }
+
+/// Whether this message, of status 99, is a scan that another program has asked for: its head is not what the driver asks for.
+pub(crate) fn is_foreign(format: &Format, message: &[u8]) -> bool {
+    let Format::Scip(format) = format else { return false };
+    let own = measure(format);
+    message.get(..HEAD) != own.get(..HEAD) || message.get(HEAD + 2) != Some(&b'\n')
+}
+
+/// Characters of a command before the number of scans.
+const HEAD: usize = 13;
+
+/// How long the driver waits before it asks again, in nanoseconds: a guess.
+const DRIVER_NS: u64 = 1_000_000_000;
 
 /// Whether this message says that scans will come which its sender has asked for.
 pub(crate) fn is_start(message: &[u8]) -> bool {

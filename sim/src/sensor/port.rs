@@ -140,14 +140,15 @@ impl Port {
     /// Takes a message out of what has come so far, if one ends there. What a device answers is no bad message, also if
     /// it is a scan that is none of the sensor's readings: another program has asked for it.
     fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
-        let status = if self.dialogue.is_some() && received.ends_with(b"\n\n") {
-            scip::status(received)
-        } else {
-            None
-        };
-        let is_start = status.is_some() && dialogue::is_start(received);
+        let is_whole = self.dialogue.is_some() && received.ends_with(b"\n\n");
+        let is_answer = is_whole
+            && match scip::status(received) {
+                Some(status) if status == *b"99" => dialogue::is_foreign(&self.format, received),
+                status => status.is_some(),
+            };
+        let is_start = is_answer && dialogue::is_start(received);
         match self.format.hear(device, received, at) {
-            Received::Bad if status.is_some() => Received::Answer(is_start),
+            Received::Bad if is_answer => Received::Answer(is_start),
             heard => heard,
         }
     }

@@ -45,7 +45,8 @@ mod tests {
 
     #[test]
     fn days_have_their_dates() {
-        let dates = [(0, (1, 1, 16)), (59, (29, 2, 16)), (60, (1, 3, 16)), (365, (31, 12, 16)), (366, (1, 1, 17))];
+        let dates =
+            [(0, (1, 1, 16)), (59, (29, 2, 16)), (60, (1, 3, 16)), (365, (31, 12, 16)), (366, (1, 1, 17))];
         for (days, date) in dates {
             assert_eq!(date_after(days), date, "{days}");
         }

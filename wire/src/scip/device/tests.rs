@@ -218,7 +218,9 @@ fn a_rate_is_set_and_reset_behind_the_answer() {
     ask(&mut device, &URG, 7 * MS, "TM0\n");
     assert!(ask(&mut device, &URG, 8 * MS, "TM1\n").contains(&summed("0001")), "its clock began again");
     let mut out = Vec::new();
-    b"SS115200\n".iter().for_each(|&byte| drop(device.push(byte)));
+    for &byte in b"SS115200\n" {
+        device.push(byte);
+    }
     let answer = device.answer(&UST, None, 0, None, &mut out);
     assert_eq!(
         (answer, &out[9..11]),
@@ -278,7 +280,9 @@ fn a_whole_scan_with_intensities_splits_pairs_at_blocks() {
 fn a_scan_that_is_not_there_yet_is_waited_for() {
     let mut device = Device::new();
     ask(&mut device, &URG, 50 * MS, "BM\n");
-    b"GD0044004400\n".iter().for_each(|&byte| drop(device.push(byte)));
+    for &byte in b"GD0044004400\n" {
+        device.push(byte);
+    }
     let (mut out, ranges_m) = (Vec::new(), ranges(&URG));
     let early = Newest { begun_ns: 49 * MS, ranges_m: &ranges_m };
     assert_eq!(device.answer(&URG, None, 60 * MS, Some(early), &mut out), Answer::Later);
@@ -321,7 +325,7 @@ proptest! {
         let bytes = b"BM\nMD0044072501105;text\nMD00440725";
         let (before, behind) = bytes.split_at(cut.min(bytes.len()));
         let mut device = Device::new();
-        let mut feed = |device: &mut Device, bytes: &[u8]| {
+        let feed = |device: &mut Device, bytes: &[u8]| {
             let mut out = Vec::new();
             for &byte in bytes {
                 if device.push(byte) {
