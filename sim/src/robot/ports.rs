@@ -3,7 +3,7 @@
 use super::Robot;
 use crate::link::{Link, Message};
 use crate::model::RobotSpec;
-use crate::sensor::dialogue::{DialogueState, Sent};
+use crate::sensor::dialogue::{DialogueState, Fate};
 use crate::sensor::port::Port;
 use crate::time::SimTime;
 use crate::timeline::What;
@@ -99,12 +99,12 @@ impl Robot {
         let Some((values, begun, truly_at)) = microcontroller.newest(i) else { return };
         let message = Message { sampled: alloc::vec![(i, truly_at)], ..Message::default() };
         match dialogue.scan(port, now, &mut state.line, (values, begun), message) {
-            Sent::Unwanted => {}
-            Sent::Missed => {
+            Fate::Unwanted => {}
+            Fate::Missed => {
                 microcontroller.leave_out(i);
                 recorder.note(now, now, What::Missed { sensor: i as u16 });
             }
-            Sent::Sent { from, until, bytes } => {
+            Fate::Sent { from, until, bytes } => {
                 recorder.note(from, until, What::Port { sensor: i as u16, bytes });
             }
         }

@@ -210,23 +210,23 @@ impl DialogueState {
         up: &mut Line,
         (values, begun): (&[f64], SimTime),
         message: Message,
-    ) -> Sent {
+    ) -> Fate {
         if self.answer_at == Some(SimTime::NEVER) {
             self.answer_at = Some(now);
         }
-        let Some(dialogue) = &port.dialogue else { return Sent::Unwanted };
+        let Some(dialogue) = &port.dialogue else { return Fate::Unwanted };
         if !self.device.wants_scan(begun.as_ns()) {
-            return Sent::Unwanted;
+            return Fate::Unwanted;
         }
         if now < self.scan_until {
-            return Sent::Missed;
+            return Fate::Missed;
         }
         let mut bytes = Vec::new();
         let scan = Newest { begun_ns: begun.as_ns(), ranges_m: values };
         self.device.send_scan(&dialogue.description, scan, &mut bytes);
         let (from, until) = up.send_message(self.cable(port), now, &bytes, message);
         self.scan_until = until;
-        Sent::Sent { from, until, bytes: bytes.len() as u32 }
+        Fate::Sent { from, until, bytes: bytes.len() as u32 }
     }
 
     /// A message that is no scan has come to the laptop at `now`: `is_start` if it says that scans will come.
@@ -244,7 +244,7 @@ impl DialogueState {
 }
 
 /// What became of a scan.
-pub(crate) enum Sent {
+pub(crate) enum Fate {
     /// Nobody has asked for it.
     Unwanted,
     Missed,

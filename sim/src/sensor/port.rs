@@ -149,7 +149,9 @@ impl Port {
         let is_start = is_answer && dialogue::is_start(received);
         match self.format.hear(device, received, at) {
             Received::Bad if is_answer => Received::Answer(is_start),
-            heard => heard,
+            heard @ (Received::Nothing | Received::Bad | Received::Answer(_) | Received::Reading(..)) => {
+                heard
+            }
         }
     }
 }

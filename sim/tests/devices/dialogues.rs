@@ -84,7 +84,7 @@ fn scans_are_those_of_the_world_a_tenth_of_a_second_apart() {
         for (i, (told, &truth)) in scan.ranges_mm().zip(truth).enumerate() {
             match told {
                 Some(mm) => {
-                    assert!((f64::from(mm) - truth * 1e3).abs() <= 0.5 + 1e-9, "{i}: {mm} and {truth}")
+                    assert!((f64::from(mm) - truth * 1e3).abs() <= 0.5 + 1e-9, "{i}: {mm} and {truth}");
                 }
                 None => assert_eq!(truth, -1.0, "{i}"),
             }

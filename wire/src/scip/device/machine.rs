@@ -299,7 +299,7 @@ impl Device {
 
 /// The device's own clock in milliseconds, as its 24 bits tell it.
 const fn clock_ms(at_ns: u64, zero_ns: u64) -> u32 {
-    (at_ns.saturating_sub(zero_ns) / 1_000_000 & 0xff_ffff) as u32
+    ((at_ns.saturating_sub(zero_ns) / 1_000_000) & 0xff_ffff) as u32
 }
 
 /// Characters of `MD` and its parameters.

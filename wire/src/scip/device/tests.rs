@@ -1,5 +1,4 @@
 use std::string::String;
-use std::vec;
 use std::vec::Vec;
 
 use proptest::prelude::*;
@@ -337,7 +336,7 @@ proptest! {
         feed(&mut device, before);
         let mut again: Device = postcard::from_bytes(&postcard::to_allocvec(&device).unwrap()).unwrap();
         prop_assert_eq!(&again, &device);
-        let rest = vec![behind, b"01000\nII\n"].concat();
+        let rest = [behind, b"01000\nII\n".as_slice()].concat();
         prop_assert_eq!(feed(&mut again, &rest), feed(&mut device, &rest));
         prop_assert_eq!(again, device);
     }
