@@ -193,22 +193,28 @@ impl Laptop {
         }
     }
 
-    /// A byte arrives on the cable of sensor `i`'s own.
+    /// A byte arrives on the cable of sensor `i`'s own. If it ends a message that is no reading, the answer is whether that
+    /// says that readings will come.
     pub(crate) fn receive_from_port(
         &mut self,
         spec: &RobotSpec,
         i: usize,
         arrival: (SimTime, u8),
         state: &mut PortState,
-    ) {
+    ) -> Option<bool> {
         let sensor = &spec.sensors[i];
-        let Some(port) = &sensor.port else { return };
+        let port = sensor.port.as_ref()?;
         let unread = state.unread.len();
         let received = state.receive(port, &sensor.device, arrival);
         if spec.port_is_open && state.unread.len() > unread {
             state.instants.push(arrival.0);
         }
-        let Received::Reading(values, sampled_at) = received else { return };
+        let (values, sampled_at) = match received {
+            Received::Reading(values, sampled_at) => (values, sampled_at),
+            Received::Answer(is_start) => return Some(is_start),
+            Received::Bad => return Some(false),
+            Received::Nothing => return None,
+        };
         self.has_message = true;
         let reading = &mut self.readings[i];
         let sequence = reading.sequence.wrapping_add(1);
@@ -216,6 +222,7 @@ impl Laptop {
         if let Some(message) = state.line.message() {
             self.note_ages(&message);
         }
+        None
     }
 
     /// When the control cycle began that what is written now answers.

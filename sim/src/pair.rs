@@ -1,47 +1,61 @@
-//! Two optional parts of a state in the form of one.
+//! Up to three optional parts of a state in the form of one.
 //!
 //! States are serialised without names, so that a new field changes the bytes, and with them the fingerprint, of every
-//! world. A [`Pair`] has the bytes of `Option<A>` as long as its second part is missing: a part that few worlds have
+//! world. A [`Pair`] has the bytes of `Option<A>` as long as its other parts are missing: a part that few worlds have
 //! stands beside one that was there before it, and the other worlds keep their fingerprints.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Two parts of a state, each of which may be missing.
+/// Two parts of a state, and seldom a third, each of which may be missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Pair<A, B> {
+pub(crate) struct Pair<A, B, C = ()> {
     pub(crate) first: Option<A>,
     pub(crate) second: Option<B>,
+    pub(crate) third: Option<C>,
 }
 
 /// What is written. The first two variants are those of an [`Option`].
 #[derive(Serialize, Deserialize)]
-enum Form<A, B> {
+enum Form<A, B, C> {
     Neither,
     First(A),
     Second(B),
     Both(A, B),
+    Third(C),
+    FirstAndThird(A, C),
+    SecondAndThird(B, C),
+    All(A, B, C),
 }
 
-impl<A: Serialize, B: Serialize> Serialize for Pair<A, B> {
+impl<A: Serialize, B: Serialize, C: Serialize> Serialize for Pair<A, B, C> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let form = match (&self.first, &self.second) {
-            (None, None) => Form::Neither,
-            (Some(first), None) => Form::First(first),
-            (None, Some(second)) => Form::Second(second),
-            (Some(first), Some(second)) => Form::Both(first, second),
+        let form = match (&self.first, &self.second, &self.third) {
+            (None, None, None) => Form::Neither,
+            (Some(first), None, None) => Form::First(first),
+            (None, Some(second), None) => Form::Second(second),
+            (Some(first), Some(second), None) => Form::Both(first, second),
+            (None, None, Some(third)) => Form::Third(third),
+            (Some(first), None, Some(third)) => Form::FirstAndThird(first, third),
+            (None, Some(second), Some(third)) => Form::SecondAndThird(second, third),
+            (Some(first), Some(second), Some(third)) => Form::All(first, second, third),
         };
         form.serialize(serializer)
     }
 }
 
-impl<'de, A: Deserialize<'de>, B: Deserialize<'de>> Deserialize<'de> for Pair<A, B> {
+impl<'de, A: Deserialize<'de>, B: Deserialize<'de>, C: Deserialize<'de>> Deserialize<'de> for Pair<A, B, C> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(match Form::deserialize(deserializer)? {
-            Form::Neither => Self { first: None, second: None },
-            Form::First(first) => Self { first: Some(first), second: None },
-            Form::Second(second) => Self { first: None, second: Some(second) },
-            Form::Both(first, second) => Self { first: Some(first), second: Some(second) },
-        })
+        let (first, second, third) = match Form::deserialize(deserializer)? {
+            Form::Neither => (None, None, None),
+            Form::First(first) => (Some(first), None, None),
+            Form::Second(second) => (None, Some(second), None),
+            Form::Both(first, second) => (Some(first), Some(second), None),
+            Form::Third(third) => (None, None, Some(third)),
+            Form::FirstAndThird(first, third) => (Some(first), None, Some(third)),
+            Form::SecondAndThird(second, third) => (None, Some(second), Some(third)),
+            Form::All(first, second, third) => (Some(first), Some(second), Some(third)),
+        };
+        Ok(Self { first, second, third })
     }
 }
 
@@ -52,7 +66,7 @@ mod tests {
     use super::Pair;
 
     fn bytes(first: Option<u64>, second: Option<[f64; 2]>) -> Vec<u8> {
-        let pair = Pair { first, second };
+        let pair = Pair { first, second, third: None::<()> };
         let bytes = postcard::to_allocvec(&pair).unwrap();
         assert_eq!(postcard::from_bytes::<Pair<u64, [f64; 2]>>(&bytes).unwrap(), pair);
         bytes
@@ -70,5 +84,14 @@ mod tests {
         let second = Some([1.0, -2.0]);
         assert_ne!(bytes(None, second), bytes(None, None));
         assert_ne!(bytes(Some(7), second), bytes(Some(7), None));
+    }
+
+    #[test]
+    fn a_third_part_is_written_and_read_with_and_without_the_others() {
+        for (first, second) in [(None, None), (Some(7), None), (None, Some(8)), (Some(7), Some(8))] {
+            let pair = Pair { first, second, third: Some(9_u64) };
+            let bytes = postcard::to_allocvec(&pair).unwrap();
+            assert_eq!(postcard::from_bytes::<Pair<u64, u64, u64>>(&bytes).unwrap(), pair);
+        }
     }
 }

@@ -64,7 +64,7 @@ impl<'a> RobotView<'a> {
 
     /// What feeds it, and how much is left of that, if it can run out.
     pub fn battery(&self) -> Option<(&'a Battery, &'a BatteryState)> {
-        self.spec.battery.as_ref().zip(self.state.battery_and_delay.first.as_ref())
+        self.spec.battery.as_ref().zip(self.state.rare.first.as_ref())
     }
 
     /// For the brain: the bytes that arrived since its last step on the cable of a sensor's own, by the sensor's

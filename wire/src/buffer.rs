@@ -42,6 +42,7 @@ impl<const N: usize> Buffer<N> {
         self.bytes.get_mut(..len).unwrap_or_default()
     }
 
+    /// The bytes that are in it.
     pub(crate) fn used(&self) -> &[u8] {
         self.bytes.get(..self.len).unwrap_or_default()
     }

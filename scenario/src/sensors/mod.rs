@@ -1,5 +1,6 @@
 //! From a sensor's table to a [`Sensor`].
 
+mod dialogue;
 mod place;
 mod raw;
 #[cfg(test)]
@@ -51,7 +52,8 @@ pub(super) fn sensor(
     let common: Common = Sheet::from(take(&mut table, &COMMON)).read(path)?;
     let built = built(path, &common, table, context).map_err(|error| with_common_fields(path, error))?;
     let period_ms = common.period_ms.unwrap_or(context.step_ms);
-    let port = common.port.map(|raw| port(&path.field("port"), &raw, &built.device)).transpose()?;
+    let mut port =
+        common.port.as_ref().map(|raw| port(&path.field("port"), raw, &built.device)).transpose()?;
     if port.is_none() && !context.onboard && built.device.values() > usize::from(u8::MAX) {
         let problem = format!(
             "has {} values; without a `port` of its own a sensor has at most 255, unless its brain is on board",
@@ -64,6 +66,10 @@ pub(super) fn sensor(
     }
     let noise = with_shorthands(path, common.noise.checked(&path.field("noise"))?, &built)?;
     let clock = clock(path, common.clock, &built.device, (period_ms, common.phase_ms), port.is_some())?;
+    if let Some((port, raw)) = port.as_mut().zip(common.port.as_ref()) {
+        let clock_ns = clock.as_ref().map_or(0, |clock| clock.period_ns);
+        port.dialogue = dialogue::dialogue(&path.field("port"), raw, &built.device, (port, clock_ns))?;
+    }
     let period_ns = path.ms("period_ms", period_ms, MIN_PERIOD_MS, 1e7)?;
     let phase_ns = path.ms("phase_ms", common.phase_ms, 0.0, 1e7)?;
     Ok(Sensor {
@@ -175,6 +181,8 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     let (is_laser, is_gps) = (matches!(device, Device::Laser(_)), matches!(device, Device::Gps(_)));
     path.refuse("characters", raw.characters.is_some() && !is_laser, &problem)?;
     path.refuse("first_step", raw.first_step.is_some() && !is_laser, &problem)?;
+    path.refuse("dialogue", raw.dialogue.is_some() && !is_laser, &problem)?;
+    path.refuse("model", raw.model.is_some() && !is_laser, &problem)?;
     path.refuse("sentences", raw.sentences.is_some() && !is_gps, &problem)?;
     let format = if let Device::Laser(laser) = device {
         scip_format(path, raw, laser.rays())?
@@ -194,7 +202,7 @@ fn port(path: &Path, raw: &raw::Port, device: &Device) -> Result<Port> {
     if matches!(link, Link::Onboard) {
         return Err(path.field("link").field("kind").error("a port is a cable: `uart`, `usb` or `ideal`"));
     }
-    Ok(Port { link, format })
+    Ok(Port { link, format, dialogue: None })
 }
 
 fn scip_format(path: &Path, raw: &raw::Port, rays: usize) -> Result<Format> {

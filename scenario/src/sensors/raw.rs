@@ -48,6 +48,23 @@ pub(super) struct Port {
     pub(super) characters: Option<u64>,
     pub(super) first_step: Option<u64>,
     pub(super) sentences: Option<Sentences>,
+    pub(super) dialogue: Option<Dialogue>,
+    pub(super) model: Option<Model>,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Dialogue {
+    Asked,
+    Driver,
+}
+
+#[derive(Clone, Copy, PartialEq, serde::Deserialize)]
+pub(super) enum Model {
+    #[serde(rename = "urg-04lx")]
+    Urg04lx,
+    #[serde(rename = "ust-10lx")]
+    Ust10lx,
 }
 
 #[derive(Clone, Copy, PartialEq, serde::Deserialize)]

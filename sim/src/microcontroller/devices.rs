@@ -41,6 +41,12 @@ impl Microcontroller {
         Some((&channel.values, channel.sampled_at, channel.measured_at))
     }
 
+    /// The newest measurement of sensor `i`, which has a cable of its own, as [`output`](Self::output) gave it.
+    pub(crate) fn newest(&self, i: usize) -> Option<(&[f64], SimTime, SimTime)> {
+        let channel = self.channels.get(i).filter(|channel| channel.samples > 0)?;
+        Some((&channel.values, channel.sampled_at, channel.measured_at))
+    }
+
     /// A measurement of sensor `i` could not be sent, because its cable was still taken.
     pub(crate) fn leave_out(&mut self, i: usize) {
         self.channels[i].due.missed += 1;

@@ -8,8 +8,9 @@
 //!
 //! 1. devices with a clock of their own, so that the microcontroller finds a value that is ready at that instant;
 //! 2. the microcontroller: sensors in their order, then sending, then receiving;
-//! 3. bytes at the laptop, so that over an ideal link a reading arrives at the instant at which it is sent;
-//! 4. the brain's step, which has thus seen all that happened at its instant.
+//! 3. devices that answer on ports of their own, in the order of the ports;
+//! 4. bytes at the laptop, so that over an ideal link a reading arrives at the instant at which it is sent;
+//! 5. the brain's step, which has thus seen all that happened at its instant.
 
 use super::{Robot, Tick};
 use crate::actuator::ActuatorState;
@@ -28,6 +29,8 @@ enum Next {
     Device(usize, Event),
     /// The microcontroller.
     Task(Task),
+    /// A device that answers on a port of its own.
+    Dialogue(usize),
 }
 
 impl Robot {
@@ -97,13 +100,7 @@ impl Robot {
             }
             if on_robot.0 <= arrival {
                 let (now, next) = on_robot;
-                let soon = match next {
-                    Next::Device(i, event) => {
-                        self.run_device(spec, tick, now, (i, event));
-                        None
-                    }
-                    Next::Task(task) => self.run(spec, tick, now, task),
-                };
+                let soon = self.run_next(spec, tick, now, next);
                 on_robot = soon.map_or_else(|| self.next_on_robot(spec), |(at, task)| (at, Next::Task(task)));
                 // On board there is nothing to arrive.
                 if step.is_none() && self.laptop.has_message {
@@ -115,22 +112,31 @@ impl Robot {
                 None => self.hear(spec, arrival, on_robot.0.min(end)),
                 Some(port) => self.hear_port(spec, arrival, port),
             };
+            // What the laptop's driver hears may make it write.
+            if self.rare.third.is_some() {
+                on_robot = self.next_on_robot(spec);
+            }
             if step.is_none() && self.laptop.has_message {
                 step = earliest.map(|earliest| earliest.max(heard));
             }
         }
     }
 
-    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
-    fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
-        let mut next = (self.uplink.arrival(&spec.link), None);
-        for (k, (port, &i)) in self.ports.iter().zip(spec.sensors.ports()).enumerate() {
-            let arrival = port.arrival(&spec.sensors[i]);
-            if arrival < next.0 {
-                next = (arrival, Some(k));
-            }
+    /// Does what comes next; says what comes behind it, if that is known without looking at all there is.
+    #[inline]
+    fn run_next(
+        &mut self,
+        spec: &RobotSpec,
+        tick: &Tick<'_>,
+        now: SimTime,
+        next: Next,
+    ) -> Option<(SimTime, Task)> {
+        match next {
+            Next::Device(i, event) => self.run_device(spec, tick, now, (i, event)),
+            Next::Task(task) => return self.run(spec, tick, now, task),
+            Next::Dialogue(k) => self.run_dialogue(spec, now, k),
         }
-        next
+        None
     }
 
     /// What comes next on the robot, and when; of two at one instant, a device, and of two devices the first.
@@ -143,6 +149,12 @@ impl Robot {
             if at <= next.0 && !(at == next.0 && matches!(next.1, Next::Device(..))) {
                 next = (at, Next::Device(i, event));
             }
+        }
+        if self.rare.third.is_some()
+            && let Some((at, k)) = self.next_of_dialogues(spec)
+            && at < next.0
+        {
+            next = (at, Next::Dialogue(k));
         }
         next
     }
@@ -173,8 +185,8 @@ impl Robot {
         now: SimTime,
         first: usize,
     ) -> Option<(SimTime, Task)> {
-        let Self { microcontroller, motion, actuators, battery_and_delay, pings, recorder, .. } = self;
-        let battery = battery_and_delay.first.as_ref();
+        let Self { microcontroller, motion, actuators, rare, pings, recorder, .. } = self;
+        let battery = rare.first.as_ref();
         let mut at = measurement(spec, tick, now, (motion, actuators, battery));
         let next = microcontroller.acquire(spec, first, &mut at, |acquired| {
             let sensor = acquired.sensor as u16;
@@ -244,11 +256,10 @@ impl Robot {
 
     #[inline(never)]
     fn run_device(&mut self, spec: &RobotSpec, tick: &Tick<'_>, now: SimTime, (i, event): (usize, Event)) {
-        let sensor = &spec.sensors[i];
         match event {
             Event::Measure => {
-                let Self { microcontroller, motion, actuators, battery_and_delay, .. } = self;
-                let battery = battery_and_delay.first.as_ref();
+                let Self { microcontroller, motion, actuators, rare, .. } = self;
+                let battery = rare.first.as_ref();
                 let at = measurement(spec, tick, now, (motion, actuators, battery));
                 microcontroller.measure(spec, i, &at);
             }
@@ -256,19 +267,7 @@ impl Robot {
                 if let Some(begun) = self.microcontroller.pending_since(i) {
                     self.recorder.note(begun, now, What::Measure { sensor: i as u16 });
                 }
-                let output = self.microcontroller.output(i, sensor);
-                let (Some(output), Some(port)) = (output, &sensor.port) else { return };
-                let Some(k) = spec.sensors.ports().iter().position(|&other| other == i) else { return };
-                match self.ports[k].send(sensor, port, i, now, output) {
-                    Some((from, until)) => {
-                        let bytes = port.format.message_len(&sensor.device) as u32;
-                        self.recorder.note(from, until, What::Port { sensor: i as u16, bytes });
-                    }
-                    None => {
-                        self.microcontroller.leave_out(i);
-                        self.recorder.note(now, now, What::Missed { sensor: i as u16 });
-                    }
-                }
+                self.send_output(spec, now, i);
             }
         }
     }
@@ -291,16 +290,6 @@ impl Robot {
             if on_wire_until < now {
                 self.recorder.note(on_wire_until, now, What::Adapter);
             }
-        }
-        now
-    }
-
-    /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
-    #[inline(never)]
-    fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
-        let i = spec.sensors.ports()[k];
-        while let Some(arrival) = self.ports[k].take(&spec.sensors[i], now) {
-            self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
         }
         now
     }
@@ -335,6 +324,8 @@ impl Robot {
     pub(crate) fn lost(&self) -> u64 {
         let cables =
             [&self.uplink, &self.downlink].into_iter().chain(self.ports.iter().map(|port| &port.line));
+        let dialogues = self.rare.third.iter().flatten().flatten();
+        let cables = cables.chain(dialogues.map(|dialogue| &dialogue.down));
         cables.map(|line| line.counters.lost()).sum()
     }
 

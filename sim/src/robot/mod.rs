@@ -1,13 +1,14 @@
 //! The state of a robot.
 //!
 //! What happens on it within a tick is in `advance`, what its brain writes in `brain_end`, what its control cycles are in
-//! `cycles`.
+//! `cycles`, and what goes on cables of sensors' own in `ports`.
 
 mod advance;
 mod brain_end;
 mod cycles;
 mod dead_time;
 mod onboard;
+mod ports;
 mod recorder;
 
 use alloc::boxed::Box;
@@ -32,6 +33,7 @@ use crate::motor::{DelayLine, NoiseState};
 use crate::pair::Pair;
 use crate::random::Stream;
 use crate::scene::{Ping, Scene};
+use crate::sensor::dialogue::{DialogueState, Dialogues};
 use crate::sensor::port::PortState;
 use crate::time::SimTime;
 
@@ -54,8 +56,8 @@ pub(crate) struct Robot {
     /// The cables of the sensors that have their own, in their order.
     pub(crate) ports: Vec<PortState>,
     pub(crate) actuators: Vec<ActuatorState>,
-    /// Its battery, and what is under way to its motors, on a robot that has the one or the other.
-    pub(crate) battery_and_delay: Pair<BatteryState, Box<DelayLine>>,
+    /// Its battery, what is under way to its motors, and the dialogues with its sensors, on a robot that has them.
+    pub(crate) rare: Pair<BatteryState, Box<DelayLine>, Dialogues>,
     /// The pulse that it sent in this tick, and the one that others hear, which is of the last tick.
     pub(crate) pings: [Option<Ping>; 2],
     /// When the last command was obeyed.
@@ -117,9 +119,10 @@ impl Robot {
                 .map(|&i| PortState::new(&spec.sensors[i], seed, &spec.name))
                 .collect(),
             actuators: spec.actuators.iter().map(|_| ActuatorState::default()).collect(),
-            battery_and_delay: Pair {
+            rare: Pair {
                 first: spec.battery.as_ref().map(|battery| battery.charged_to(spec.charge)),
                 second: (spec.dead_time_ns > 0).then(Box::default),
+                third: dialogues(spec, seed),
             },
             pings: [None; 2],
             commanded_at: SimTime::ZERO,
@@ -165,4 +168,14 @@ impl Robot {
         self.uplink.begin_burst();
         self.downlink.begin_burst();
     }
+}
+
+/// Of each port, whether it is a dialogue; nothing if none is.
+fn dialogues(spec: &RobotSpec, seed: u64) -> Option<Dialogues> {
+    let dialogue = |&i: &usize| {
+        let sensor = &spec.sensors[i];
+        DialogueState::new(sensor.port.as_ref()?, seed, &[&spec.name, "/", &sensor.name, ":port:down"])
+    };
+    let all: Dialogues = spec.sensors.ports().iter().map(dialogue).collect();
+    all.iter().any(Option::is_some).then_some(all)
 }

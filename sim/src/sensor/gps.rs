@@ -129,6 +129,7 @@ impl Sense for Gps {
             sky_and_short: Pair {
                 first: Some(SimTime::ZERO),
                 second: (self.short_wander_sigma_m > 0.0).then_some(short),
+                third: None,
             },
             position_deg: [0.0; 2],
         })

@@ -4,6 +4,7 @@ mod accelerometer;
 mod battery;
 mod camera;
 mod compass;
+pub mod dialogue;
 mod echo;
 mod encoder;
 mod field;

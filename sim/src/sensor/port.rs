@@ -1,6 +1,7 @@
 //! A device's own cable to the laptop, past the microcontroller (Fig. 1.18): what a laser range finder, a camera
 //! or a satellite receiver says on it, byte by byte.
 
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -8,6 +9,7 @@ use baudbot_wire::{line_image, nmea, port, scip};
 use serde::{Deserialize, Serialize};
 
 use crate::link::{Direction, Line, Link, Message};
+use crate::sensor::dialogue::{self, Dialogue};
 use crate::sensor::{Device, Sensor};
 use crate::time::SimTime;
 
@@ -18,6 +20,8 @@ pub struct Port {
     pub link: Link,
     /// What is said on it.
     pub format: Format,
+    /// Whether the device answers, and speaks only when it is asked; one that is missing speaks by itself, and hears nothing.
+    pub dialogue: Option<Box<Dialogue>>,
 }
 
 /// The form of a device's messages.
@@ -53,6 +57,8 @@ pub(crate) enum Received {
     Nothing,
     /// A message that made no sense.
     Bad,
+    /// What a device answered, which is no reading: whether it says that readings will come.
+    Answer(bool),
     /// A reading: one value a component, and when it was sampled, if the message says so.
     Reading(Vec<f64>, Option<SimTime>),
 }
@@ -72,19 +78,18 @@ impl PortState {
     }
 
     /// Whether the cable of this sensor can be so at `now`, on a robot with so many sensors.
-    pub(crate) fn is_sound(&self, sensor: &Sensor, now: SimTime, sensors: usize) -> bool {
-        let Some(port) = &sensor.port else { return false };
-        self.line.is_sound(&port.link, (Direction::Up, now), sensors) && self.unread.len() <= UNREAD_MAX
+    pub(crate) fn is_sound(&self, cable: &Link, now: SimTime, sensors: usize) -> bool {
+        self.line.is_sound(cable, (Direction::Up, now), sensors) && self.unread.len() <= UNREAD_MAX
     }
 
     /// When the next byte arrives at the laptop.
-    pub(crate) fn arrival(&self, sensor: &Sensor) -> SimTime {
-        sensor.port.as_ref().map_or(SimTime::NEVER, |port| self.line.arrival(&port.link))
+    pub(crate) fn arrival(&self, cable: &Link) -> SimTime {
+        self.line.arrival(cable)
     }
 
     /// Takes that byte, if it has arrived by `now`.
-    pub(crate) fn take(&mut self, sensor: &Sensor, now: SimTime) -> Option<(SimTime, u8)> {
-        self.line.take(&sensor.port.as_ref()?.link, now)
+    pub(crate) fn take(&mut self, cable: &Link, now: SimTime) -> Option<(SimTime, u8)> {
+        self.line.take(cable, now)
     }
 
     /// The device sends a measurement, and the answer is when that is on the wire; unless the line is still taken by
@@ -115,13 +120,13 @@ impl PortState {
         }
         self.unread.push(byte);
         self.message.push(byte);
-        let mut heard = port.format.hear(device, &mut self.message, at);
-        if self.message.len() > port.format.longest(device) {
+        let mut heard = port.hear(device, &mut self.message, at);
+        if self.message.len() > port.longest(device) {
             self.message.clear();
             heard = Received::Bad;
         }
         match heard {
-            Received::Nothing => {}
+            Received::Nothing | Received::Answer(_) => {}
             Received::Bad => self.line.counters.bad_frames += 1,
             Received::Reading(..) => self.line.counters.messages += 1,
         }
@@ -131,6 +136,34 @@ impl PortState {
 
 /// Bytes that a brain may leave unread; more are lost.
 const UNREAD_MAX: usize = 4 << 20;
+
+impl Port {
+    /// More bytes than these without an end are no message: the rest of a broken one, and a whole one.
+    fn longest(&self, device: &Device) -> usize {
+        match &self.dialogue {
+            Some(dialogue) => 2 * dialogue::longest(&dialogue.description),
+            None => self.format.longest(device),
+        }
+    }
+
+    /// Takes a message out of what has come so far, if one ends there. What a device answers is no bad message, also if
+    /// it is a scan that is none of the sensor's readings: another program has asked for it.
+    fn hear(&self, device: &Device, received: &mut Vec<u8>, at: SimTime) -> Received {
+        let is_whole = self.dialogue.is_some() && received.ends_with(b"\n\n");
+        let is_answer = is_whole
+            && match scip::status(received) {
+                Some(status) if status == *b"99" => dialogue::is_foreign(&self.format, received),
+                status => status.is_some(),
+            };
+        let is_start = is_answer && dialogue::is_start(received);
+        match self.format.hear(device, received, at) {
+            Received::Bad if is_answer => Received::Answer(is_start),
+            heard @ (Received::Nothing | Received::Bad | Received::Answer(_) | Received::Reading(..)) => {
+                heard
+            }
+        }
+    }
+}
 
 impl Format {
     /// Bytes of one message.
@@ -229,7 +262,7 @@ fn gps_message(full: bool, at: SimTime, values: &[f64]) -> Vec<u8> {
     let &[latitude_deg, longitude_deg, fix, speed_m_s, course_rad] = values else { return Vec::new() };
     let fix = nmea::Fix {
         time_utc_ms: (at.as_ns() / 1_000_000 % DAY_MS) as u32,
-        date: (1, 1, 16),
+        date: nmea::date_after((at.as_ns() / 1_000_000 / DAY_MS) as u32),
         valid: fix > 0.5,
         latitude_deg,
         longitude_deg,
@@ -275,6 +308,15 @@ mod tests {
         assert!((380..=480).contains(&full), "{full}");
         let alone = Format::Nmea { full: false }.nmea_len(false);
         assert!((60..=82).contains(&alone), "{alone}");
+    }
+
+    #[test]
+    fn the_date_goes_on_at_midnight() {
+        let rmc =
+            |s: u64| gps_message(false, SimTime::from_ns(s * 1_000_000_000), &[57.7, 11.97, 1.0, 0.0, 0.0]);
+        let has = |bytes: Vec<u8>, text: &[u8]| bytes.windows(text.len()).any(|window| window == text);
+        assert!(has(rmc(86_399), b",235959.000,") && has(rmc(86_399), b",010116,"));
+        assert!(has(rmc(86_400), b",000000.000,") && has(rmc(86_400), b",020116,"));
     }
 
     #[test]

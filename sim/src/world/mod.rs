@@ -7,6 +7,7 @@ mod inputs_by_robot;
 mod intervention;
 mod lookahead;
 mod motion;
+mod ports;
 mod saved;
 mod score;
 
@@ -252,6 +253,7 @@ impl World {
             if let Some(at) = step.filter(|&at| !ahead.holds(&Turn { robot: own, at })) {
                 robot.step_over(spec, at);
             }
+            robot.send_written(spec, step.unwrap_or(start));
             let scene = scenario.scene(&frozen, own);
             let tick = Tick { scene: &scene, noise: scenario.noise, start, end };
             robot.advance(spec, &tick, end, None);

@@ -298,11 +298,11 @@ impl Robot {
     /// A substep of the motors and the other actuators, as if the robot were alone.
     fn drive(&mut self, spec: &RobotSpec, scenario: &Scenario, now: SimTime, dt: f64) {
         self.take_up(spec, now, dt);
-        let given = match &self.battery_and_delay.second {
+        let given = match &self.rare.second {
             None => self.signals,
             Some(_) => self.delay(spec, now),
         };
-        let powered = match (&spec.battery, &self.battery_and_delay.first) {
+        let powered = match (&spec.battery, &self.rare.first) {
             (Some(battery), Some(state)) => !state.is_empty(battery),
             _ => true,
         };
@@ -319,7 +319,7 @@ impl Robot {
                 state.angle_rad = servo.step(state.angle_rad, servo.target_rad(state.pulse), dt);
             }
         }
-        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.battery_and_delay.first) {
+        if let (Some(battery), Some(state)) = (&spec.battery, &mut self.rare.first) {
             let charger_w = scenario.surroundings.charger_at(self.motion.pose.position);
             let motors_w = if powered { spec.drive.power_w(&self.motion, signals) } else { 0.0 };
             state.draw(battery, battery.idle_w + motors_w, dt);
@@ -334,7 +334,7 @@ impl Robot {
     /// A DC motor gets what the battery still gives.
     fn under_load(&self, spec: &RobotSpec, signals: Wheels) -> Wheels {
         let (Some(battery), Some(state), Motors::Dc(_)) =
-            (&spec.battery, &self.battery_and_delay.first, &spec.drive.motor)
+            (&spec.battery, &self.rare.first, &spec.drive.motor)
         else {
             return signals;
         };

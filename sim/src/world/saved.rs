@@ -20,7 +20,6 @@ use crate::movable::MovableState;
 use crate::robot::{Robot, RobotCounters};
 use crate::scenario::Scenario;
 use crate::scene::Ping;
-use crate::sensor::port::PortState;
 use crate::sound;
 use crate::time::SimTime;
 
@@ -127,7 +126,7 @@ impl Robot {
     fn check(&self, spec: &RobotSpec, other: &Self, now: SimTime) -> Result<(), SavedError> {
         same(self.ports.len() == other.ports.len(), "sensor cables")?;
         same(self.actuators.len() == other.actuators.len(), "actuators")?;
-        let (parts, others) = (&self.battery_and_delay, &other.battery_and_delay);
+        let (parts, others) = (&self.rare, &other.rare);
         same(parts.first.is_some() == others.first.is_some(), "batteries")?;
         same(parts.second.is_some() == others.second.is_some(), "dead times")?;
         let sensors = spec.sensors.len();
@@ -142,9 +141,7 @@ impl Robot {
         sound(up && down, "cable")?;
         // What was due before has been done, or there would be years to make up for.
         sound(other.microcontroller.next(&spec.link, &other.downlink).0 >= now, "schedule")?;
-        let ports = other.ports.iter().zip(spec.sensors.ports());
-        let port = |(port, &i): (&PortState, &usize)| port.is_sound(&spec.sensors[i], now, sensors);
-        sound(ports.into_iter().all(port), "sensor cables")?;
+        sound(other.ports_are_sound(spec, now), "sensor cables")?;
         sound(other.actuators.iter().all(ActuatorState::is_sound), "actuators")?;
         let battery = spec.battery.as_ref().zip(others.first.as_ref());
         sound(battery.is_none_or(|(battery, state)| state.is_sound(battery)), "battery")?;

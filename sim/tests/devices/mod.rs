@@ -4,6 +4,7 @@
 
 mod actuators;
 mod arena;
+mod dialogues;
 mod encoders;
 mod hostile;
 mod inertial;

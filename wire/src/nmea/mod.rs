@@ -18,9 +18,11 @@
 //!
 //! One altered character is always found. Two that are altered by the same bits are not, nor is another order.
 
+mod date;
 mod parse;
 mod write;
 
+pub use date::date_after;
 pub use parse::{Gga, ParseError, Position, Rmc, Sentence, parse};
 pub use write::{write_gga, write_gsa, write_gsv, write_rmc};
 

@@ -23,12 +23,13 @@
 //! Not found are characters in another order and alterations whose sum is a multiple of 64: of two altered characters
 //! one pair in 63. The echo in the first line has no checksum: compare it with the request.
 
+pub mod device;
 mod parse;
 mod write;
 
 use thiserror::Error;
 
-pub use parse::{ParseError, Scan, parse};
+pub use parse::{ParseError, Scan, parse, status};
 pub use write::{EncodeError, encode};
 
 /// Values below this, in millimetres, are error codes: there was no measurement.

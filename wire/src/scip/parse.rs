@@ -175,3 +175,12 @@ fn check_line(line: &[u8], from: usize) -> Result<(), ParseError> {
 fn checksum(characters: &[u8]) -> u8 {
     FIRST_CHARACTER + (characters.iter().fold(0u8, |sum, &character| sum.wrapping_add(character)) & 0x3f)
 }
+
+/// The status of a whole message of any kind, from its echo to the second line feed in a row: that of the device's own
+/// [answers](super::device), too. `None` if it has none whose checksum is right.
+pub fn status(message: &[u8]) -> Option<[u8; 2]> {
+    let mut lines = message.split(|&byte| byte == LINE_FEED);
+    lines.next()?;
+    let &[first, second, sum] = lines.next()? else { return None };
+    (sum == checksum(&[first, second])).then_some([first, second])
+}

@@ -1,0 +1,160 @@
+//! The cables of sensors' own: what goes up on them, and dialogues.
+
+use super::Robot;
+use crate::link::{Link, Message};
+use crate::model::RobotSpec;
+use crate::sensor::dialogue::{DialogueState, Fate};
+use crate::sensor::port::Port;
+use crate::time::SimTime;
+use crate::timeline::What;
+
+impl Robot {
+    /// When the next byte arrives at the laptop, and on which sensor's cable, if it is not the microcontroller's.
+    #[inline]
+    pub(super) fn next_byte(&self, spec: &RobotSpec) -> (SimTime, Option<usize>) {
+        let mut next = (self.uplink.arrival(&spec.link), None);
+        for (k, port) in self.ports.iter().enumerate() {
+            let arrival = port.arrival(self.cable(spec, k));
+            if arrival < next.0 {
+                next = (arrival, Some(k));
+            }
+        }
+        next
+    }
+
+    /// What the device of sensor `i` has measured is at its output at `now`, and on its own cable, if it has one and sends it.
+    pub(super) fn send_output(&mut self, spec: &RobotSpec, now: SimTime, i: usize) {
+        let sensor = &spec.sensors[i];
+        let place = spec.sensors.ports().iter().position(|&other| other == i);
+        let is_dialogue = place.is_some_and(|k| self.dialogue(k).is_some());
+        let output = self.microcontroller.output(i, sensor);
+        let (Some(output), Some(port), Some(k)) = (output, &sensor.port, place) else { return };
+        if is_dialogue {
+            return self.offer_scan(spec, now, (k, i));
+        }
+        match self.ports[k].send(sensor, port, i, now, output) {
+            Some((from, until)) => {
+                let bytes = port.format.message_len(&sensor.device) as u32;
+                self.recorder.note(from, until, What::Port { sensor: i as u16, bytes });
+            }
+            None => {
+                self.microcontroller.leave_out(i);
+                self.recorder.note(now, now, What::Missed { sensor: i as u16 });
+            }
+        }
+    }
+
+    /// Takes the bytes that arrive at `now` on the cable of a sensor's own.
+    #[inline(never)]
+    pub(super) fn hear_port(&mut self, spec: &RobotSpec, now: SimTime, k: usize) -> SimTime {
+        let i = spec.sensors.ports()[k];
+        let cable = self.cable(spec, k);
+        while let Some(arrival) = self.ports[k].take(cable, now) {
+            let answer = self.laptop.receive_from_port(spec, i, arrival, &mut self.ports[k]);
+            if let Some(is_start) = answer {
+                self.drive_dialogue(spec, now, k, is_start);
+            }
+        }
+        now
+    }
+
+    /// The cable of port `k` as it is now.
+    fn cable<'a>(&self, spec: &'a RobotSpec, k: usize) -> &'a Link {
+        let Some(port) = port(spec, k) else { return &Link::Ideal };
+        self.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port))
+    }
+
+    /// The dialogue on port `k`, if it is one.
+    pub(crate) fn dialogue(&self, k: usize) -> Option<&DialogueState> {
+        self.rare.third.as_ref()?.get(k)?.as_ref()
+    }
+
+    fn dialogue_mut(&mut self, k: usize) -> Option<&mut DialogueState> {
+        self.rare.third.as_mut()?.get_mut(k)?.as_mut()
+    }
+
+    /// When a device does something next on a port of its own, if there is a dialogue, and on which.
+    #[inline(never)]
+    pub(super) fn next_of_dialogues(&self, spec: &RobotSpec) -> Option<(SimTime, usize)> {
+        let nexts = (0..self.ports.len()).filter_map(|k| Some((self.dialogue(k)?.next(port(spec, k)?), k)));
+        nexts.min_by_key(|(at, _)| *at)
+    }
+
+    /// The device on port `k` does what is next.
+    pub(super) fn run_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize) {
+        let Some(port) = port(spec, k) else { return };
+        let Self { rare, ports, microcontroller, .. } = self;
+        let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
+        let (Some(dialogue), Some(state)) = (dialogue, ports.get_mut(k)) else { return };
+        let newest = microcontroller.newest(spec.sensors.ports()[k]);
+        dialogue.run(port, now, &mut state.line, newest.map(|(values, begun, _)| (values, begun)));
+    }
+
+    /// A scan is there on port `k`, a dialogue, of sensor `i`.
+    fn offer_scan(&mut self, spec: &RobotSpec, now: SimTime, (k, i): (usize, usize)) {
+        let Some(port) = port(spec, k) else { return };
+        let Self { rare, ports, microcontroller, recorder, .. } = self;
+        let dialogue = rare.third.as_mut().and_then(|all| all.get_mut(k)?.as_mut());
+        let (Some(dialogue), Some(state)) = (dialogue, ports.get_mut(k)) else { return };
+        let Some((values, begun, truly_at)) = microcontroller.newest(i) else { return };
+        let message = Message { sampled: alloc::vec![(i, truly_at)], ..Message::default() };
+        match dialogue.scan(port, now, &mut state.line, (values, begun), message) {
+            Fate::Unwanted => {}
+            Fate::Missed => {
+                microcontroller.leave_out(i);
+                recorder.note(now, now, What::Missed { sensor: i as u16 });
+            }
+            Fate::Sent { from, until, bytes } => {
+                recorder.note(from, until, What::Port { sensor: i as u16, bytes });
+            }
+        }
+    }
+
+    /// A message that is no reading has come to the laptop on port `k` at `now`.
+    fn drive_dialogue(&mut self, spec: &RobotSpec, now: SimTime, k: usize, is_start: bool) {
+        if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
+            dialogue.drive(port, now, is_start);
+        }
+    }
+
+    /// Somebody writes to the port of sensor `i`. Whether it has one: a device that speaks by itself hears nothing.
+    pub(crate) fn write_port(&mut self, spec: &RobotSpec, i: usize, at: SimTime, bytes: &[u8]) -> bool {
+        let Some(k) = spec.sensors.ports().iter().position(|&other| other == i) else { return false };
+        if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
+            dialogue.write(port, at, bytes);
+        }
+        true
+    }
+
+    /// What was written to ports in this tick is on its way, none of it before `from`.
+    pub(crate) fn send_written(&mut self, spec: &RobotSpec, from: SimTime) {
+        if self.rare.third.is_none() {
+            return;
+        }
+        for k in 0..self.ports.len() {
+            if let (Some(port), Some(dialogue)) = (port(spec, k), self.dialogue_mut(k)) {
+                dialogue.send_written(port, from);
+            }
+        }
+    }
+
+    /// Whether the cables of sensors' own can be so at `now`.
+    pub(crate) fn ports_are_sound(&self, spec: &RobotSpec, now: SimTime) -> bool {
+        let sensors = spec.sensors.len();
+        let dialogues = self.rare.third.as_ref();
+        dialogues.is_none_or(|all| all.len() == self.ports.len())
+            && self.ports.iter().enumerate().all(|(k, state)| {
+                let expected = port(spec, k).is_some_and(|port| port.dialogue.is_some());
+                let dialogue = match (self.dialogue(k), port(spec, k)) {
+                    (Some(dialogue), Some(port)) => expected && dialogue.is_sound(port, now, sensors),
+                    (None, _) => !expected,
+                    (Some(_), None) => false,
+                };
+                dialogue && state.is_sound(self.cable(spec, k), now, sensors)
+            })
+    }
+}
+
+fn port(spec: &RobotSpec, k: usize) -> Option<&Port> {
+    spec.sensors.get(*spec.sensors.ports().get(k)?)?.port.as_ref()
+}

@@ -1,0 +1,293 @@
+//! A device that answers on a cable of its own: what comes down to it, what it owes, and the laptop's driver that starts
+//! it, if there is one.
+//!
+//! The device takes the bytes of a command as they arrive, answers [`ANSWER_NS`] after the last, and reads on when its
+//! transmitter has taken the answer: what arrives meanwhile waits in its receiver, as much as that holds. So a host that
+//! asks faster than the cable carries answers loses commands, and nothing grows.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use baudbot_wire::scip;
+use baudbot_wire::scip::device::{ANSWER_NS, Answer, Description, Device, Effect, Newest, RATES, Rate};
+use serde::{Deserialize, Serialize};
+
+use crate::link::{Direction, Line, Link, Message, Uart};
+use crate::sensor::port::{Format, Port};
+use crate::time::SimTime;
+
+/// That a device answers, and what it says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dialogue {
+    /// What it says of itself.
+    pub description: Description,
+    /// Who speaks first.
+    pub begin: Begin,
+    /// The cable at each of [`RATES`]; none if it has no rate.
+    cables: Vec<Link>,
+}
+
+/// Who speaks first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begin {
+    /// Nobody: the device is silent until something is written to its port.
+    Asked,
+    /// A driver of the laptop's, which lights the laser and asks for scans without an end when the run begins.
+    Driver,
+}
+
+impl Dialogue {
+    /// A dialogue on this cable, whose rate is the device's at power-on.
+    pub fn new(description: Description, begin: Begin, cable: &Link) -> Self {
+        let cables = match cable {
+            Link::Uart(uart) => RATES.iter().map(|&baud| Link::Uart(Uart { baud, ..uart.clone() })).collect(),
+            Link::Ideal | Link::Usb(_) | Link::Onboard => Vec::new(),
+        };
+        Self { description, begin, cables }
+    }
+}
+
+/// State of a dialogue.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct DialogueState {
+    /// The line to the device.
+    pub(crate) down: Line,
+    device: Device,
+    /// Which of [`RATES`] the cable has; `None`: the one of power-on.
+    rate: Option<u8>,
+    /// When the answer is due; the end of time, if it is due with the next scan.
+    answer_at: Option<SimTime>,
+    /// From when on the device reads again.
+    free_at: SimTime,
+    /// When the last scan is on the wire.
+    scan_until: SimTime,
+    /// What was written in the tick that is begun, each with when.
+    written: Vec<(SimTime, Vec<u8>)>,
+    /// When the laptop's driver asks again; the end of time, if there is none or it has what it wants.
+    driver_at: SimTime,
+}
+
+impl DialogueState {
+    /// Of a robot's sensor, if its port is a dialogue.
+    pub(crate) fn new(port: &Port, seed: u64, name: &[&str]) -> Option<Self> {
+        let dialogue = port.dialogue.as_ref()?;
+        let mut down = Line::down(&port.link, seed, name);
+        if dialogue.begin == Begin::Driver {
+            down.send(&port.link, SimTime::ZERO, b"BM\n");
+        }
+        Some(Self {
+            down,
+            device: Device::new(),
+            rate: None,
+            answer_at: None,
+            free_at: SimTime::ZERO,
+            scan_until: SimTime::ZERO,
+            written: Vec::new(),
+            driver_at: match dialogue.begin {
+                Begin::Asked => SimTime::NEVER,
+                Begin::Driver => SimTime::from_ns(DRIVER_NS),
+            },
+        })
+    }
+
+    /// Whether it can be so at `now`.
+    pub(crate) fn is_sound(&self, port: &Port, now: SimTime, sensors: usize) -> bool {
+        let Some(dialogue) = &port.dialogue else { return false };
+        let rate = self.rate.is_none_or(|rate| usize::from(rate) < dialogue.cables.len());
+        let written: usize = self.written.iter().map(|(_, bytes)| bytes.len()).sum();
+        rate && self.down.is_sound(self.cable(port), (Direction::Down, now), sensors)
+            && self.device.is_sound(now.as_ns())
+            && self.next(port) >= now
+            && written <= port.link.laptop_buffer()
+    }
+
+    /// The cable at the rate that it has now.
+    pub(crate) fn cable<'a>(&self, port: &'a Port) -> &'a Link {
+        let cables = port.dialogue.as_ref().map(|dialogue| &dialogue.cables);
+        let cable = cables.zip(self.rate).and_then(|(cables, rate)| cables.get(usize::from(rate)));
+        cable.unwrap_or(&port.link)
+    }
+
+    /// When the device does something next.
+    pub(crate) fn next(&self, port: &Port) -> SimTime {
+        self.next_of_device(port).min(self.driver_at)
+    }
+
+    fn next_of_device(&self, port: &Port) -> SimTime {
+        self.answer_at.unwrap_or_else(|| self.down.arrival(self.cable(port)).max(self.free_at))
+    }
+
+    /// Somebody writes to the port in the tick that is begun. What the driver's buffer has no room for is refused.
+    pub(crate) fn write(&mut self, port: &Port, at: SimTime, bytes: &[u8]) {
+        let held: usize = self.written.iter().map(|(_, bytes)| bytes.len()).sum();
+        let room = port.link.laptop_buffer().saturating_sub(held);
+        let taken = bytes.len().min(room);
+        self.down.counters.refused_bytes += (bytes.len() - taken) as u64;
+        if taken > 0 {
+            self.written.push((at, bytes[..taken].to_vec()));
+        }
+    }
+
+    /// What was written is on its way, in the order of its instants, none of which is before `from`.
+    pub(crate) fn send_written(&mut self, port: &Port, from: SimTime) {
+        let mut written = core::mem::take(&mut self.written);
+        written.sort_by_key(|(at, _)| *at);
+        for (at, bytes) in written {
+            self.send_down(port, at.max(from), &bytes);
+        }
+    }
+
+    fn send_down(&mut self, port: &Port, at: SimTime, bytes: &[u8]) {
+        let cable = self.cable(port);
+        let room = cable.laptop_buffer().saturating_sub(self.down.waiting(cable, at));
+        let taken = bytes.len().min(room);
+        self.down.counters.refused_bytes += (bytes.len() - taken) as u64;
+        self.down.send(cable, at, &bytes[..taken]);
+    }
+
+    /// What is next happens, at `now`: the driver asks again, or the device takes a byte, or answers.
+    pub(crate) fn run(
+        &mut self,
+        port: &Port,
+        now: SimTime,
+        up: &mut Line,
+        newest: Option<(&[f64], SimTime)>,
+    ) {
+        if self.driver_at <= now {
+            // The end of a line that was damaged comes first.
+            self.send_down(port, now, b"\n");
+            return self.drive(port, now, false);
+        }
+        let cable = self.cable(port);
+        if self.answer_at.is_some() {
+            return self.answer(port, now, up, newest);
+        }
+        self.down.overrun(cable, now);
+        let Some((_, byte)) = self.down.take(cable, now) else { return };
+        if self.device.push(byte) {
+            self.answer_at = Some(now + ANSWER_NS);
+        }
+    }
+
+    fn answer(&mut self, port: &Port, now: SimTime, up: &mut Line, newest: Option<(&[f64], SimTime)>) {
+        let Some(dialogue) = &port.dialogue else { return };
+        let cable = self.cable(port);
+        let rate: Rate = cable.baud().and_then(core::num::NonZeroU32::new);
+        let newest = newest.map(|(ranges_m, begun)| Newest { begun_ns: begun.as_ns(), ranges_m });
+        let mut bytes = Vec::new();
+        let answer = self.device.answer(&dialogue.description, rate, now.as_ns(), newest, &mut bytes);
+        let effect = match answer {
+            Answer::Later => {
+                self.answer_at = Some(SimTime::NEVER);
+                return;
+            }
+            Answer::Nothing => Effect::None,
+            Answer::Written(effect) => effect,
+        };
+        up.send_message(cable, now, &bytes, Message::default());
+        self.answer_at = None;
+        self.free_at = up.drained(cable).max(now);
+        match effect {
+            Effect::None => {}
+            Effect::Rate(baud) => self.change_rate(up, RATES.iter().position(|&rate| rate == baud)),
+            Effect::FirstRate => self.change_rate(up, None),
+        }
+    }
+
+    /// What is on the wire stays as it is.
+    fn change_rate(&mut self, up: &mut Line, rate: Option<usize>) {
+        self.rate = rate.map(|rate| rate as u8);
+        up.begin_burst();
+        self.down.begin_burst();
+    }
+
+    /// A scan is there. If the device sends it, the answer is from when until when it is on the wire, and how many bytes it
+    /// has; `Missed` if the cable is still taken by the one before.
+    pub(crate) fn scan(
+        &mut self,
+        port: &Port,
+        now: SimTime,
+        up: &mut Line,
+        (values, begun): (&[f64], SimTime),
+        message: Message,
+    ) -> Fate {
+        if self.answer_at == Some(SimTime::NEVER) {
+            self.answer_at = Some(now);
+        }
+        let Some(dialogue) = &port.dialogue else { return Fate::Unwanted };
+        if !self.device.wants_scan(begun.as_ns()) {
+            return Fate::Unwanted;
+        }
+        if now < self.scan_until {
+            return Fate::Missed;
+        }
+        let mut bytes = Vec::new();
+        let scan = Newest { begun_ns: begun.as_ns(), ranges_m: values };
+        self.device.send_scan(&dialogue.description, scan, &mut bytes);
+        let (from, until) = up.send_message(self.cable(port), now, &bytes, message);
+        self.scan_until = until;
+        Fate::Sent { from, until, bytes: bytes.len() as u32 }
+    }
+
+    /// A message that is no scan has come to the laptop at `now`: `is_start` if it says that scans will come.
+    pub(crate) fn drive(&mut self, port: &Port, now: SimTime, is_start: bool) {
+        if is_start {
+            self.driver_at = SimTime::NEVER;
+        }
+        let Format::Scip(format) = port.format else { return };
+        if self.driver_at == SimTime::NEVER {
+            return;
+        }
+        self.driver_at = now + DRIVER_NS;
+        self.send_down(port, now, &measure(&format));
+    }
+}
+
+/// What became of a scan.
+pub(crate) enum Fate {
+    /// Nobody has asked for it.
+    Unwanted,
+    Missed,
+    Sent {
+        from: SimTime,
+        until: SimTime,
+        bytes: u32,
+    },
+}
+
+/// Asks for scans of this format without an end.
+fn measure(format: &scip::Format) -> Vec<u8> {
+    let letter = match format.characters {
+        scip::Characters::Two => 'S',
+        scip::Characters::Three => 'D',
+    };
+    let scip::Format { first_step, last_step, cluster, .. } = format;
+    alloc::format!("M{letter}{first_step:04}{last_step:04}{cluster:02}000\n").into_bytes()
+}
+
+/// Whether this message, of status 99, is a scan that another program has asked for: its head is not what the driver asks for.
+pub(crate) fn is_foreign(format: &Format, message: &[u8]) -> bool {
+    let Format::Scip(format) = format else { return false };
+    let own = measure(format);
+    message.get(..HEAD) != own.get(..HEAD) || message.get(HEAD + 2) != Some(&b'\n')
+}
+
+/// Characters of a command before the number of scans.
+const HEAD: usize = 13;
+
+/// How long the driver waits before it asks again, in nanoseconds: a guess.
+const DRIVER_NS: u64 = 1_000_000_000;
+
+/// Whether this message says that scans will come which its sender has asked for.
+pub(crate) fn is_start(message: &[u8]) -> bool {
+    message.first() == Some(&b'M') && scip::status(message) == Some(*b"00")
+}
+
+/// Most bytes of a message of such a device: a scan with intensities, and a margin for any other.
+pub(crate) fn longest(description: &Description) -> usize {
+    let characters = 6 * (usize::from(description.end_step()) + 1);
+    characters + 2 * characters.div_ceil(64) + 512
+}
+
+/// Of each port, if it is a dialogue; nothing if none is.
+pub(crate) type Dialogues = Box<[Option<DialogueState>]>;

@@ -1,0 +1,35 @@
+//! Programs that talk to sensors on their own cables.
+
+use super::World;
+use crate::time::SimTime;
+
+impl World {
+    /// A program hands bytes to the port of a sensor's own, between [`begin`](Self::begin) and [`finish`](Self::finish), which
+    /// puts them on the cable in the order of their instants, and those of one instant in the order of the calls. An instant
+    /// before that of the brain's step in this tick, or before the tick if the brain does not step, is taken as that. A
+    /// device that speaks by itself hears them and does nothing.
+    ///
+    /// `sensor` is its place in the robot's [specification](crate::model::RobotSpec). What has no room in the laptop's buffer is
+    /// refused and counted.
+    ///
+    /// Answers whether there is such a port, the tick is begun, and the run has not ended.
+    pub fn write_port(&mut self, robot: usize, sensor: usize, at: SimTime, bytes: &[u8]) -> bool {
+        if !self.is_begun() || self.ending().is_some() {
+            return false;
+        }
+        let Self { scenario, state, .. } = self;
+        let Some((spec, robot)) = scenario.robots.get(robot).zip(state.robots.get_mut(robot)) else {
+            return false;
+        };
+        robot.write_port(spec, sensor, at, bytes)
+    }
+
+    /// The bit rate that the cable of a sensor's own has now: a device that [answers](crate::sensor::dialogue) may change it.
+    /// `None` if there is no such cable, or it has none.
+    pub fn port_baud(&self, robot: usize, sensor: usize) -> Option<u32> {
+        let (spec, state) = self.scenario.robots.get(robot).zip(self.state.robots.get(robot))?;
+        let k = spec.sensors.ports().iter().position(|&i| i == sensor)?;
+        let port = spec.sensors.get(sensor)?.port.as_ref()?;
+        state.dialogue(k).map_or(&port.link, |dialogue| dialogue.cable(port)).baud()
+    }
+}
