@@ -128,6 +128,7 @@ fn robot_step(robot: usize, answer: &Answer<'_>) -> v1::RobotStep {
             operations,
             until_message: until.map(Into::into),
             opened: false,
+            ports: Vec::new(),
         },
         Answer::Sleep(until) => {
             v1::RobotStep { until_message: Some(until.into()), ..v1::RobotStep::default() }

@@ -25,6 +25,13 @@ impl Cable {
         Self { robot, up: None, down: None, busy_until_ns: 0 }
     }
 
+    /// The robot's UART has this rate now.
+    pub(crate) fn set_baud(&mut self, baud: Option<u32>) {
+        if let (Some(robot), Some(baud)) = (&mut self.robot, baud) {
+            robot.baud = baud;
+        }
+    }
+
     /// The program's settings, where they are not the robot's.
     fn other(&self, program: Option<Settings>) -> Option<(Settings, Settings)> {
         self.robot.zip(program).filter(|(robot, program)| robot != program)

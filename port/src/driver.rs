@@ -20,9 +20,15 @@ use crate::uart::{Read, Settings};
 /// What the thread is told.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Order {
-    /// Bytes that arrive at the laptop at these instants of simulated time, and how that follows the wall clock; if it does not,
-    /// they are given at once.
-    Bytes(Option<Clock>, Vec<(u64, u8)>),
+    /// What arrives at the laptop in a tick.
+    Bytes {
+        /// How simulated time follows the wall clock; if it does not, bytes are given at once.
+        clock: Option<Clock>,
+        /// The baud rate of the robot's UART, if it has one.
+        baud: Option<u32>,
+        /// Bytes, and their instants of simulated time.
+        bytes: Vec<(u64, u8)>,
+    },
     /// The port is to be closed.
     Close,
 }
@@ -92,8 +98,9 @@ impl Driver {
         let _ = rustix::io::read(&self.wake, &mut [0; 8]);
         loop {
             match self.orders.try_recv() {
-                Ok(Order::Bytes(clock, bytes)) => {
+                Ok(Order::Bytes { clock, baud, bytes }) => {
                     self.clock = clock;
+                    self.cable.set_baud(baud);
                     let program = self.settings();
                     self.cable.up(program, &bytes, &mut self.waiting);
                     while self.waiting.len() > MOST_WAITING {

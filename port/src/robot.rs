@@ -148,9 +148,10 @@ impl RobotPorts {
             factor: clock.factor,
         });
         for part in turn.robots {
-            self.order(None, clock, begins_ns, (&part.raw, &part.raw_after_ns));
+            let at = |baud| At { clock, begins_ns, baud };
+            self.order(None, at(part.baud), (&part.raw, &part.raw_after_ns));
             for port in &part.ports {
-                self.order(Some(port.sensor), clock, begins_ns, (&port.data, &port.after_ns));
+                self.order(Some(port.sensor), at(port.baud), (&port.data, &port.after_ns));
             }
         }
         if clock.is_none() {
@@ -163,17 +164,11 @@ impl RobotPorts {
         }
     }
 
-    fn order(
-        &self,
-        sensor: Option<u32>,
-        clock: Option<Clock>,
-        begins_ns: u64,
-        (data, after_ns): (&[u8], &[u64]),
-    ) {
-        let at = |(i, byte): (usize, &u8)| (begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
-        let bytes: Vec<_> = data.iter().enumerate().map(at).collect();
+    fn order(&self, sensor: Option<u32>, at: At, (data, after_ns): (&[u8], &[u64])) {
+        let arrival = |(i, byte): (usize, &u8)| (at.begins_ns + after_ns.get(i).copied().unwrap_or(0), *byte);
+        let bytes: Vec<_> = data.iter().enumerate().map(arrival).collect();
         for line in self.lines.iter().filter(|line| line.sensor == sensor) {
-            line.order(Order::Bytes(clock, bytes.clone()));
+            line.order(Order::Bytes { clock: at.clock, baud: at.baud, bytes: bytes.clone() });
         }
     }
 
@@ -188,15 +183,29 @@ impl RobotPorts {
             Told::Closed => return news(News::Closed(line.place.clone())),
             Told::Bytes(bytes) => {
                 line.sent(bytes.len());
-                // A device's cable has no line down.
-                if line.sensor.is_some() {
-                    return;
+                match line.sensor {
+                    None => step.output = Some(v1::robot_step::Output::Raw(bytes)),
+                    Some(sensor) => {
+                        step.ports.push(v1::PortBytes {
+                            sensor,
+                            data: bytes,
+                            after_ns: Vec::new(),
+                            baud: None,
+                        });
+                    }
                 }
-                step.output = Some(v1::robot_step::Output::Raw(bytes));
             }
         }
         drop(self.requests.send(request(Request::Step(v1::Step { turn: 0, robots: vec![step] }))).await);
     }
+}
+
+/// When a tick begins, and how fast the cable is in it.
+#[derive(Clone, Copy)]
+struct At {
+    clock: Option<Clock>,
+    begins_ns: u64,
+    baud: Option<u32>,
 }
 
 fn request(request: Request) -> v1::AttachRequest {

@@ -99,9 +99,15 @@ impl Replay {
                 world.answers(input.robot as usize, tick);
             }
         }
-        let inputs = inputs.map(|input| Input {
+        let at = |input: &v1::RecordedInput| SimTime::from_ns(now.saturating_add_signed(input.after_ns));
+        for input in inputs.clone() {
+            if let Some(sensor) = input.sensor {
+                world.write_port(input.robot as usize, sensor as usize, at(input), &input.data);
+            }
+        }
+        let inputs = inputs.filter(|input| input.sensor.is_none()).map(|input| Input {
             robot: input.robot as usize,
-            at: SimTime::from_ns(now.saturating_add_signed(input.after_ns)),
+            at: at(input),
             bytes: &input.data,
         });
         world.finish(&inputs.collect::<Vec<_>>());

@@ -102,7 +102,14 @@ fn record(ticks: u64) -> (Vec<u8>, World) {
 fn recorded(world: &World, input: &Input<'_>) -> v1::RecordedInput {
     let after_ns = (input.at.as_ns() - world.time().as_ns()) as i64;
     let (data, robot) = (input.bytes.to_vec(), input.robot as u32);
-    v1::RecordedInput { robot, after_ns, checksum: checksum(after_ns, &data), data, answers_tick: None }
+    v1::RecordedInput {
+        robot,
+        after_ns,
+        checksum: checksum(after_ns, &data),
+        data,
+        answers_tick: None,
+        sensor: None,
+    }
 }
 
 fn recorded_run(file: &[u8]) -> Arc<RecordedRun> {

@@ -28,6 +28,8 @@ pub(crate) struct Write {
     pub(crate) until: Option<Until>,
     /// A program has opened the serial port.
     pub(crate) opened: bool,
+    /// Bytes for sensors on their own cables, by the sensors' places.
+    pub(crate) ports: Vec<(usize, Vec<u8>)>,
 }
 
 /// The wish of a brain to be asked only when a message has come.
@@ -113,6 +115,7 @@ impl Endpoint {
         if write.opened && self.mode != Mode::SerialPort {
             return Err(("opened", "only for serial ports; ask for `serial_port` in the Hello".into()));
         }
+        self.check_ports(spec, &write.ports)?;
         match (&write.output, self.mode.is_raw()) {
             (None, _) => Ok(()),
             (Some(Output::Raw(bytes)), true) if bytes.len() <= MAX_WRITE => Ok(()),
@@ -126,6 +129,24 @@ impl Endpoint {
             (Some(Output::Command(signals)), false) => check_signals(spec, signals),
             (Some(Output::Poll), false) => check_poll(spec),
         }
+    }
+}
+
+impl Endpoint {
+    fn check_ports(&self, spec: &RobotSpec, ports: &[(usize, Vec<u8>)]) -> Result<(), Problem> {
+        if !ports.is_empty() && !self.mode.is_raw() {
+            return Err(("ports", "the stream is in MESSAGES mode; ask for RAW in the Hello".into()));
+        }
+        for (sensor, bytes) in ports {
+            if !spec.sensors.ports().contains(sensor) {
+                let problem = format!("sensor {sensor} of `{}` has no cable of its own", spec.name);
+                return Err(("ports.sensor", problem));
+            }
+            if bytes.len() > MAX_WRITE {
+                return Err(("ports.data", format!("has {} bytes, the limit is {MAX_WRITE}", bytes.len())));
+            }
+        }
+        Ok(())
     }
 }
 

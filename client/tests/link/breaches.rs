@@ -67,7 +67,7 @@ async fn in_a_turn() {
     };
     assert_eq!(turning(reading(2, vec![])).await, "sensor 2, but there are only 2");
     assert_eq!(turning(reading(1, vec![0.0])).await, "1 values from sensor `odometer`, which has 3");
-    let ports = vec![v1::PortBytes { sensor: 7, data: vec![0], after_ns: Vec::new() }];
+    let ports = vec![v1::PortBytes { sensor: 7, data: vec![0], after_ns: Vec::new(), baud: None }];
     let port = turn_of(0, vec![v1::RobotTurn { ports, ..at(0, 0) }]);
     assert_eq!(turning(port).await, "sensor 7, but there are only 2");
 }

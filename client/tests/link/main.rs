@@ -29,6 +29,7 @@ fn step(tick: u64, outputs: &[(u32, Option<Output>)]) -> v1::Step {
         output: output.clone(),
         until_message: None,
         opened: false,
+        ports: Vec::new(),
     };
     v1::Step { turn: number(tick), robots: outputs.iter().map(robot_step).collect() }
 }

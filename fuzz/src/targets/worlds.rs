@@ -110,6 +110,7 @@ fn record(world: &mut World) -> anyhow::Result<Vec<u8>> {
                 checksum: checksum(after_ns, &data),
                 data,
                 answers_tick: None,
+                sensor: None,
             }
         });
         file.inputs(&v1::RecordedInputs { tick, changes: Vec::new(), inputs: recorded.collect() })?;

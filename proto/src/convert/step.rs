@@ -15,6 +15,7 @@ impl From<&Action> for v1::RobotStep {
             operations: action.operations,
             until_message: action.until.map(Into::into),
             opened: false,
+            ports: Vec::new(),
         }
     }
 }

@@ -23,8 +23,9 @@ pub fn readings(given: Vec<v1::Reading>, body: &Body) -> Result<Vec<Option<Readi
 /// # Errors
 /// If one is of no sensor of the body.
 pub fn ports(given: Vec<v1::PortBytes>, body: &Body) -> Result<Vec<(usize, Vec<u8>)>, Breach> {
-    let port =
-        |v1::PortBytes { sensor, data, after_ns: _ }| Ok((item(&body.sensors, sensor, "sensor")?.0, data));
+    let port = |v1::PortBytes { sensor, data, after_ns: _, baud: _ }| {
+        Ok((item(&body.sensors, sensor, "sensor")?.0, data))
+    };
     given.into_iter().map(port).collect()
 }
 

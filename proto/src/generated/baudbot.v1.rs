@@ -3751,6 +3751,9 @@ pub struct RobotTurn {
     /// For a serial port: how long after the tick began each byte of `raw` arrived.
     #[prost(uint64, repeated, tag = "6")]
     pub raw_after_ns: ::prost::alloc::vec::Vec<u64>,
+    /// For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it.
+    #[prost(uint32, optional, tag = "7")]
+    pub baud: ::core::option::Option<u32>,
 }
 /// What arrived on the cable of a sensor's own.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -3764,6 +3767,9 @@ pub struct PortBytes {
     /// For a serial port: how long after the tick began each byte arrived.
     #[prost(uint64, repeated, tag = "3")]
     pub after_ns: ::prost::alloc::vec::Vec<u64>,
+    /// For a serial port, which is told of each port in each Turn: its baud rate, if it has one.
+    #[prost(uint32, optional, tag = "4")]
+    pub baud: ::core::option::Option<u32>,
 }
 /// A reading as it came over the wire.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3819,6 +3825,9 @@ pub struct RobotStep {
     /// as the tick is over.
     #[prost(bool, tag = "8")]
     pub opened: bool,
+    /// RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over.
+    #[prost(message, repeated, tag = "9")]
+    pub ports: ::prost::alloc::vec::Vec<PortBytes>,
     /// What it writes to the port, if anything.
     #[prost(oneof = "robot_step::Output", tags = "3, 4, 5")]
     pub output: ::core::option::Option<robot_step::Output>,
@@ -5823,6 +5832,9 @@ pub struct RecordedInput {
     /// Checksum of this input, 16 bits: the lower ones of the CRC-32 of after_ns (8 bytes, least first) and the data.
     #[prost(uint32, tag = "5")]
     pub checksum: u32,
+    /// The sensor's place among the robot's on whose own cable the bytes went; absent if it was the robot's.
+    #[prost(uint32, optional, tag = "6")]
+    pub sensor: ::core::option::Option<u32>,
 }
 /// A manual change.
 #[derive(Clone, PartialEq, ::prost::Message)]

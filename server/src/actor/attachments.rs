@@ -7,7 +7,7 @@ use baudbot_sim::{SimTime, Turn};
 use tonic::Status;
 
 use super::final_command::FinalCommand;
-use super::ports::sender;
+use super::ports::{ToDevice, sender};
 use super::{Pending, Phase, WorldActor};
 use crate::endpoint::{Thinking, Write};
 use crate::message::{Attach, Attached, Lease, Reply, Step};
@@ -21,7 +21,7 @@ impl WorldActor {
         }
         let scenario = Arc::clone(self.world.scenario());
         let (world, brain, stops) = (request.world.clone(), request.brain.clone(), request.stop_when_gone);
-        let raw = request.raw;
+        let raw = request.mode.is_raw();
         let new = match self.sessions.attach(&self.name, &scenario, request) {
             Ok(new) => new,
             Err(status) => return drop(reply.send(Err(status))),
@@ -125,6 +125,8 @@ impl WorldActor {
             }
             let sent = self.ports.senders[robot].send(spec, write.output);
             self.ports.inputs.push(Pending { robot, at, sent, tick });
+            let to_device = |(sensor, bytes)| ToDevice { robot, sensor, at, bytes };
+            self.ports.to_devices.extend(write.ports.into_iter().map(to_device));
         }
     }
 

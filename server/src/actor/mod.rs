@@ -50,7 +50,7 @@ use interventions::Interventions;
 pub(crate) use new_world::NewWorld;
 pub use new_world::OnTick;
 use pacer::Pacer;
-use ports::{Pending, Ports};
+use ports::{Pending, Ports, ToDevice};
 pub use progress::Progress;
 use progress::Telling;
 use recording::Recording;
@@ -315,10 +315,14 @@ impl WorldActor {
             Answer { robot: *robot, at: *at, written: sent.written() }
         };
         let answers: Vec<_> = self.ports.inputs.iter().map(answer).collect();
+        for ToDevice { robot, sensor, at, bytes } in &self.ports.to_devices {
+            self.world.write_port(*robot, *sensor, *at, bytes);
+        }
         let began = (self.world.tick(), self.world.time());
         self.world.finish_ahead(&answers, open);
         self.record_inputs(began, open);
         self.ports.inputs.clear();
+        self.ports.to_devices.clear();
         self.sessions.reset_quotas();
         self.spend_credit();
         let is_ending = self.world.ending().is_some();

@@ -15,6 +15,8 @@ pub(super) struct Ports {
     pub(super) senders_at_begin: Vec<Sender>,
     /// What was written in this tick.
     pub(super) inputs: Vec<Pending>,
+    /// The same for sensors on their own cables.
+    pub(super) to_devices: Vec<ToDevice>,
     /// Robots whose microcontroller is to be reset when the tick is over, as a program has opened their port.
     pub(super) to_reset: Vec<usize>,
     /// What is written when a brain is gone, if the brain wants that.
@@ -30,6 +32,14 @@ pub(super) struct Pending {
     pub(super) tick: Option<u64>,
 }
 
+/// What a brain wrote in this tick to a sensor on its own cable.
+pub(super) struct ToDevice {
+    pub(super) robot: usize,
+    pub(super) sensor: usize,
+    pub(super) at: SimTime,
+    pub(super) bytes: Vec<u8>,
+}
+
 impl Ports {
     /// The ports of a world whose robots have no brains.
     pub(super) fn new(world: &World) -> Self {
@@ -37,6 +47,7 @@ impl Ports {
         Self {
             senders_at_begin: senders.clone(),
             inputs: Vec::new(),
+            to_devices: Vec::new(),
             to_reset: Vec::new(),
             final_commands: vec![None; senders.len()],
             senders,

@@ -5,6 +5,7 @@ use baudbot_sim::{Intervention, SimTime, World};
 use tokio::sync::oneshot;
 use tonic::Status;
 
+use super::ports::ToDevice;
 use super::{Pending, WorldActor, view};
 use crate::message::RecordConfig;
 use crate::pace::Pace;
@@ -115,9 +116,12 @@ impl WorldActor {
             let robots = &self.world.scenario().robots;
             let inputs = self.ports.inputs.drain(..).map(|Pending { robot, at, sent, tick }| {
                 let bytes = sent.into_bytes(&robots[robot]);
-                Input { robot, at, bytes, answers_tick: tick }
+                Input { robot, sensor: None, at, bytes, answers_tick: tick }
             });
-            recorder.inputs((tick, start), inputs);
+            let to_devices = self.ports.to_devices.drain(..).map(|ToDevice { robot, sensor, at, bytes }| {
+                Input { robot, sensor: Some(sensor), at, bytes, answers_tick: None }
+            });
+            recorder.inputs((tick, start), inputs.chain(to_devices));
         }
     }
 
@@ -126,7 +130,7 @@ impl WorldActor {
         let Some(recorder) = &mut self.recording.recorder else { return };
         let tick = self.recording.overtaken_in[robot];
         let start = SimTime::from_ns(tick * self.world.scenario().step_ns);
-        let input = Input { robot, at: done, bytes, answers_tick: None };
+        let input = Input { robot, sensor: None, at: done, bytes, answers_tick: None };
         recorder.inputs((tick, start), std::iter::once(input));
     }
 

@@ -94,6 +94,7 @@ impl WorldActor {
         self.phase = Phase::Between;
         self.pacer.clock = None;
         self.ports.inputs.clear();
+        self.ports.to_devices.clear();
         self.sessions.reset_quotas();
         self.sessions.void_turns(&self.world);
         self.end_stepping();

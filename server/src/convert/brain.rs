@@ -48,6 +48,7 @@ pub(crate) fn writes(steps: Vec<v1::RobotStep>) -> Vec<Write> {
         output: step.output.map(output),
         until: step.until_message.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) }),
         opened: step.opened,
+        ports: step.ports.into_iter().map(|port| (port.sensor as usize, port.data)).collect(),
     };
     steps.into_iter().map(write).collect()
 }
@@ -63,7 +64,14 @@ pub(crate) fn write(robot: usize, action: Action) -> Write {
     };
     let ns = thinking.map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
     let until = until.map(|until| Until { at_latest: until.at_latest_ns.map(SimTime::from_ns) });
-    Write { slot: robot, thinking: Thinking { ns, operations }, output, until, opened: false }
+    Write {
+        slot: robot,
+        thinking: Thinking { ns, operations },
+        output,
+        until,
+        opened: false,
+        ports: Vec::new(),
+    }
 }
 
 /// What goes over a brain's stream.

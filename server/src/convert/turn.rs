@@ -69,13 +69,20 @@ fn robot_turn(bytes: &mut Backwards, (world, view): (&World, &RobotView<'_>), tu
     };
     if mode.is_raw() {
         if mode == Mode::SerialPort {
+            if let Some(baud) = view.spec().link.baud() {
+                bytes.optional_varint_field(7, baud.into());
+            }
             bytes.varints_field(6, &after_ns(view.unread().len(), view.unread_instants()));
         }
         let ports = view.unread_of_ports().zip(view.instants_of_ports());
-        let ports: Vec<_> = ports.filter(|((_, data), _)| !data.is_empty()).collect();
+        let is_told = |data: &[u8]| mode == Mode::SerialPort || !data.is_empty();
+        let ports: Vec<_> = ports.filter(|((_, data), _)| is_told(data)).collect();
         for ((sensor, data), instants) in ports.into_iter().rev() {
             bytes.message(5, |bytes| {
                 if mode == Mode::SerialPort {
+                    if let Some(baud) = world.port_baud(turn.robot, sensor) {
+                        bytes.optional_varint_field(4, baud.into());
+                    }
                     bytes.varints_field(3, &after_ns(data.len(), instants));
                 }
                 bytes.bytes_field(2, data);
@@ -244,8 +251,11 @@ mod tests {
                 sensor: sensor as u32,
                 data: data.to_vec(),
                 after_ns: after_ns(instants),
+                baud: world.port_baud(turn.robot, sensor).filter(|_| mode == Mode::SerialPort),
             };
-            expected.ports = ports.filter(|((_, data), _)| !data.is_empty()).map(port).collect();
+            let is_told = |data: &[u8]| mode == Mode::SerialPort || !data.is_empty();
+            expected.ports = ports.filter(|((_, data), _)| is_told(data)).map(port).collect();
+            expected.baud = view.spec().link.baud().filter(|_| mode == Mode::SerialPort);
         } else {
             let arrived = view.readings().iter().enumerate().filter(|(_, read)| !read.values.is_empty());
             let reading = |(sensor, read): (usize, &Reading)| v1::Reading {

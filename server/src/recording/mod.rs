@@ -63,6 +63,8 @@ pub(crate) enum Entry {
 /// The bytes that a brain wrote to a robot's port.
 pub(crate) struct Input {
     pub(crate) robot: usize,
+    /// The sensor on whose own cable it went; `None` if it was the robot's.
+    pub(crate) sensor: Option<usize>,
     pub(crate) at: SimTime,
     pub(crate) bytes: Vec<u8>,
     /// The tick whose Turn it answers, if that is known.
@@ -326,10 +328,18 @@ fn is_hurried(pace: Pace) -> bool {
     matches!(pace, Pace::Timed(_))
 }
 
-fn recorded(start: SimTime, Input { robot, at, bytes: data, answers_tick }: Input) -> v1::RecordedInput {
+fn recorded(start: SimTime, input: Input) -> v1::RecordedInput {
+    let Input { robot, sensor, at, bytes: data, answers_tick } = input;
     let after_ns = at.as_ns().wrapping_sub(start.as_ns()) as i64;
     let checksum = checksum(after_ns, &data);
-    v1::RecordedInput { robot: robot as u32, after_ns, data, answers_tick, checksum }
+    v1::RecordedInput {
+        robot: robot as u32,
+        after_ns,
+        data,
+        answers_tick,
+        checksum,
+        sensor: sensor.map(|i| i as u32),
+    }
 }
 
 fn described(intervention: &Intervention) -> String {

@@ -235,7 +235,7 @@ impl Robot {
         }
         self.uplink.claim_wire(&spec.link, now, &mut self.downlink);
         let spare = core::mem::take(&mut self.spare);
-        let battery = self.battery_and_delay.first.as_ref();
+        let battery = self.rare.first.as_ref();
         let robot = Condition { motion: &self.motion, signals: self.signals, battery };
         let sent = self.microcontroller.send_readings(spec, now, &mut self.uplink, &robot, spare);
         self.downlink.leave_wire_to(&spec.link, &self.uplink);
@@ -352,7 +352,7 @@ impl Robot {
             }
             self.recorder.note(now, now, What::Act);
         }
-        let battery = self.battery_and_delay.first.as_ref();
+        let battery = self.rare.first.as_ref();
         let robot = Condition { motion: &self.motion, signals: self.signals, battery };
         if let Some((since, signals)) = self.microcontroller.steer(spec, &robot, now, dt) {
             self.signals = signals;

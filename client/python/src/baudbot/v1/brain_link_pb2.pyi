@@ -994,9 +994,32 @@ class Firmware(_message.Message):
         def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
         def WhichOneof(self, oneof_group: _Never) -> None: ...
 
+    @_typing.final
+    class Create(_message.Message):
+        """The Open Interface of an iRobot Create. Every sensor that it tells is in every message of the stream that the server asks
+        for; it tells those whose names docs/robots/create.md lists.
+        """
+
+        DESCRIPTOR: _descriptor.Descriptor
+
+        VERSION_FIELD_NUMBER: _builtins.int
+        version: _builtins.int
+        """1 for the Create of 2007, 2 for the Create 2."""
+        def __init__(
+            self,
+            *,
+            version: _builtins.int = ...,
+        ) -> None: ...
+        _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+        def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
+        _ClearFieldArgType: _TypeAlias = _typing.Literal["version", b"version"]  # noqa: Y015
+        def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
+        def WhichOneof(self, oneof_group: _Never) -> None: ...
+
     FRAMED_FIELD_NUMBER: _builtins.int
     BARE_FIELD_NUMBER: _builtins.int
     KHEPERA_FIELD_NUMBER: _builtins.int
+    CREATE_FIELD_NUMBER: _builtins.int
     PERIOD_NS_FIELD_NUMBER: _builtins.int
     period_ns: _builtins.int
     """Time between two messages of readings; absent if it answers only when asked."""
@@ -1012,21 +1035,26 @@ class Firmware(_message.Message):
     def khepera(self) -> Global___Firmware.Khepera:
         """Lines of text, as a Khepera's: one answer for each question."""
 
+    @_builtins.property
+    def create(self) -> Global___Firmware.Create:
+        """The Open Interface of an iRobot Create: a stream of packets, once one is asked for."""
+
     def __init__(
         self,
         *,
         framed: Global___Firmware.Framed | None = ...,
         bare: Global___Firmware.Bare | None = ...,
         khepera: Global___Firmware.Khepera | None = ...,
+        create: Global___Firmware.Create | None = ...,
         period_ns: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns", "bare", b"bare", "create", b"create", "framed", b"framed", "khepera", b"khepera", "period_ns", b"period_ns", "protocol", b"protocol"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__period_ns: _TypeAlias = _typing.Literal["period_ns"]  # noqa: Y015
     _WhichOneofArgType__period_ns: _TypeAlias = _typing.Literal["_period_ns", b"_period_ns"]  # noqa: Y015
-    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera"]  # noqa: Y015
+    _WhichOneofReturnType_protocol: _TypeAlias = _typing.Literal["framed", "bare", "khepera", "create"]  # noqa: Y015
     _WhichOneofArgType_protocol: _TypeAlias = _typing.Literal["protocol", b"protocol"]  # noqa: Y015
     @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__period_ns) -> _WhichOneofReturnType__period_ns | None: ...
@@ -1113,12 +1141,15 @@ class RobotTurn(_message.Message):
     READINGS_FIELD_NUMBER: _builtins.int
     PORTS_FIELD_NUMBER: _builtins.int
     RAW_AFTER_NS_FIELD_NUMBER: _builtins.int
+    BAUD_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in the Hello."""
     at_ns: _builtins.int
     """The instant of the step, by the laptop's clock."""
     raw: _builtins.bytes
     """RAW: the bytes that arrived since the last step."""
+    baud: _builtins.int
+    """For a serial port: the baud rate of the robot's cable, if it has one; programs and robots may change it."""
     @_builtins.property
     def readings(self) -> _containers.RepeatedCompositeFieldContainer[Global___Reading]:
         """MESSAGES: the last reading of each sensor of which one has arrived."""
@@ -1142,12 +1173,15 @@ class RobotTurn(_message.Message):
         readings: _abc.Iterable[Global___Reading] | None = ...,
         ports: _abc.Iterable[Global___PortBytes] | None = ...,
         raw_after_ns: _abc.Iterable[_builtins.int] | None = ...,
+        baud: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "baud", b"baud"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["at_ns", b"at_ns", "ports", b"ports", "raw", b"raw", "raw_after_ns", b"raw_after_ns", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "at_ns", b"at_ns", "baud", b"baud", "ports", b"ports", "raw", b"raw", "raw_after_ns", b"raw_after_ns", "readings", b"readings", "robot", b"robot"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-    def WhichOneof(self, oneof_group: _Never) -> None: ...
+    _WhichOneofReturnType__baud: _TypeAlias = _typing.Literal["baud"]  # noqa: Y015
+    _WhichOneofArgType__baud: _TypeAlias = _typing.Literal["_baud", b"_baud"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__baud) -> _WhichOneofReturnType__baud | None: ...
 
 Global___RobotTurn: _TypeAlias = RobotTurn  # noqa: Y015
 
@@ -1160,10 +1194,13 @@ class PortBytes(_message.Message):
     SENSOR_FIELD_NUMBER: _builtins.int
     DATA_FIELD_NUMBER: _builtins.int
     AFTER_NS_FIELD_NUMBER: _builtins.int
+    BAUD_FIELD_NUMBER: _builtins.int
     sensor: _builtins.int
     """The sensor's place in the description."""
     data: _builtins.bytes
     """As they came: perhaps the end of one message and the beginning of the next."""
+    baud: _builtins.int
+    """For a serial port, which is told of each port in each Turn: its baud rate, if it has one."""
     @_builtins.property
     def after_ns(self) -> _containers.RepeatedScalarFieldContainer[_builtins.int]:
         """For a serial port: how long after the tick began each byte arrived."""
@@ -1174,12 +1211,15 @@ class PortBytes(_message.Message):
         sensor: _builtins.int = ...,
         data: _builtins.bytes = ...,
         after_ns: _abc.Iterable[_builtins.int] | None = ...,
+        baud: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _Never  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "baud", b"baud"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["after_ns", b"after_ns", "data", b"data", "sensor", b"sensor"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_baud", b"_baud", "after_ns", b"after_ns", "baud", b"baud", "data", b"data", "sensor", b"sensor"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
-    def WhichOneof(self, oneof_group: _Never) -> None: ...
+    _WhichOneofReturnType__baud: _TypeAlias = _typing.Literal["baud"]  # noqa: Y015
+    _WhichOneofArgType__baud: _TypeAlias = _typing.Literal["_baud", b"_baud"]  # noqa: Y015
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__baud) -> _WhichOneofReturnType__baud | None: ...
 
 Global___PortBytes: _TypeAlias = PortBytes  # noqa: Y015
 
@@ -1271,6 +1311,7 @@ class RobotStep(_message.Message):
     OPERATIONS_FIELD_NUMBER: _builtins.int
     UNTIL_MESSAGE_FIELD_NUMBER: _builtins.int
     OPENED_FIELD_NUMBER: _builtins.int
+    PORTS_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """Its place in the Hello."""
     thinking_ns: _builtins.int
@@ -1304,6 +1345,10 @@ class RobotStep(_message.Message):
         operator forbids it, nor after a reset.
         """
 
+    @_builtins.property
+    def ports(self) -> _containers.RepeatedCompositeFieldContainer[Global___PortBytes]:
+        """RAW: bytes for sensors on their own cables; `after_ns` is not used. A device that speaks by itself passes them over."""
+
     def __init__(
         self,
         *,
@@ -1315,10 +1360,11 @@ class RobotStep(_message.Message):
         operations: _builtins.int | None = ...,
         until_message: Global___UntilMessage | None = ...,
         opened: _builtins.bool = ...,
+        ports: _abc.Iterable[Global___PortBytes] | None = ...,
     ) -> None: ...
     _HasFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "operations", b"operations", "output", b"output", "poll", b"poll", "raw", b"raw", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "opened", b"opened", "operations", b"operations", "output", b"output", "poll", b"poll", "raw", b"raw", "robot", b"robot", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_operations", b"_operations", "_thinking_ns", b"_thinking_ns", "command", b"command", "opened", b"opened", "operations", b"operations", "output", b"output", "poll", b"poll", "ports", b"ports", "raw", b"raw", "robot", b"robot", "thinking_ns", b"thinking_ns", "until_message", b"until_message"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__operations: _TypeAlias = _typing.Literal["operations"]  # noqa: Y015
     _WhichOneofArgType__operations: _TypeAlias = _typing.Literal["_operations", b"_operations"]  # noqa: Y015

@@ -26,7 +26,7 @@ from baudbot.v1 import control_pb2 as baudbot_dot_v1_dot_control__pb2
 from baudbot.v1 import world_pb2 as baudbot_dot_v1_dot_world__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1a\x62\x61udbot/v1/recording.proto\x12\nbaudbot.v1\x1a\x18\x62\x61udbot/v1/control.proto\x1a\x16\x62\x61udbot/v1/world.proto\"\xdb\x01\n\x0fRecordingHeader\x12\x0e\n\x06\x66ormat\x18\x01 \x01(\r\x12\x17\n\x0fprogram_version\x18\x02 \x01(\t\x12\r\n\x05world\x18\x03 \x01(\t\x12\x15\n\rscenario_toml\x18\x04 \x01(\t\x12\x11\n\toverrides\x18\x05 \x03(\t\x12\x0c\n\x04seed\x18\x06 \x01(\x04\x12\x0f\n\x07step_ns\x18\x07 \x01(\x04\x12\x1e\n\x04pace\x18\x08 \x01(\x0b\x32\x10.baudbot.v1.Pace\x12\x17\n\x0fstarted_unix_ns\x18\t \x01(\x04\x12\x0e\n\x06robots\x18\n \x03(\t\"@\n\rRecordedState\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12\r\n\x05state\x18\x02 \x01(\x0c\x12\x12\n\nstate_hash\x18\x03 \x01(\x06\"v\n\x0eRecordedInputs\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12+\n\x07\x63hanges\x18\x02 \x03(\x0b\x32\x1a.baudbot.v1.RecordedChange\x12)\n\x06inputs\x18\x03 \x03(\x0b\x32\x19.baudbot.v1.RecordedInput\"|\n\rRecordedInput\x12\r\n\x05robot\x18\x01 \x01(\r\x12\x10\n\x08\x61\x66ter_ns\x18\x02 \x01(\x12\x12\x0c\n\x04\x64\x61ta\x18\x03 \x01(\x0c\x12\x19\n\x0c\x61nswers_tick\x18\x04 \x01(\x04H\x00\x88\x01\x01\x12\x10\n\x08\x63hecksum\x18\x05 \x01(\rB\x0f\n\r_answers_tick\"\x8f\x02\n\x0eRecordedChange\x12-\n\x0bplace_robot\x18\x01 \x01(\x0b\x32\x16.baudbot.v1.PlaceRobotH\x00\x12-\n\x0bplace_thing\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.PlaceThingH\x00\x12+\n\npull_cable\x18\x03 \x01(\x0b\x32\x15.baudbot.v1.PullCableH\x00\x12\'\n\x08set_baud\x18\x04 \x01(\x0b\x32\x13.baudbot.v1.SetBaudH\x00\x12(\n\x04port\x18\x05 \x01(\x0b\x32\x18.baudbot.v1.RecordedPortH\x00\x12\x15\n\x0breset_board\x18\x06 \x01(\tH\x00\x42\x08\n\x06\x63hange\"+\n\x0cRecordedPort\x12\r\n\x05robot\x18\x01 \x01(\t\x12\x0c\n\x04open\x18\x02 \x01(\x08\"\x82\x01\n\x0cRecordedMark\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12\x12\n\nstate_hash\x18\x02 \x01(\x06\x12\x12\n\nfirst_tick\x18\x03 \x01(\x04\x12\x0e\n\x06\x66ields\x18\x04 \x03(\t\x12\x15\n\rfield_digests\x18\x05 \x01(\x0c\x12\x15\n\rrobot_digests\x18\x06 \x01(\x0c\"K\n\x10RecordedThinking\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12)\n\x06robots\x18\x02 \x03(\x0b\x32\x19.baudbot.v1.RobotThinking\"m\n\rRobotThinking\x12\r\n\x05robot\x18\x01 \x01(\t\x12#\n\x04wall\x18\x02 \x01(\x0b\x32\x15.baudbot.v1.Durations\x12(\n\tprocessor\x18\x03 \x01(\x0b\x32\x15.baudbot.v1.Durations\"V\n\rRecordedEvent\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12)\n\x04kind\x18\x02 \x01(\x0e\x32\x1b.baudbot.v1.ReplayEventKind\x12\x0c\n\x04text\x18\x03 \x01(\tb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1a\x62\x61udbot/v1/recording.proto\x12\nbaudbot.v1\x1a\x18\x62\x61udbot/v1/control.proto\x1a\x16\x62\x61udbot/v1/world.proto\"\xdb\x01\n\x0fRecordingHeader\x12\x0e\n\x06\x66ormat\x18\x01 \x01(\r\x12\x17\n\x0fprogram_version\x18\x02 \x01(\t\x12\r\n\x05world\x18\x03 \x01(\t\x12\x15\n\rscenario_toml\x18\x04 \x01(\t\x12\x11\n\toverrides\x18\x05 \x03(\t\x12\x0c\n\x04seed\x18\x06 \x01(\x04\x12\x0f\n\x07step_ns\x18\x07 \x01(\x04\x12\x1e\n\x04pace\x18\x08 \x01(\x0b\x32\x10.baudbot.v1.Pace\x12\x17\n\x0fstarted_unix_ns\x18\t \x01(\x04\x12\x0e\n\x06robots\x18\n \x03(\t\"@\n\rRecordedState\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12\r\n\x05state\x18\x02 \x01(\x0c\x12\x12\n\nstate_hash\x18\x03 \x01(\x06\"v\n\x0eRecordedInputs\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12+\n\x07\x63hanges\x18\x02 \x03(\x0b\x32\x1a.baudbot.v1.RecordedChange\x12)\n\x06inputs\x18\x03 \x03(\x0b\x32\x19.baudbot.v1.RecordedInput\"\x9c\x01\n\rRecordedInput\x12\r\n\x05robot\x18\x01 \x01(\r\x12\x10\n\x08\x61\x66ter_ns\x18\x02 \x01(\x12\x12\x0c\n\x04\x64\x61ta\x18\x03 \x01(\x0c\x12\x19\n\x0c\x61nswers_tick\x18\x04 \x01(\x04H\x00\x88\x01\x01\x12\x10\n\x08\x63hecksum\x18\x05 \x01(\r\x12\x13\n\x06sensor\x18\x06 \x01(\rH\x01\x88\x01\x01\x42\x0f\n\r_answers_tickB\t\n\x07_sensor\"\x8f\x02\n\x0eRecordedChange\x12-\n\x0bplace_robot\x18\x01 \x01(\x0b\x32\x16.baudbot.v1.PlaceRobotH\x00\x12-\n\x0bplace_thing\x18\x02 \x01(\x0b\x32\x16.baudbot.v1.PlaceThingH\x00\x12+\n\npull_cable\x18\x03 \x01(\x0b\x32\x15.baudbot.v1.PullCableH\x00\x12\'\n\x08set_baud\x18\x04 \x01(\x0b\x32\x13.baudbot.v1.SetBaudH\x00\x12(\n\x04port\x18\x05 \x01(\x0b\x32\x18.baudbot.v1.RecordedPortH\x00\x12\x15\n\x0breset_board\x18\x06 \x01(\tH\x00\x42\x08\n\x06\x63hange\"+\n\x0cRecordedPort\x12\r\n\x05robot\x18\x01 \x01(\t\x12\x0c\n\x04open\x18\x02 \x01(\x08\"\x82\x01\n\x0cRecordedMark\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12\x12\n\nstate_hash\x18\x02 \x01(\x06\x12\x12\n\nfirst_tick\x18\x03 \x01(\x04\x12\x0e\n\x06\x66ields\x18\x04 \x03(\t\x12\x15\n\rfield_digests\x18\x05 \x01(\x0c\x12\x15\n\rrobot_digests\x18\x06 \x01(\x0c\"K\n\x10RecordedThinking\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12)\n\x06robots\x18\x02 \x03(\x0b\x32\x19.baudbot.v1.RobotThinking\"m\n\rRobotThinking\x12\r\n\x05robot\x18\x01 \x01(\t\x12#\n\x04wall\x18\x02 \x01(\x0b\x32\x15.baudbot.v1.Durations\x12(\n\tprocessor\x18\x03 \x01(\x0b\x32\x15.baudbot.v1.Durations\"V\n\rRecordedEvent\x12\x0c\n\x04tick\x18\x01 \x01(\x04\x12)\n\x04kind\x18\x02 \x01(\x0e\x32\x1b.baudbot.v1.ReplayEventKind\x12\x0c\n\x04text\x18\x03 \x01(\tb\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
@@ -39,18 +39,18 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_RECORDEDSTATE']._serialized_end=378
   _globals['_RECORDEDINPUTS']._serialized_start=380
   _globals['_RECORDEDINPUTS']._serialized_end=498
-  _globals['_RECORDEDINPUT']._serialized_start=500
-  _globals['_RECORDEDINPUT']._serialized_end=624
-  _globals['_RECORDEDCHANGE']._serialized_start=627
-  _globals['_RECORDEDCHANGE']._serialized_end=898
-  _globals['_RECORDEDPORT']._serialized_start=900
-  _globals['_RECORDEDPORT']._serialized_end=943
-  _globals['_RECORDEDMARK']._serialized_start=946
-  _globals['_RECORDEDMARK']._serialized_end=1076
-  _globals['_RECORDEDTHINKING']._serialized_start=1078
-  _globals['_RECORDEDTHINKING']._serialized_end=1153
-  _globals['_ROBOTTHINKING']._serialized_start=1155
-  _globals['_ROBOTTHINKING']._serialized_end=1264
-  _globals['_RECORDEDEVENT']._serialized_start=1266
-  _globals['_RECORDEDEVENT']._serialized_end=1352
+  _globals['_RECORDEDINPUT']._serialized_start=501
+  _globals['_RECORDEDINPUT']._serialized_end=657
+  _globals['_RECORDEDCHANGE']._serialized_start=660
+  _globals['_RECORDEDCHANGE']._serialized_end=931
+  _globals['_RECORDEDPORT']._serialized_start=933
+  _globals['_RECORDEDPORT']._serialized_end=976
+  _globals['_RECORDEDMARK']._serialized_start=979
+  _globals['_RECORDEDMARK']._serialized_end=1109
+  _globals['_RECORDEDTHINKING']._serialized_start=1111
+  _globals['_RECORDEDTHINKING']._serialized_end=1186
+  _globals['_ROBOTTHINKING']._serialized_start=1188
+  _globals['_ROBOTTHINKING']._serialized_end=1297
+  _globals['_RECORDEDEVENT']._serialized_start=1299
+  _globals['_RECORDEDEVENT']._serialized_end=1385
 # @@protoc_insertion_point(module_scope)

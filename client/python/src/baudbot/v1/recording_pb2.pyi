@@ -163,6 +163,7 @@ class RecordedInput(_message.Message):
     DATA_FIELD_NUMBER: _builtins.int
     ANSWERS_TICK_FIELD_NUMBER: _builtins.int
     CHECKSUM_FIELD_NUMBER: _builtins.int
+    SENSOR_FIELD_NUMBER: _builtins.int
     robot: _builtins.int
     """The robot's place among the header's."""
     after_ns: _builtins.int
@@ -173,6 +174,8 @@ class RecordedInput(_message.Message):
     """The tick whose readings it answers, where brains are not waited for; absent if that is not known."""
     checksum: _builtins.int
     """Checksum of this input, 16 bits: the lower ones of the CRC-32 of after_ns (8 bytes, least first) and the data."""
+    sensor: _builtins.int
+    """The sensor's place among the robot's on whose own cable the bytes went; absent if it was the robot's."""
     def __init__(
         self,
         *,
@@ -181,14 +184,20 @@ class RecordedInput(_message.Message):
         data: _builtins.bytes = ...,
         answers_tick: _builtins.int | None = ...,
         checksum: _builtins.int = ...,
+        sensor: _builtins.int | None = ...,
     ) -> None: ...
-    _HasFieldArgType: _TypeAlias = _typing.Literal["_answers_tick", b"_answers_tick", "answers_tick", b"answers_tick"]  # noqa: Y015
+    _HasFieldArgType: _TypeAlias = _typing.Literal["_answers_tick", b"_answers_tick", "_sensor", b"_sensor", "answers_tick", b"answers_tick", "sensor", b"sensor"]  # noqa: Y015
     def HasField(self, field_name: _HasFieldArgType) -> _builtins.bool: ...
-    _ClearFieldArgType: _TypeAlias = _typing.Literal["_answers_tick", b"_answers_tick", "after_ns", b"after_ns", "answers_tick", b"answers_tick", "checksum", b"checksum", "data", b"data", "robot", b"robot"]  # noqa: Y015
+    _ClearFieldArgType: _TypeAlias = _typing.Literal["_answers_tick", b"_answers_tick", "_sensor", b"_sensor", "after_ns", b"after_ns", "answers_tick", b"answers_tick", "checksum", b"checksum", "data", b"data", "robot", b"robot", "sensor", b"sensor"]  # noqa: Y015
     def ClearField(self, field_name: _ClearFieldArgType) -> None: ...
     _WhichOneofReturnType__answers_tick: _TypeAlias = _typing.Literal["answers_tick"]  # noqa: Y015
     _WhichOneofArgType__answers_tick: _TypeAlias = _typing.Literal["_answers_tick", b"_answers_tick"]  # noqa: Y015
+    _WhichOneofReturnType__sensor: _TypeAlias = _typing.Literal["sensor"]  # noqa: Y015
+    _WhichOneofArgType__sensor: _TypeAlias = _typing.Literal["_sensor", b"_sensor"]  # noqa: Y015
+    @_typing.overload
     def WhichOneof(self, oneof_group: _WhichOneofArgType__answers_tick) -> _WhichOneofReturnType__answers_tick | None: ...
+    @_typing.overload
+    def WhichOneof(self, oneof_group: _WhichOneofArgType__sensor) -> _WhichOneofReturnType__sensor | None: ...
 
 Global___RecordedInput: _TypeAlias = RecordedInput  # noqa: Y015
 
