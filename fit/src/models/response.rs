@@ -40,10 +40,10 @@ pub(crate) fn fit(case: &Case<'_>) -> Fitted {
     match Motion::of(case) {
         Ok(motion) if !motion.is_driven() => {
             let reason = Reason::Excitation { what: "all commands are 0".into() };
-            Fitted { findings: case.none(&reason), residuals: Vec::new() }
+            Fitted::only(case.none(&reason))
         }
         Ok(motion) => Response::new(case, motion).fit(case),
-        Err(reason) => Fitted { findings: case.none(&reason), residuals: Vec::new() },
+        Err(reason) => Fitted::only(case.none(&reason)),
     }
 }
 
