@@ -4,7 +4,7 @@ use std::fmt;
 
 use baudbot_fields::printable::Printable;
 
-use crate::search::{Best, Interval, Scale, Search};
+use crate::search::{Best, Interval, Scale, Search, Unknown};
 
 /// What is known of one number after a fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,20 @@ pub enum Outcome {
     Estimate(Estimate),
     /// It does not.
     CannotTell(Reason),
+}
+
+impl Outcome {
+    /// With an interval that reaches so much farther, but not below 0.
+    pub(crate) fn wider(self, by: f64) -> Self {
+        match self {
+            Self::Estimate(one) => Self::Estimate(Estimate {
+                low: (one.low - by).max(one.low.min(0.0)),
+                high: one.high + by,
+                ..one
+            }),
+            Self::CannotTell(reason) => Self::CannotTell(reason),
+        }
+    }
 }
 
 /// A number with its interval, in the unit of its field.
@@ -53,6 +67,8 @@ pub enum Reason {
     Excitation { what: String },
     /// All values from one to the other explain the log about as well.
     Flat { low: f64, high: f64 },
+    /// The values reach the end of what is tried.
+    AtEnd { low: f64, high: f64 },
     /// Another number can make up for it.
     Confounded { with: String },
     /// No frames of a bus show in the echoes.
@@ -74,6 +90,11 @@ impl fmt::Display for Reason {
             Self::Excitation { what } => what.clone(),
             Self::Flat { low, high } => format!(
                 "all values from {} to {} explain the log about equally well",
+                significant(*low),
+                significant(*high)
+            ),
+            Self::AtEnd { low, high } => format!(
+                "its interval, {} to {}, reaches the end of what is tried",
                 significant(*low),
                 significant(*high)
             ),
@@ -117,9 +138,7 @@ pub enum Remark {
     /// The two motions ask for different lags.
     Lags { ahead_ms: f64, turning_ms: f64 },
     /// Part of a long log was looked at.
-    Sampled { used: usize, of: usize, what: &'static str },
-    /// Headings that are more than a turn, as degrees are.
-    Degrees { line: u64, heading: f64 },
+    Sampled { used: usize, of: usize },
 }
 
 impl fmt::Display for Remark {
@@ -152,10 +171,7 @@ impl fmt::Display for Remark {
                 digits(*ahead_ms, 3),
                 digits(*turning_ms, 3)
             ),
-            Self::Sampled { used, of, what } => format!("{used} of {of} {what} are looked at"),
-            Self::Degrees { line, heading } => {
-                format!("line {line}: a heading of {heading:.4} rad is more than a turn; are these degrees (`heading_deg`)?")
-            }
+            Self::Sampled { used, of } => format!("{used} of {of} rows are looked at, in stretches over the whole log"),
         };
         write!(f, "{}", Printable(text))
     }
@@ -219,7 +235,7 @@ pub(crate) fn found(
     let interval = search.interval(best, i);
     let unknown = &search.unknowns[i];
     let lost = match unknown.scale {
-        Scale::Linear => (interval.open_low && interval.open_high) || interval.share(unknown) > MOST_SHARE,
+        Scale::Linear => reaches_end(&interval, unknown) || interval.share(unknown) > MOST_SHARE,
         Scale::Log => interval.open_high,
         Scale::Positive => {
             interval.open_low || interval.open_high || interval.high > MOST_RATIO * interval.low
@@ -242,8 +258,16 @@ fn lost_by(search: &Search<'_>, interval: &Interval, (i, names): (usize, &[Strin
         Some((partner, moved)) if moved > 0.3 * interval.share(unknown).max(0.1) && partner < names.len() => {
             Reason::Confounded { with: names[partner].clone() }
         }
+        Some(_) | None if unknown.scale == Scale::Linear && interval.share(unknown) <= MOST_SHARE => {
+            Reason::AtEnd { low, high }
+        }
         Some(_) | None => Reason::Flat { low, high },
     }
+}
+
+/// Whether an interval reaches an end that is none of the number itself: nothing is less than 0.
+fn reaches_end(interval: &Interval, unknown: &Unknown) -> bool {
+    interval.open_high || (interval.open_low && unknown.from != 0.0)
 }
 
 /// An interval that is wider than this share of what is tried tells nothing.

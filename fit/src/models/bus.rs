@@ -246,7 +246,9 @@ fn coarse_rate(received: &[f64], ranges: &[Range<usize>]) -> f64 {
     let rates = (-steps..=steps).map(|i| i as f64 * step).map(|rate| (agreement(rate), rate));
     let mut best = rates.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((none, 0.0));
     for finer in [0.5, 0.25, 0.12, 0.06].map(|share| share * step) {
-        let beside = [best.1 - finer, best.1 + finer].map(|rate| (agreement(rate), rate));
+        // Blocks that are too short to tell a rate leave it to their phases.
+        let beside = [best.1 - finer, best.1 + finer].map(|rate| rate.clamp(-MOST_RATE, MOST_RATE));
+        let beside = beside.map(|rate| (if steps == 0 { 0.0 } else { agreement(rate) }, rate));
         best = beside.into_iter().fold(best, |best, one| if one.0 > best.0 { one } else { best });
     }
     // A clock that is in step explains the log as well: then it is.
@@ -264,7 +266,8 @@ struct Groups {
 fn groups(blocks: Vec<Block>) -> Groups {
     let drift = |a: &Block, b: &Block| wrapped(b.phase - a.phase) / (b.at - a.at).max(1e-9);
     let mut drifts: Vec<f64> = blocks.windows(2).map(|pair| drift(&pair[0], &pair[1])).collect();
-    let slope = if drifts.is_empty() { 0.0 } else { median(&mut drifts).clamp(-MOST_RATE, MOST_RATE) };
+    let slope =
+        if drifts.is_empty() { 0.0 } else { median(&mut drifts).clamp(-2.0 * MOST_RATE, 2.0 * MOST_RATE) };
     let mut found = Groups { groups: Vec::new(), leaps: 0 };
     for mut block in blocks {
         let Some(group) = found.groups.last_mut() else {

@@ -137,7 +137,10 @@ impl Fit {
         let known = times.iter().flatten().step_by(stride);
         let mut points: Vec<_> = known.map(|times| (times.log, times.received.rem_euclid(1.0))).collect();
         let middle = centred(&mut points);
-        let jitter = Residues { points, step: echoes.step_s / frame_s, frame_s }.fit()?;
+        // So fine a cell is a point, of which a difference of two probabilities is all rounding.
+        let cell = echoes.step_s / frame_s;
+        let cell = if cell > POINT { cell } else { 0.0 };
+        let jitter = Residues { points, step: cell, frame_s }.fit()?;
         for times in times.iter_mut().flatten() {
             let log = times.log;
             for time in [&mut times.sent, &mut times.received] {
@@ -287,3 +290,6 @@ const COARSEST: f64 = 0.25;
 
 /// … and finer ones are not worth a word.
 const FINE: f64 = 1e-3;
+
+/// A cell of less than this share of a frame is a point.
+const POINT: f64 = 1e-4;

@@ -45,7 +45,7 @@ impl Residues {
             Unknown::linear(-0.1, 0.1),
         ];
         let search = Search { unknowns, cost: &cost };
-        let mut best = search.best(&self.starts());
+        let mut best = search.best(&self.starts(span));
         self.check(&best, span)?;
         let names =
             ["the frames' phase", "`link.adapter.jitter_us`", "noise of the clock", "the clock's rate"];
@@ -92,18 +92,41 @@ impl Residues {
         (likelihoods, share)
     }
 
-    fn starts(&self) -> Vec<Vec<f64>> {
+    /// The best of a grid: edges of a uniform number are walls, which a search does not climb.
+    fn starts(&self, span: f64) -> Vec<Vec<f64>> {
         let mut sorted: Vec<f64> = self.points.iter().map(|point| point.1).collect();
         sorted.sort_by(f64::total_cmp);
         let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
         // The middle four fifths are not moved by strays.
         let (low, high) = (at(0.1), at(0.9));
         let width = (1.25 * (high - low)).max(2e-6);
-        let middle = 0.5 * (low + high);
-        let start = |(share, noise): (f64, f64)| {
-            vec![middle - 0.5 * share * width, share * width, noise * width, 0.0]
-        };
-        [(1.0, 0.02), (0.9, 0.05), (0.3, 0.3)].map(start).into()
+        let mut starts = Vec::new();
+        for share in [1.2, 1.1, 1.05, 1.0, 0.9, 0.3] {
+            for noise in [0.003, 0.01, 0.04, 0.12, 0.3] {
+                for aside in [-0.05, 0.0, 0.05] {
+                    for rate in [0.0, self.slope(span, 0.5 * (low + high), width)] {
+                        let edge = 0.5 * (low + high) + (aside - 0.5 * share) * width;
+                        let start = vec![edge, share * width, noise * width, rate];
+                        starts.push((self.cost(&start, span), start));
+                    }
+                }
+            }
+        }
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        starts.into_iter().step_by(2).take(4).map(|(_, start)| start).collect()
+    }
+
+    /// How residues near the middle drift over the log, by least squares.
+    fn slope(&self, span: f64, middle: f64, width: f64) -> f64 {
+        let near = self.points.iter().filter(|point| (point.1 - middle).abs() < width);
+        let (mut n, mut time, mut residue) = (0.0, 0.0, 0.0);
+        for point in near.clone() {
+            (n, time, residue) = (n + 1.0, time + point.0 / span, residue + point.1);
+        }
+        let (time, residue) = (time / n, residue / n);
+        let product: f64 = near.clone().map(|point| (point.0 / span - time) * (point.1 - residue)).sum();
+        let square: f64 = near.map(|point| (point.0 / span - time).powi(2)).sum();
+        if square > 0.0 { (product / square).clamp(-0.09, 0.09) } else { 0.0 }
     }
 
     /// Whether there are frames at all.

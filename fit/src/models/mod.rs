@@ -6,6 +6,7 @@ pub(crate) mod compass;
 pub(crate) mod curve;
 pub(crate) mod echo;
 mod jitter;
+mod judged;
 pub(crate) mod motion;
 pub(crate) mod radio;
 pub(crate) mod response;
