@@ -34,12 +34,7 @@ impl<'a> Report<'a> {
             };
             Line { finding, setting }
         };
-        Self {
-            subject,
-            log,
-            lines: fitted.findings.iter().map(line).collect(),
-            remarks: &fitted.remarks,
-        }
+        Self { subject, log, lines: fitted.findings.iter().map(line).collect(), remarks: &fitted.remarks }
     }
 
     pub(super) fn toml(&self) -> String {
