@@ -51,13 +51,13 @@ impl Bus {
             let what = "the times at which echoes are received are spread over the whole frame".into();
             return Err(Reason::NoFrames { what });
         }
-        let mut groups = groups(sound);
+        let groups = groups(sound);
         if groups.leaps > MOST_LEAPS + blocks.len() / 40 {
             let what =
                 format!("their phase leaps {} times in {} stretches of the log", groups.leaps, blocks.len());
             return Err(Reason::NoFrames { what });
         }
-        let slope = pooled_slope(&mut groups.groups);
+        let slope = pooled_slope(&groups.groups);
         let mut bus = Self { rate, pieces: Vec::new(), remarks: Vec::new() };
         let mut wander = 0.0_f64;
         for group in &groups.groups {
@@ -297,7 +297,7 @@ fn groups(blocks: Vec<Block>) -> Groups {
 }
 
 /// The drift of the phases within groups, by least squares.
-fn pooled_slope(groups: &mut [Vec<Block>]) -> f64 {
+fn pooled_slope(groups: &[Vec<Block>]) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for group in groups.iter() {
         let n = group.len() as f64;

@@ -144,7 +144,7 @@ impl Fit {
         for times in times.iter_mut().flatten() {
             let log = times.log;
             for time in [&mut times.sent, &mut times.received] {
-                *time = jitter.from_edge(*time - middle, log);
+                *time = jitter.past_edge(*time - middle, log);
             }
         }
         let fit = Self { echoes, frame_s, bus, jitter, times };

@@ -214,7 +214,7 @@ impl Residues {
 
 impl Jitter {
     /// A time of the bus less the edge there.
-    pub(super) fn from_edge(&self, time: f64, log_time: f64) -> f64 {
+    pub(super) fn past_edge(&self, time: f64, log_time: f64) -> f64 {
         time - self.edge[0] - self.rate * (log_time / self.span - 0.5)
     }
 
